@@ -1,6 +1,6 @@
 """What the operator's console costs the thread that shows frames, with nobody and 50 pages open.
 
-Run with ``python -m bench.console``. Needs ``vrcomfort[console]``.
+Run with ``python -m bench.console``.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Makes the documentation's pictures of the operator's console.
 
 Run ``python scripts/console_pictures.py docs/images``: a session with the playback headset, whose
-page is opened in a Chromium without a screen. Needs ``vrcomfort[dev]`` and ``scripts/browser.sh``.
+page is opened in a Chromium without a screen. Needs the extra ``dev`` and ``scripts/browser.sh``.
 """
 
 from __future__ import annotations

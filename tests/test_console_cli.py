@@ -8,16 +8,12 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-
-pytest.importorskip("starlette", reason="vrcomfort[console] is not installed")
-
 from websockets.exceptions import ConnectionClosed
 
 from tests.support.console import Doing, come_in, page_of, steer
 from tests.support.console_session import PROTOCOL, RunningSession, running_session
 from tests.support.study import read_rows
 from tests.support.waiting import wait_for
-from vrcomfort.console import process
 from vrcomfort.exchange.verifying import verify_study
 
 SHORT = (
@@ -72,19 +68,6 @@ def test_an_abort_on_the_console_ends_the_command_like_control_c(tmp_path):
         assert session.ended() == 130
     assert "to go on, type:" in "".join(session.lines)
     assert "stopped by A: no show" in (tmp_path / "study" / "participants.csv").read_text()
-
-
-def test_without_the_packages_the_console_is_refused_in_a_sentence(tmp_path, monkeypatch, run):
-    found = process.importlib.util.find_spec
-    monkeypatch.setattr(
-        process.importlib.util, "find_spec", lambda name: None if name == "uvicorn" else found(name)
-    )
-    words = ["run", "smoke", "--participant", "P01", "--out", str(tmp_path / "S"), "--console"]
-    code, _, said = run(*words)
-    assert code == 2
-    wanted = "--console needs uvicorn, which is not installed; type: pip install"
-    assert wanted in " ".join(said.split())
-    assert not (tmp_path / "S").exists()
 
 
 def test_answers_cannot_be_entered_on_a_console_that_is_not_there(tmp_path, run):

@@ -10,9 +10,9 @@ from tests.support.operator import ScriptedDesk, Wanted
 from tests.support.report import build_report
 from tests.support.resume import attempts, folder, go, manifest, rows
 from tests.support.study import Scripted
-from vrcomfort.exchange.private_facts import of_event
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records import read_participants
+from vrcomfort.records.events import shared_detail
 from vrcomfort.session.operator_control import ALLOWED, OperatorControl
 
 
@@ -269,10 +269,9 @@ def test_every_event_of_an_operator_has_its_time_and_order(tmp_path):
 
 
 def test_an_anonymous_copy_keeps_what_was_done_and_not_what_was_typed():
-    typed = {"name": "operator_note", "detail": "A, step 3 (exposure 1): knows Anna"}
-    assert of_event(typed) == {"name": "operator_note", "detail": ""}
-    written = {"name": "pause", "detail": "exposure 1 of 2, attempt 1: plain in temple"}
-    assert of_event(dict(written)) == written
+    assert shared_detail("operator_note", "A, step 3 (exposure 1): knows Anna") == ""
+    written = "exposure 1 of 2, attempt 1: plain in temple"
+    assert shared_detail("pause", written) == written
 
 
 @pytest.mark.slow

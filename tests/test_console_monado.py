@@ -6,8 +6,6 @@ import pandas as pd
 import pytest
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
-pytest.importorskip("starlette", reason="vrcomfort[console] is not installed")
-
 from tests.support.console import Doing, come_in, page_of, steer
 from tests.support.console_session import RunningSession, running_session
 from tests.support.openxr import needs_monado

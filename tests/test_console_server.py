@@ -11,9 +11,6 @@ from contextlib import ExitStack
 
 import numpy as np
 import pytest
-
-pytest.importorskip("starlette", reason="vrcomfort[console] is not installed")
-
 from websockets.exceptions import ConnectionClosedError, InvalidStatus
 
 from tests.support.console import Served, page_of, served

@@ -14,10 +14,12 @@ from tests.support.report import build_report
 from tests.support.resume import go
 from tests.support.study import Scripted
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import MOTION, RECORD, Wishes, anonymise, new_names
+from vrcomfort.exchange.anonymising import RECORD, Wishes, anonymise, new_names
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records import set_status, undo_withdrawal
+from vrcomfort.records.pose_columns import AVATAR, EYES, HANDS, HEAD
 
+MOTION = (*HEAD, *EYES, *AVATAR, *HANDS, "focus_m", "focus_raw_m", "ray_1_m", "rays_used")
 REASON = "Zebra pressed the wrong key"
 
 

@@ -70,5 +70,5 @@ def test_a_port_that_is_not_there_is_refused_in_a_sentence() -> None:
 
 def test_without_pyserial_a_sentence_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "serial", None)
-    with pytest.raises(InputError, match=r"pip install 'vrcomfort\[ttl\]'"):
+    with pytest.raises(InputError, match=r"pip install pyserial$"):
         TtlRelay("COM3")

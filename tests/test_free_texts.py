@@ -208,7 +208,7 @@ def test_it_is_exported_and_left_out_of_what_is_shared(tmp_path):
     anonymise(tmp_path / "S", tmp_path / "shared", Wishes(seed=1))
     assert not list((tmp_path / "shared").rglob("texts.csv"))
     record = (tmp_path / "shared/anonymised.json").read_text(encoding="utf-8")
-    assert "answers in one's own words (texts.csv) are left out" in record
+    assert json.loads(record)["files_left_out"]["texts.csv"] == "own words"
     assert not any(b"She said" in each.read_bytes() for each in (tmp_path / "shared").rglob("*.*"))
     assert not verify_study(tmp_path / "shared").faults
 

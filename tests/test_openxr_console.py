@@ -16,8 +16,6 @@ from tests.support.study import read_rows
 from tests.support.waiting import SESSION_S
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
-pytest.importorskip("websockets", reason="vrcomfort[console] is not installed")
-
 pytestmark = [*needs_monado, pytest.mark.slow]
 
 SCRIPT = Path(__file__).resolve().parent.parent / "scripts" / "session_from_console.py"

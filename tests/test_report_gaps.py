@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 from pathlib import Path
 
 import pytest
 
-from tests.support.report import foreign
+from tests.support.report import foreign, manifest
 from tests.support.resume import go
 from vrcomfort.errors import InputError
 from vrcomfort.report.gaps import unreadable
@@ -40,8 +39,11 @@ def test_a_whole_study_lacks_nothing(study: Path) -> None:
     ("lost", "says"),
     [
         ("participants.csv", "participants.csv is missing, or nobody is in it: who withdrew, or"),
-        ("dataset_description.json", "dataset_description.json is missing or damaged: conditions"),
-        ("sub-P01/ses-1/manifest.json", "sub-P01/ses-1/manifest.json is missing: whether"),
+        ("dataset_description.json", "dataset_description.json is missing or not used: condit"),
+        (
+            "sub-P01/ses-1/manifest.json",
+            "sub-P01/ses-1/manifest.json is missing or not used: w",
+        ),
     ],
 )
 def test_a_file_that_is_missing_is_told(study: Path, lost: str, says: str) -> None:
@@ -53,8 +55,10 @@ def test_a_file_that_is_missing_is_told(study: Path, lost: str, says: str) -> No
 
 def test_a_description_that_says_nothing_is_told(study: Path) -> None:
     (study / "dataset_description.json").write_text("[1]", "utf-8")
-    (note,) = told(study)
-    assert note.startswith("dataset_description.json is missing or damaged")
+    fault, note = told(study)
+    said = "not used, because it is no whole study description: the whole should be an object"
+    assert fault == f"dataset_description.json, line 1: {said} {{...}}"
+    assert note.startswith("dataset_description.json is missing or not used")
 
 
 def test_whoever_is_completed_has_a_session(study: Path) -> None:
@@ -80,7 +84,7 @@ def test_whoever_has_two_statuses_has_none(study: Path) -> None:
 
 def test_of_other_labs_folders_nothing_is_asked(tmp_path: Path) -> None:
     file = foreign(tmp_path / "a" / "questionnaires.csv", {"P1": {"a": 3}, "P2": {"a": 4}})
-    (file.parent / "manifest.json").write_text(json.dumps({"protocol": {"sha256": ""}}), "utf-8")
+    (file.parent / "manifest.json").write_text(manifest("P1"), "utf-8")
     assert told(file.parent) == ()
 
 

@@ -5,11 +5,12 @@ import re
 
 import pytest
 
-from tests.support.report import Study, answers, build_report, foreign, write_csv
+from tests.support.report import Study, answers, build_report, foreign, manifest, write_csv
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import score_file, shipped_instruments
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.plan import load_plan
+from vrcomfort.report.study_data import read_study
 from vrcomfort.resources import data_folder
 
 SCORES = {f"P{i}": {"a": 3 + i, "b": 2 + i // 2} for i in range(5)}
@@ -212,34 +213,38 @@ def test_descriptions_from_elsewhere_are_told_and_not_used(tmp_path):
     (tmp_path / "s" / "manifest.json").write_text('{"name": "an app", "clamps": 3}')
     summary = build_report(tmp_path / "s", out=tmp_path / "o")
     assert summary.analysed == 5
-    assert summary.warnings == ("manifest.json: not used, because it is no session's manifest",)
+    said = "line 1: not used, because it is no whole"
+    fault = "`conditions` should be an object {...}"
+    assert summary.warnings == (
+        f"dataset_description.json, {said} study description: {fault}",
+        f"manifest.json, {said} manifest: `participant` is missing",
+    )
     (tmp_path / "s" / "manifest.json").write_bytes(b"\xff{}")
-    with pytest.raises(InputError, match="not UTF-8; save the JSON as UTF-8"):
+    with pytest.raises(InputError, match="not UTF-8; save the manifest as UTF-8"):
         build_report(tmp_path / "s", out=tmp_path / "o")
 
 
 @pytest.mark.parametrize(
-    "damage",
+    ("damage", "says"),
     [
-        {"status": []},
-        {"status": {}, "ended": {}},
-        {"status": "ended", "ended": [1]},
-        {"withdrawals_undone": 3},
-        {"withdrawals_undone": [1]},
-        {"withdrawals_undone": [{"trial": 1}]},
-        {"settings": [1]},
-        {"settings": {"questionnaires": 1}},
-        {"protocol": []},
+        ({"status": []}, "`status`: should be 'running'"),
+        ({"status": {}, "ended": {}}, "`status`: should be 'running'"),
+        ({"status": "ended", "ended": [1]}, "`ended` should be an object"),
+        ({"withdrawals_undone": 3}, "`withdrawals_undone`: should be a list"),
+        ({"withdrawals_undone": [1]}, "`withdrawals_undone.0` should be an object"),
+        ({"withdrawals_undone": [{"trial": 1}]}, "`withdrawals_undone.0.at` is missing"),
+        ({"settings": [1]}, "`settings` should be an object"),
+        ({"settings": {"questionnaires": 1}}, "`settings.questionnaires`: should be a list"),
+        ({"protocol": []}, "`protocol` should be an object"),
     ],
     ids=str,
 )
-def test_damaged_manifests_are_told_and_not_used(tmp_path, damage):
+def test_damaged_manifests_are_told_and_not_used(tmp_path, damage, says):
     foreign(tmp_path / "s" / "questionnaires.csv", SCORES)
-    whole = {"protocol": {"sha256": "0"}, "status": "completed", "participant": "P1"}
-    (tmp_path / "s" / "manifest.json").write_text(json.dumps(whole | damage))
-    summary = build_report(tmp_path / "s", out=tmp_path / "o")
-    assert summary.analysed == 5
-    assert summary.warnings == ("manifest.json: not used, because it is no session's manifest",)
+    (tmp_path / "s" / "manifest.json").write_text(manifest("P1", **damage))
+    (warning,) = read_study(tmp_path / "s").warnings
+    assert re.match(r"manifest.json, line \d+: not used, because it is no whole manifest", warning)
+    assert says in warning
 
 
 def test_before_and_after_need_no_condition(tmp_path):

@@ -5,7 +5,7 @@ import json
 import pandas as pd
 import pytest
 
-from tests.support.report import ITEMS, Study, build_report, foreign
+from tests.support.report import ITEMS, Study, build_report, foreign, manifest
 from tests.test_report_study import report, total_raw
 from vrcomfort.errors import InputError
 from vrcomfort.report.orders import in_words, one_order
@@ -73,11 +73,7 @@ def test_the_protocol_says_how_many_exposures_are_planned(tmp_path):
                 {"instrument": "ssq", "timepoint": "post", "when": "after_trial", "wait_s": 0}
             ],
         }  # fmt: skip
-        manifest = {
-            "participant": f"P{i}", "session": 1, "protocol": {"sha256": "0"},
-            "settings": settings, "clamps": [],
-        }  # fmt: skip
-        (folder / "manifest.json").write_text(json.dumps(manifest))
+        (folder / "manifest.json").write_text(manifest(f"P{i}", settings=settings))
     results = report(tmp_path / "s", tmp_path / "o")
     assert results["participants"]["exposures_per_condition"] == {"a": 2, "b": 2}
     assert "of every planned exposure (2 of a, 2 of b)" in results["notices"][0]

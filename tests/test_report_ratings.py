@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.support.rated import RatedStudy, with_drop_outs
+from tests.support.report import manifest
 from vrcomfort.errors import InputError
 from vrcomfort.report.build import build_report
 from vrcomfort.report.courses import analyse_courses
@@ -93,12 +94,10 @@ def test_the_stop_rule_counts_as_leaving_and_an_undone_withdrawal_does_not(tmp_p
     study = RatedStudy().expose("P1", "a", [9], ended_s=12.0, status="stopped")
     study.expose("P2", "a", [3], ended_s=12.0, status="withdrawn").expose("P3", "a", [2, 2])
     folder = study.write(tmp_path)
-    undone = {"trial": 1, "attempt": 1, "at": "", "reason": "slip"}
-    manifest = {
-        "schema_version": 2, "participant": "P2", "session": 1, "protocol": {"sha256": ""},
-        "withdrawals_undone": [undone],
-    }  # fmt: skip
-    (folder / "manifest.json").write_text(json.dumps(manifest), "utf-8")
+    at = "2026-01-01T11:00:00+00:00"
+    undone = {"trial": 1, "attempt": 1, "at": at, "reason": "slip"}
+    text = manifest("P2", schema_version=2, withdrawals_undone=[undone])
+    (folder / "manifest.json").write_text(text, "utf-8")
     exposures = rated_exposures(read_study(folder), "fms")
     assert [e.ending for e in exposures] == ["stop rule", "interrupted", "completed"]
 

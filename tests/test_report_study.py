@@ -8,7 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.report import ITEMS, Study, answers, build_report, carnegie_like, foreign
+from tests.support.report import (
+    ITEMS,
+    Study,
+    answers,
+    build_report,
+    carnegie_like,
+    foreign,
+    manifest,
+)
 from tests.support.resume import go
 from tests.support.study import Scripted
 from vrcomfort.questionnaire import score, score_file, shipped_instruments
@@ -59,10 +67,13 @@ def test_primary_analysis_has_those_with_every_exposure(carnegie):
 
 def test_a_protocol_that_changed_during_the_study_is_told(tmp_path):
     study = Study(tmp_path / "study")
+    study.describe("tiny", a="A", b="B")
     for name, text in (("P1", "aa"), ("P2", "bb"), ("P3", "aa")):
+        study.person(name, "ab")
         order = [("a", "room", 5), ("b", "room", 4)][:: 1 if text == "aa" else -1]
         folder = study.session(name, 1, 2, order)
-        (folder / "manifest.json").write_text(json.dumps({"protocol": {"sha256": text}}))
+        protocol = {"name": "tiny", "sha256": text}
+        (folder / "manifest.json").write_text(manifest(name, protocol=protocol))
     summary = build_report(study.folder, out=tmp_path / "out")
     assert summary.warnings == (
         "the protocol changed during the study: its sessions hold 2 versions of it",

@@ -1,4 +1,4 @@
-"""Files of interrupted sessions that something has damaged, into `--resume` and `report`."""
+"""Files of interrupted sessions that something has damaged, into whatever reads a study."""
 
 from __future__ import annotations
 
@@ -40,13 +40,14 @@ def torture(rig: Rig) -> Result:
         "case_s": CASE_S,
         "renewed": BEFORE_RENEWAL,
     }
-    count = rig.count(400, 60)
+    count = rig.count(400, 78)
     with workers("torture.damaged", folder, **limits) as pool:
-        outcomes = list(rig.all("damaged", count, pool.run, limit_s=rig.count(300, 30)))
+        outcomes = list(rig.all("damaged", count, pool.run, limit_s=rig.count(300, 45)))
     how = (
         "Copies of a session that was killed in its third exposure, damaged in one or two places "
         "(values of the manifest, cells, bytes, zeros at the end, files gone, a trial that nobody "
-        "planned), into `--resume` and `report` in turn: exit code 0, or 2 with one sentence. "
+        "planned), into each command that reads a study, in turn: exit code 0, or 2 with one "
+        "sentence (1 from verify). "
         "Rows count that stood in files which were not damaged."
     )
     return Result("damaged", outcomes, how, count)
@@ -69,27 +70,51 @@ def _interrupt(folder: Path) -> Outcome | None:
 
 
 def case(folder: Path, number: int, seed: int) -> dict[str, Any]:
-    """Damage a copy, and resume it or make its report."""
+    """Damage a copy, and give it to a command."""
     study = folder / "study"
     shutil.rmtree(study, ignore_errors=True)
     shutil.copytree(folder.parent / REFERENCE / "study", study)
     before = {file: file.read_bytes() for file in session_folder(study).glob("*.csv")}
     done = damage(study, number, np.random.default_rng(seed))
-    resumed = _command_of(number) == "--resume"
-    report = ["report", str(study), "--out", str(folder / "report"), "--quiet"]
+    wanted = _command_of(number)
+    resumed = wanted == "--resume"
     changes = "; ".join(f"{file}: {change}" for file, change in done.items())
-    name = f"{_command_of(number)} after {changes}"
+    name = f"{wanted} after {changes}"
     with named(name):
-        ended = command(run_words(study, "--resume") if resumed else report)
-    fault, detail = ended.fault({0, 2})
+        ended = command(run_words(study, "--resume") if resumed else _words(wanted, study))
+    told = wanted == "verify" and ended.code == 1
+    fault, detail = ("", "") if told else ended.fault({0, 2})
     handed, lost = _rows_kept(before, done)
     if not fault and resumed and ended.code == 0 and "nobody planned" in "".join(done.values()):
         fault, detail = _all_shown(study)
     return {"name": name, "handed": handed, "lost": lost, "fault": fault, "detail": detail}
 
 
+COMMANDS = (
+    "--resume", "report", "verify", "status", "pack", "play", "anonymise", "export bids",
+    "export psych-ds",
+)  # fmt: skip
+
+
 def _command_of(number: int) -> str:
-    return ("--resume", "report")[number % 2]
+    """Return what a case runs: the known damages go into the first two commands."""
+    known = number // 2 < len(KNOWN)
+    return COMMANDS[number % (2 if known else len(COMMANDS))]
+
+
+def _words(wanted: str, study: Path) -> list[str]:
+    """Return the words of a command that reads a study."""
+    name, _, form = wanted.partition(" ")
+    out = study.with_name(name)
+    shutil.rmtree(out, ignore_errors=True)
+    source = session_folder(study) if name == "play" else study
+    options = {
+        "report": ["--out", str(out), "--quiet"],
+        "play": ["--out", str(out), "--to", "0.5", "--quiet"],
+        "anonymise": ["--out", str(out)],
+        "export": ["--format", form, "--out", str(out)],
+    }
+    return [name, str(source), *options.get(name, [])]
 
 
 def command(words: list[str]) -> Ended:

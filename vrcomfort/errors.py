@@ -6,6 +6,18 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 
+def pip_install(*packages: str, again: bool = False) -> str:
+    """Return what to type where a package that pyproject.toml names is missing, or damaged.
+
+    It names that package alone: vrcomfort is on no index, so its own extras can only be installed
+    from a checkout.
+
+    >>> pip_install("pylsl")
+    'pip install pylsl'
+    """
+    return " ".join(("pip install", *(["--force-reinstall"] if again else []), *packages))
+
+
 class InputError(ValueError):
     """Input that cannot be used, said in one sentence with its place.
 

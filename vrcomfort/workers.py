@@ -10,7 +10,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from typing import Any, TypeAlias, TypeVar
 
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, pip_install
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -96,7 +96,7 @@ def _dask_client(address: str) -> Iterator[Any]:
     try:
         from distributed import Client  # noqa: PLC0415 - an extra
     except ImportError as error:
-        raise InputError("--cluster needs Dask; pip install distributed") from error
+        raise InputError(f"--cluster needs Dask; {pip_install('distributed')}") from error
     try:
         client = Client(  # type: ignore[no-untyped-call]
             address, timeout=CONNECT_S, set_as_default=False

@@ -53,6 +53,16 @@ def foreign(path: Path, scores: dict[str, dict[str, int]], **more: str) -> Path:
     return path
 
 
+def manifest(participant: str, **more: object) -> str:
+    """Return the text of the manifest of somebody's first session."""
+    content = {
+        "participant": participant, "session": 1, "sequence": "ab", "status": "completed",
+        "started_at": "2026-01-01T10:00:00+00:00", "seed": 0, "respondent": "terminal",
+        "exposure_s": 90.0, "timing_flags": [], "protocol": {"name": "tiny", "sha256": "0"},
+    }  # fmt: skip
+    return json.dumps(content | more, indent=1)
+
+
 @dataclass
 class Study:
     """A study folder in the making."""

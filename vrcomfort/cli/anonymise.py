@@ -66,4 +66,6 @@ def anonymise(
     if smallest is not None:
         names = ", ".join(still["covariates"])
         warn(f"covariates are kept ({names}): the smallest group alike in them is of {smallest}")
+    for name in record["events_not_known"]:
+        warn(f"details of events `{name}` are left out: this version does not know them")
     console(quiet).print(f"{out}: what was done stands in {out / RECORD}")

@@ -18,7 +18,7 @@ from vrcomfort.cli import doctor_openxr
 from vrcomfort.cli.doctor_finding import Finding
 from vrcomfort.cli.options import Json
 from vrcomfort.cli.terminal import answer, console, progress_bar
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, pip_install
 from vrcomfort.resources import data_folder
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ def _windows() -> Finding:
     try:
         import glfw
     except ImportError:
-        remedy = "for sessions in a window: pip install glfw"
+        remedy = f"for sessions in a window: {pip_install('glfw')}"
         return Finding("windows", False, "GLFW is not installed", remedy, needed=False)
     with warnings.catch_warnings(action="ignore", category=glfw.GLFWError):
         there = glfw.init()
@@ -126,8 +126,10 @@ def _video() -> Finding:
     import av
 
     codecs = [name for name in ("libx264", "mpeg4") if name in av.codecs_available]
-    remedy = "" if codecs else "reinstall PyAV from its wheel: pip install --force-reinstall av"
-    return Finding("video encoder", bool(codecs), ", ".join(codecs) or "none", remedy)
+    remedy = f"reinstall PyAV from its wheel: {pip_install('av', again=True)}"
+    return Finding(
+        "video encoder", bool(codecs), ", ".join(codecs) or "none", "" if codecs else remedy
+    )
 
 
 def _data() -> Finding:

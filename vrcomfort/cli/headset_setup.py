@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from typing import Protocol as Shape
 
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, pip_install
 
 if TYPE_CHECKING:
     import moderngl
@@ -64,7 +64,8 @@ def open_window(
     try:
         from vrcomfort.headset.window import Window
     except ImportError as error:
-        raise InputError("windows need GLFW, which is not installed; pip install glfw") from error
+        message = "windows need GLFW, which is not installed"
+        raise InputError(f"{message}; {pip_install('glfw')}") from error
     from vrcomfort.gpu.gl import prepare
 
     window = Window(title, size_px, wait_for_display=participant, drag_turns=not participant)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, pip_install
 
 
 def require_bindings() -> str:
@@ -18,7 +18,7 @@ def require_bindings() -> str:
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] == "xr":
             raise InputError(
-                "the OpenXR bindings are not installed; pip install pyopenxr"
+                f"the OpenXR bindings are not installed; {pip_install('pyopenxr')}"
             ) from error
         raise _not_loaded(error) from error
     except (ImportError, AttributeError) as error:  # as PyOpenGL says that a library is missing
@@ -26,7 +26,7 @@ def require_bindings() -> str:
     except OSError as error:
         raise InputError(
             f"the OpenXR loader cannot be loaded ({error}); reinstall the bindings that bring it: "
-            "pip install --force-reinstall pyopenxr"
+            f"{pip_install('pyopenxr', again=True)}"
         ) from error
     return str(PYOPENXR_VERSION)
 
@@ -35,5 +35,5 @@ def _not_loaded(error: Exception) -> InputError:
     return InputError(
         f"the OpenXR bindings cannot be loaded ({error}); install the graphics libraries (on "
         "Debian or Ubuntu 'apt-get install libgl1 libegl1', elsewhere your graphics driver) and "
-        "the bindings: pip install --force-reinstall pyopenxr PyOpenGL"
+        f"the bindings: {pip_install('pyopenxr', 'PyOpenGL', again=True)}"
     )

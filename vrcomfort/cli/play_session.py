@@ -84,10 +84,10 @@ def play_session(
     if not total:
         message = "no recorded frame is among what --trial, --from and --to ask for"
         raise InputError(f"{message}; {_times(session)}", file=folder)
-    refresh_hz = float(session.manifest["headset"]["refresh_hz"]) or 72.0
     count, length_s = 0, 0.0
     with progress_bar("drawn", total, quiet=quiet, unit="frames") as advance:
-        for written in write_film(frames, sheet, out=out, video=video, refresh_hz=refresh_hz):
+        film = write_film(frames, sheet, out=out, video=video, refresh_hz=session.refresh_hz)
+        for written in film:
             advance()
             count, length_s = written.frames, written.video_s
     if size_px == session.size_px:

@@ -69,9 +69,5 @@ def require_console(kind: RespondentKind, *, with_console: bool) -> None:
     InputError
         Says what to type.
     """
-    if with_console:
-        from vrcomfort.console import require_server
-
-        require_server()
-    elif kind is RespondentKind.CONSOLE:
+    if kind is RespondentKind.CONSOLE and not with_console:
         raise InputError("--respondent console needs --console, where answers are entered")

@@ -6,6 +6,6 @@ is imported by `session`, nor the other way round: both know `operator_interface
 """
 
 from vrcomfort.console.desk import OperatorConsole
-from vrcomfort.console.process import ServerProcess, require_server
+from vrcomfort.console.process import ServerProcess
 
-__all__ = ["OperatorConsole", "ServerProcess", "require_server"]
+__all__ = ["OperatorConsole", "ServerProcess"]

@@ -8,7 +8,6 @@ back by themselves.
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import subprocess
 import sys
@@ -36,20 +35,6 @@ START_S = 60.0
 """So long a first server may take to be there."""
 END_S = 5.0
 """So long a server may take to be given what waits, and again to show it to all pages and end."""
-
-
-def require_server() -> None:
-    """Refuse to go on without the packages of the server.
-
-    Raises
-    ------
-    InputError
-        Says which is missing, and what to type.
-    """
-    for package in ("starlette", "uvicorn", "websockets"):
-        if importlib.util.find_spec(package) is None:
-            message = f"--console needs {package}, which is not installed"
-            raise InputError(f"{message}; type: pip install 'vrcomfort[console]'")
 
 
 class ServerProcess:

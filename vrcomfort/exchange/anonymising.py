@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import json
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,34 +20,23 @@ import numpy as np
 
 from vrcomfort import __version__
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.private_facts import EPOCH, Moved, of_event, of_manifest
+from vrcomfort.exchange.private_facts import EPOCH, Moved, of_manifest
 from vrcomfort.exchange.room import new_folder, require_whole
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.checksums import seal
 from vrcomfort.records.disk import Access, make_folders, replace_text
-from vrcomfort.records.exposure_rows import BallRow, DialRow, PracticeRow, TaskRow
-from vrcomfort.records.frame_rows import RAYS, FrameRow, GazeRow, ImageRow
+from vrcomfort.records.events import EVENTS, shared_detail
+from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.pose_columns import AVATAR, EYES, HANDS, HEAD
+from vrcomfort.records.privacy import ALWAYS, GAZE, MOTION, SHARED, Needs, Trait
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.row_files import SESSION_ROWS
+from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
 from vrcomfort.records.rows import cell_text, csv_line
-from vrcomfort.records.session_rows import (
-    IPD_RULE,
-    EventRow,
-    GazeValidationRow,
-    ParticipantRow,
-    ScreeningRow,
-)
+from vrcomfort.records.session_rows import IPD_RULE, EventRow, ParticipantRow, ScreeningRow
 from vrcomfort.records.study import DESCRIPTION, access_of, read_participants, recorded_sessions
 
 RECORD = "anonymised.json"
 Dates: TypeAlias = Literal["shift", "remove"]
-MOTION = (*HEAD, *EYES, *AVATAR, *HANDS, "focus_m", "focus_raw_m", *RAYS, "rays_used")
-"""Poses, and what they decide: how far the things are that the head is turned to."""
-
-_PLACES = ("x_m", "y_m", "z_m")
-"""Of ``tasks.csv``: where the head was, or what appeared in its view."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +62,11 @@ class Wishes:
     keep_motion: bool = False
     keep_gaze: bool = False
     key: Path | None = None
+
+    def kept(self, *, gaze_recorded: bool) -> Needs:
+        """Return the traits that a copy keeps; where there is no gaze, nothing can tell of it."""
+        motion = MOTION if self.keep_motion else ALWAYS
+        return motion | (GAZE if self.keep_gaze or not gaze_recorded else ALWAYS)
 
 
 def anonymise(study: Path, out: Path, wishes: Wishes) -> dict[str, Any]:
@@ -123,12 +117,15 @@ def _write(
     replace_text(out / DESCRIPTION, text, access)
     _copy_instruments(study, out, access)
     rows = {row.participant: row for row in read_participants(study)}
+    of_gaze = (name for name, each in SHARED.items() if each.needs == GAZE)
+    kept = wishes.kept(gaze_recorded=any(any(study.rglob(name)) for name in of_gaze))
+    unknown: set[str] = set()
     for old in sorted(names, key=lambda each: names[each]):
         moved = _moved(study, rows[old], wishes)
         for number in recorded_sessions(study, old):
-            _Session(study, out, old, names[old], number, moved, wishes, access).write()
-    _write_participants(out, rows, names, access)
-    record = _record(list(rows.values()), wishes)
+            _Session(study, out, old, names[old], number, moved, kept, access, unknown).write()
+    _write_participants(out, rows, names, kept, access)
+    record = _record(study, list(rows.values()), wishes, kept, unknown)
     replace_text(out / RECORD, json.dumps(record, indent=2, ensure_ascii=False) + "\n", access)
     return record
 
@@ -157,7 +154,11 @@ def _moved(study: Path, row: ParticipantRow, wishes: Wishes) -> Moved:
 
 
 def _write_participants(
-    out: Path, rows: Mapping[str, ParticipantRow], names: Mapping[str, str], access: Access
+    out: Path,
+    rows: Mapping[str, ParticipantRow],
+    names: Mapping[str, str],
+    kept: Needs,
+    access: Access,
 ) -> None:
     """Write the list in the order of the new names: that of the enrolment would tell."""
     enrolled = EPOCH.isoformat()
@@ -165,7 +166,8 @@ def _write_participants(
         replace(row, participant=names[old], enrolled_at=enrolled, note="")
         for old, row in rows.items()
     ]
-    others = list(dict.fromkeys(name for row in blank for name, _ in row.others))
+    private = SHARED[ParticipantRow.FILE].blank(kept)
+    others = dict.fromkeys(name for row in blank for name, _ in row.others if name not in private)
     lines = [csv_line((*ParticipantRow.columns(), *others))]
     for row in sorted(blank, key=lambda each: each.participant):
         more = [dict(row.others).get(name, "") for name in others]
@@ -183,8 +185,10 @@ class _Session:
     new: str
     number: int
     moved: Moved
-    wishes: Wishes
+    kept: Needs
     access: Access
+    unknown: set[str]
+    """Names of events that are not declared, which it adds to."""
 
     def write(self) -> None:
         """Write its files, and their checksums."""
@@ -194,58 +198,44 @@ class _Session:
         manifest = of_manifest(read_manifest(source), self.new, self.moved)
         text = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
         replace_text(folder / "manifest.json", text, self.access)
-        more = (TaskRow, DialRow, ScreeningRow, GazeValidationRow, PracticeRow)
-        there = [each for each in more if (source / each.FILE).exists()]
-        for row_type in (*SESSION_ROWS, *there):
+        begin_ns = _begin_ns(source)
+        for row_type in (*SESSION_ROWS, *OPTIONAL_ROWS):
             name = row_type.FILE
-            change = _of_frames(source, self.wishes) if row_type is FrameRow else self._of_row(name)
-            _rewrite(source / name, folder / name, change, self.access)
-        motion = self.wishes.keep_motion
-        kept = {GazeRow.FILE: self.wishes.keep_gaze, ImageRow.FILE: motion, BallRow.FILE: motion}
-        for name, wished in kept.items():
-            if wished and (source / name).exists():
-                _rewrite(source / name, folder / name, _in_time(source), self.access)
+            if (source / name).exists() and not SHARED[name].lacking(self.kept):
+                change = self._change(name, begin_ns)
+                _rewrite(source / name, folder / name, change, self.access)
         if manifest["status"] != "running":
             seal(folder, self.access)
 
-    def _of_row(self, name: str) -> Callable[[dict[str, str]], dict[str, str]]:
+    def _change(self, name: str, begin_ns: int) -> Callable[[dict[str, str]], dict[str, str]]:
+        """Return what a row of a file becomes.
+
+        The runtime's clock begins at 0 with the session's first frame: else it would tell in which
+        order participants of one day came.
+        """
+        private = SHARED[name].blank(self.kept)
+
         def change(row: dict[str, str]) -> dict[str, str]:
+            row.update((column, "") for column in private if column in row)
             if "participant" in row:
                 row["participant"] = self.new
+            if "xr_time_ns" in row:
+                row["xr_time_ns"] = str(int(row["xr_time_ns"]) - begin_ns)
             if name == ScreeningRow.FILE and row["rule"].startswith(IPD_RULE):
                 row["value"] = ""
-            if name == TaskRow.FILE and not self.wishes.keep_motion:
-                row.update(dict.fromkeys(_PLACES, ""))
-            return of_event(row) if name == EventRow.FILE else row
+            if name == EventRow.FILE:
+                row["detail"] = shared_detail(row["name"], row["detail"])
+                self.unknown.update({row["name"]} - EVENTS.keys())
+            return row
 
         return change
 
 
-def _in_time(source: Path) -> Callable[[dict[str, str]], dict[str, str]]:
-    """Return what lets the runtime's clock begin at 0 with the session's first frame.
-
-    Else it would tell in which order participants of one day came.
-    """
+def _begin_ns(source: Path) -> int:
+    """Return the runtime's time of a session's first frame."""
     with (source / FrameRow.FILE).open(encoding="utf-8", newline="") as stream:
         first = next(csv.DictReader(stream), None)
-    begin_ns = int(first["xr_time_ns"]) if first else 0
-
-    def change(row: dict[str, str]) -> dict[str, str]:
-        row["xr_time_ns"] = str(int(row["xr_time_ns"]) - begin_ns)
-        return row
-
-    return change
-
-
-def _of_frames(source: Path, wishes: Wishes) -> Callable[[dict[str, str]], dict[str, str]]:
-    in_time = _in_time(source)
-    left_out = dict.fromkeys(() if wishes.keep_motion else MOTION, "")
-
-    def change(row: dict[str, str]) -> dict[str, str]:
-        row.update((name, "") for name in left_out if name in row)
-        return in_time(row)
-
-    return change
+    return int(first["xr_time_ns"]) if first else 0
 
 
 def _rewrite(
@@ -264,45 +254,59 @@ def _rewrite(
         writer.writerows(map(change, rows))
 
 
-def _record(rows: Sequence[ParticipantRow], wishes: Wishes) -> dict[str, Any]:
+def _record(
+    study: Path,
+    rows: Sequence[ParticipantRow],
+    wishes: Wishes,
+    kept: Needs,
+    unknown: Collection[str],
+) -> dict[str, Any]:
     covariates = [tuple(sorted(row.covariates.items())) for row in rows]
     known = sorted({name for each in covariates for name, _ in each})
     dates = {
         "shift": f"every participant's first moment is {EPOCH.date()}; times between stay",
         "remove": f"every moment is {EPOCH.date()}",
     }
-    kept = [
-        name
-        for name, is_kept in (("head and hand motion", wishes.keep_motion),
-                              ("gaze", wishes.keep_gaze))
-        if is_kept
-    ]  # fmt: skip
+    recognised = {"head and hand motion": wishes.keep_motion, "gaze": wishes.keep_gaze}
+    there = [name for name in SHARED if any(study.rglob(name))]
+    left_out = {name: lacking for name in there if (lacking := SHARED[name].lacking(kept))}
+    stays = {name: SHARED[name] for name in there if name not in left_out}
     return {
         "made_with": f"vrcomfort {__version__}",
         "participants": "named anew, in random order; the list is in the order of the new names",
         "dates": dates[wishes.dates],
         "frame_times": "xr_time_ns begins at 0 with each session's first frame",
-        "head_and_hand_motion": (
-            "kept"
-            if wishes.keep_motion
-            else f"blank: {', '.join(MOTION)}, and in tasks.csv {', '.join(_PLACES)}"
-        ),
-        "gaze": "kept" if wishes.keep_gaze else "left out (gaze.csv)",
-        "texts": "notes, reasons and details of events that people may have typed are blank; "
-        "answers in one's own words (texts.csv) are left out",
-        "consents": "left out (consents.csv): days would tell",
-        "images": "hashes kept" if wishes.keep_motion else "hashes left out (images.csv)",
-        "balls_of_tasks": "kept" if wishes.keep_motion else "left out (balls.csv)",
-        "left_out": "distances between pupils; readings of clocks (clocks.csv); memory of "
+        "files_left_out": {name: _in_words(traits) for name, traits in left_out.items()},
+        "columns_blank": {name: blank for name, f in stays.items() if (blank := f.blank(kept))},
+        "details_blank": "of events that people may have typed, or that are of the body, the "
+        "machine or its clock",
+        "events_not_known": sorted(unknown),
+        "left_out": "notes and reasons; distances between pupils, heights of eyes; memory of "
         "respondents; moved-aside rows (.cut, .schemaN), Parquet files, locks, files that are not "
         "of vrcomfort's making",
         "still_there": {
-            "people_are_recognised_by": kept,
+            "people_are_recognised_by": [name for name, stay in recognised.items() if stay],
             "covariates": known,
             "smallest_group_with_the_same_covariates": (
                 min(Counter(covariates).values()) if known else None
             ),
             "sequence": "an order of its own (r1, r2, …) is numbered as people were enrolled",
             "protocol": "its text, with comments, is in every manifest",
+            "columns": {
+                name: [column for column in f.columns if column not in f.blank(kept)]
+                for name, f in stays.items()
+            },
         },
     }
+
+
+_WORDS: Mapping[Trait, str] = {
+    "motion": "head and hands",
+    "gaze": "gaze",
+    "text": "own words",
+    "date": "it tells the date",
+}
+
+
+def _in_words(traits: Needs) -> str:
+    return ", ".join(words for trait, words in _WORDS.items() if trait in traits)

@@ -1,6 +1,6 @@
 """LabStreamingLayer: markers, ratings, head and gaze as streams that other programs record.
 
-Needs `pylsl`, which brings the library (``pip install 'vrcomfort[lsl]'``).
+Needs `pylsl`, which brings the library (the extra `lsl`).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any, Self
 
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, pip_install
 from vrcomfort.exchange.queued import Queued
 from vrcomfort.frame import Frame
 from vrcomfort.records import EventRow, RatingRow
@@ -151,6 +151,6 @@ def _pylsl() -> Any:
         import pylsl  # noqa: PLC0415 - it loads a library
     except (ImportError, RuntimeError, OSError) as error:
         reason = str(error).partition("\n")[0]
-        message = f"LabStreamingLayer cannot be used ({reason}); pip install 'vrcomfort[lsl]'"
+        message = f"LabStreamingLayer cannot be used ({reason}); {pip_install('pylsl')}"
         raise InputError(message) from error
     return pylsl

@@ -1,4 +1,4 @@
-"""What of a session's manifest and events may tell who its participant is."""
+"""What of a session's manifest may tell who its participant is."""
 
 from __future__ import annotations
 
@@ -8,16 +8,6 @@ from typing import Any
 
 EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
 """Where moments are moved to: midnight, so that the time of day goes, too."""
-
-_SAFE_DETAILS = {
-    "answer", "exposure", "training", "timing_flag", "frames_not_recorded", "blur_limited",
-    "questionnaire_missed", "questionnaire_resumed", "session_resumed", "session_state",
-    "recentered", "refresh_rate_changed", "window_focus", "frame_discarded", "tracking_lost",
-    "tracking_found", "unfocused", "pause", "questionnaire_skipped",
-    "ratings_planned", "exposure_ended", "adjusted", "free_text", "free_text_cut",
-    "practice", "practice_not_met", "rest", "break_cut_short", "break_too_long",
-}  # fmt: skip
-"""Events whose details the program writes, and that hold no path, date or typed text."""
 
 _OF_EYES = ("ipd_m",)
 _REMOVED = "left out"
@@ -43,13 +33,6 @@ class Moved:
         moment = datetime.fromisoformat(text)
         gone = moment - self.first
         return EPOCH.isoformat() if self.all_one else (EPOCH + gone).isoformat(timespec="seconds")
-
-
-def of_event(row: dict[str, str]) -> dict[str, str]:
-    """Return a row of ``events.csv`` without what people may have typed."""
-    if row["name"] not in _SAFE_DETAILS:
-        row["detail"] = ""
-    return row
 
 
 def of_manifest(manifest: dict[str, Any], participant: str, moved: Moved) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """TTL triggers over a serial port: one byte when an exposure begins and ends.
 
-Needs `pyserial` (``pip install 'vrcomfort[ttl]'``).
+Needs `pyserial` (the extra `ttl`).
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any, Self
 
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, pip_install
 from vrcomfort.exchange.queued import Queued
 from vrcomfort.frame import Frame
 from vrcomfort.records import EventRow, RatingRow
@@ -96,7 +96,7 @@ def _opened(port: str, baud: int) -> Any:
     try:
         import serial  # noqa: PLC0415 - only who asks for it needs it
     except ImportError as error:
-        raise InputError("TTL triggers need pyserial; pip install 'vrcomfort[ttl]'") from error
+        raise InputError(f"TTL triggers need pyserial; {pip_install('pyserial')}") from error
     try:
         return serial.Serial(port, baud, write_timeout=1.0)
     except (serial.SerialException, ValueError) as error:

@@ -1,6 +1,6 @@
 """Sounds for participants: read from WAV files, and played by the system's sound device.
 
-Playing needs `miniaudio` (``pip install 'vrcomfort[sound]'``), which has its own thread.
+Playing needs `miniaudio` (the extra `sound`), which has its own thread.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol, Self
 
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, pip_install
 
 LONGEST_S = 600.0
 _RATE_HZ, _CHANNELS, _SAMPLE_BYTES = 48_000, 2, 2
@@ -106,7 +106,7 @@ class SystemSpeaker:
             import miniaudio  # noqa: PLC0415 - only studies with sounds need it
         except ImportError as error:
             message = "sounds need miniaudio, which is not installed"
-            raise InputError(f"{message}; pip install 'vrcomfort[sound]'") from error
+            raise InputError(f"{message}; {pip_install('miniaudio')}") from error
         self._library = miniaudio
         unheard = miniaudio.Backend.NULL, miniaudio.Backend.CUSTOM
         heard = [each for each in miniaudio.Backend if each not in unheard]

@@ -30,9 +30,10 @@ def read_json(file: Path, model: type[BaseModel], what: str) -> dict[str, Any]:
 
     Raises
     ------
+    DamagedError
+        If a value is missing or of another shape; numbers must be finite.
     InputError
-        If it cannot be read, is no JSON, or a value is missing or of another shape; numbers must
-        be finite.
+        If it cannot be read, is no JSON, or a newer version of this program wrote it.
     """
     text = read_text(file, what)
     content = parse_json(text, file, what=what)
@@ -72,11 +73,21 @@ def _indented(compact: str) -> str:
     return text.replace("\n", "\n  ")
 
 
-def damaged(file: Path, what: str, fault: str, *, text: str = "", path: KeyPath = ()) -> InputError:
-    """Return the error for a value that cannot be; `fault` says what is wrong."""
+class DamagedError(InputError):
+    """JSON with a value that cannot be; `fault` says which and why."""
+
+    fault = ""
+
+
+def damaged(
+    file: Path, what: str, fault: str, *, text: str = "", path: KeyPath = ()
+) -> DamagedError:
+    """Return the error for a value that cannot be, at `path` of `text`."""
     line, column = place_of(text, path) if text else (None, None)
     message = f"{fault}: this {what} is damaged; restore it"
-    return InputError(message, file=file, line=line, column=column)
+    error = DamagedError(message, file=file, line=line, column=column)
+    error.fault = fault
+    return error
 
 
 def _is_finite(content: Any) -> bool:

@@ -1,4 +1,4 @@
-"""What a manifest must look like to be gone on with."""
+"""The shapes of JSON in a study folder: the keys that commands rely on."""
 
 from __future__ import annotations
 
@@ -15,9 +15,16 @@ Number = Annotated[int, Field(ge=1, le=2**31)]
 Seconds = Annotated[float, Field(ge=0, le=LONGEST_S)]
 
 
+_YEARS = range(1900, 7000)
+"""Beyond them, moving a moment could leave what a `datetime` can hold."""
+
+
 def _with_zone(text: str) -> str:
-    if datetime.fromisoformat(text).tzinfo is None:
+    moment = datetime.fromisoformat(text)
+    if moment.tzinfo is None:
         raise ValueError("should say its time zone")
+    if moment.year not in _YEARS:
+        raise ValueError(f"should lie between the years {_YEARS[0]} and {_YEARS[-1]}")
     return text
 
 
@@ -29,6 +36,12 @@ class _Part(BaseModel):
     """Strict, so that "1" is no number; what another version adds is kept as it is."""
 
     model_config = ConfigDict(strict=True, extra="allow", allow_inf_nan=False)
+
+
+class _File(_Part):
+    """A whole file; without a version, it is of the first."""
+
+    schema_version: Number = 1
 
 
 class ProtocolText(_Part):
@@ -77,11 +90,93 @@ class WithdrawalUndone(_Part):
 
     at: Moment
     reason: str
-    trial: Number | None = None
-    attempt: Number | None = None
+    trial: Number | None
+    attempt: Number | None
 
 
-class ManifestShape(_Part):
+class EarlierRun(_Part):
+    """What a run that was interrupted said of itself."""
+
+    started_at: Moment | None = None
+    finished_at: Moment | None = None
+    headset: HeadsetFacts = HeadsetFacts()
+    clock_set_back: list[str] = []
+
+
+class WordingUsed(_Part):
+    """The language in which an instrument was asked."""
+
+    instrument: str
+    language: str
+
+
+class _Named(_Part):
+    name: str
+
+
+class _View(_Named):
+    scene: str
+
+
+class _Adjustment(_Named):
+    range: Annotated[list[float], Field(min_length=2, max_length=2)]
+
+
+class _Trial(_Part):
+    condition: str
+
+
+class _Sequence(_Part):
+    sessions: list[list[_Trial]]
+
+
+class _Order(_Part):
+    rule: str
+    sequences: list[_Sequence] = []
+
+
+class _OrderOfPart(_Part):
+    group: str | None = None
+    trials: list[_Trial]
+
+
+class _PartOfStudy(_Part):
+    orders: list[_OrderOfPart] = []
+    repeats: Number = 1
+
+
+class _Ask(_Part):
+    instrument: str
+    timepoint: str
+    when: str
+
+
+class _Consent(_Part):
+    version: str
+
+
+class SettingsShape(_Part):
+    """The protocol's settings, as far as they are read without a check of the whole protocol.
+
+    A protocol of another version may not pass that check, and its sessions are reported all the
+    same.
+    """
+
+    participants: Count | None = None
+    scenes: list[str] = []
+    views: list[_View] = []
+    conditions: list[_Named] = []
+    order: _Order | None = None
+    parts: list[_PartOfStudy] = []
+    groups: list[_Named] = []
+    practice: list[_Named] = []
+    adjustments: list[_Adjustment] = []
+    questionnaires: list[_Ask] = []
+    consent: _Consent | None = None
+    photodiode: dict[str, Any] | None = None
+
+
+class ManifestShape(_File):
     """The keys that a continuation, or a tool, relies on."""
 
     participant: str
@@ -110,8 +205,9 @@ class ManifestShape(_Part):
     timing_trust: str = ""
     versions: dict[str, str] = {}
     protocol: ProtocolText
-    settings: dict[str, Any] = {}
-    earlier_runs: list[dict[str, Any]] = []
+    settings: SettingsShape = SettingsShape()
+    wordings: list[WordingUsed] = []
+    earlier_runs: list[EarlierRun] = []
     under_way: UnderWay | None = None
     exposure_ended: ExposureEnded | None = None
     missed_questions: list[str] = []
@@ -121,7 +217,16 @@ class ManifestShape(_Part):
     eye_heights: list[dict[str, Any]] = []
 
 
-class DescriptionShape(_Part):
+class DescribedShape(_File):
+    """What ``dataset_description.json`` may say, also that of an import or of another program."""
+
+    name: str = ""
+    citation: str = ""
+    protocol: str = ""
+    conditions: dict[str, str] = {}
+
+
+class DescriptionShape(DescribedShape):
     """The keys of ``dataset_description.json`` that a study goes on with."""
 
     protocol: str
@@ -129,5 +234,5 @@ class DescriptionShape(_Part):
     readable_by: Literal["owner", "group"] = "owner"
 
 
-class ImportShape(_Part):
-    """What an import's ``dataset_description.json`` and ``import.json`` are: objects, any keys."""
+class ImportShape(_File):
+    """What an import's ``import.json`` is: an object, any keys."""

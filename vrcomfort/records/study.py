@@ -15,7 +15,6 @@ from typing import Any
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design, Enrolment
 from vrcomfort.errors import InputError
-from vrcomfort.json_text import parse_json
 from vrcomfort.protocol import Protocol
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.disk import (
@@ -30,7 +29,7 @@ from vrcomfort.records.disk import (
 from vrcomfort.records.json_file import read_json
 from vrcomfort.records.lock import in_turn, only_program
 from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.manifest_shape import DescriptionShape
+from vrcomfort.records.manifest_shape import DescribedShape, DescriptionShape
 from vrcomfort.records.names import check_case, check_participant, check_study
 from vrcomfort.records.recorder import is_begun, session_folder
 from vrcomfort.records.rows import cell_text, csv_line
@@ -135,14 +134,11 @@ def read_description(study: Path) -> dict[str, Any]:
         their files so, too.
     """
     file = study / DESCRIPTION
-    try:
-        return read_json(file, DescriptionShape, "study description")
-    except InputError:
-        content = parse_json(read_text(file, "study description"), file)
-        if isinstance(content, dict) and not {"protocol", "seed"} & content.keys():
-            message = "this describes a dataset, and no study that vrcomfort recorded"
-            raise InputError(f"{message}; give the folder of the study", file=file) from None
-        raise
+    content = read_json(file, DescribedShape, "study description")
+    if not {"protocol", "seed"} & content.keys():
+        message = "this describes a dataset, and no study that vrcomfort recorded"
+        raise InputError(f"{message}; give the folder of the study", file=file)
+    return read_json(file, DescriptionShape, "study description")
 
 
 def _description(protocol: Protocol, seed: int, access: Access) -> dict[str, object]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
@@ -23,7 +23,7 @@ from vrcomfort.records import (
     TrialRow,
     read_manifest,
 )
-from vrcomfort.records.schema import SCHEMA_VERSION, check_schema_version
+from vrcomfort.records.schema import SCHEMA_VERSION
 from vrcomfort.replay.exposures import RecordedExposure, read_exposures
 from vrcomfort.replay.frame_facts import read_frames
 from vrcomfort.replay.session_rows import rows_of
@@ -45,6 +45,8 @@ class RecordedSession:
         (n,) bool: the runtime wanted a picture.
     missed_refreshes
         (n,) refreshes that passed before each frame; -1 where only `dropped` says that some did.
+    photodiode
+        The patch that was shown.
     hashes
         `xr_time_ns` → hashes of the left and the right image.
     notes
@@ -54,6 +56,7 @@ class RecordedSession:
     folder: Path
     manifest: Mapping[str, Any]
     conditions: Mapping[str, Condition]
+    photodiode: Photodiode | None
     trace: Trace
     session_s: Array
     drawn: NDArray[np.bool_]
@@ -69,10 +72,9 @@ class RecordedSession:
         return int(width), int(height)
 
     @property
-    def photodiode(self) -> Photodiode | None:
-        """Return the patch that was shown."""
-        settings = self.manifest.get("settings", {}).get("photodiode")
-        return None if settings is None else Photodiode.model_validate(settings)
+    def refresh_hz(self) -> float:
+        """Return the display's rate; the most common one where it was not recorded."""
+        return float(self.manifest["headset"].get("refresh_hz") or 72.0)
 
     def scene(self, name: str) -> str:
         """Return the scene that a trial's `scene` means: the one of a view, or itself."""
@@ -118,15 +120,19 @@ def read_session(folder: Path) -> RecordedSession:
     """
     require_session(folder)
     manifest = read_manifest(folder)
-    check_schema_version(manifest, folder / "manifest.json")
+    patch = manifest.get("settings", {}).get("photodiode")
     trace, frames = read_frames(folder / FrameRow.FILE)
     exposures = read_exposures(folder, manifest, trace, frames)
     if not exposures:
         raise InputError("no frame of an exposure is recorded here", file=folder)
+    if "image_size_px" not in manifest.get("headset", {}):
+        message = "the manifest does not say the size of the images; restore it from a copy"
+        raise InputError(message, file=folder / "manifest.json")
     return RecordedSession(
         folder,
         manifest,
         _conditions(folder, manifest),
+        None if patch is None else _as_then(Photodiode, patch, "the patch", folder, manifest),
         trace,
         frames.session_s,
         frames.drawn,
@@ -163,20 +169,42 @@ def _hashes(folder: Path, manifest: Mapping[str, Any]) -> dict[int, tuple[str, s
 
 def _conditions(folder: Path, manifest: Mapping[str, Any]) -> dict[str, Condition]:
     """Return name → condition as the session had it, with all settings."""
-    file = folder / "manifest.json"
     found = {}
     for settings in manifest.get("settings", {}).get("conditions", ()):
-        try:
-            condition = Condition.model_validate(settings)
-        except ValidationError as error:
-            made_with = manifest.get("versions", {}).get("vrcomfort", "an older version")
-            message = f"condition {settings.get('name')!r} has settings that this version does not"
-            message = f"{message} know ({in_words(error.errors()[0])}); replay the session with the"
-            raise InputError(f"{message} vrcomfort that ran it: {made_with}", file=file) from error
+        what = f"condition {settings['name']!r}"
+        condition = _as_then(Condition, settings, what, folder, manifest)
         found[condition.name] = condition
     if not found:
-        raise InputError("the manifest has no conditions; restore it from a copy", file=file)
+        message = "the manifest has no conditions; restore it from a copy"
+        raise InputError(message, file=folder / "manifest.json")
     return found
+
+
+_Model = TypeVar("_Model", bound=BaseModel)
+
+
+def _as_then(
+    model: type[_Model],
+    settings: Mapping[str, Any],
+    what: str,
+    folder: Path,
+    manifest: Mapping[str, Any],
+) -> _Model:
+    """Return settings as the session had them.
+
+    Raises
+    ------
+    InputError
+        If this version does not know them.
+    """
+    try:
+        return model.model_validate(settings)
+    except ValidationError as error:
+        made_with = manifest.get("versions", {}).get("vrcomfort", "an older version")
+        message = f"{what} has settings that this version does not know"
+        message = f"{message} ({in_words(error.errors()[0])}); replay the session with the"
+        message = f"{message} vrcomfort that ran it: {made_with}"
+        raise InputError(message, file=folder / "manifest.json") from error
 
 
 def _notes(folder: Path, manifest: Mapping[str, Any]) -> Iterator[str]:

@@ -47,7 +47,9 @@ def gaps(
     Parameters
     ----------
     description
-        The content of dataset_description.json; empty where there is none.
+        The content of dataset_description.json; empty where there is none, or a damaged one.
+    manifests
+        Those that are used.
     """
     if "seed" not in description and not any("seed" in each for each in manifests):
         return []
@@ -57,15 +59,16 @@ def gaps(
     found = []
     if not description:
         message = "conditions are called as in the protocol"
-        found.append(f"dataset_description.json is missing or damaged: {message}; {_RESTORE}")
+        found.append(f"dataset_description.json is missing or not used: {message}; {_RESTORE}")
     if not participants:
         message = "who withdrew, or is excluded, is not known"
         found.append(f"participants.csv is missing, or nobody is in it: {message}; {_RESTORE}")
+    used = {f"sub-{each['participant']}/ses-{each['session']}" for each in manifests}
     for folder in sessions:
-        if not _is_there(folder / "manifest.json"):
-            name = folder.relative_to(source).as_posix()
+        name = folder.relative_to(source).as_posix()
+        if name not in used and not _is_unreadable(folder / "manifest.json"):
             message = "whether its participant was simulated is not known, and taken for no"
-            found.append(f"{name}/manifest.json is missing: {message}; {_RESTORE}")
+            found.append(f"{name}/manifest.json is missing or not used: {message}; {_RESTORE}")
     begun = {folder.parent.name.removeprefix("sub-") for folder in sessions}
     found += [
         f"participants.csv: {each['participant']} is completed, and has no session here; restore "
@@ -76,8 +79,10 @@ def gaps(
     return found
 
 
-def _is_there(file: Path) -> bool:
+def _is_unreadable(file: Path) -> bool:
+    """Return whether a file's folder cannot be read, which `unreadable` tells."""
     try:
-        return file.is_file()
-    except OSError:  # its folder cannot be read, which is told
+        file.is_file()
+    except OSError:
         return True
+    return False

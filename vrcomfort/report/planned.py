@@ -36,17 +36,17 @@ def _of_the_protocol(study: StudyData, plan: Plan, instrument: str) -> dict[str,
     """Return the exposures per condition of the sequence, or of the crossing with the scenes."""
     asked = {"timepoint": plan.exposure_timepoint, "when": "after_trial", "instrument": instrument}
     for manifest in reversed(study.manifests):
-        settings = manifest.get("settings") or {}
+        settings = manifest.get("settings", {})
         order, scenes = settings.get("order"), settings.get("scenes")
         asks = any(asked.items() <= each.items() for each in settings.get("questionnaires", []))
-        if not asks or not isinstance(order, dict) or not isinstance(scenes, list):
+        if not asks or order is None or scenes is None:
             continue
-        if order.get("rule") == "parts":
-            groups = [str(each["name"]) for each in settings.get("groups") or []]
-            parts = settings.get("parts") or []
+        if order["rule"] == "parts":
+            groups = [each["name"] for each in settings.get("groups", [])]
+            parts = settings.get("parts", [])
             return _alike([_of_parts(parts, group) for group in groups or [""]])
-        if order.get("rule") != "explicit":
-            return {str(each["name"]): len(scenes) for each in settings.get("conditions", [])}
+        if order["rule"] != "explicit":
+            return {each["name"]: len(scenes) for each in settings.get("conditions", [])}
         trials = [Counter(_conditions_of(sequence)) for sequence in order.get("sequences", [])]
         alike = {c: {found[c] for found in trials} for found in trials for c in found}
         return {c: numbers.pop() for c, numbers in alike.items() if len(numbers) == 1}
@@ -73,9 +73,9 @@ def _of_parts(parts: list[dict[str, Any]], group: str) -> Counter[str]:
         if not orders:
             return Counter()
         for trial in orders[0]["trials"]:
-            counts[str(trial["condition"])] += int(part.get("repeats", 1))
+            counts[trial["condition"]] += part.get("repeats", 1)
     return counts
 
 
 def _conditions_of(sequence: dict[str, Any]) -> list[str]:
-    return [str(trial["condition"]) for session in sequence["sessions"] for trial in session]
+    return [trial["condition"] for session in sequence["sessions"] for trial in session]

@@ -89,7 +89,7 @@ def _asking_sessions(study: StudyData, plan: Plan) -> set[tuple[str, str]]:
         for manifest in study.manifests
         if any(
             asked.items() <= ask.items()
-            for ask in (manifest.get("settings") or {}).get("questionnaires", [])
+            for ask in manifest.get("settings", {}).get("questionnaires", [])
         )
     }
 
@@ -107,13 +107,12 @@ def _sessions(study: StudyData) -> dict[str, int]:
 
 def _protocol_versions(study: StudyData) -> int:
     """Count the texts of the protocol under which sessions were recorded."""
-    texts = [m["protocol"] for m in study.manifests if isinstance(m.get("protocol"), dict)]
-    return len({text.get("sha256") for text in texts})
+    return len({manifest["protocol"]["sha256"] for manifest in study.manifests})
 
 
 def _clamps(study: StudyData) -> list[dict[str, Any]]:
     """Every clamp that touched a stimulus, with the number of sessions that had it."""
-    counts = Counter(str(c) for m in study.manifests for c in m.get("clamps") or [])
+    counts = Counter(str(c) for m in study.manifests for c in m.get("clamps", []))
     return [{"clamp": text, "sessions": n} for text, n in sorted(counts.items())]
 
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel
+
 from vrcomfort.csv_table import CsvTable, number_or_none
 from vrcomfort.errors import InputError
-from vrcomfort.json_text import parse_json
 from vrcomfort.questionnaire import (
     FOLDER,
     Instrument,
@@ -22,10 +23,11 @@ from vrcomfort.questionnaire import (
     shipped_instruments,
 )
 from vrcomfort.recordings import ExposureFrames, Memory, frame_measures
-from vrcomfort.records.schema import check_schema_version
+from vrcomfort.records.json_file import DamagedError, read_json
+from vrcomfort.records.manifest_shape import DescribedShape, ManifestShape
+from vrcomfort.records.study import DESCRIPTION
 from vrcomfort.report.gaps import gaps, unreadable
 from vrcomfort.report.ordering import natural
-from vrcomfort.settings import read_text
 from vrcomfort.workers import workers
 
 _KEYS = (
@@ -81,8 +83,8 @@ class StudyData:
     def planned_participants(self) -> int | None:
         """Return how many participants the protocol plans, where a session's manifest says so."""
         for manifest in reversed(self.manifests):
-            planned = (manifest.get("settings") or {}).get("participants")
-            if isinstance(planned, int) and planned > 0:
+            planned: int | None = manifest.get("settings", {}).get("participants")
+            if planned:
                 return planned
         return None
 
@@ -141,7 +143,7 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
     instead = (_table(source, name, []) for name in ("tasks.csv", "dials.csv"))
     if files and not sheets and not any(instead):
         raise InputError("no known questionnaire is answered in this table", file=source)
-    description = _json(source / "dataset_description.json") if source.is_dir() else {}
+    description = _description(source, warnings)
     participants = _table(source, "participants.csv", warnings)
     manifests = _manifests(source, warnings)
     warnings += gaps(source, description, participants, manifests)
@@ -149,7 +151,7 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
     return StudyData(
         title=str(description.get("name") or source.resolve().name),
         protocol=description.get("protocol"),
-        labels=_labels(description.get("conditions")),
+        labels=description.get("conditions", {}),
         instruments=known,
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
         participants=participants,
@@ -338,50 +340,36 @@ def _slid(dials: Iterable[dict[str, str]]) -> Iterator[dict[str, str]]:
             yield {**again, **when, **said, "latency_s": "0", "missed": "0"}
 
 
-def _json(file: Path) -> dict[str, Any]:
+def _stored(
+    file: Path, model: type[BaseModel], what: str, source: Path, warnings: list[str]
+) -> dict[str, Any] | None:
+    """Read JSON of a study; what is of another shape is told with its place, and not used.
+
+    Raises
+    ------
+    InputError
+        If it is no JSON, or a newer version of this program wrote it.
+    """
+    try:
+        return read_json(file, model, what)
+    except DamagedError as error:
+        place = f"{file.relative_to(source).as_posix()}, line {error.line}"
+        warnings.append(f"{place}: not used, because it is no whole {what}: {error.fault}")
+        return None
+
+
+def _description(source: Path, warnings: list[str]) -> dict[str, Any]:
+    """Read the description of a study, an import or another dataset; empty without one."""
+    file = source / DESCRIPTION
     if not file.is_file():
         return {}
-    content = parse_json(read_text(file, "JSON"), file)
-    return content if isinstance(content, dict) else {}
-
-
-def _labels(conditions: Any) -> dict[str, str]:
-    """Return condition → label; a description from elsewhere may say something else there."""
-    if not isinstance(conditions, dict):
-        return {}
-    return {str(name): str(label) for name, label in conditions.items()}
-
-
-def _is_manifest(content: dict[str, Any]) -> bool:
-    """Return whether what a report reads of a session's manifest is what it takes it for."""
-    protocol, settings = content.get("protocol"), content.get("settings") or {}
-    asks = settings.get("questionnaires", []) if isinstance(settings, dict) else None
-    undone = content.get("withdrawals_undone") or []
-    return (
-        isinstance(protocol, dict)
-        and isinstance(protocol.get("sha256", ""), str)
-        and isinstance(content.get("clamps", []), list)
-        and isinstance(content.get("status", ""), str)
-        and isinstance(content.get("ended") or {}, dict)
-        and isinstance(undone, list)
-        and all(isinstance(each, dict) and {"trial", "attempt"} <= each.keys() for each in undone)
-        and isinstance(asks, list)
-        and all(isinstance(each, dict) for each in asks)
-    )
+    return _stored(file, DescribedShape, "study description", source, warnings) or {}
 
 
 def _manifests(source: Path, warnings: list[str]) -> tuple[dict[str, Any], ...]:
-    """Read the sessions' manifests; a file of that name from elsewhere is told and left alone."""
-    ours: list[dict[str, Any]] = []
-    for file in _files(source, "manifest.json"):
-        content = _json(file)
-        if _is_manifest(content):
-            check_schema_version(content, file)
-            ours.append(content)
-        else:
-            place = file.relative_to(source)
-            warnings.append(f"{place}: not used, because it is no session's manifest")
-    return tuple(ours)
+    files = _files(source, "manifest.json")
+    found = (_stored(file, ManifestShape, "manifest", source, warnings) for file in files)
+    return tuple(content for content in found if content is not None)
 
 
 def _known_instruments(source: Path) -> dict[str, Instrument]:

@@ -19,8 +19,8 @@ from vrcomfort.exchange.bids.motion import SYSTEMS, recorded, write_motion
 from vrcomfort.exchange.bids.phenotype import write_phenotype
 from vrcomfort.exchange.bids.practice import write_practice
 from vrcomfort.exchange.bids.runs import Run, read_runs
-from vrcomfort.exchange.private_facts import of_event
 from vrcomfort.exchange.room import new_folder, require_whole
+from vrcomfort.records.events import EVENTS, shared_detail
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.study import (
@@ -38,7 +38,10 @@ _EVENTS = {
         "Description": "exposure: the whole run; rating: a question in it, named after the "
         "instrument; others: what the headset or the session noted"
     },
-    "value": {"Description": "The rating, or how the exposure ended; n/a: missed, or none"},
+    "value": {
+        "Description": "The rating, or how the exposure ended, or the detail of an event; n/a: "
+        "missed, or none, or a detail that people may have typed"
+    },
     "condition": {"Description": "Of the protocol"},
     "scene": {"Description": "Of the protocol"},
     "StimulusPresentation": {"SoftwareName": "vrcomfort", "SoftwareVersion": __version__},
@@ -131,7 +134,8 @@ def _session(study: Path, out: Path, who: str, number: int, task: str) -> list[s
     folder = session_folder(out, who, number)
     scans: list[tuple[str, str]] = []
     left_out = []
-    for run in read_runs(source):
+    runs = read_runs(source)
+    for run in runs:
         if not run.frames:
             left_out.append(f"sub-{who}/ses-{number}: exposure {run.number} has no frames")
             continue
@@ -153,7 +157,14 @@ def _session(study: Path, out: Path, who: str, number: int, task: str) -> list[s
     if scans:
         write_tsv(folder / f"sub-{who}_ses-{number}_scans.tsv", ("filename", "acq_time"), scans)
     write_practice(source, folder, f"sub-{who}_ses-{number}", task)
-    return left_out
+    unknown = {each["name"] for run in runs for each in run.events} - EVENTS.keys()
+    return [
+        *left_out,
+        *(
+            f"sub-{who}/ses-{number}: details of events `{name}`, which this version does not know"
+            for name in sorted(unknown)
+        ),
+    ]
 
 
 def _name(file: Path, folder: Path) -> str:
@@ -215,12 +226,20 @@ def _write_events(stem: Path, run: Run) -> None:
         for each in run.dials
     ]
     rows += [
-        (float(each["onset_s"]), each["duration_s"], each["name"], each["detail"])
-        for each in map(of_event, run.events)
+        (
+            float(each["onset_s"]),
+            each["duration_s"],
+            each["name"],
+            shared_detail(each["name"], each["detail"]),
+        )
+        for each in run.events
     ]
     table = [
         (f"{onset_s - start_s:.6f}", length, kind, value, condition, scene)
         for onset_s, length, kind, value in sorted(rows)
     ]
     write_tsv(stem.with_name(f"{stem.name}_events.tsv"), _EVENT_COLUMNS, table)
-    write_json(stem.with_name(f"{stem.name}_events.json"), _EVENTS)
+    kinds = sorted({kind for _, _, kind, _ in rows})
+    levels = {kind: EVENTS[kind].meaning if kind in EVENTS else kind for kind in kinds}
+    columns = {**_EVENTS, "trial_type": {**_EVENTS["trial_type"], "Levels": levels}}
+    write_json(stem.with_name(f"{stem.name}_events.json"), columns)

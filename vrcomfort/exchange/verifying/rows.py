@@ -10,11 +10,22 @@ from vrcomfort.csv_table import plain_digits
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.recorded_rows import Kind, RecordedRow, cell_value, kinds_of, split_line
+from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
 from vrcomfort.records.rows import Row
-from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
+from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version, later_columns
 
 _TEXT = {"session_state", "rays_used", "hit_node", "effect_centre"}
 HALF = "this row is half-written; `vrcomfort run … --resume` moves it aside, or remove the line"
+
+
+def note_version(folder: Path, version: int, found: Verified) -> None:
+    """Say of a session of an older schema version which columns it is without."""
+    files = (each.FILE for each in (*SESSION_ROWS, *OPTIONAL_ROWS))
+    later = later_columns(version, [name for name in files if (folder / name).exists()])
+    if later:
+        named = "; ".join(f"{name}: {', '.join(columns)}" for name, columns in later.items())
+        message = f"recorded in schema version {version} (now {SCHEMA_VERSION}), without {named}"
+        found.note(folder / "manifest.json", message)
 
 
 def read(folder: Path, row_type: type[Row], version: int, found: Verified) -> Iterator[RecordedRow]:

@@ -18,7 +18,7 @@ from vrcomfort.exchange.verifying.answers import (
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.frames import check_clocks, check_counts, check_times, read_frames
 from vrcomfort.exchange.verifying.practice import check_practice
-from vrcomfort.exchange.verifying.rows import read
+from vrcomfort.exchange.verifying.rows import note_version, read
 from vrcomfort.exchange.verifying.session_files import check_checksums, check_files
 from vrcomfort.protocol import Trial
 from vrcomfort.records.exposure_rows import (
@@ -75,6 +75,7 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
         return None
     found.counts[f"sessions {manifest['status']}"] += 1
     version = manifest.get("schema_version", 1)
+    note_version(folder, version, found)
     recorded = _read(folder, version, found)
     _check_manifest(folder / "manifest.json", manifest, recorded.events, found)
     _check_whose(manifest, recorded, found)

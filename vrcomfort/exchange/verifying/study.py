@@ -16,7 +16,7 @@ from vrcomfort.records.checksums import sha256_of
 from vrcomfort.records.consents import ConsentRow, read_consents
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
 from vrcomfort.records.json_file import read_json
-from vrcomfort.records.manifest_shape import ImportShape
+from vrcomfort.records.manifest_shape import DescribedShape, ImportShape
 from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow
 from vrcomfort.records.study import DESCRIPTION, read_description, read_participants
 
@@ -100,7 +100,7 @@ def _description(study: Path, found: Verified, *, imported: bool) -> int | None:
         return None
     try:
         content = (
-            read_json(file, ImportShape, "study description")
+            read_json(file, DescribedShape, "study description")
             if imported
             else read_description(study)
         )
