@@ -20,6 +20,7 @@ from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.bids import export_bids, practice
 from vrcomfort.exchange.meanings import MEANINGS
 from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.operator_interface import ALLOWED
 from vrcomfort.records import schema
 from vrcomfort.records.consents import ConsentRow
 from vrcomfort.records.disk import OWNER
@@ -36,7 +37,6 @@ from vrcomfort.records.session_rows import (
     TextRow,
 )
 from vrcomfort.replay.recorded import read_session
-from vrcomfort.session.steering import ALLOWED
 
 ROOT = Path(__file__).resolve().parent.parent
 ALL = (*SESSION_ROWS, *OPTIONAL_ROWS, ParticipantRow, ConsentRow)
