@@ -49,7 +49,9 @@ NOT_WRITTEN_OUT = {
     "session/eye_height.py": {"eye_height"},
     "session/flow.py": {"ended", "withdrawn", "runtime_hung"},
     "session/gaze_validation.py": {"gaze_validation"},
-    "session/steering.py": {f"operator_{each}" for step in ALLOWED.values() for each in step},
+    "session/operator_control.py": {
+        f"operator_{each}" for step in ALLOWED.values() for each in step
+    },
 }
 """Modules that name an event by other means than a text in place → those names."""
 
@@ -64,7 +66,7 @@ def names_written() -> Iterator[tuple[str, str | None]]:
             if not isinstance(node, ast.Call):
                 continue
             called = getattr(node.func, "attr", getattr(node.func, "id", ""))
-            own = called == "_write" and module == "session/steering.py"
+            own = called == "_write" and module == "session/operator_control.py"
             if own or called in {"event", "event_soon", "HeadsetEvent", "EventRow"}:
                 name = node.args[2 if called == "EventRow" else 0]
                 written = isinstance(name, ast.Constant)
