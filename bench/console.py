@@ -34,7 +34,7 @@ from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.scene.load import load_scene
-from vrcomfort.session import open_enrolment, run
+from vrcomfort.session import SessionSettings, open_enrolment, run
 from vrcomfort.session.operator_control import ALLOWED, OperatorControl
 from vrcomfort.session.timing import TrialTiming
 from vrcomfort.traces.trace import read_trace
@@ -106,14 +106,16 @@ class _Sessions:
         with open_enrolment(self._protocol, "P01", study=study, respondent="simulated") as enrolled:
             run(
                 enrolled,
-                respondent=SimulatedRespondent(
-                    self._protocol.simulation, participant="P01", seed=0
+                SessionSettings(
+                    respondent=SimulatedRespondent(
+                        self._protocol.simulation, participant="P01", seed=0
+                    ),
+                    headset_for=lambda *_: headset,
+                    load_scene=lambda _: self._scene,
+                    renderer=self._renderer,
+                    durability="session_end",
+                    operators=operators,
                 ),
-                headset_for=lambda *_: headset,
-                load_scene=lambda _: self._scene,
-                renderer=self._renderer,
-                durability="session_end",
-                operators=operators,
             )
         return headset.times_us[WARM_UP:]
 

@@ -16,7 +16,7 @@ from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records.consents import ConsentRow, Given, read_consents
 from vrcomfort.respondent import SimulatedRespondent
-from vrcomfort.session import open_enrolment, run
+from vrcomfort.session import SessionSettings, open_enrolment, run
 
 PROTOCOL = """\
 name = "consenting"
@@ -56,7 +56,7 @@ def agree(folder, given=None, text=PROTOCOL, *, who="P01", words="You may stop."
         protocol, who, study=folder / "S", respondent=person.name, consent=given,
         sessions=[done + 1],
     ) as enrolment:  # fmt: skip
-        return run(enrolment, respondent=person, **in_the_room())
+        return run(enrolment, SessionSettings(respondent=person, **in_the_room()))
 
 
 def known(folder):

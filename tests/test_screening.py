@@ -22,7 +22,7 @@ from vrcomfort.protocol.screening import Screening
 from vrcomfort.records import read_participants, undo_withdrawal
 from vrcomfort.respondent import SimulatedRespondent, keys
 from vrcomfort.respondent.panel import PanelRespondent
-from vrcomfort.session import NoPictures, StillHeadset, open_enrolment
+from vrcomfort.session import NoPictures, SessionSettings, StillHeadset, open_enrolment
 from vrcomfort.session import run as run_enrolment
 from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.verbal import VerbalRespondent
@@ -94,7 +94,7 @@ def screen(folder, respondent=None, text=PROTOCOL, *, who="P01", age="30", resum
         protocol, who, study=folder / "S", respondent=person.name, resume=resume,
         covariates=None if resume else {"age": age, "gender": "d"},
     ) as enrolment:  # fmt: skip
-        return run_enrolment(enrolment, respondent=person, **parts)
+        return run_enrolment(enrolment, SessionSettings(respondent=person, **parts))
 
 
 def decisions(folder, who="P01"):

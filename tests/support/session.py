@@ -12,7 +12,7 @@ from tests.support.study import AheadHeadset, LateFocus, read_rows, tiny_protoco
 from vrcomfort.protocol import Protocol
 from vrcomfort.records import read_participants, session_folder
 from vrcomfort.respondent import Respondent
-from vrcomfort.session import Outcome
+from vrcomfort.session import Outcome, SessionSettings
 
 
 def run(
@@ -40,7 +40,8 @@ def run(
         resume=resume,
         group_readable=group_readable,
     ) as enrolment:
-        return vrcomfort.session.run(enrolment, respondent=respondent, **parts)
+        settings = SessionSettings(respondent=respondent, **parts)
+        return vrcomfort.session.run(enrolment, settings)
 
 
 def go(tmp_path: Path, respondent, *, headset=AheadHeadset, **more) -> Outcome:

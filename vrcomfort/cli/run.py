@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -182,17 +183,18 @@ def run(
         speaker = None if simulated else owned.enter_context(open_speaker(study))
         console = owned.enter_context(open_console()) if with_console else None
         progress = console.progress if console else owned.enter_context(SessionBars(quiet)).tell
+        from vrcomfort.session import run as run_sessions
+
         try:
-            outcome = study_setup.run(
-                enrolment,
-                kind,
-                progress,
-                headset_setup,
+            settings = study_setup.settings(enrolment, kind, headset_setup, console)
+            settings = replace(
+                settings,
                 ipd_measured_m=None if ipd_mm is None else ipd_mm / 1000,
-                console=console,
                 relay=relay,
-                speaker=speaker,
+                speaker=speaker or settings.speaker,
+                progress=progress,
             )
+            outcome = run_sessions(enrolment, settings)
         except RuntimeLostError as error:
             complain(str(error))
             warn(how_to_go_on(ctx))

@@ -147,11 +147,12 @@ def _names(study: Path, participants: int) -> list[str]:
 
 
 def _simulate_one(setup: StudySetup, study: Path, name: str, covariates: dict[str, str]) -> Outcome:
+    from vrcomfort import session
     from vrcomfort.records import unfinished_sessions
 
     kind, resume = RespondentKind.SIMULATED, bool(unfinished_sessions(study, name))
     with setup.open_enrolment(name, None, kind, resume=resume, covariates=covariates) as enrolment:
-        return setup.run(enrolment, kind, lambda _: None)
+        return session.run(enrolment, setup.settings(enrolment, kind))
 
 
 def _is_over(study: Path, name: str, ended: list[str], sessions: int) -> bool:

@@ -18,15 +18,13 @@ from vrcomfort.protocol import Protocol
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
     from vrcomfort.cli.run_console import ConsoleSetup
-    from vrcomfort.headset.sound import Speaker
-    from vrcomfort.operator_interface import ProgressCallback
     from vrcomfort.records import Durability, Machine
     from vrcomfort.records.consents import Given
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
     from vrcomfort.scene.data import Scene
-    from vrcomfort.session import Enrolment, Outcome
-    from vrcomfort.session.interfaces import HeadsetFor, Relay, Renderer
+    from vrcomfort.session import Enrolment, Outcome, SessionSettings
+    from vrcomfort.session.interfaces import HeadsetFor, Renderer
 
 
 class RespondentKind(StrEnum):
@@ -48,7 +46,7 @@ class StudySetup:
     frames
         False: time jumps from one event to the next, and nothing is drawn.
     group_readable, durability
-        See `session.open_enrolment` and `session.run`.
+        See `session.open_enrolment` and `session.SessionSettings`.
 
     Raises
     ------
@@ -109,28 +107,24 @@ class StudySetup:
             consent=consent,
         )
 
-    def run(
+    def settings(
         self,
         enrolment: Enrolment,
         kind: RespondentKind,
-        progress: ProgressCallback,
         headset: HeadsetSetup | None = None,
-        *,
-        ipd_measured_m: float | None = None,
         console: ConsoleSetup | None = None,
-        relay: Relay | None = None,
-        speaker: Speaker | None = None,
-    ) -> Outcome:
-        """Run a participant's sessions in a headset, or without one on the playback."""
+    ) -> SessionSettings:
+        """Return the settings of sessions in a headset, or without one on the playback."""
         from vrcomfort import session
         from vrcomfort.headset.sound import NobodyHears
+        from vrcomfort.operator_interface import NoOperator
+        from vrcomfort.session.operator_control import OperatorControl
 
         respondent = self._respondent(kind, enrolment, headset, console)
         renderer, machine = (headset.renderer, headset.machine) if headset else self._windowless()
         simulated = kind is RespondentKind.SIMULATED
         loader = self._load_scene if self._frames else session.scenes_for(self._protocol)
-        return session.run(
-            enrolment,
+        return session.SessionSettings(
             respondent=respondent,
             headset_for=headset.headset_for if headset else self._headset_for(),
             load_scene=loader,
@@ -139,13 +133,10 @@ class StudySetup:
             machine=machine,
             screen=headset.screen if headset else None,
             watchdog=headset.watchdog if headset else None,
-            operators=console.operators if console else None,
-            ipd_measured_m=ipd_measured_m,
+            operators=console.operators if console else OperatorControl(NoOperator()),
             durability=self._durability,
-            relay=relay,
-            speaker=NobodyHears() if simulated else speaker,
+            speaker=NobodyHears() if simulated else None,
             jumps=not self._frames,
-            progress=progress,
         )
 
     def _headset_for(self) -> HeadsetFor:

@@ -1,6 +1,7 @@
 """Sessions: one participant, one headset, one order, and everything written as it happens."""
 
 from vrcomfort.session.clock import Clock, VirtualClock, WallClock
+from vrcomfort.session.context import SessionSettings
 from vrcomfort.session.enrolment import Enrolment, open_enrolment
 from vrcomfort.session.interfaces import HeadsetFor, LoadScene, Renderer
 from vrcomfort.session.manifest_writer import headset_facts
@@ -16,6 +17,7 @@ __all__ = [
     "NoPictures",
     "Outcome",
     "Renderer",
+    "SessionSettings",
     "StillHeadset",
     "VirtualClock",
     "WallClock",

@@ -1,4 +1,4 @@
-"""What all parts of a participant's sessions share, built once and handed to each."""
+"""Settings of a run, and the context that all parts of a participant's sessions share."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from vrcomfort.headset.sound import Speaker
-from vrcomfort.operator_interface import ProgressCallback
+from vrcomfort.operator_interface import NoOperator, ProgressCallback, no_progress
 from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import Durability, Machine
 from vrcomfort.respondent import Respondent
-from vrcomfort.session.clock import Clock
+from vrcomfort.session.clock import Clock, VirtualClock
 from vrcomfort.session.interfaces import (
     HeadsetFor,
     LoadScene,
+    NoRelay,
     Relay,
     Renderer,
     Watchdog,
@@ -24,7 +25,7 @@ from vrcomfort.session.panel_screen import PanelScreen
 
 @dataclass
 class Floor:
-    """Where the scene's floor is.
+    """The height of the scene's floor.
 
     Parameters
     ----------
@@ -36,35 +37,62 @@ class Floor:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SessionContext:
-    """Whose sessions these are, and with what they are run; made by `vrcomfort.session.run`.
+class SessionSettings:
+    """Settings of the sessions of one run: the respondent, the headset, the outputs.
+
+    Parameters
+    ----------
+    clock
+        `VirtualClock` for simulated participants, `WallClock` for people.
+    screen
+        Of questions in the headset, None where they are asked elsewhere; its events are recorded.
+    ipd_measured_m
+        The participant's, as the operator measured it; recorded. None: it was not entered.
+    durability
+        When rows are safe from a power cut; "session_end" is for what can be simulated again.
+    watchdog
+        Closes the records where the headset's runtime hangs; None where nothing can.
+    operators
+        Carries out commands; without it there is Ctrl-C alone.
+    relay
+        Passes on events, frames and ratings to other devices.
+    speaker
+        Plays the sounds of instructions; without it their texts stand in for them.
+    jumps
+        Exposures pass without frames, from one event to the next: for simulated participants.
+    """
+
+    respondent: Respondent
+    headset_for: HeadsetFor
+    load_scene: LoadScene
+    renderer: Renderer
+    clock: Clock = field(default_factory=VirtualClock)
+    machine: Machine = field(default_factory=Machine)
+    screen: PanelScreen | None = None
+    ipd_measured_m: float | None = None
+    durability: Durability = "each_row"
+    watchdog: Watchdog | None = None
+    operators: OperatorControl = field(default_factory=lambda: OperatorControl(NoOperator()))
+    relay: Relay = field(default_factory=NoRelay)
+    speaker: Speaker | None = None
+    jumps: bool = False
+    progress: ProgressCallback = no_progress
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionContext(SessionSettings):
+    """The settings, and the participant whose sessions are run with them.
 
     Parameters
     ----------
     study
         The study folder.
     sequence
-        What the participant meets in which order.
+        The participant's order of conditions.
     seed
         Of the study.
     exposure_s
-        How long an exposure is shown at most: the protocol's longest, or less.
-    screen
-        Where questions are asked in the headset, None where they are asked elsewhere.
-    ipd_measured_m
-        The participant's, as the operator measured it; None where it was not entered.
-    durability
-        When rows are safe from a power cut.
-    jumps
-        Whether exposures pass without frames, from one event to the next.
-    watchdog
-        Closes the records where the headset's runtime hangs.
-    operators
-        What operators want.
-    relay
-        Other devices that are told what happens.
-    speaker
-        Plays the sounds of instructions; None where nothing can be heard.
+        Maximum length of an exposure: the protocol's longest, or less.
     floor
         Moves as the height of the eyes is measured.
     """
@@ -75,21 +103,6 @@ class SessionContext:
     sequence: Sequence
     seed: int
     exposure_s: float
-    respondent: Respondent
-    headset_for: HeadsetFor
-    load_scene: LoadScene
-    renderer: Renderer
-    clock: Clock
-    machine: Machine
-    screen: PanelScreen | None
-    ipd_measured_m: float | None
-    durability: Durability
-    progress: ProgressCallback
-    jumps: bool
-    watchdog: Watchdog
-    operators: OperatorControl
-    relay: Relay
-    speaker: Speaker | None
     floor: Floor = field(default_factory=Floor)
 
     @property

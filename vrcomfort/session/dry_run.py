@@ -12,7 +12,7 @@ from vrcomfort.headset.sound import NobodyHears
 from vrcomfort.protocol import Protocol
 from vrcomfort.records import EventRow, session_folder
 from vrcomfort.respondent import SimulatedRespondent
-from vrcomfort.session.clock import VirtualClock
+from vrcomfort.session.context import SessionSettings
 from vrcomfort.session.enrolment import open_enrolment
 from vrcomfort.session.no_frames import NoPictures, StillHeadset, scenes_for
 from vrcomfort.session.run import run
@@ -91,14 +91,15 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
     ) as enrolment:
         outcome = run(
             enrolment,
-            respondent=respondent,
-            headset_for=lambda _name, _scene: StillHeadset(_steps_hz(protocol)),
-            load_scene=scenes_for(protocol),
-            renderer=NoPictures(),
-            speaker=NobodyHears(),
-            jumps=True,
-            clock=VirtualClock(),
-            durability="session_end",
+            SessionSettings(
+                respondent=respondent,
+                headset_for=lambda _name, _scene: StillHeadset(_steps_hz(protocol)),
+                load_scene=scenes_for(protocol),
+                renderer=NoPictures(),
+                speaker=NobodyHears(),
+                jumps=True,
+                durability="session_end",
+            ),
         )
     if outcome.status != "completed":
         raise InputError(f"a rehearsed session ended early: {outcome.note or outcome.status}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from vrcomfort.frame import DrawnFrame, FocusSample, Frame, GazeHit, GpuTime, ImageHash
@@ -89,15 +89,6 @@ class Watchdog(Protocol):
 
         It is called in another thread, while the session's own hangs.
         """
-
-
-class NoWatchdog:
-    """Where nothing can hang."""
-
-    def guard(self, close: Callable[[], None]) -> AbstractContextManager[None]:
-        """Do nothing."""
-        del close
-        return nullcontext()
 
 
 class Relay(Protocol):

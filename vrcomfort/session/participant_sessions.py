@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass, field
 
 from vrcomfort.errors import InputError
@@ -113,13 +113,21 @@ class ParticipantSessions:
             flow = SessionFlow(context, events=events, manifest=writer, interrupted=before)
             manifest.write(recorder.folder, access)
             try:
-                with context.watchdog.guard(lambda: self._give_up(number, flow, writer, recorder)):
+                with self._guarded(number, flow, writer, recorder):
                     status, note = _kept(flow, writer, recorder)
             finally:
                 self._look_at(number, manifest, before)
         self._seal(number, recorder)
         context.progress(Progress("end", context.participant, number, text=status))
         return status, note
+
+    def _guarded(
+        self, number: int, flow: SessionFlow, writer: ManifestWriter, recorder: Recorder
+    ) -> AbstractContextManager[None]:
+        """Have the records closed if the headset's runtime hangs."""
+        if self.context.watchdog is None:
+            return nullcontext()
+        return self.context.watchdog.guard(lambda: self._give_up(number, flow, writer, recorder))
 
     def _give_up(
         self, number: int, flow: SessionFlow, writer: ManifestWriter, recorder: Recorder
