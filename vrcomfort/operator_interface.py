@@ -36,20 +36,25 @@ class OperatorStep:
 
 @dataclass(frozen=True)
 class SessionOrder:
-    """Who is run in which order.
+    """A session that begins: its participant and its timeline.
 
     Parameters
     ----------
-    trials
-        Scene and condition of each exposure of the session.
+    sequence
+        Name of the participant's order of conditions.
+    timeline
+        The planned steps, by name.
+    position
+        Returns the number of planned steps that have begun.
     remaining_s
-        Returns how much time the session is expected to take still.
+        Returns the estimated remaining time.
     """
 
     participant: str
     session: int
     sequence: str
-    trials: tuple[tuple[str, str], ...]
+    timeline: tuple[str, ...]
+    position: Callable[[], int]
     remaining_s: Callable[[], float]
 
 

@@ -155,9 +155,14 @@ class SessionFlow:
         time = SessionTime(planned, self._events.now_s)
         words = self._context.protocol.words
         self._operators.attach(self._events, self._context.screen, words=words, time=time)
-        shown = tuple((place.scene, place.condition or "") for place in self._places)
-        name, who = self._context.sequence.name, self._context.participant
-        order = SessionOrder(who, self._events.session, name, shown, time.remaining_s)
+        order = SessionOrder(
+            self._context.participant,
+            self._events.session,
+            self._context.sequence.name,
+            tuple(each.name for each in planned),
+            lambda: time.position,
+            time.remaining_s,
+        )
         self._operators.interface.open(order)
 
     def _run_step(self, step: Step, *, after_withdrawal: bool = False) -> None:
