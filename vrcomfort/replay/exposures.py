@@ -24,7 +24,7 @@ _EPSILON_S = 1e-6
 
 
 @dataclass(frozen=True)
-class Rating:
+class RecordedRating:
     """An answer in an exposure; `response` is None where none came in time."""
 
     onset_s: float
@@ -74,7 +74,7 @@ class RecordedExposure:
     end: int
     start_s: float
     end_s: float
-    ratings: tuple[Rating, ...] = ()
+    ratings: tuple[RecordedRating, ...] = ()
     balls: tuple[tuple[int, Shown], ...] = ()
     turned: tuple[Turned, ...] = ()
 
@@ -129,7 +129,7 @@ def _exposures(
     attempts: Iterable[Mapping[str, Any] | RecordedRow],
     times_ns: NDArray[np.int64],
     frames: FrameFacts,
-    ratings: Sequence[Rating],
+    ratings: Sequence[RecordedRating],
     balls: Sequence[tuple[int, Shown]],
     dials: Sequence[RecordedRow],
     trained_from_s: Sequence[float],
@@ -176,9 +176,9 @@ def _turned(
             yield Turned(row["onset_s"], row["dial"], row["setting"], row["value"])
 
 
-def _rating(row: RecordedRow) -> Rating:
+def _rating(row: RecordedRow) -> RecordedRating:
     answered_s = row["onset_s"] + (row["latency_s"] or 0.0)
-    return Rating(row["onset_s"], answered_s, row["instrument"], row["response"])
+    return RecordedRating(row["onset_s"], answered_s, row["instrument"], row["response"])
 
 
 def _ball(row: RecordedRow) -> tuple[int, Shown]:

@@ -15,7 +15,7 @@ from vrcomfort.session.resume import InterruptedSessions, choose_sessions, requi
 
 
 @dataclass(frozen=True, kw_only=True)
-class Enrolment:
+class OpenEnrolment:
     """A participant whose sessions nobody else can run meanwhile; see `open_enrolment`.
 
     Parameters
@@ -57,7 +57,7 @@ def open_enrolment(
     group_readable: bool = False,
     covariates: Mapping[str, str] | None = None,
     consent: Given | None = None,
-) -> Iterator[Enrolment]:
+) -> Iterator[OpenEnrolment]:
     """Make sure that a participant can be run, and keep every other program from it.
 
     Nothing is recorded yet, nobody enrolled, no headset needed: what is refused, is refused here.
@@ -106,7 +106,7 @@ def open_enrolment(
         interrupted = InterruptedSessions(study, participant, chosen.unfinished)
         sequence = row.sequence if row else ""
         interrupted.check(protocol, seed=kept_seed, sequence=sequence, respondent=respondent)
-        yield Enrolment(
+        yield OpenEnrolment(
             protocol=protocol,
             participant=participant,
             study=study,
