@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.records import BallRow, DialRow, EventRow, RatingRow, TrialRow
-from vrcomfort.records.recorded_rows import RecordedRow
+from vrcomfort.records import BallRow, DialRow, EventRow, RatingRow, Row, TrialRow
+from vrcomfort.records.recorded_rows import RecordedRow, read_rows
 from vrcomfort.replay.frame_facts import FrameFacts
-from vrcomfort.replay.session_rows import rows_of
 from vrcomfort.scene.markers import Shown
 from vrcomfort.traces.trace import Trace
 
@@ -183,3 +182,18 @@ def _rating(row: RecordedRow) -> RecordedRating:
 
 def _ball(row: RecordedRow) -> tuple[int, Shown]:
     return row["xr_time_ns"], Shown(*(row[name] for name in Shown._fields))
+
+
+def rows_of(
+    folder: Path, row_type: type[Row], manifest: Mapping[str, Any]
+) -> Iterator[RecordedRow]:
+    """Yield the rows of a file, none where the session has not got it.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged.
+    """
+    if (folder / row_type.FILE).exists():
+        version = manifest.get("schema_version", 1)
+        yield from read_rows(folder, row_type, version=version, cut=True)
