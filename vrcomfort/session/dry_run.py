@@ -20,7 +20,7 @@ from vrcomfort.session.run import run
 
 @dataclass(frozen=True)
 class SessionLength:
-    """How long one session of a protocol takes somebody who does not stop.
+    """The length of one session without dropout.
 
     Parameters
     ----------
