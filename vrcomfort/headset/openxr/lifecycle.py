@@ -21,7 +21,8 @@ from vrcomfort.headset.refresh_period import RefreshPeriod
 
 State = xr.SessionState
 POLL_S = 0.01
-_ANY_EVENT = xr.StructureType.EVENT_DATA_BUFFER.value
+_NO_EVENT = bytes(xr.EventDataBuffer())[: xr.EventDataBuffer.varying.offset]
+"""The fields `type` and `next`, as OpenXR wants them before each poll."""
 SEEN = (State.VISIBLE, State.FOCUSED)
 OUT_OF_REACH = (
     "a menu of the headset's is in front: the participant's controllers do not reach the program, "
@@ -150,7 +151,7 @@ class Lifecycle:
         """
         event = self._event
         while True:
-            event._type, event._next = _ANY_EVENT, None
+            ctypes.memmove(ctypes.byref(event), _NO_EVENT, len(_NO_EVENT))
             if self._poll_event(self._instance, event) != 0:
                 return
             kind, handle = self._handlers.get(event.type, (None, None))
