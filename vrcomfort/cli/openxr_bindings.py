@@ -37,12 +37,13 @@ def require_bindings() -> str:
 
 
 def _library_remedy() -> str:
-    if sys.platform != "win32":
-        return f"reinstall the bindings that bring it: {_INSTALL} --force-reinstall"
-    if (installed := _installed_version()) >= _DEBUG_SINCE:
-        release = ".".join(map(str, installed))
-        return f"pyopenxr {release} needs a debug C runtime on Windows; install another: {_INSTALL}"
-    return f"install the Microsoft Visual C++ Redistributable that it needs: {_REDISTRIBUTABLE}"
+    if sys.platform == "win32":
+        if (installed := _installed_version()) >= _DEBUG_SINCE:
+            release = ".".join(map(str, installed))
+            needs = f"pyopenxr {release} needs a debug C runtime on Windows"
+            return f"{needs}; install another version: {_INSTALL}"
+        return f"install the Microsoft Visual C++ Redistributable: {_REDISTRIBUTABLE}"
+    return f"reinstall the bindings that bring it: {_INSTALL} --force-reinstall"
 
 
 def _installed_version() -> tuple[int, ...]:
