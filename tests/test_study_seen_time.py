@@ -156,6 +156,28 @@ def test_a_slow_program_does_not_lengthen_the_period_at_which_frames_are_due():
     assert period.update(100) == 100, "the display's rate has changed"
 
 
+def test_a_runtime_that_predicts_no_period_has_that_of_its_display():
+    rates = iter([0.0, 80.0])
+    period = RefreshPeriod(lambda: next(rates))
+    assert [period.update(0, 0), period.update(0, 1)] == [0, 12_500_000]
+    assert "refresh rate" in period.source
+    assert period.update(0, 2) == 12_500_000, "asked once"
+
+
+def test_where_nothing_tells_the_period_it_is_measured_once_in_frames_that_are_shown():
+    period, now_ns = RefreshPeriod(), 0
+    for passed_ns in (11, 500, 10, 9, 10, 11, 10, 9, 700, 10):
+        assert period.update(0, now_ns) == 0
+        assert period.source == ""
+        now_ns += passed_ns
+        if passed_ns == 700:  # not shown: the runtime may let it wait
+            assert period.update(0, None) == 0
+    assert [period.update(0, at_ns) for at_ns in (now_ns, now_ns + 90)] == [10, 10]
+    assert period.source.startswith("measured: ")
+    assert period.update(8, now_ns + 180) == 8, "a prediction is better"
+    assert period.source == "predicted by the runtime"
+
+
 class Silent:
     """Answers no rating."""
 

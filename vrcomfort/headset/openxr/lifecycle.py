@@ -58,10 +58,16 @@ class Lifecycle:
         Handles of OpenXR.
     notify
         Called with each event worth recording.
+    display_hz
+        Returns the display's refresh rate as the runtime tells it; 0 where it does not.
     """
 
     def __init__(
-        self, instance: xr.Instance, session: xr.Session, notify: Callable[[HeadsetEvent], None]
+        self,
+        instance: xr.Instance,
+        session: xr.Session,
+        notify: Callable[[HeadsetEvent], None],
+        display_hz: Callable[[], float],
     ) -> None:
         self._instance = instance
         self._session = session
@@ -69,7 +75,7 @@ class Lifecycle:
         self.state = State.IDLE
         self.running = False
         self.ended = False
-        self.refresh_period = RefreshPeriod()
+        self.refresh_period = RefreshPeriod(display_hz)
         self._space_changes: list[SpaceChange] = []
         self._poll_event = native("xrPollEvent", usual=xr.Result.EVENT_UNAVAILABLE)
         self._event = xr.EventDataBuffer()
