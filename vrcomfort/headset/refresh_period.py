@@ -35,6 +35,7 @@ class RefreshPeriod:
     def __init__(self, display_hz: Callable[[], float] = lambda: 0.0) -> None:
         self._display_hz = display_hz
         self._predicted_ns: deque[int] = deque(maxlen=REMEMBERED)
+        self._otherwise_ns: int | None
         self.forget()
 
     def update(self, predicted_ns: int, display_ns: int | None = None) -> int:
@@ -55,31 +56,31 @@ class RefreshPeriod:
             self.source = "predicted by the runtime"
         if self._predicted_ns:
             return median_low(self._predicted_ns)
-        if not self._otherwise_ns:
+        if self._otherwise_ns is None:
             self._otherwise_ns = self._told_ns() or self._measured_ns(display_ns)
-        return self._otherwise_ns
+        return self._otherwise_ns or 0
 
     def forget(self) -> None:
         """Begin anew: the display's rate has changed."""
         self._predicted_ns.clear()
         self._intervals_ns: list[int] = []
         self._last_ns: int | None = None
-        self._otherwise_ns: int = 0
+        self._otherwise_ns = None
         self.source = ""
 
-    def _told_ns(self) -> int:
+    def _told_ns(self) -> int | None:
         display_hz = self._display_hz()
         if display_hz <= 0:
-            return 0
+            return None
         self.source = "the display's refresh rate; the runtime predicts no period"
         return round(1e9 / display_hz)
 
-    def _measured_ns(self, display_ns: int | None) -> int:
+    def _measured_ns(self, display_ns: int | None) -> int | None:
         before_ns, self._last_ns = self._last_ns, display_ns
         if before_ns is not None and display_ns is not None and display_ns > before_ns:
             self._intervals_ns.append(display_ns - before_ns)
         if len(self._intervals_ns) < MEASURED:
-            return 0
+            return None
         self.source = (
             f"measured: the median of {MEASURED} intervals between predicted display times; the "
             "runtime predicts no period"

@@ -305,7 +305,11 @@ class OpenXrHeadset:
         self._cut |= self._where.update(time_ns)
         inputs = self.inputs()  # kept: between frames a pose would be a guess
         self._cut |= self._where.move(inputs, passed_s, in_scene=self._in_scene)
-        self._cut |= self._presence.update(inputs, located=self._where.tracking.found)
+        self._cut |= self._presence.update(
+            inputs,
+            located=self._where.tracking.found,
+            rendered=bool(timing.should_render),
+        )
         tracking = self._where.tracking
         frame = Frame(
             index=self._next_index,
