@@ -29,15 +29,17 @@ _ROUNDING_S = 1e-6
 """Of session times in files."""
 
 _OPTIONAL: dict[str, Kind] = {
-    "head_valid": "BIGINT", "head_tracked": "BIGINT", "session_state": "VARCHAR",
-    "missed_refreshes": "BIGINT", "focus_m": "DOUBLE", "focus_raw_m": "DOUBLE",
+    "should_render": "BIGINT", "head_valid": "BIGINT", "head_tracked": "BIGINT",
+    "session_state": "VARCHAR", "missed_refreshes": "BIGINT",
+    "focus_m": "DOUBLE", "focus_raw_m": "DOUBLE",
     "max_blur_px": "DOUBLE", "avatar_x_m": "DOUBLE", "avatar_y_m": "DOUBLE", "avatar_z_m": "DOUBLE",
 }  # fmt: skip
 """What a recording may lack, or leave blank."""
 _PLAIN = ("session_s", "xr_time_ns", "period_ns", "trial", "dropped", "discontinuity")
 _HEAD = ("head_x_m", "head_y_m", "head_z_m", "head_qx", "head_qy", "head_qz", "head_qw")
-_BEFORE = ("session_s", "xr_time_ns", "period_ns", "trial", *_HEAD, "head_valid", "session_state",
-           "focus_m", "max_blur_px", "avatar_x_m", "avatar_y_m", "avatar_z_m")  # fmt: skip
+_BEFORE = ("session_s", "xr_time_ns", "period_ns", "trial", *_HEAD, "should_render",
+           "head_valid", "session_state", "focus_m", "max_blur_px", "avatar_x_m", "avatar_y_m",
+           "avatar_z_m")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -312,6 +314,8 @@ _STEADY = (
 )
 _STEPS = f"""
     xr_time_ns, period_ns, dropped, missed_refreshes, head_tracked, discontinuity,
+    coalesce(should_render = 0, false) AS unseen,
+    coalesce(should_render_before = 0, false) AS unseen_before,
     coalesce(session_state = 'visible', false) AS menu,
     coalesce(session_state_before = 'visible', false) AS menu_before,
     CASE WHEN {_FOLLOWS} THEN xr_time_ns - xr_time_ns_before END AS passed,
@@ -328,20 +332,22 @@ _STEPS = f"""
     CASE WHEN {_FOLLOWS} THEN max_blur_px <> max_blur_px_before END AS blur_changed"""
 
 _TIMES = f"""
-    CASE WHEN discontinuity = {CUT} THEN least(passed, shown)
+    CASE WHEN unseen_before THEN 0 WHEN discontinuity = {CUT} THEN least(passed, shown)
         WHEN passed > {DROPPED_INTERVAL_PERIODS} * shown THEN shown ELSE passed END AS seen,
-    discontinuity <> {CUT} AND dropped > 0 AS froze"""
+    discontinuity <> {CUT} AND dropped > 0 AND NOT unseen_before AS froze"""
 
 _SUMS = """
     count(*) AS frames, sum(dropped) AS dropped, sum(missed_refreshes) AS missed,
     coalesce(sum(seen) FILTER (NOT menu_before), 0)
-        + CASE WHEN NOT arg_max(menu, xr_time_ns) THEN arg_max(period_ns, xr_time_ns) ELSE 0 END
-        AS live,
+        + CASE WHEN arg_max(menu OR unseen, xr_time_ns) THEN 0
+        ELSE arg_max(period_ns, xr_time_ns) END AS live,
     coalesce(sum(seen) FILTER (menu_before), 0)
-        + CASE WHEN arg_max(menu, xr_time_ns) THEN arg_max(period_ns, xr_time_ns) ELSE 0 END
-        AS unfocused,
+        + CASE WHEN arg_max(menu AND NOT unseen, xr_time_ns) THEN arg_max(period_ns, xr_time_ns)
+        ELSE 0 END AS unfocused,
     coalesce(sum(passed - seen) FILTER (froze), 0) AS frozen,
-    coalesce(sum(passed - seen) FILTER (NOT froze), 0) AS hidden,
+    coalesce(sum(passed - seen) FILTER (NOT froze), 0)
+        + CASE WHEN arg_max(unseen, xr_time_ns) THEN arg_max(period_ns, xr_time_ns) ELSE 0 END
+        AS hidden,
     sum(CASE WHEN head_tracked = 0 THEN period_ns WHEN head_tracked = 1 THEN 0 END) AS untracked,
     coalesce(bool_or(wrong), false) AS wrong,
     sum(head_step) AS head_path, sum(turn) AS turning,
