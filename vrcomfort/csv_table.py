@@ -5,18 +5,23 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
 from pathlib import Path
-from typing import BinaryIO, NoReturn, Self
+from typing import BinaryIO, NoReturn, Self, TypeVar
 
 from vrcomfort.errors import InputError
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 NOTHING = frozenset({"na", "nan", "n/a"})
+LARGEST_WHOLE = 2**62
+"""What int64 holds with room for a sum."""
 _BLOCK = 2**15
+_LONGEST_SHOWN = 40
+
+Number = TypeVar("Number", int, float)
 
 
 @dataclass(frozen=True)
@@ -106,8 +111,38 @@ class CsvTable:
             for column in columns:
                 cell = row.get(column, "").strip()
                 if cell and number_or_none(cell) is None:
-                    message = f"{cell!r} is not a number; write digits, with a decimal point"
+                    message = "is not a number; write digits, with a decimal point"
+                    message = f"{shortened(cell)} {message}"
                     raise self.fault(message, line, column)
+
+    def numbers(self, column: str, *, blank: float | None = None) -> list[float]:
+        """Return the numbers of a column.
+
+        Parameters
+        ----------
+        blank
+            What a blank cell means; None: there may be none.
+
+        Raises
+        ------
+        InputError
+            At the first cell that is no number.
+        """
+        return [*self._read(column, number_or_none, blank, "a number; write digits")]
+
+    def whole_numbers(self, column: str, *, blank: int | None = None) -> list[int]:
+        """Return the whole numbers of a column, as `numbers`."""
+        return [*self._read(column, whole_or_none, blank, "a whole number")]
+
+    def _read(
+        self, column: str, read: Callable[[str], Number | None], blank: Number | None, wanted: str
+    ) -> Iterator[Number]:
+        place = self.header.index(column)
+        for line, row in zip(self.lines, self.rows, strict=True):
+            value = read(row[place]) if row[place].strip() else blank
+            if value is None:
+                raise self.fault(f"{shortened(row[place])} is not {wanted}", line, column)
+            yield value
 
     def fault(self, message: str, line: int, column: str | None = None) -> InputError:
         """Return the error of a row, or of one cell."""
@@ -156,6 +191,20 @@ def number_or_none(cell: str) -> float | None:
         return number_in(cell)
     except ValueError:
         return None
+
+
+def whole_or_none(cell: str | None) -> int | None:
+    """Return the whole number of a cell that may hold anything; None where int64 holds none."""
+    try:
+        found = int(plain_digits(cell or ""))
+    except ValueError:
+        return None
+    return found if abs(found) < LARGEST_WHOLE else None
+
+
+def shortened(cell: str) -> str:
+    """Return a cell in quotes, as a sentence shows it: a long one by its beginning."""
+    return repr(cell if len(cell) <= _LONGEST_SHOWN else f"{cell[:_LONGEST_SHOWN]}…")
 
 
 class _Text:

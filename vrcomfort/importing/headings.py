@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
+from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.importing.source import Grid, Reading, SourceTable, unique
 
@@ -169,7 +170,7 @@ def _is_heading(rows: Sequence[Sequence[str]]) -> bool:
     first, below = rows[0], rows[1:60]
     if not below:
         return True
-    count = [int(cell) for cell in first if cell.isdigit()]
+    count = [number for number in map(whole_or_none, first) if number is not None and number >= 0]
     if len(count) >= 3 and all(b - a == 1 for a, b in pairwise(count)):
         return True  # the numbers of items
     numeric_below = [

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from vrcomfort.csv_table import CsvTable, number_or_none
+from vrcomfort.csv_table import CsvTable, number_or_none, whole_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.json_text import parse_json
 from vrcomfort.questionnaire import (
@@ -318,12 +318,12 @@ def _of_last_attempts(rows: tuple[dict[str, str], ...]) -> tuple[dict[str, str],
     last: dict[tuple[str, ...], int] = {}
     for row in rows:
         key = tuple(row.get(name, "") for name in ("participant", "session", "trial"))
-        attempt = int(row["attempt"]) if row["attempt"].isdecimal() else 0
+        attempt = whole_or_none(row["attempt"]) or 0
         last[key] = max(attempt, last.get(key, 0))
     return tuple(
         row
         for row in rows
-        if (int(row["attempt"]) if row["attempt"].isdecimal() else 0)
+        if (whole_or_none(row["attempt"]) or 0)
         == last[tuple(row.get(name, "") for name in ("participant", "session", "trial"))]
     )
 
