@@ -10,6 +10,11 @@ from typing import Any, NamedTuple
 
 from vrcomfort.errors import InputError
 
+MOST_CELLS = 10_000_000
+"""Of a table, with the blank ones that make its rows equally long."""
+LONGEST_TEXT = 131_072
+"""Characters of a cell: what Python's reader of CSV takes."""
+
 
 class Reading(NamedTuple):
     """How a file is read; what is None (or blank) is found out, and said.

@@ -22,7 +22,9 @@ from vrcomfort.questionnaire import (
     shipped_instruments,
 )
 from vrcomfort.recordings import ExposureFrames, Memory, frame_measures
+from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.schema import check_schema_version
+from vrcomfort.records.session_rows import ScreeningRow
 from vrcomfort.report.gaps import gaps, unreadable
 from vrcomfort.report.ordering import natural
 from vrcomfort.settings import read_text
@@ -41,6 +43,11 @@ _NEEDED_ELSEWHERE = {
     "screening.csv": ("participant", "rule", "decision"),
     "dials.csv": ("participant", "dial", "kind", "value"),
 }
+_COLUMNS: Mapping[str, tuple[str, ...]] = {
+    "participants.csv": ("participant", "status"),
+    **{each.FILE: each.columns() for each in (TrialRow, RatingRow, TaskRow, ScreeningRow, DialRow)},
+}
+"""What every row has; blank where its file has no such column."""
 _INSTEAD = ("tasks.csv", "dials.csv", "ratings.csv", "participants.csv")
 """What a study may have instead of questionnaires."""
 _NUMBERS = (
@@ -142,13 +149,14 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
     if files and not sheets and not any(instead):
         raise InputError("no known questionnaire is answered in this table", file=source)
     description = _json(source / "dataset_description.json") if source.is_dir() else {}
+    protocol = description.get("protocol")
     participants = _table(source, "participants.csv", warnings)
     manifests = _manifests(source, warnings)
     warnings += gaps(source, description, participants, manifests)
     dials = _of_last_attempts(_table(source, "dials.csv", warnings))
     return StudyData(
         title=str(description.get("name") or source.resolve().name),
-        protocol=description.get("protocol"),
+        protocol=protocol if isinstance(protocol, str) else None,
         labels=_labels(description.get("conditions")),
         instruments=known,
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
@@ -286,10 +294,10 @@ def _table(source: Path, name: str, warnings: list[str]) -> tuple[dict[str, str]
             warnings.append(f"{place}: not used, because it has no column {missing[0]}")
         else:
             found.require_numbers(_NUMBERS)
-            rows += found.dicts()
+            blank = dict.fromkeys(_COLUMNS[name], "")
+            rows += ({**blank, **row} for row in found.dicts())
     if name == "participants.csv":
         _require_each_once(source, rows)
-        rows = [{"status": "", **row} for row in rows]
     return tuple(rows)
 
 
@@ -305,7 +313,7 @@ def _require_each_once(source: Path, rows: list[dict[str, str]]) -> None:
 
 def _last_attempts(trials: tuple[dict[str, str], ...]) -> tuple[dict[str, str], ...]:
     """Leave out what was begun again later; a table without attempts stays as it is."""
-    if not all("attempt" in trial for trial in trials):
+    if not all(trial["attempt"] for trial in trials):
         return trials
     last = {(trial["participant"], trial["session"], trial["trial"]): trial for trial in trials}
     return tuple(last.values())
@@ -313,7 +321,7 @@ def _last_attempts(trials: tuple[dict[str, str], ...]) -> tuple[dict[str, str], 
 
 def _of_last_attempts(rows: tuple[dict[str, str], ...]) -> tuple[dict[str, str], ...]:
     """Leave out rows of attempts at a trial that was begun again later."""
-    if not all("attempt" in row for row in rows):
+    if not all(row["attempt"] for row in rows):
         return rows
     last: dict[tuple[str, ...], int] = {}
     for row in rows:
