@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
@@ -331,7 +332,7 @@ def _header(file: Path, records: list[tuple[int, tuple[str, ...]]]) -> tuple[str
         words, rows = cells[0].split(), records[1:]
         cells = words if not rows or len(words) == len(rows[0][1]) else cells
     header = tuple(map(str.strip, cells))
-    twice = {name for name in header if name and header.count(name) > 1}
+    twice = {name for name, count in Counter(header).items() if name and count > 1}
     if twice:
         message = f"column {min(twice)!r} appears twice; keep one"
         raise InputError(message, file=file, line=line, column=min(twice))

@@ -1,12 +1,12 @@
-"""Looks through the XML of an archive before anything is built of it."""
+"""Looks through the XML of a workbook's archive before anything is built of it."""
 
 from __future__ import annotations
 
 import io
 import zipfile
-import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import NoReturn
 from xml.parsers import expat
 
 from vrcomfort.errors import InputError
@@ -15,63 +15,71 @@ MOST_BYTES = 2**28
 """Of XML, unpacked: some five million cells."""
 MOST_ELEMENTS = 30_000_000
 """Of XML: a cell is two or three."""
-NO_WORKBOOK = "this is not a workbook that can be read; save it as .xlsx or CSV"
-_CONTENTS = "[Content_Types].xml"
+
 _LOOKED_AT = 64
 """Bytes of a file in which XML has its first sign."""
-_SAVE_AGAIN = "open it in a spreadsheet program, and save it again"
-_DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError)
-"""What zipfile raises on damaged archives, on a password, and on compression it does not know."""
+_NO_WORKBOOK = "this is not a workbook that can be read; save it as .xlsx or CSV"
 
 
 def check_archive(content: bytes, file: Path) -> None:
-    """See that the XML of an archive is whole, and no more than can be read.
+    """See that the XML of a workbook is whole, and no more than can be read.
 
-    Document types are refused: nothing that a spreadsheet program saves has one, and entities
-    expand.
+    Document types are refused: no spreadsheet program writes one, and their entities expand.
 
     Raises
     ------
     InputError
         With the part of the archive, and the line and column in it.
     """
+    with told(file, "this workbook"):
+        archive = _opened(content, file)
+        parts = [each for each in archive.infolist() if _is_xml(archive, each)]
+        _require_room(sum(each.file_size for each in parts), MOST_BYTES, "bytes", file)
     elements = 0
 
     def count(_name: str, _attributes: object) -> None:
         nonlocal elements
         elements += 1
-        if elements > MOST_ELEMENTS:
-            _refuse(file, f"it holds more than {MOST_ELEMENTS:,} elements; delete what is no data")
+        _require_room(elements, MOST_ELEMENTS, "elements", file)
 
     def no_document_type(*_: object) -> None:
-        _refuse(file, f"{part} has a document type, as no workbook has; {_SAVE_AGAIN}")
+        raise InputError("it has a document type, as no workbook has; save it again", file=file)
 
-    part = ""
-    if not zipfile.is_zipfile(io.BytesIO(content)):
-        raise InputError(NO_WORKBOOK, file=file)
+    for part in parts:
+        with told(file, f"{part.filename} of this workbook"), archive.open(part) as stream:
+            parser = expat.ParserCreate()
+            parser.StartDoctypeDeclHandler = no_document_type
+            parser.StartElementHandler = count
+            parser.ParseFile(stream)
+
+
+@contextmanager
+def told(file: Path, what: str) -> Iterator[None]:
+    """Turn whatever is raised while `what` is read into one sentence.
+
+    Of any kind: zipfile and openpyxl take much of what they read for granted.
+
+    Raises
+    ------
+    InputError
+        In place of any other exception.
+    """
     try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            if _CONTENTS not in archive.namelist():
-                raise InputError(NO_WORKBOOK, file=file)
-            parts = [each for each in archive.infolist() if _is_xml(archive, each)]
-            unpacked = sum(each.file_size for each in parts)
-            if unpacked > MOST_BYTES:
-                most = f"{MOST_BYTES >> 20} MB; delete what is no data"
-                _refuse(file, f"it unpacks to {unpacked >> 20:,} MB, and may to {most}")
-            for each in parts:
-                part = each.filename
-                parser = expat.ParserCreate()
-                parser.StartDoctypeDeclHandler = no_document_type
-                parser.StartElementHandler = count
-                with archive.open(each) as stream:
-                    parser.ParseFile(stream)
-    except expat.ExpatError as error:
-        place = f"{part}, line {error.lineno}, column {error.offset + 1}"
-        what = expat.ErrorString(error.code)
-        _refuse(file, f"it is damaged ({place}: {what}); {_SAVE_AGAIN}")
-    except _DAMAGED as error:
-        said = " ".join(str(error).split())[:80]
-        _refuse(file, f"it is damaged ({part or 'the archive'}: {said}); {_SAVE_AGAIN}")
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        said = f"{type(error).__name__}: {' '.join(str(error).split())[:80]}"
+        message = f"{what} is damaged ({said}); open it in a spreadsheet program, and save it again"
+        raise InputError(message, file=file) from error
+
+
+def _opened(content: bytes, file: Path) -> zipfile.ZipFile:
+    if zipfile.is_zipfile(io.BytesIO(content)):
+        archive = zipfile.ZipFile(io.BytesIO(content))
+        if "[Content_Types].xml" in archive.namelist():
+            return archive
+    raise InputError(_NO_WORKBOOK, file=file)
 
 
 def _is_xml(archive: zipfile.ZipFile, part: zipfile.ZipInfo) -> bool:
@@ -79,5 +87,7 @@ def _is_xml(archive: zipfile.ZipFile, part: zipfile.ZipInfo) -> bool:
         return b"<" in stream.read(_LOOKED_AT)
 
 
-def _refuse(file: Path, why: str) -> NoReturn:
-    raise InputError(f"this workbook cannot be read: {why}", file=file)
+def _require_room(found: int, most: int, what: str, file: Path) -> None:
+    if found > most:
+        message = f"this workbook unpacks to more than {most:,} {what}; delete what is no data"
+        raise InputError(message, file=file)

@@ -44,6 +44,19 @@ class Reading(NamedTuple):
     transpose: bool = False
 
 
+def require_room(rows: int, width: int, file: Path, longest: str) -> None:
+    """Refuse to make rows equally long where that are too many cells.
+
+    Raises
+    ------
+    InputError
+        With what is the longest.
+    """
+    if rows * width > MOST_CELLS:
+        message = f"{longest}: with it, {rows:,} rows have {rows * width:,} cells, and may have"
+        raise InputError(f"{message} {MOST_CELLS:,}; delete what is no data", file=file)
+
+
 @dataclass(frozen=True)
 class Grid:
     """Cells of one sheet before anything is known of them; `numbers` are their rows from 1.

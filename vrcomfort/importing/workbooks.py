@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import io
 import warnings
-from collections.abc import Iterable, Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Iterable
+from contextlib import closing
 from pathlib import Path
 from typing import IO, Any
 from xml.etree.ElementTree import Element, iterparse
 
 from vrcomfort.errors import InputError
-from vrcomfort.importing.archives import check_archive
+from vrcomfort.importing.archives import check_archive, told
 from vrcomfort.importing.source import LONGEST_TEXT, MOST_CELLS, Grid, Reading, cell_text
 from vrcomfort.importing.text_files import read_bytes
 
@@ -24,7 +24,6 @@ _ENCRYPTED = b"\xd0\xcf\x11\xe0"
 _XML = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
 _ROW, _MERGED = f"{_XML}row", f"{_XML}mergeCell"
 _FORMULA, _VALUE = f"{_XML}f", f"{_XML}v"
-_SAVE_AGAIN = "open it in a spreadsheet program, and save it again"
 
 
 def read_workbook(file: Path, reading: Reading) -> list[Grid]:
@@ -47,7 +46,7 @@ def read_workbook(file: Path, reading: Reading) -> list[Grid]:
     check_archive(content, file)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # styles and such that it does not keep
-        with _told(file, "the workbook"):
+        with told(file, "this workbook"):
             book = load_workbook(
                 io.BytesIO(content), read_only=True, data_only=True, keep_links=False
             )
@@ -58,20 +57,6 @@ def read_workbook(file: Path, reading: Reading) -> list[Grid]:
     if not found:
         raise InputError("this workbook is empty", file=file)
     return found
-
-
-@contextmanager
-def _told(file: Path, what: str) -> Iterator[None]:
-    """Turn whatever openpyxl raises on damaged content into one sentence."""
-    try:
-        yield
-    except InputError:
-        raise
-    except Exception as error:
-        # Of any kind: its readers take values for granted, and fall over their absence.
-        said = " ".join(str(error).split())[:80]
-        message = f"{what} cannot be read ({type(error).__name__}: {said})"
-        raise InputError(f"{message}; {_SAVE_AGAIN}", file=file) from error
 
 
 class _Size:
@@ -97,7 +82,7 @@ class _Size:
 def _grid(file: Path, sheet: Any, reading: Reading, size: _Size) -> Grid:
     cells: dict[int, dict[int, str]] = {}
     merged: list[tuple[int | None, int | None, int | None, int | None]] = []
-    with _told(file, f"sheet {sheet.title}"), sheet._get_source() as source:
+    with told(file, f"sheet {sheet.title}"), sheet._get_source() as source:
         _read_sheet(file, sheet, source, cells, merged, size)
     _fill_merged(cells, merged, sheet.title, size)
     kept = dict(sorted(cells.items()))
@@ -144,7 +129,9 @@ def _read_sheet(
         if event == "start" or in_row:
             continue
         if element.tag == _ROW:
-            number, row = parser.parse_row(element)
+            place = element.get("r") or parser.row_counter + 1
+            with told(file, f"sheet {sheet.title}, row {str(place)[:10]}"):
+                number, row = parser.parse_row(element)
             size.add(1 + len(row), sheet.title, f"row {number}")
             for cell, said in zip(row, element, strict=True):
                 place = f"sheet {sheet.title}, cell {get_column_letter(cell['column'])}{number}"
