@@ -7,6 +7,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from vrcomfort.visible_text import visible
+
 LONGEST_CHARACTERS = 4096
 """Of a message; a note of a page's length fits."""
 
@@ -68,6 +70,6 @@ def _checked(content: dict[str, Any]) -> Entered | str:
     numeric = isinstance(value, int | float) and not isinstance(value, bool)
     if value is not None and not (numeric and math.isfinite(value) and abs(value) < 1e9):
         return "`value` of a message is no number; reload the page"
-    own_words = content["action"] == "write"
-    said = text.strip() if own_words else " ".join(text.split())
-    return Entered(content["id"], content["action"], step, said, value)
+    own_words = content["action"] == "write"  # kept to the letter, escaped: `one_line`
+    said = text.strip() if own_words else visible(" ".join(text.split()))
+    return Entered(visible(content["id"]), visible(content["action"]), step, said, value)

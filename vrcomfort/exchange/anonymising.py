@@ -8,7 +8,6 @@ for.
 from __future__ import annotations
 
 import csv
-import json
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,6 +21,7 @@ from vrcomfort import __version__
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.private_facts import EPOCH, Moved, of_event, of_manifest
 from vrcomfort.exchange.room import new_folder, require_whole
+from vrcomfort.json_text import json_of
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.checksums import seal
 from vrcomfort.records.disk import Access, make_folders, replace_text
@@ -31,7 +31,7 @@ from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.pose_columns import AVATAR, EYES, HANDS, HEAD
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.row_files import SESSION_ROWS
-from vrcomfort.records.rows import cell_text, csv_line
+from vrcomfort.records.rows import csv_line
 from vrcomfort.records.session_rows import (
     IPD_RULE,
     EventRow,
@@ -129,7 +129,7 @@ def _write(
             _Session(study, out, old, names[old], number, moved, wishes, access).write()
     _write_participants(out, rows, names, access)
     record = _record(list(rows.values()), wishes)
-    replace_text(out / RECORD, json.dumps(record, indent=2, ensure_ascii=False) + "\n", access)
+    replace_text(out / RECORD, json_of(record) + "\n", access)
     return record
 
 
@@ -169,7 +169,7 @@ def _write_participants(
     lines = [csv_line((*ParticipantRow.columns(), *others))]
     for row in sorted(blank, key=lambda each: each.participant):
         more = [dict(row.others).get(name, "") for name in others]
-        lines.append(csv_line(map(cell_text, (*row.cells(), *more))))
+        lines.append(csv_line((*row.cells(), *more)))
     replace_text(out / ParticipantRow.FILE, "".join(lines), access)
 
 
@@ -192,7 +192,7 @@ class _Session:
         folder = session_folder(self.out, self.new, self.number)
         make_folders(self.out, folder, self.access)
         manifest = of_manifest(read_manifest(source), self.new, self.moved)
-        text = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
+        text = json_of(manifest) + "\n"
         replace_text(folder / "manifest.json", text, self.access)
         more = (TaskRow, DialRow, ScreeningRow, GazeValidationRow, PracticeRow)
         there = [each for each in more if (source / each.FILE).exists()]

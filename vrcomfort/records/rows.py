@@ -10,6 +10,11 @@ from dataclasses import fields
 from functools import cache
 from typing import Any, ClassVar, Protocol, TypeAlias
 
+from vrcomfort.visible_text import visible
+
+LONGEST_CELL = 120_000
+"""Characters; `csv` reads cells of up to 131,072."""
+
 Cell: TypeAlias = str | int | float | None
 
 
@@ -48,17 +53,22 @@ class FlatRow:
 def cell_text(value: Cell) -> str:
     """Write a cell: blank for None and for numbers that are none, shortest exact text for floats.
 
-    Line ends inside a text become spaces, so that a row is a line and a cut one is seen.
+    Line ends inside a text become spaces, so that a row is a line and a cut one is seen. Other
+    characters that would break it are written as `visible` does; of a text that no reader would
+    take for a cell, the beginning stays.
     """
     if isinstance(value, float):  # most are
         return repr(float(value)) if math.isfinite(value) else ""
     if value is None:
         return ""
-    return " ".join(value.splitlines()) if isinstance(value, str) else str(int(value))
+    if not isinstance(value, str):
+        return str(int(value))
+    text = visible(" ".join(value.splitlines()))
+    return text if len(text) <= LONGEST_CELL else f"{text[:LONGEST_CELL]}…"
 
 
-def csv_line(cells: Iterable[str]) -> str:
-    """Return one CSV line with its line end."""
+def csv_line(cells: Iterable[Cell]) -> str:
+    """Return one CSV line with its line end, whatever its cells hold."""
     line = io.StringIO()
-    csv.writer(line, lineterminator="\n").writerow(cells)
+    csv.writer(line, lineterminator="\n").writerow(map(cell_text, cells))
     return line.getvalue()
