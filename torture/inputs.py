@@ -148,7 +148,9 @@ def _workbooks() -> list[bytes]:
         sheet.append([f"P{row}", date(2026, 3, 1 + row), row % 4, 0.5, "slight", row % 2 == 0])
     for merged in ("A1:A2", "B1:B2", "C1:D1", "E1:F1"):
         sheet.merge_cells(merged)
-    book.create_sheet("more").append(["code", "age"])
+    more = book.create_sheet("more")
+    for row in (["code", "age"], ["P1", 31], ["P2", 29.5]):
+        more.append(row)
     file = io.BytesIO()
     book.save(file)
     return [file.getvalue()]
@@ -160,46 +162,57 @@ def _lab_json() -> list[bytes]:
     return [json.dumps(each).encode() for each in (rows, columns, {"P1": rows[0], "P2": rows[1]})]
 
 
-_MAPPING = """format_version = 1
+def _mapping() -> list[bytes]:
+    """Return a mapping that says of a table what can be said."""
+    others = [item.name for item in SSQ.items if item.name not in {"nausea", "fatigue"}]
+    return [
+        f"""format_version = 1
 name = "A study"
-condition_labels = { a = "60 Hz" }
+condition_labels = {{ a_1 = "60 Hz" }}
 ignore_sheets = ["notes"]
 
 [[tables]]
 files = ["*.csv"]
-file_name = "{participant}_{*}"
-read = { separator = ";", heading_rows = [1, 2], skip_rows = [3] }
-participant = { column = "code", values = { "p 1" = "P1" } }
-condition = { columns = ["group", "round"] }
-trial = { count = true }
-participants = { age = "Age" }
-leave_out = { code = ["Mean", ""] }
+read = {{ separator = ";", decimal = ".", heading_rows = [1], skip_rows = [2] }}
+participant = {{ column = "code", values = {{ "p 1" = "P1" }} }}
+condition = {{ columns = ["group", "round"] }}
+trial = {{ count = true }}
+participants = {{ age = "Age" }}
+leave_out = {{ code = ["Mean", ""] }}
 missing = ["-99"]
+ignore = ["Date"]
 
 [[tables.questionnaires]]
 instrument = "ssq"
-heading = "{timepoint}_{item}"
-answers = { none = 0, slight = 1 }
-items = { nausea = "Nausea", fatigue = ["Fatigue", "Tired"] }
-item_coding = { nausea = { coded_from = 1, times = 2.0 } }
-not_asked = ["sweating"]
+heading = "{{timepoint}}_{{item}}"
+answers = {{ none = 0, slight = 1 }}
+items = {{ nausea = "Nausea", fatigue = ["Fatigue", "Tired"] }}
+item_coding = {{ nausea = {{ coded_from = 1, times = 2.0 }} }}
+not_asked = {others}
 
 [[tables.scores]]
 instrument = "ssq"
 pattern = '(?P<item>T|N)_(?P<timepoint>.+)'
 kind = "other"
-scales = { T = "T" }
+scales = {{ T = "T" }}
 
 [[doubts]]
 question = "Is it?"
 answer = "yes"
+""".encode()
+    ]
+
+
+_LAB_TABLE = """code;group;round;Age;Date;pre_Nausea;pre_Tired;T_pre
+in words;;;;;;;
+p 1;a;1;30;x;1;slight;22.740000000000002
 """
 
 
 def _read_mapping(file: Path) -> object:
     """Read a mapping, and a table as it says."""
-    table = file.with_name("P1_x.csv")
-    table.write_text("code;group;round;Age;pre_Nausea\n;;;;\nP1;a;1;30;none\n", encoding="utf-8")
+    table = file.with_name("lab.csv")
+    table.write_text(_LAB_TABLE, encoding="utf-8")
     loaded = load_mapping(file)
     return import_files([table], loaded.mapping, loaded.instruments)
 
@@ -229,7 +242,7 @@ KINDS: Mapping[str, Kind] = {
     "workbooks": Kind("lab.xlsx", _workbooks, read_tables),
     "JSON of labs": Kind("lab.json", _lab_json, read_tables),
     "tables of labs": Kind("lab.csv", _wide_answers, lambda file: suggest_mapping([file])),
-    "mappings": Kind("map.toml", lambda: [_MAPPING.encode()], _read_mapping),
+    "mappings": Kind("map.toml", _mapping, _read_mapping),
     "glTF": Kind("scene.gltf", _scene_file, load_scene),
     "binary glTF": Kind("scene.glb", lambda: [small_scene.glb(small_scene.whole())], load_scene),
     "side-cars": Kind(
