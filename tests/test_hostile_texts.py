@@ -22,6 +22,7 @@ from vrcomfort.cli.app import app
 from vrcomfort.console.messages import read_entered
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
+from vrcomfort.escaping import escape_unprintable
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.json_text import json_of, parse_json
 from vrcomfort.protocol import load_protocol
@@ -29,7 +30,6 @@ from vrcomfort.records import read_participants
 from vrcomfort.records.exclusion import add_note, exclude, undo_exclusion
 from vrcomfort.records.rows import csv_line
 from vrcomfort.report.study_data import read_study
-from vrcomfort.visible_text import visible
 
 TEXTS = {
     "half a character": "a\ud800b",
@@ -78,9 +78,9 @@ def test_every_parameter_that_takes_a_text_is_tried_here_or_checked():
 
 @texts
 def test_a_text_is_visible_and_stays_what_it_is(text):
-    assert not BREAKING.search(visible(text))
-    assert visible(visible(text)) == visible(text)
-    assert visible("Müller 漢字 🙂 \\n\t\n") == "Müller 漢字 🙂 \\n\t\n"
+    assert not BREAKING.search(escape_unprintable(text))
+    assert escape_unprintable(escape_unprintable(text)) == escape_unprintable(text)
+    assert escape_unprintable("Müller 漢字 🙂 \\n\t\n") == "Müller 漢字 🙂 \\n\t\n"
 
 
 @texts
@@ -108,7 +108,7 @@ def test_notes_and_reasons_of_an_experimenter(text, tmp_path, run):
         assert (code, err) == (0, ""), command
         assert_harmless(study)
     (row,) = read_participants(study)
-    assert row.note.count(" ".join(visible(text).splitlines())[:5]) >= 4
+    assert row.note.count(" ".join(escape_unprintable(text).splitlines())[:5]) >= 4
     go(tmp_path, resume=True)
     assert_harmless(study)
 
@@ -199,7 +199,7 @@ def test_bytes_that_are_no_text_are_typed_and_printed(monkeypatch):
     printed = io.BytesIO()
     monkeypatch.setattr(sys, "stdin", typed)
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(printed, "ascii"))
-    cli._take_any_text()
+    cli._escape_foreign_text()
     print(input(), "\ud800 – é", flush=True)
     assert printed.getvalue() == b"M\\xfcller \\ud800 \\u2013 \\xe9\n"
-    cli._take_any_text()  # when it has been read from
+    cli._escape_foreign_text()  # when it has been read from

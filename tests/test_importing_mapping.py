@@ -404,6 +404,14 @@ def test_items_that_no_row_of_a_long_file_answers_are_said(long_file: Path) -> N
     assert said.notes == ["x.csv: 1 rows of 'Hunger' were left out: no item of that name"]
 
 
+def test_rows_count_where_a_column_is_blank(long_file: Path) -> None:
+    head, *rows = long_file.read_text("utf-8").splitlines()
+    lines = [f"{head},note", *(f"{row}," for row in rows), f"{rows[0]},again"]
+    long_file.write_text("\n".join(lines), "utf-8")
+    found = imported([long_file], f'{TOP}{FACTS}{LONG}where = {{ note = "" }}\n')
+    assert found.notes == ["x.csv: 1 rows with 'again' are in no questionnaire of the mapping"]
+
+
 def test_a_scale_that_an_instrument_does_not_have_is_refused_with_its_place() -> None:
     scores = '[[tables.scores]]\ninstrument = "ssq"\nscales = { Totl = "x" }\n'
     with pytest.raises(InputError, match=r"map\.toml, line 6, column 12: `Totl` is no scale of"):

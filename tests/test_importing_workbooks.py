@@ -94,7 +94,7 @@ MANY = "".join(f'<mergeCell ref="A1:B{n}"/>' for n in range(1000, 1100))
         ),
         (
             archive_of({**parts_of(GOOD), SHEET: b'<!DOCTYPE x [<!ENTITY a "ha">]><worksheet>&a;'}),
-            "it has a document type, as no workbook has; save it again",
+            f"{SHEET} of this workbook has a document type, as no spreadsheet",
         ),
         (
             with_sheet('<row r="7"><c r="A7" t="s"><v>99999</v></c></row>'),

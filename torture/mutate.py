@@ -141,7 +141,10 @@ def in_archive(content: bytes, rng: Rng) -> bytes:
     return file.getvalue()
 
 
-_NO_STRUCTURE = (ValueError, IndexError, csv.Error, zipfile.BadZipFile, zlib.error)
+_NO_STRUCTURE = (
+    ValueError, IndexError, csv.Error, zipfile.BadZipFile, zlib.error, EOFError,
+    RuntimeError,  # of archives with a password, and of versions and compressions to come
+)  # fmt: skip
 
 BY_SUFFIX: Mapping[str, Callable[[bytes, Rng], bytes]] = {
     ".json": in_json,

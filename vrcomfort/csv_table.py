@@ -122,7 +122,7 @@ class CsvTable:
         Parameters
         ----------
         blank
-            What a blank cell means; None: there may be none.
+            Value of a blank cell; None refuses blank cells.
 
         Raises
         ------
@@ -195,7 +195,7 @@ def number_or_none(cell: str) -> float | None:
 
 
 def whole_or_none(cell: str | None) -> int | None:
-    """Return the whole number of a cell that may hold anything; None where int64 holds none."""
+    """Return the whole number of a cell; None for other text and beyond `LARGEST_WHOLE`."""
     try:
         found = int(plain_digits(cell or ""))
     except ValueError:
@@ -204,7 +204,7 @@ def whole_or_none(cell: str | None) -> int | None:
 
 
 def shortened(cell: str) -> str:
-    """Return a cell in quotes, as a sentence shows it: a long one by its beginning."""
+    """Return a cell in quotes, shortened for a message."""
     return repr(cell if len(cell) <= _LONGEST_SHOWN else f"{cell[:_LONGEST_SHOWN]}…")
 
 

@@ -13,8 +13,8 @@ import re
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from vrcomfort.escaping import escape_unprintable
 from vrcomfort.resources import data_folder
-from vrcomfort.visible_text import visible
 
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; img-src 'self' data:; "
@@ -38,15 +38,15 @@ def page_templates() -> Environment:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
-        finalize=lambda value: unhidden(value) if type(value) is str else value,
+        finalize=lambda value: escape_hidden(value) if type(value) is str else value,
     )
     environment.globals["policy"] = POLICY
     return environment
 
 
-def unhidden(text: str) -> str:
-    r"""Write characters that break things, are not seen, or turn text around, as ``\u202e``."""
-    return visible(visible(text), _HIDDEN)
+def escape_hidden(text: str) -> str:
+    r"""Return a text with ``\u202e`` in place of unprintable, invisible and bidi characters."""
+    return escape_unprintable(escape_unprintable(text), _HIDDEN)
 
 
 def inline_svg(svg: str, name: str, attributes: str = 'role="img"') -> Markup:

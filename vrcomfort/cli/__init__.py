@@ -13,19 +13,16 @@ __all__ = ["main"]
 
 def main() -> None:
     """Run the command line; Ctrl-C while it is still being imported ends it without a word."""
-    _take_any_text()
+    _escape_foreign_text()
     with stopping.heard():
         with stopping.at_once():
             from vrcomfort.cli import app
         app.main()
 
 
-def _take_any_text() -> None:
-    r"""Let no text that is typed or printed end the program, whatever a terminal's encoding is.
-
-    What it does not have is written ``\xfc`` or ``\ufffd``.
-    """
+def _escape_foreign_text() -> None:
+    r"""Read and print text that is not in the terminal's encoding as ``\xfc`` or ``\ufffd``."""
     for stream in (sys.stdin, sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            with suppress(io.UnsupportedOperation):  # read from before: this is not its program
+            with suppress(io.UnsupportedOperation):  # it has been read from before
                 stream.reconfigure(errors="backslashreplace")

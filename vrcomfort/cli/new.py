@@ -13,11 +13,11 @@ import typer
 
 from vrcomfort.cli.terminal import console, dialogue, warn
 from vrcomfort.errors import InputError
+from vrcomfort.escaping import escape_unprintable
 from vrcomfort.protocol import parse_protocol
 from vrcomfort.protocol.draft import Draft
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import did_you_mean
-from vrcomfort.visible_text import visible
 
 
 class ComparedKind(StrEnum):
@@ -113,7 +113,7 @@ def somebody_answers() -> bool:
 
 def _line(text: str) -> str:
     """Return a text in one line, as a comment of a file can hold it."""
-    return visible(" ".join(text.split()))
+    return escape_unprintable(" ".join(text.split()))
 
 
 def _rating(kind: str) -> str:

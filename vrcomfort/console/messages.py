@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from vrcomfort.visible_text import visible
+from vrcomfort.escaping import escape_unprintable
 
 LONGEST_CHARACTERS = 4096
 """Of a message; a note of a page's length fits."""
@@ -71,5 +71,7 @@ def _checked(content: dict[str, Any]) -> Entered | str:
     if value is not None and not (numeric and math.isfinite(value) and abs(value) < 1e9):
         return "`value` of a message is no number; reload the page"
     own_words = content["action"] == "write"  # kept to the letter, escaped: `one_line`
-    said = text.strip() if own_words else visible(" ".join(text.split()))
-    return Entered(visible(content["id"]), visible(content["action"]), step, said, value)
+    said = text.strip() if own_words else escape_unprintable(" ".join(text.split()))
+    return Entered(
+        escape_unprintable(content["id"]), escape_unprintable(content["action"]), step, said, value
+    )

@@ -1,4 +1,4 @@
-"""Looks through the XML of a workbook's archive before anything is built of it."""
+"""Checks the XML of a workbook's archive before it is parsed into objects."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import io
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from xml.parsers import expat
 
@@ -18,11 +19,12 @@ MOST_ELEMENTS = 30_000_000
 
 _LOOKED_AT = 64
 """Bytes of a file in which XML has its first sign."""
+_SAVE_AGAIN = "open it in a spreadsheet program, and save it again"
 _NO_WORKBOOK = "this is not a workbook that can be read; save it as .xlsx or CSV"
 
 
 def check_archive(content: bytes, file: Path) -> None:
-    """See that the XML of a workbook is whole, and no more than can be read.
+    """Check that the XML of a workbook is well-formed and within the limits.
 
     Document types are refused: no spreadsheet program writes one, and their entities expand.
 
@@ -31,7 +33,7 @@ def check_archive(content: bytes, file: Path) -> None:
     InputError
         With the part of the archive, and the line and column in it.
     """
-    with told(file, "this workbook"):
+    with one_sentence(file, "this workbook"):
         archive = _opened(content, file)
         parts = [each for each in archive.infolist() if _is_xml(archive, each)]
         _require_room(sum(each.file_size for each in parts), MOST_BYTES, "bytes", file)
@@ -42,22 +44,20 @@ def check_archive(content: bytes, file: Path) -> None:
         elements += 1
         _require_room(elements, MOST_ELEMENTS, "elements", file)
 
-    def no_document_type(*_: object) -> None:
-        raise InputError("it has a document type, as no workbook has; save it again", file=file)
-
     for part in parts:
-        with told(file, f"{part.filename} of this workbook"), archive.open(part) as stream:
+        name = f"{part.filename} of this workbook"
+        with one_sentence(file, name), archive.open(part) as stream:
             parser = expat.ParserCreate()
-            parser.StartDoctypeDeclHandler = no_document_type
+            parser.StartDoctypeDeclHandler = partial(_refuse_document_type, file, name)
             parser.StartElementHandler = count
             parser.ParseFile(stream)
 
 
 @contextmanager
-def told(file: Path, what: str) -> Iterator[None]:
-    """Turn whatever is raised while `what` is read into one sentence.
+def one_sentence(file: Path, what: str) -> Iterator[None]:
+    """Turn any exception while `what` is read into one sentence.
 
-    Of any kind: zipfile and openpyxl take much of what they read for granted.
+    zipfile and openpyxl do not validate what they read: exceptions of all types come from them.
 
     Raises
     ------
@@ -70,8 +70,12 @@ def told(file: Path, what: str) -> Iterator[None]:
         raise
     except Exception as error:
         said = f"{type(error).__name__}: {' '.join(str(error).split())[:80]}"
-        message = f"{what} is damaged ({said}); open it in a spreadsheet program, and save it again"
-        raise InputError(message, file=file) from error
+        raise InputError(f"{what} is damaged ({said}); {_SAVE_AGAIN}", file=file) from error
+
+
+def _refuse_document_type(file: Path, name: str, *_: object) -> None:
+    message = f"{name} has a document type, as no spreadsheet program writes it"
+    raise InputError(f"{message}; {_SAVE_AGAIN}", file=file)
 
 
 def _opened(content: bytes, file: Path) -> zipfile.ZipFile:

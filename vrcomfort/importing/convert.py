@@ -20,7 +20,7 @@ from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suspects import suspects
 from vrcomfort.importing.table_import import Made, TableImport
-from vrcomfort.importing.unmet import texts_in, unmet
+from vrcomfort.importing.unmatched import texts_in, unmatched
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 
 
@@ -63,7 +63,7 @@ def import_files(
         if index not in used:
             names = ", ".join(table.files)
             raise InputError(f"the mapping has a table for {names}, which was not given; give it")
-    mapping.require_none(unmet(mapping, seen, known, imported.conditions))
+    mapping.require_none(unmatched(mapping, seen, known, imported.conditions))
     imported.instruments = {each.name: each for each in own}
     imported.instruments |= {name: each.made() for name, each in made.scores.items()}
     imported.scores = list(made.scores)

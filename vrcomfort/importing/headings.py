@@ -76,7 +76,13 @@ def transposed(grid: Grid) -> Grid:
 
 
 def _width(grid: Grid) -> int:
-    """Return the cells of the longest row, where there is room to make all others as long."""
+    """Return the length of the longest row.
+
+    Raises
+    ------
+    InputError
+        If padding all rows to it would take more than `MOST_CELLS`.
+    """
     number, row = max(zip(grid.numbers, grid.rows, strict=True), key=lambda each: len(each[1]))
     sheet = f"sheet {grid.sheet}, " if grid.sheet else ""
     require_room(len(grid.rows), len(row), grid.file, f"{sheet}row {number} is the longest")

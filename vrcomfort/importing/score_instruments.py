@@ -112,7 +112,7 @@ def _primary(instrument: Instrument, scales: Iterable[Scale]) -> str:
 
 
 def _decimals(values: Iterable[Answer]) -> int:
-    """Return how many decimals numbers have, of which `on_scale` leaves a few."""
+    """Return the number of decimals needed; `on_scale` has left at most `MOST_DECIMALS`."""
     return next(
         digits
         for digits in range(MOST_DECIMALS + 1)

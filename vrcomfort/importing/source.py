@@ -45,13 +45,7 @@ class Reading(NamedTuple):
 
 
 def require_room(rows: int, width: int, file: Path, longest: str) -> None:
-    """Refuse to make rows equally long where that are too many cells.
-
-    Raises
-    ------
-    InputError
-        With what is the longest.
-    """
+    """Raise `InputError` if rows padded to a width are more than `MOST_CELLS`; see `longest`."""
     if rows * width > MOST_CELLS:
         message = f"{longest}: with it, {rows:,} rows have {rows * width:,} cells, and may have"
         raise InputError(f"{message} {MOST_CELLS:,}; delete what is no data", file=file)

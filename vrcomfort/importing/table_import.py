@@ -30,7 +30,7 @@ from vrcomfort.questionnaire import Answer, Instrument, Scale, plain
 
 KnownInstruments = dict[str, Instrument]
 ALMOST = 0.85
-"""How alike two texts are of which one is the other, misspelt."""
+"""Similarity from which a text counts as another one misspelt."""
 STATUSES = ("enrolled", "completed", "withdrawn", "excluded")
 
 
@@ -67,7 +67,7 @@ class TableImport:
         self._left_out = 0
         self._blank: Counter[str] = Counter()
         self._unknown_items: dict[str, list[tuple[int, int]]] = {}
-        """Text that is no item → row and column of each cell that has it."""
+        """Text that is no item → row and column of each such cell."""
         self._elsewhere: Counter[str] = Counter()
         self._readers: dict[tuple[int, str], AnswerReader] = {}
 

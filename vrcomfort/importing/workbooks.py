@@ -1,7 +1,7 @@
 """Reads the sheets of Excel workbooks as text.
 
-A workbook is a ZIP archive of XML, in which a few bytes can stand for gigabytes. So all of its XML
-is looked through before anything is built of it, and what a sheet may hold is limited.
+A workbook is a ZIP archive of XML, in which a few bytes can stand for gigabytes. So its XML is
+checked before it is parsed, and cells are counted before they are made.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import IO, Any
 from xml.etree.ElementTree import Element, iterparse
 
 from vrcomfort.errors import InputError
-from vrcomfort.importing.archives import check_archive, told
+from vrcomfort.importing.archives import check_archive, one_sentence
 from vrcomfort.importing.source import LONGEST_TEXT, MOST_CELLS, Grid, Reading, cell_text
 from vrcomfort.importing.text_files import read_bytes
 
@@ -46,7 +46,7 @@ def read_workbook(file: Path, reading: Reading) -> list[Grid]:
     check_archive(content, file)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # styles and such that it does not keep
-        with told(file, "this workbook"):
+        with one_sentence(file, "this workbook"):
             book = load_workbook(
                 io.BytesIO(content), read_only=True, data_only=True, keep_links=False
             )
@@ -82,7 +82,7 @@ class _Size:
 def _grid(file: Path, sheet: Any, reading: Reading, size: _Size) -> Grid:
     cells: dict[int, dict[int, str]] = {}
     merged: list[tuple[int | None, int | None, int | None, int | None]] = []
-    with told(file, f"sheet {sheet.title}"), sheet._get_source() as source:
+    with one_sentence(file, f"sheet {sheet.title}"), sheet._get_source() as source:
         _read_sheet(file, sheet, source, cells, merged, size)
     _fill_merged(cells, merged, sheet.title, size)
     kept = dict(sorted(cells.items()))
@@ -105,10 +105,7 @@ def _read_sheet(
     merged: list[tuple[int | None, int | None, int | None, int | None]],
     size: _Size,
 ) -> None:
-    """Read the cells that a sheet has, and which of them are merged, in one pass.
-
-    What the sheet says of its own size is not asked.
-    """
+    """Read a sheet's cells and merged ranges in one pass; its stated dimension is not used."""
     from openpyxl.utils import get_column_letter, range_boundaries  # noqa: PLC0415
     from openpyxl.worksheet._reader import WorkSheetParser  # noqa: PLC0415
 
@@ -130,7 +127,7 @@ def _read_sheet(
             continue
         if element.tag == _ROW:
             place = element.get("r") or parser.row_counter + 1
-            with told(file, f"sheet {sheet.title}, row {str(place)[:10]}"):
+            with one_sentence(file, f"sheet {sheet.title}, row {str(place)[:10]}"):
                 number, row = parser.parse_row(element)
             size.add(1 + len(row), sheet.title, f"row {number}")
             for cell, said in zip(row, element, strict=True):
@@ -144,7 +141,7 @@ def _read_sheet(
 
 
 def _text(value: object, said: Element, known: dict[str, str], file: Path, place: str) -> str:
-    """Return the text of a cell; the same text is kept once."""
+    """Return the text of a cell; equal texts are one object."""
     if value is None and said.find(_FORMULA) is not None and said.find(_VALUE) is None:
         message = "this formula has no saved value; open the workbook, and save it again"
         raise InputError(f"{file}, {place}: {message}")

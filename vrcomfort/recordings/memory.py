@@ -12,7 +12,7 @@ from pathlib import Path
 import duckdb
 
 from vrcomfort.errors import InputError
-from vrcomfort.visible_text import visible
+from vrcomfort.escaping import escape_unprintable
 
 _UNITS = {"MB": 10**6, "GB": 10**9, "MIB": 2**20, "GIB": 2**30}
 _SIZE = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(MB|GB|MIB|GIB)\s*", re.IGNORECASE)
@@ -78,9 +78,9 @@ def quoted(text: str | Path) -> str:
     InputError
         If it has bytes that are no UTF-8, as names of files can; the database takes none.
     """
-    if visible(str(text)) != str(text):
+    if escape_unprintable(str(text)) != str(text):
         message = "its name has characters that the database does not take; rename it, or a folder"
-        raise InputError(f"{message} above it", file=visible(str(text)))
+        raise InputError(f"{message} above it", file=escape_unprintable(str(text)))
     return "'" + str(text).replace("'", "''") + "'"
 
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from vrcomfort.errors import InputError
 from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.records.study import (
+    checked_reason,
     now,
     only_run,
     read_participants,
     set_status,
-    told_reason,
     withdrawn_sessions,
 )
 
@@ -68,8 +68,8 @@ def add_note(study: Path, participant: str, text: str) -> None:
 
 
 def _known(study: Path, participant: str, text: str) -> tuple[ParticipantRow, str]:
-    """Return a participant's row, and what is said of them as it can be kept."""
+    """Return a participant's row, and the checked reason or note."""
     for row in read_participants(study):
         if row.participant == participant:
-            return row, told_reason(row, text)
+            return row, checked_reason(row, text)
     raise InputError(f"this study has no participant {participant}", file=study)

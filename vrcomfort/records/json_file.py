@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from vrcomfort.errors import InputError
-from vrcomfort.json_text import KeyPath, name_of, parse_json, place_of, whole
+from vrcomfort.json_text import KeyPath, escape_surrogates, name_of, parse_json, place_of
 from vrcomfort.records.schema import check_schema_version
 from vrcomfort.settings import in_words, read_text
 
@@ -57,7 +57,7 @@ def indented(content: Mapping[str, Any]) -> str:
     parts = (
         f"  {_key(key)}: {_indented(_ENCODER.encode(value))}" for key, value in content.items()
     )
-    return whole("{\n" + ",\n".join(parts) + "\n}")
+    return escape_surrogates("{\n" + ",\n".join(parts) + "\n}")
 
 
 @lru_cache(maxsize=256)

@@ -10,7 +10,7 @@ from dataclasses import fields
 from functools import cache
 from typing import Any, ClassVar, Protocol, TypeAlias
 
-from vrcomfort.visible_text import visible
+from vrcomfort.escaping import escape_unprintable
 
 LONGEST_CELL = 120_000
 """Characters; `csv` reads cells of up to 131,072."""
@@ -54,8 +54,7 @@ def cell_text(value: Cell) -> str:
     """Write a cell: blank for None and for numbers that are none, shortest exact text for floats.
 
     Line ends inside a text become spaces, so that a row is a line and a cut one is seen. Other
-    characters that would break it are written as `visible` does; of a text that no reader would
-    take for a cell, the beginning stays.
+    unprintable characters are escaped, and texts are cut at `LONGEST_CELL`.
     """
     if isinstance(value, float):  # most are
         return repr(float(value)) if math.isfinite(value) else ""
@@ -63,7 +62,7 @@ def cell_text(value: Cell) -> str:
         return ""
     if not isinstance(value, str):
         return str(int(value))
-    text = visible(" ".join(value.splitlines()))
+    text = escape_unprintable(" ".join(value.splitlines()))
     return text if len(text) <= LONGEST_CELL else f"{text[:LONGEST_CELL]}…"
 
 

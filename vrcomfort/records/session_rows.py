@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass
 from typing import ClassVar
 
+from vrcomfort.escaping import escape_unprintable
 from vrcomfort.records.rows import FlatRow
-from vrcomfort.visible_text import visible
 
 FACTS = ("gaze_validation_error_deg",)
 """Columns of participants.csv that sessions fill in."""
@@ -112,7 +112,7 @@ def one_line(text: str) -> str:
     back.
     """
     text = text.replace("\r\n", "\n").replace("\r", "\n").replace("\\", "\\\\")
-    return visible(text.replace("\n", "\\n").replace("\t", "\\u0009"))
+    return escape_unprintable(text.replace("\n", "\\n").replace("\t", "\\u0009"))
 
 
 def in_lines(text: str) -> str:

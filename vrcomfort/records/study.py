@@ -14,6 +14,7 @@ from typing import Any
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design, Enrolment
 from vrcomfort.errors import InputError
+from vrcomfort.escaping import escape_unprintable
 from vrcomfort.json_text import json_of, parse_json
 from vrcomfort.protocol import Protocol
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
@@ -36,7 +37,6 @@ from vrcomfort.records.rows import csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION
 from vrcomfort.records.session_rows import LONGEST_TEXT, ParticipantRow
 from vrcomfort.settings import read_text
-from vrcomfort.visible_text import visible
 
 DESCRIPTION = "dataset_description.json"
 LONGEST_NOTES = 80_000
@@ -342,15 +342,15 @@ def entered(
     return there.covariates
 
 
-def told_reason(row: ParticipantRow, text: str) -> str:
-    """Return what a person says of a participant, as it can be kept.
+def checked_reason(row: ParticipantRow, text: str) -> str:
+    """Return an experimenter's reason or note, escaped.
 
     Raises
     ------
     InputError
         If it is empty, or longer than a note can be.
     """
-    reason = visible(text.strip())
+    reason = escape_unprintable(text.strip())
     if not reason:
         raise InputError("the text is empty; say why")
     if len(reason) > LONGEST_TEXT:

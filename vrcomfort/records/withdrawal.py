@@ -18,12 +18,12 @@ from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.records.study import (
     access_of,
+    checked_reason,
     now,
     only_run,
     read_participants,
     recorded_sessions,
     set_status,
-    told_reason,
 )
 
 ENDED_THE_STUDY = ("withdrawn", "stopped")
@@ -46,7 +46,7 @@ def undo_withdrawal(study: Path, participant: str, reason: str) -> int | None:
     InputError
         If there is no reason, nobody of this name has withdrawn, or another program runs them.
     """
-    reason = told_reason(_withdrawn(study, participant), reason)
+    reason = checked_reason(_withdrawn(study, participant), reason)
     with only_run(study, participant):
         at = now()
         ended = None

@@ -1,4 +1,4 @@
-"""Finds what a mapping names and no file has: it is misspelt, and would be dropped silently."""
+"""Finds names and texts of a mapping that no file has: misspelt, they would be dropped silently."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Seen: TypeAlias = Set[tuple[str, str]]
 
 
 def texts_in(table: SourceTable, mapping: Table) -> Seen:
-    """Return the texts of a table's columns whose texts the mapping names."""
+    """Return the cells of the columns in which the mapping names texts."""
     named = {_spaced(column) for each in mapping.questionnaires for column in _columns(each)}
     named |= {_spaced(column) for each in mapping.scores for column in each.where}
     return {
@@ -28,18 +28,18 @@ def texts_in(table: SourceTable, mapping: Table) -> Seen:
     }
 
 
-def unmet(
+def unmatched(
     mapping: LabMapping,
     seen: Sequence[Seen],
     known: Mapping[str, Instrument],
     conditions: Iterable[str],
 ) -> Iterator[Problem]:
-    """Yield what of a mapping is met in no row.
+    """Yield names and texts of a mapping that no row has.
 
     Parameters
     ----------
     seen
-        What `texts_in` found in all files of each table.
+        The `texts_in` all files of each table.
     conditions
         Those of the answers.
     """
@@ -76,7 +76,7 @@ def _items(
 ) -> Iterator[Problem]:
     """Yield the items of a long questionnaire that no row answers."""
     column = each.item_column or ""
-    there = _of_column(column, cells)
+    there = _of_column(column, cells) - {""}
     keys = {plain(text) for text in there} - {""}
     for item, texts in each.items.items():
         if not any(_spaced(text) in there or plain(text) in keys for text in texts_of(texts)):
@@ -94,12 +94,12 @@ def _items(
 
 
 def _of_column(column: str, cells: Seen) -> Set[str]:
-    return {text for heading, text in cells if heading == _spaced(column) and text}
+    return {text for heading, text in cells if heading == _spaced(column)}
 
 
 def _near(text: str, there: Iterable[str]) -> str:
-    """Return which of the texts was probably meant, or some of them."""
-    known = sorted(there)
+    """Return a hint: the nearest text, else the first ones."""
+    known = sorted(set(there) - {""})
     near = get_close_matches(text, known, n=1, cutoff=0.6)
     return f"did you mean `{near[0]}`?" if near else f"it has {', '.join(known[:8]) or 'no text'}"
 
