@@ -18,7 +18,7 @@ BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 NOTHING = frozenset({"na", "nan", "n/a"})
 LARGEST_WHOLE = 2**62
-"""What int64 holds with room for a sum."""
+"""Fits int64, with room for a sum."""
 _BLOCK = 2**15
 _LONGEST_SHOWN = 40
 

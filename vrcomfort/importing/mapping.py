@@ -33,7 +33,7 @@ TIMES = frozenset(["time_s", "time_min"])
 Summary = Literal["peak", "mean", "last"]
 Texts = str | tuple[str, ...]
 Bounded = Annotated[float, Field(ge=-1e6, le=1e6)]
-"""What answers can be."""
+"""An answer, in the range of instruments."""
 
 
 class Fact(Settings):

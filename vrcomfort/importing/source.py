@@ -13,7 +13,7 @@ from vrcomfort.errors import InputError
 MOST_CELLS = 10_000_000
 """Of a table, with the blank ones that make its rows equally long."""
 LONGEST_TEXT = 131_072
-"""Characters of a cell: what Python's reader of CSV takes."""
+"""Characters of a cell: the limit of Python's CSV reader."""
 
 
 class Reading(NamedTuple):

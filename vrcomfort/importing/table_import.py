@@ -287,7 +287,7 @@ class TableImport:
         self._imported.notes += notes
 
     def _rows_of_no_item(self) -> Iterator[str]:
-        """Yield notes on rows whose text is no item of any questionnaire.
+        """Yield notes on rows of unknown items.
 
         Raises
         ------

@@ -89,7 +89,7 @@ def _grid(file: Path, sheet: Any, reading: Reading, size: _Size) -> Grid:
     rows = []
     for number, row in kept.items():
         width = max(row)
-        size.add(width, sheet.title, f"row {number}")
+        size.add(width - len(row), sheet.title, f"row {number}")
         rows.append(tuple(row.get(column, "") for column in range(1, width + 1)))
     hidden = sheet.sheet_state != "visible"
     notes = (f"{file.name}: the sheet {sheet.title} is hidden, and was read",) if hidden else ()

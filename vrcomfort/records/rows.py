@@ -67,7 +67,7 @@ def cell_text(value: Cell) -> str:
 
 
 def csv_line(cells: Iterable[Cell]) -> str:
-    """Return one CSV line with its line end, whatever its cells hold."""
+    """Return one CSV line with its line end; cells are written by `cell_text`."""
     line = io.StringIO()
     csv.writer(line, lineterminator="\n").writerow(map(cell_text, cells))
     return line.getvalue()

@@ -40,7 +40,7 @@ from vrcomfort.settings import read_text
 
 DESCRIPTION = "dataset_description.json"
 LONGEST_NOTES = 80_000
-"""Characters of a participant's notes; what the program adds to them has room beside."""
+"""Characters of a participant's notes; the program's own notes have room beside."""
 
 
 def now() -> str:

@@ -47,7 +47,7 @@ _COLUMNS: Mapping[str, tuple[str, ...]] = {
     "participants.csv": ("participant", "status"),
     **{each.FILE: each.columns() for each in (TrialRow, RatingRow, TaskRow, ScreeningRow, DialRow)},
 }
-"""What every row has; blank where its file has no such column."""
+"""Columns of every row; blank where the file lacks one."""
 _INSTEAD = ("tasks.csv", "dials.csv", "ratings.csv", "participants.csv")
 """What a study may have instead of questionnaires."""
 _NUMBERS = (
