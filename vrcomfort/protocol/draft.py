@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
+
+from vrcomfort.settings import toml_value
 
 Compared: TypeAlias = Literal["depth_of_field", "motion_blur", "both"]
 
@@ -177,16 +178,16 @@ class Draft:
             _HEAD.format(
                 title=self.title,
                 file=file,
-                name=json.dumps(self.name),
-                title_text=json.dumps(self.title, ensure_ascii=False),
+                name=toml_value(self.name),
+                title_text=toml_value(self.title),
                 participants=self.participants,
                 exposure_s=self.exposure_s,
                 break_s=600.0 if in_a_day > 1 else 0.0,
-                scenes=json.dumps(list(self.scenes)),
+                scenes=toml_value(self.scenes),
             )
         ]
         if self.languages:
-            given = json.dumps(list(self.languages))
+            given = toml_value(self.languages)
             parts.append(_LANGUAGES.format(last=self.languages[-1], languages=given))
         parts.append(_BOTH if self.compared == "both" else _OFF + _ON[self.compared])
         parts += [_ORDER.format(file=file, sessions=self.sessions), _QUESTIONS]
@@ -194,7 +195,7 @@ class Draft:
             every_s = min(60.0, self.exposure_s / 4)
             parts.append(
                 _RATING.format(
-                    instrument=json.dumps(self.rating),
+                    instrument=toml_value(self.rating),
                     every_s=every_s,
                     timeout_s=min(15.0, every_s / 2),
                     stop_at=HIGH[self.rating],

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -184,17 +185,18 @@ def _attempts(trials: Path) -> list[_Attempt]:
     needed = ("participant", "session", "trial", "start_s", "end_s")
     if not set(needed) <= set(table.header):
         return []
-    table.require_numbers(("trial", "start_s", "end_s", "attempt"))
-    rows = sorted(table.dicts(), key=lambda row: (int(row["trial"]), float(row["start_s"])))
+    there = "attempt" in table.header
+    attempts = table.whole_numbers("attempt", blank=1) if there else [1] * len(table.rows)
+    numbers, starts_s = table.whole_numbers("trial"), table.numbers("start_s")
+    rows = zip(numbers, starts_s, table.numbers("end_s"), attempts, table.dicts(), strict=True)
     found: list[_Attempt] = []
-    for row in rows:
-        trial, from_s = int(row["trial"]), float(row["start_s"]) - _ROUNDING_S
+    for trial, start_s, end_s, attempt, row in sorted(rows, key=itemgetter(0, 1)):
+        from_s = start_s - _ROUNDING_S
         if found and found[-1].trial == trial:
-            from_s = (found[-1].until_s + float(row["start_s"])) / 2
+            from_s = (found[-1].until_s + start_s) / 2
             found[-1] = replace(found[-1], until_s=from_s)
         who, session = row["participant"], row["session"]
-        attempt = int(row.get("attempt") or 1)
-        found.append(_Attempt(who, session, trial, attempt, from_s, float(row["end_s"])))
+        found.append(_Attempt(who, session, trial, attempt, from_s, end_s))
     last = {each.trial: place for place, each in enumerate(found)}
     for place in last.values():
         found[place] = replace(found[place], until_s=math.inf)
