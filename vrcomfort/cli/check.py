@@ -23,6 +23,7 @@ from vrcomfort.cli.terminal import (
 )
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
+from vrcomfort.tasks import OwnTask
 
 if TYPE_CHECKING:
     from vrcomfort.cli.check_stimuli import Stimuli
@@ -137,6 +138,12 @@ def _notes(protocol: Protocol) -> Iterator[str]:
     for each in (protocol.instrument(name) for name in sorted(asked)):
         if len(each.asked) > 1 and not tomllib.loads(each.text).get("scales"):
             yield f"the {each.short} has no [[scales]]: its items are reported one by one"
+    for task in protocol.tasks:
+        if isinstance(task, OwnTask):
+            yield (
+                f"the code of the task `{task.name}` ({task.kind}) is not run here; its settings "
+                "are checked by `simulate` and `run`"
+            )
     if protocol.participants is None:
         yield "`participants` is not said, so nobody knows whether the orders will balance"
 

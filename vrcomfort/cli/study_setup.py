@@ -13,7 +13,7 @@ from vrcomfort.cli.playback import PlaybackSetup
 from vrcomfort.cli.renderer import describe_machine, make_renderer
 from vrcomfort.cli.terminal import dialogue, warn
 from vrcomfort.errors import InputError
-from vrcomfort.protocol import Protocol
+from vrcomfort.protocol import Protocol, with_task_code
 
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
@@ -52,7 +52,8 @@ class StudySetup:
     Raises
     ------
     InputError
-        If exposures would be longer than the protocol's.
+        If exposures would be longer than the protocol's, or the file of an own task, which is run
+        here, cannot be.
     """
 
     def __init__(
@@ -67,7 +68,6 @@ class StudySetup:
         durability: Durability = "each_row",
         frames: bool = True,
     ) -> None:
-        self._protocol = protocol
         self._study = study
         self._playback = playback
         self._seed = seed
@@ -75,6 +75,9 @@ class StudySetup:
         self._exposure_s = exposure_s
         _require_places(protocol)
         _require_instructions(protocol)
+        self._protocol = with_task_code(protocol)
+        for file, sha256 in self._protocol.task_code.items():
+            warn(f"the code of the task file {file} is run (SHA-256 {sha256})")
         self._group_readable = group_readable
         self._durability = durability
         self._frames = frames

@@ -16,6 +16,8 @@ from vrcomfort.session.clock import VirtualClock
 from vrcomfort.session.enrolment import open_enrolment
 from vrcomfort.session.no_frames import NoPictures, StillHeadset, scenes_for
 from vrcomfort.session.run import run
+from vrcomfort.tasks import OwnTask
+from vrcomfort.tasks.exploration import Exploration
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,7 @@ def dry_run(protocol: Protocol, folder: Path) -> list[SessionLength]:
         If a session does not come to its end.
     """
     study = folder / "dry_run"
+    protocol = _without_task_code(protocol)
     design = build_design(protocol)
     wanted = {group.name for group in protocol.groups} or {""}
     lengths: list[SessionLength] = []
@@ -103,6 +106,23 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
     if outcome.status != "completed":
         raise InputError(f"a rehearsed session ended early: {outcome.note or outcome.status}")
     return outcome.sequence
+
+
+def _without_task_code(protocol: Protocol) -> Protocol:
+    """Return the protocol with nothing to do in place of own tasks: their code is not run.
+
+    Nothing is hit or scored in them, which must not end a session after practice.
+    """
+    own = {each.name for each in protocol.tasks if isinstance(each, OwnTask)}
+    if not own:
+        return protocol
+    practice = [each.model_copy(update={"otherwise": "go_on"}) for each in protocol.practice]
+    without = protocol.model_copy(update={"practice": tuple(practice)})
+    without._tasks = {
+        name: Exploration(name=name, kind="exploration") if name in own else task
+        for name, task in protocol._tasks.items()
+    }
+    return without
 
 
 def _steps_hz(protocol: Protocol) -> float:
