@@ -14,6 +14,7 @@ from vrcomfort.cli.renderer import describe_machine, make_renderer
 from vrcomfort.cli.terminal import dialogue, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, with_task_code
+from vrcomfort.protocol.instruments import wording_faults
 
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
@@ -94,9 +95,18 @@ class StudySetup:
         covariates: Mapping[str, str] | None = None,
         consent: Given | None = None,
     ) -> AbstractContextManager[Enrolment]:
-        """Return a participant who can be run; see `session.open_enrolment`."""
+        """Return a participant who can be run; see `session.open_enrolment`.
+
+        Raises
+        ------
+        InputError
+            If a person would be asked a question that has no wording.
+        """
         from vrcomfort.session import open_enrolment
 
+        if kind is not RespondentKind.SIMULATED:
+            for fault in wording_faults(self._protocol):
+                raise fault
         return open_enrolment(
             self._protocol,
             participant,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,6 +31,8 @@ class SessionLength:
         Blank without groups.
     questions_s
         At the pace of simulated participants.
+    in_a_row, in_a_row_s
+        Most exposures that follow each other without a rest, and how long they are together.
     """
 
     group: str
@@ -39,6 +42,8 @@ class SessionLength:
     training_s: float
     rest_s: float
     questions_s: float
+    in_a_row: int
+    in_a_row_s: float
 
     @property
     def total_s(self) -> float:
@@ -140,6 +145,25 @@ def _length(study: Path, name: str, group: str, sequence: str, session: int) -> 
     known = {f"{what}_s": lasted(what) for what in ("exposure", "training", "rest")}
     known["training_s"] += lasted("practice") + lasted("eye_height")
     end_s = max(float(event["onset_s"]) for event in events if event["name"] == "session_end")
+    in_a_row, in_a_row_s = _most_in_a_row(events)
     return SessionLength(
-        group, sequence, session, questions_s=max(end_s - sum(known.values()), 0.0), **known
+        group,
+        sequence,
+        session,
+        questions_s=max(end_s - sum(known.values()), 0.0),
+        in_a_row=in_a_row,
+        in_a_row_s=in_a_row_s,
+        **known,
     )
+
+
+def _most_in_a_row(events: Sequence[Mapping[str, str]]) -> tuple[int, float]:
+    """Return how many exposures follow each other without a rest, at most, and for how long."""
+    most = now = (0, 0.0)
+    for event in events:
+        if event["name"] == "rest":
+            now = (0, 0.0)
+        elif event["name"] == "exposure":
+            now = (now[0] + 1, now[1] + float(event["duration_s"] or 0))
+            most = max(most, now)
+    return most
