@@ -100,6 +100,12 @@ def new(
     draft = _balanced(draft, file)
     protocol = parse_protocol(draft.toml(), file=file)
     _write(file, protocol.toml)
+    if draft.rating and not draft.has_time_for_ratings:
+        needed_s = sum(draft.rating_times_s)
+        warn(
+            f"exposures of {draft.exposure_s:g} s have no time for ratings, which take "
+            f"{needed_s:g} s; none is asked during them"
+        )
     if draft.participants != wanted:
         orders = f"{wanted} participants would not balance the orders"
         warn(f"{orders}; it plans {draft.participants}")
