@@ -99,7 +99,7 @@ def walk() -> Iterator[Pose]:
 
 def run(
     ctx: moderngl.Context, rehearsal: Rehearsal, folder: Path, **kwargs: Any
-) -> session.Outcome:
+) -> session.RunOutcome:
     protocol = folder / "rehearsal.toml"
     protocol.write_text(kwargs.pop("text", PROTOCOL))
     settings = OpenXrSettings(image_size_px=SIZE_PX, api_layers=kwargs.pop("api_layers", ()))

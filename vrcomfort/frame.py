@@ -160,7 +160,7 @@ class GpuTime(NamedTuple):
     gpu_ms: float
 
 
-class DrawnFrame(Protocol):
+class RenderResult(Protocol):
     """Both eyes' images of one frame, and what is known of it by now."""
 
     @property

@@ -12,7 +12,7 @@ from tests.support.study import AheadHeadset, LateFocus
 from vrcomfort.protocol import Protocol, load_protocol, with_task_code
 from vrcomfort.respondent import Respondent, SimulatedRespondent
 from vrcomfort.scene.data import Material, Node, Primitive, Scene
-from vrcomfort.session import Outcome
+from vrcomfort.session import RunOutcome
 
 PROTOCOL = """\
 name = "doing"
@@ -95,7 +95,7 @@ def do(
     headset: type[AheadHeadset] = AheadHeadset,
     language: str | None = None,
     **more: object,
-) -> Outcome:
+) -> RunOutcome:
     """Run a participant through the study in `folder / "S"`."""
     protocol = with_task_code(doing_protocol(folder, text).spoken(language))
     who = respondent or SimulatedRespondent(protocol.simulation, participant=participant, seed=0)

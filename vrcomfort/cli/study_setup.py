@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
     from vrcomfort.scene.data import Scene
-    from vrcomfort.session import Enrolment, Outcome, SessionSettings
+    from vrcomfort.session import OpenEnrolment, RunOutcome, SessionSettings
     from vrcomfort.session.interfaces import HeadsetFor, Renderer
 
 
@@ -93,7 +93,7 @@ class StudySetup:
         resume: bool = False,
         covariates: Mapping[str, str] | None = None,
         consent: Given | None = None,
-    ) -> AbstractContextManager[Enrolment]:
+    ) -> AbstractContextManager[OpenEnrolment]:
         """Return a participant who can be run; see `session.open_enrolment`.
 
         Raises
@@ -122,7 +122,7 @@ class StudySetup:
 
     def settings(
         self,
-        enrolment: Enrolment,
+        enrolment: OpenEnrolment,
         kind: RespondentKind,
         headset: HeadsetSetup | None = None,
         console: ConsoleSetup | None = None,
@@ -179,7 +179,7 @@ class StudySetup:
     def _respondent(
         self,
         kind: RespondentKind,
-        enrolment: Enrolment,
+        enrolment: OpenEnrolment,
         headset: HeadsetSetup | None,
         console: ConsoleSetup | None,
     ) -> Respondent:
@@ -245,7 +245,7 @@ def _load_scene(source: str) -> Scene:
     return scene
 
 
-def outcome_sentence(outcome: Outcome, out: Path) -> str:
+def outcome_sentence(outcome: RunOutcome, out: Path) -> str:
     """Say what became of a participant's sessions."""
     sessions = ", ".join(map(str, outcome.sessions))
     note = f" ({outcome.note})" if outcome.note else ""

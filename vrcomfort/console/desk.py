@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
-from vrcomfort.frame import DrawnFrame, FocusSample, Frame
+from vrcomfort.frame import FocusSample, Frame, RenderResult
 from vrcomfort.operator_interface import (
     ALLOWED,
     Command,
@@ -121,7 +121,7 @@ class OperatorConsole:
                 return
         self._publish()
 
-    def see(self, frame: Frame, rendered: DrawnFrame | None, trial: TrialSoFar) -> None:
+    def see(self, frame: Frame, rendered: RenderResult | None, trial: TrialSoFar) -> None:
         """Look at a frame that was shown, if there is time and anybody to look."""
         if rendered is not None:
             for sample in rendered.focus_samples:
@@ -143,7 +143,7 @@ class OperatorConsole:
         }
         self._publish()
 
-    def _look(self, rendered: DrawnFrame) -> None:
+    def _look(self, rendered: RenderResult) -> None:
         """Take a picture now and then, where somebody wants to see it."""
         pictures = self._pictures
         if pictures is None:

@@ -31,10 +31,9 @@ from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.eye_height import EyeHeight
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.free_text import FreeTexts
 from vrcomfort.session.gaze_validation import Validation
 from vrcomfort.session.instructor import Instructor
-from vrcomfort.session.interview import Interview, OpenQuestions
+from vrcomfort.session.interview import FreeTexts, Interview, OpenQuestions
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.practice import PracticeRunner
 from vrcomfort.session.remaining import SessionTime

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import NamedTuple, Protocol
 
-from vrcomfort.frame import DrawnFrame, FocusSample, Frame, GazeHit, GpuTime, ImageHash
+from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash, RenderResult
 from vrcomfort.records import BallRow, FrameRow, GazeRow, ImageRow, Row
 from vrcomfort.scene.markers import Shown
 from vrcomfort.session.timing import TrialTiming, missed_refreshes
@@ -84,7 +84,7 @@ class FrameLog:
     def add(
         self,
         frame: Frame,
-        rendered: DrawnFrame | None,
+        rendered: RenderResult | None,
         *,
         trial: int,
         session_s: float,
