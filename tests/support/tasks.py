@@ -9,7 +9,7 @@ import trimesh
 
 from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus
-from vrcomfort.protocol import Protocol, load_protocol
+from vrcomfort.protocol import Protocol, load_protocol, with_task_code
 from vrcomfort.respondent import Respondent, SimulatedRespondent
 from vrcomfort.scene.data import Material, Node, Primitive, Scene
 from vrcomfort.session import RunOutcome
@@ -97,7 +97,7 @@ def do(
     **more: object,
 ) -> RunOutcome:
     """Run a participant through the study in `folder / "S"`."""
-    protocol = doing_protocol(folder, text).spoken(language)
+    protocol = with_task_code(doing_protocol(folder, text).spoken(language))
     who = respondent or SimulatedRespondent(protocol.simulation, participant=participant, seed=0)
     parts = {**in_the_room(headset), **more}
     return run(protocol, participant, study=folder / "S", respondent=who, **parts)

@@ -124,6 +124,12 @@ def simulate_study(
     ends = {name: resume_check.ends(out, name) for name in _names(out, participants)}
     if told := told_of_the_other_kind(out, simulated=True):
         warn(told)
+    if protocol.ratings and protocol.shown_s(exposure_s) < protocol.longest_s:
+        warn(
+            f"exposures of {protocol.longest_s:g} s are shortened to {exposure_s:g} s, and their "
+            "ratings come at shortened times, or are missed between frames; --no-frames without "
+            "--exposure-s has them at the protocol's times"
+        )
     with progress_bar("simulated", participants, quiet=quiet, unit="participants") as advance:
         for number, (name, ended) in enumerate(ends.items(), start=1):
             if not _is_over(out, name, ended, design.sessions):

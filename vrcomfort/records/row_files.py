@@ -21,7 +21,7 @@ from vrcomfort.records.exposure_rows import (
     TrialRow,
 )
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
-from vrcomfort.records.rows import Row, cell_text, csv_line
+from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.session_rows import (
     ClockRow,
     EventRow,
@@ -192,7 +192,7 @@ class RowFiles:
         cells = list(row.cells())
         if self._resumed:
             cells[row.columns().index("resumed")] = 1
-        return csv_line(map(cell_text, cells))
+        return csv_line(cells)
 
     def _sync_due(self, at_once: set[str]) -> None:
         now_s = time.monotonic()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.json_text import json_of
 from vrcomfort.render.output import Rgb8, VideoWriter, read_rgb8, write_png
 from vrcomfort.replay.drawn import DrawnFrame
 from vrcomfort.replay.sheet import ContactSheet
@@ -63,7 +63,7 @@ def write_film(
 
 def write_summary(out: Path, facts: dict[str, Any]) -> None:
     """Write what was drawn beside the pictures."""
-    text = json.dumps(facts, indent=2, ensure_ascii=False)
+    text = json_of(facts)
     (out / SUMMARY).write_text(text + "\n", encoding="utf-8")
 
 

@@ -151,7 +151,7 @@ class FrameLog:
         if before_ns is not None and not frame.discontinuity:
             missed = missed_refreshes(now_ns - before_ns, frame.period_ns)
             timing.intervals.add((now_ns - before_ns) / 1e6)
-        self._shown_ns = now_ns
+        self._shown_ns = now_ns if frame.seen else None  # nobody waits for the next one
         timing.frames += 1
         timing.dropped += missed > 0
         timing.missed_refreshes += missed

@@ -92,7 +92,8 @@ class ManifestWriter:
         """Enter the headset; what it only tells when it has shown something is entered then."""
         self._headset = headset
         before = self._manifest.headset
-        facts = {**headset_facts(headset), **before}  # what was noted first stays
+        told = {name: fact for name, fact in before.items() if (name, fact) != ("refresh_hz", 0.0)}
+        facts = {**headset_facts(headset), **told}  # what was noted first stays
         if facts != before:
             self._manifest.headset = facts
             self._write()
