@@ -96,7 +96,7 @@ ProgressKind: TypeAlias = Literal[
 
 
 @dataclass(frozen=True)
-class Progress:
+class SessionProgress:
     """Where a session is: `done` of `total` (frames, items or seconds, by `step`).
 
     The `text` of a notice is for the operator.
@@ -113,7 +113,7 @@ class Progress:
     text: str = ""
 
 
-ProgressCallback: TypeAlias = Callable[[Progress], None]
+ProgressCallback: TypeAlias = Callable[[SessionProgress], None]
 
 
 class TrialSoFar(Protocol):
@@ -190,5 +190,5 @@ class NoOperator:
         """Do nothing."""
 
 
-def no_progress(progress: Progress) -> None:
+def no_progress(progress: SessionProgress) -> None:
     """Show nothing."""

@@ -12,8 +12,8 @@ from vrcomfort.operator_interface import (
     ALLOWED,
     Command,
     OperatorStep,
-    Progress,
     SessionOrder,
+    SessionProgress,
     TrialSoFar,
 )
 
@@ -107,7 +107,7 @@ class OperatorConsole:
         self._line(f"step {step.number}: {step.words}")
         self._publish()
 
-    def tell(self, progress: Progress) -> None:
+    def tell(self, progress: SessionProgress) -> None:
         """Show the progress of a step."""
         if progress.step == "notice":
             self._line(progress.text)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, TypeAlias, runtime_checkable
+from typing import Any, Protocol, TypeAlias
 
 from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash, RenderResult
-from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Condition
 from vrcomfort.records import EventRow, RatingRow
@@ -70,14 +69,6 @@ class Doing(Protocol):
 
     def finish(self) -> None:
         """End with the exposure, however it ended."""
-
-
-@runtime_checkable
-class Looks(Protocol):
-    """A respondent whose eyes are simulated where no tracker sees any."""
-
-    def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze | None:
-        """Return the gaze in the stage; `point` (3,) is what is to be looked at."""
 
 
 class Relay(Protocol):

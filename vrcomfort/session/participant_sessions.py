@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass, field
 
 from vrcomfort.errors import InputError
-from vrcomfort.operator_interface import Progress
+from vrcomfort.operator_interface import SessionProgress
 from vrcomfort.records import (
     Interrupted,
     Manifest,
@@ -97,7 +97,7 @@ class ParticipantSessions:
 
     def _session(self, number: int) -> tuple[SessionStatus, str]:
         context = self.context
-        context.progress(Progress("session", context.participant, number))
+        context.progress(SessionProgress("session", context.participant, number))
         before = self.interrupted.get(number)
         study, participant, resumed = context.study, context.participant, before is not None
         access, durability = access_of(study), context.durability
@@ -118,7 +118,7 @@ class ParticipantSessions:
             finally:
                 self._look_at(number, manifest, before)
         self._seal(number, recorder)
-        context.progress(Progress("end", context.participant, number, text=status))
+        context.progress(SessionProgress("end", context.participant, number, text=status))
         return status, note
 
     def _guarded(
