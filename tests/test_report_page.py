@@ -171,3 +171,14 @@ def test_where_r_and_p_disagree_about_zero_is_counted(tmp_path):
     )
     said = f"disagree about 0 in {wrong} of these tests" in summary.index.read_text("utf-8")
     assert said == (wrong > 0)
+
+
+def test_the_page_of_more_conditions_than_are_compared_in_pairs(tmp_path):
+    scores = {f"P{i}": {f"c{k:02d}": (i * k) % 7 for k in range(13)} for i in range(4)}
+    plan = tmp_path / "plan.toml"
+    plan.write_text(
+        'name = "p"\ntitle = "P"\noutcomes = ["T"]\nmixed_model = ["condition"]\nanova = []\n'
+        'contrasts = [{ a = "c00", b = "c12" }]\n'
+    )
+    summary = build_report(foreign(tmp_path / "q.csv", scores), plan=plan, out=tmp_path / "o")
+    assert "Pairs are compared of up to 12 conditions." in summary.index.read_text("utf-8")

@@ -16,6 +16,7 @@ from vrcomfort.report.further_answers import DIGITS, METHODS, TESTS
 from vrcomfort.report.ordinal import ordinal_title
 from vrcomfort.report.references import entries
 from vrcomfort.report.withdrawals import with_labels
+from vrcomfort.stats.marginal_means import MOST_LEVELS
 from vrcomfort.web_page import inline_svg, page_templates
 
 if TYPE_CHECKING:
@@ -75,6 +76,7 @@ def render_page(
             disagreements=_disagreements(results),
             rating_titles=TITLES,
             rating_ways=MEANINGS,
+            most_levels=MOST_LEVELS,
             fewest=methods.fewest_for_shift(results["plan"]),
             colours_light=palette.css_variables(dark=False),
             colours_dark=palette.css_variables(dark=True),
