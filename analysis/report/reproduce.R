@@ -19,10 +19,22 @@ MOST_FOR_WALSH <- 3000    # pairs: n (n + 1) / 2 averages are made
 script <- sub("^--file=", "", grep("^--file=", commandArgs(FALSE), value = TRUE))
 folder <- if (length(script)) dirname(script[1]) else "."
 
-# Everything is read as text: a score called T is no TRUE, a participant called 007 no number.
+# Everything is read as text: a score called T is no TRUE, a participant called 007 no number. The
+# apostrophe that keeps a spreadsheet from computing a text such as =a is taken off again.
 read_table <- function(name) {
-  read.csv(file.path(folder, "tables", paste0(name, ".csv")), colClasses = "character",
-           na.strings = "", check.names = FALSE, encoding = "UTF-8", quote = "\"")
+  found <- read.csv(file.path(folder, "tables", paste0(name, ".csv")), colClasses = "character",
+                    na.strings = "", check.names = FALSE, encoding = "UTF-8", quote = "\"")
+  plain <- function(text) sub("^'('*[=+@\t\r\n-])", "\\1", text)
+  names(found) <- plain(names(found))
+  found[] <- lapply(found, plain)
+  found
+}
+
+# The names in a cell that is a line of CSV itself.
+names_in <- function(cell) {
+  if (is.na(cell)) return(character())
+  scan(text = cell, what = "", sep = ",", quote = "\"", na.strings = character(), quiet = TRUE,
+       encoding = "UTF-8")
 }
 
 # Sums over the exposures of each condition, brought to one number of exposures, of the people with
@@ -177,7 +189,7 @@ for (family in unique(done$family[!is.na(done$p_holm)])) {
   }
 }
 
-# The models. Names of factors may be anything, so they are called f1, f2, ... in formulas.
+# The models. Names of factors and levels may be anything: they are f1, f2, ... and numbers here.
 TIMES <- " \u00d7 "
 MINUS <- " \u2212 "
 read_if_there <- function(name) {
@@ -226,10 +238,17 @@ if (!is.null(found)) {
   }
 }
 
+# Every order of some names.
+orders <- function(names) {
+  if (length(names) < 2) return(list(names))
+  each <- function(k) lapply(orders(names[-k]), function(rest) c(names[k], rest))
+  do.call(c, lapply(seq_along(names), each))
+}
+
 # The analysis of variance of participants with a score in every cell.
 anova_of <- function(found, columns) {
   names <- sub("^anova: ", "", columns)
-  between <- if (is.na(found$between[1])) NULL else strsplit(found$between[1], TIMES, TRUE)[[1]]
+  between <- names_in(found$between[1])
   mine <- data.frame(who = scores$participant, score = as.numeric(scores[[found$outcome[1]]]))
   called <- setNames(paste0("f", seq_along(names)), names)
   for (k in seq_along(names)) mine[[called[k]]] <- scores[[columns[k]]]
@@ -264,11 +283,12 @@ anova_of <- function(found, columns) {
     univariate <- unclass(made$univariate.tests)[, c("Sum Sq", "F value", "Pr(>F)"), drop = FALSE]
     corrected <- made$pval.adjustments
   }
-  terms <- strsplit(rownames(univariate), ":", TRUE)
+  effects <- lapply(strsplit(rownames(univariate), ":", TRUE), function(term) {
+    vapply(orders(names[match(term, called)]), paste, "", collapse = TIMES)
+  })
   for (k in seq_len(nrow(found))) {
     line <- found[k, ]
-    wanted <- called[strsplit(line$effect, TIMES, TRUE)[[1]]]
-    row <- which(vapply(terms, setequal, logical(1), wanted))
+    row <- which(vapply(effects, function(called) line$effect %in% called, logical(1)))
     about <- paste("ANOVA,", line$effect)
     if (!length(row) || is.na(line$f)) next
     compare(line, "sum of squares", line$sum_of_squares, univariate[row, 1], about, size = 1e-6)
@@ -304,11 +324,13 @@ mixed_of <- function(found) {
   coefficient <- character()
   for (name in whole$term) {
     column <- scores[[paste0("mixed: ", name)]]
-    own <- terms$term[startsWith(terms$term, paste0(name, ": "))]
-    if (length(own)) {
-      parts <- strsplit(substring(own, nchar(name) + 3), MINUS, TRUE)
-      mine[[called[name]]] <- relevel(factor(column), parts[[1]][2])
-      coefficient[own] <- paste0(called[name], vapply(parts, `[`, "", 1))
+    pairs <- expand.grid(level = unique(column), reference = unique(column),
+                         stringsAsFactors = FALSE)
+    pairs$term <- paste0(name, ": ", pairs$level, MINUS, pairs$reference)
+    own <- pairs[match(intersect(terms$term, pairs$term), pairs$term), ]
+    if (nrow(own)) {   # in the order of the terms: that of a locale is another
+      mine[[called[name]]] <- factor(match(column, c(own$reference[1], own$level)))
+      coefficient[own$term] <- paste0(called[name], 1 + seq_len(nrow(own)))
     } else {
       mine[[called[name]]] <- as.numeric(column)
       coefficient[name] <- called[name]
@@ -354,7 +376,6 @@ if (!is.null(found) && !requireNamespace("lmerTest", quietly = TRUE)) {
 
 # Comparisons by other tests, and correlations: each person's mean over exposures.
 others <- 0
-names_in <- function(cell) if (is.na(cell)) character() else strsplit(cell, TIMES, TRUE)[[1]]
 means_of <- function(outcome, people, condition) {
   here <- is.na(condition) | scores$condition %in% condition
   mine <- here & !is.na(scores[[outcome]])
@@ -399,6 +420,7 @@ compare_means <- function(line, a, b) {
 }
 
 compare_ranks <- function(line, a, b) {
+  a <- signif(a, 12); b <- signif(b, 12)   # means of several exposures that are alike tie
   above <- outer(a, b, ">") + outer(a, b, "==") / 2
   compare(line, "U", line$value, sum(above))
   compare(line, "r", line$effect_estimate, 2 * mean(above) - 1, size = 1e-6)

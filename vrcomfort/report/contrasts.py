@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     Lost = Callable[[str, str], dict[str, int]]
 
 FEWEST_PAIRS = 2
-TAKEN = "item"
+TAKEN = {"item": "a column of the table of symptoms", "difference": "a column of the tests"}
+"""What conditions cannot be called, and what is called so."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +61,8 @@ def conditions_of(scored: Exposures, labels: dict[str, str]) -> list[str]:
     """
     order = {name: place for place, name in enumerate(labels)}
     found = {str(name) for name in scored.table["condition"].unique()} - {""}
-    if TAKEN in found:
-        message = f"a condition is called `{TAKEN}`, as a column of the table of symptoms is"
+    for name in sorted(found & TAKEN.keys()):
+        message = f"a condition is called `{name}`, as {TAKEN[name]} is"
         raise InputError(f"{message}; give it another name")
     return sorted(found, key=lambda name: (order.get(name, len(order)), natural(name)))
 

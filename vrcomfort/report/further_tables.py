@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 Row = dict[str, Any]
-PEOPLE = " × "
-"""Between the names of people in one cell, as ``reproduce.R`` reads it."""
 _LISTS = ("participants", "sides", "values", "bounds", "shares")
 
 
@@ -15,13 +13,10 @@ def further_tables(results: Row) -> dict[str, list[Row]]:
     return {
         "comparisons": [_comparison(row) for row in results["comparisons"]],
         "correlations": [
-            _plain(row) | {"people_in_it": PEOPLE.join(row["participants"])}
-            for row in results["correlations"]
+            _plain(row) | {"people_in_it": row["participants"]} for row in results["correlations"]
         ],
         "equivalence": [
-            _plain(row)
-            | {side: PEOPLE.join(row[side]) for side in ("people_a", "people_b")}
-            | dict(zip(("bound_low", "bound_high"), row["bounds"], strict=True))
+            _plain(row) | dict(zip(("bound_low", "bound_high"), row["bounds"], strict=True))
             for row in results["equivalence"]
         ],
         "preferences": [_preference(row) for row in results["preferences"]],
@@ -64,7 +59,7 @@ def _comparison(row: Row) -> Row:
     n = row["n_a"]
     sides = (row["participants"][:n], row["participants"][-row["n_b"] :] if row["n_b"] else [])
     for side, people, where in zip("ab", sides, row["sides"], strict=True):
-        flat |= {f"people_{side}": PEOPLE.join(people)}
+        flat |= {f"people_{side}": people}
         flat |= {f"{key}_{side}": where[key] for key in ("condition", "timepoint")}
     for side in ("a", "b"):
         described = row.get("descriptives", {}).get(side, {})
