@@ -256,7 +256,8 @@ anova_of <- function(found, columns) {
   within <- called[setdiff(names, between)]; between <- called[between]
   cell <- if (length(within)) do.call(paste, c(mine[within], sep = "\r")) else rep("", nrow(mine))
   wide <- tapply(mine$score, list(mine$who, cell), mean)
-  wide <- wide[complete.cases(wide), , drop = FALSE]
+  wide <- wide[complete.cases(wide) & rownames(wide) %in% names_in(found$people_in_it[1]), ,
+               drop = FALSE]
   people <- mine[match(rownames(wide), mine$who), between, drop = FALSE]
   people[] <- lapply(people, factor)
   old <- options(contrasts = c("contr.sum", "contr.poly")); on.exit(options(old))
@@ -475,7 +476,7 @@ for (one in if (is.null(found)) list() else split(found, paste(found$outcome, fo
   mine <- mine & !is.na(scores[[one$outcome[1]]])
   wide <- tapply(as.numeric(scores[[one$outcome[1]]][mine]),
                  list(scores$participant[mine], scores[[one$over[1]]][mine]), mean)
-  wide <- wide[complete.cases(wide), , drop = FALSE]
+  wide <- wide[rownames(wide) %in% names_in(one$people_in_it[1]), , drop = FALSE]
   n <- nrow(wide); k <- ncol(wide)
   people <- k * var(rowMeans(wide)); occasions <- n * var(colMeans(wide))
   rest <- wide - outer(rowMeans(wide), colMeans(wide), "+") + mean(wide)
@@ -517,7 +518,7 @@ found <- read_if_there("kruskal_wallis")
 for (k in seq_len(if (is.null(found)) 0 else nrow(found))) {
   line <- found[k, ]; column <- paste0("anova: ", line$factor)
   if (!column %in% names(scores)) next
-  people <- unique(scores$participant[!is.na(scores[[line$outcome]])])
+  people <- names_in(line$people_in_it)
   level <- scores[[column]][match(people, scores$participant)]
   mean <- means_of(line$outcome, people, NA)
   test <- kruskal.test(signif(mean, 12)[!is.na(level)], factor(level[!is.na(level)]))

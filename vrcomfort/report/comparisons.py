@@ -65,7 +65,7 @@ def _compare(scored: Exposures, plan: Plan, contrast: Compared, outcome: str) ->
         "sides": [asdict(a), asdict(b)], "alternative": contrast.alternative,
         "n_a": 0, "n_b": 0, "participants": [], "p": None, "p_holm": None, "not_tested": None,
     }  # fmt: skip
-    complete = plan.withdrawals == "complete_pairs"
+    complete = plan.needs_every_score
     samples: Pairs | Groups
     if contrast.between:
         samples = groups_of(scored, outcome, a, b, complete=complete)

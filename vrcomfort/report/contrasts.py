@@ -129,7 +129,7 @@ def run_tests(scored: Exposures, plan: Plan, contrasts: list[Compared], lost: Lo
 
 def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost: Lost) -> Test:
     a, b = contrast.a, contrast.b
-    pairs = pair_up(scored, outcome, a, b, complete=plan.withdrawals != "available_pairs")
+    pairs = pair_up(scored, outcome, a, b, complete=plan.needs_every_score)
     signs = _ranked_worst(pairs, plan, lost(a.name, b.name))
     result: dict[str, Any] = {
         "a": a.name,

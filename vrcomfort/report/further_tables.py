@@ -79,12 +79,15 @@ def _preference(row: Row) -> Row:
 
 def _agreement(row: Row) -> list[Row]:
     keys = {key: row[key] for key in ("outcome", "over", "condition", "not_tested")}
-    return [{**keys, "n": row["n"], **form} for form in row.get("forms", ())] or [keys]
+    sizes = {"n": row.get("n"), "people_in_it": row.get("participants")}
+    return [{**keys, **sizes, **form} for form in row.get("forms", ())] or [keys]
 
 
 def _kruskal_wallis(row: Row) -> Row:
     sizes = dict(zip(row.get("levels", ()), row.get("sizes", ()), strict=True))
-    flat = {key: value for key, value in row.items() if key not in {"levels", "sizes"}}
+    inner = {"levels", "sizes", "participants"}
+    flat = {key: value for key, value in row.items() if key not in inner}
+    flat["people_in_it"] = row.get("participants")
     return flat | {"groups": "; ".join(f"{name}: {n}" for name, n in sizes.items())}
 
 

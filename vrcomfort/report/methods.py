@@ -284,8 +284,8 @@ def _anova(results: Results, *, drawn: bool) -> Method | None:
     return Method(
         "Analysis of variance",
         f"The ANOVA uses type {results['plan']['sums_of_squares']} sums of squares (Maxwell et "
-        "al., 2018) and participants with a score in every cell. Sphericity: Mauchly’s (1940) "
-        "test, and ε after Greenhouse & Geisser (1959, GG) and Huynh & Feldt (1976, HF). Effect "
+        "al., 2018) and participants with every planned score in every cell. Sphericity: Mauchly’s "
+        "(1940) test, and ε after Greenhouse & Geisser (1959, GG) and Huynh & Feldt (1976, HF). Effect "
         "sizes: generalised η² (Olejnik & Algina, 2003) and partial η² with its 90 % interval "
         "from the noncentral F distribution (Steiger, 2004). Residuals were tested after Shapiro "
         f"& Wilk (1965){plotted}.",

@@ -223,8 +223,8 @@ def _models(
     mixed = outcomes if plan.mixed_model or plan.covariates else ()
     return {
         "anova": [run_anova(scored, plan, o) for o in (outcomes if plan.anova else ())],
-        "friedman": [run_friedman(scored, conditions, o) for o in several],
-        "crossover": [run_crossover(scored, a, b, o) for a, b in pairs for o in outcomes],
+        "friedman": [run_friedman(scored, plan, conditions, o) for o in several],
+        "crossover": [run_crossover(scored, plan, a, b, o) for a, b in pairs for o in outcomes],
         "mixed_models": [run_mixed(scored, plan, reference, o) for o in mixed],
     }
 

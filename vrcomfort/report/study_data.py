@@ -49,6 +49,11 @@ _NUMBERS = (
 )  # fmt: skip
 
 
+_CUT_SHORT = frozenset(["withdrawn", "stopped", "skipped", "aborted"])
+_WHOLE = frozenset(["", "task", "adjustment"])
+"""What may have ended an exposure that was done."""
+
+
 @dataclass(frozen=True)
 class StudyData:
     """Everything a report is made from."""
@@ -258,6 +263,15 @@ def trial_s(trial: dict[str, str]) -> float | None:
     if live is not None:
         return live
     return None if start is None or end is None else end - start
+
+
+def cut_short(trial: Mapping[str, str]) -> bool:
+    """Return whether an exposure ended before its time: what was done in it had less time.
+
+    One that a task or a confirmed adjustment ended was whole.
+    """
+    ended_by = trial.get("abort_code", "")
+    return trial["status"] in _CUT_SHORT or ended_by not in _WHOLE
 
 
 def _files(source: Path, name: str) -> list[Path]:

@@ -210,6 +210,7 @@ def _flat_anova(found: Row) -> list[Row]:
         row = {
             "outcome": found["outcome"],
             "n": found["n"],
+            "people_in_it": found["participants"],
             "between": found["between"],
             "type": found["sums_of_squares"],
             **effect,
