@@ -166,10 +166,13 @@ for (k in seq_len(nrow(done))) {
   }
   bounded <- !is.na(test$hodges_lehmann_low) || !is.na(test$hodges_lehmann_high)
   if (bounded && test$shift_interval == "inverted_test" && length(kept) <= MOST_FOR_INTERVAL) {
-    level <- 1 - as.numeric(test$confidence)
-    ends <- interval(d, test$zero_method, test$alternative, exact, level) * pairs$unit
+    at <- function(level) interval(d, test$zero_method, test$alternative, exact, level) * pairs$unit
+    ends <- at(1 - as.numeric(test$confidence))
     compare(test, "interval, low", test$hodges_lehmann_low, ends[1])
     compare(test, "interval, high", test$hodges_lehmann_high, ends[2])
+    ends <- at(as.numeric(test$level))   # in a family: that at which Holm's method decides
+    compare(test, "interval (Holm), low", test$hodges_lehmann_holm_low, ends[1])
+    compare(test, "interval (Holm), high", test$hodges_lehmann_holm_high, ends[2])
   }
   if (exact && requireNamespace("coin", quietly = TRUE) && any(d != 0)) {
     side <- test$alternative

@@ -11,6 +11,7 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.report.choices import choices_of
 from vrcomfort.report.comparisons import NO_VARIANCE, too_few
+from vrcomfort.report.families import decide
 from vrcomfort.report.models import guarded, is_between, level_of, points
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import (
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.families import Verdict
     from vrcomfort.report.plan import Agreed, Correlated, Equivalent, Plan, Preferred
     from vrcomfort.report.study_data import StudyData
 
@@ -79,7 +81,7 @@ def _correlation(scored: Exposures, plan: Plan, asked: Correlated) -> Row:
         found = repeated_measures_correlation(
             x, y, whole["participant"].to_numpy(), confidence=plan.confidence
         )
-        people = sorted(whole["participant"].unique(), key=natural)
+        people, smallest = sorted(whole["participant"].unique(), key=natural), 0.0
     else:
         side, complete = Side(asked.condition), plan.needs_every_score
         of_x, of_y = (
@@ -92,6 +94,8 @@ def _correlation(scored: Exposures, plan: Plan, asked: Correlated) -> Row:
         )
         found = correlation(x, y, method=asked.method, confidence=plan.confidence)
         people = sorted(means.index, key=natural)
+        one_way = correlation(np.sort(x), np.sort(y), method=asked.method)
+        smallest = 0.0 if asked.method == "pearson" or one_way.p is None else one_way.p
     problem = None
     if found.estimate is None:
         problem = (
@@ -100,7 +104,18 @@ def _correlation(scored: Exposures, plan: Plan, asked: Correlated) -> Row:
     return {
         "x": asked.x, "y": asked.y, "condition": asked.condition, "not_tested": problem,
         "participants": people, "values": [x.tolist(), y.tolist()], **asdict(found),
+        "verdict": _verdict(plan, found.p, smallest, higher=(found.estimate or 0.0) > 0),
     }  # fmt: skip
+
+
+def _verdict(plan: Plan, p: float | None, smallest_p: float, *, higher: bool) -> Verdict | None:
+    """Return what a test decides that is in no family."""
+    if p is None:
+        return None
+    row: Row = {"p": p, "smallest_p": smallest_p, "higher": higher}
+    decide(row, 1 - plan.confidence, [p], 0)
+    found: Verdict = row["verdict"]
+    return found
 
 
 def _in_points(table: pd.DataFrame, scored: Exposures, name: str) -> NDArray[np.float64]:
@@ -146,13 +161,15 @@ def _preference(study: StudyData, plan: Plan, index: int) -> Row:
         raise plan.fault(message, "preferences", index)
     none = sum(counts[value] for value in asked.none)
     found = preference(counts[asked.a], counts[asked.b], none, confidence=plan.confidence)
+    preferring = counts[asked.a] + counts[asked.b]
+    smallest = preference(preferring, 0, none).p
     return {
         "name": asked.name, "label": asked.label or asked.name, "of_a": asked.a, "of_b": asked.b,
         "n": sum(counts.values()), "missing": sum(not value for _, value in said),
         "participants": sorted((who for who, value in said if value), key=natural),
         "confidence": plan.confidence,
-        "not_tested": None if counts[asked.a] + counts[asked.b] else "nobody has a preference",
-        **asdict(found),
+        "not_tested": None if preferring else "nobody has a preference",
+        **asdict(found), "verdict": _verdict(plan, found.p, smallest, higher=found.a > found.b),
     }  # fmt: skip
 
 

@@ -54,7 +54,7 @@ def _plain(row: Row) -> Row:
 
 
 def _comparison(row: Row) -> Row:
-    inner = {"difference", "effect", "descriptives"}
+    inner = {"difference", "effect", "descriptives", "simultaneous"}
     flat = {key: value for key, value in _plain(row).items() if key not in inner}
     n = row["n_a"]
     sides = (row["participants"][:n], row["participants"][-row["n_b"] :] if row["n_b"] else [])
@@ -67,6 +67,8 @@ def _comparison(row: Row) -> Row:
     for part in ("difference", "effect"):
         found = row.get(part) or {}
         flat |= {f"{part}_{key}": found.get(key) for key in ("what", "estimate", "low", "high")}
+        holm = (row["simultaneous"] or {}).get(part) or {}
+        flat |= {f"{part}_holm_{key}": holm.get(key) for key in ("low", "high")}
     flat["confidence"] = (row.get("difference") or {}).get("confidence")
     return flat
 

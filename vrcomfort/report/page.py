@@ -12,6 +12,7 @@ from vrcomfort.report import methods, palette, words
 from vrcomfort.report.answers import answers
 from vrcomfort.report.courses.summaries import MEANINGS, TITLES
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT
+from vrcomfort.report.families import disagreement, reported
 from vrcomfort.report.further_answers import DIGITS, METHODS, TESTS
 from vrcomfort.report.ordinal import ordinal_title
 from vrcomfort.report.references import entries
@@ -89,6 +90,7 @@ def _templates() -> Environment:
     """Return the templates, compiled once: that takes longer than to fill them."""
     environment = page_templates()
     environment.filters |= {
+        "reported": reported,
         "number": words.number,
         "fraction": words.fraction,
         "p": words.p_value,
@@ -119,11 +121,10 @@ def _variable(colour: re.Match[str]) -> str:
 
 def _disagreements(results: dict[str, Any]) -> int:
     """Count the tests whose p and whose interval of r say different things of 0."""
-    level = 1 - results["plan"]["confidence"]
     return sum(
-        (test["p"] <= level) == (test["effect"]["low"] <= 0 <= test["effect"]["high"])
+        bool(disagreement(test, reported(test, "effect")))
         for test in results["tests"]
-        if not test["not_tested"] and test["effect"] and test["effect"]["low"] is not None
+        if not test["not_tested"]
     )
 
 

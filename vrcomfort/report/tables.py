@@ -178,6 +178,10 @@ def _flat_test(test: Row, plan: Row) -> Row:
     ends = ("low_closed", "high_closed", "holds_rejected_zero")
     row |= {f"hodges_lehmann_{end}": (test.get("shift") or {}).get(end) for end in ends}
     row |= _interval("rank_biserial", test.get("effect"))
+    row |= {key: test[key] for key in ("verdict", "smallest_p", "level")}
+    holm = test["simultaneous"] or {}
+    row |= _ends("hodges_lehmann_holm", holm.get("shift"))
+    row |= _ends("rank_biserial_holm", holm.get("effect"))
     for name, found in (test.get("descriptives") or {}).items():
         row |= {f"{stat}_{name}": found[stat] for stat in DESCRIBED if stat in found}
     planned = test["exposures_per_condition"]
@@ -197,9 +201,12 @@ def _flat_test(test: Row, plan: Row) -> Row:
 
 
 def _interval(name: str, found: Row | None) -> Row:
+    return {name: (found or {}).get("estimate"), **_ends(name, found)}
+
+
+def _ends(name: str, found: Row | None) -> Row:
     found = found or {}
-    low, high = f"{name}_low", f"{name}_high"
-    return {name: found.get("estimate"), low: found.get("low"), high: found.get("high")}
+    return {f"{name}_low": found.get("low"), f"{name}_high": found.get("high")}
 
 
 def _flat_anova(found: Row) -> list[Row]:
