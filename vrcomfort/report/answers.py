@@ -30,7 +30,8 @@ MOST_ANSWERS = 8
 def answers(results: dict[str, Any], words: Vocabulary) -> list[dict[str, Any]]:
     """Return the sentences by score, in the plan's order: its name, sentences, and whether main.
 
-    Of many questions those of other scores than the first are in the tables alone.
+    Of many questions those of other scores than the first are in the tables alone. None is main
+    where the planned primary outcome is not in the data.
     """
     tests, order = [*results["tests"], *results["comparisons"]], list(words.outcomes)
     shown = order if len(tests) <= MOST_ANSWERS else order[:1]
@@ -38,14 +39,19 @@ def answers(results: dict[str, Any], words: Vocabulary) -> list[dict[str, Any]]:
         {
             "outcome": outcome,
             "name": words.outcome(outcome),
-            "primary": outcome == order[0],
+            "primary": outcome == order[0] and not results["without_primary"],
             "lines": [answer(t, words) for t in tests if t["outcome"] == outcome],
         }
         for outcome in shown
         if any(t["outcome"] == outcome for t in tests)
     ]
     others = further_answers(results, words)
-    alone = {"outcome": "", "name": "", "primary": not groups, "lines": others}
+    alone = {
+        "outcome": "",
+        "name": "",
+        "primary": not (groups or results["without_primary"]),
+        "lines": others,
+    }
     return [*groups, alone] if others else groups
 
 

@@ -9,6 +9,7 @@ from vrcomfort.importing.suspects import alike
 from vrcomfort.questionnaire import never_zero
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.orders import in_words
+from vrcomfort.report.study_data import short_forms
 from vrcomfort.report.withdrawals import early_endings, everybody
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ def notices(
     `of_choices` are questionnaires whose answers say which of two, and are no score.
     """
     return [
+        *_short_forms(study),
         *_losses(study, tests, exclusions),
         *_ended_early(study),
         *_screened(study),
@@ -49,6 +51,25 @@ def names(people: list[str]) -> str:
     """Return names in a sentence, the first of them where they are many."""
     shown = ", ".join(people[:MOST_NAMED])
     return f"{shown} and {len(people) - MOST_NAMED} more" if people[MOST_NAMED:] else shown
+
+
+def _short_forms(study: StudyData) -> list[str]:
+    """Say which questionnaires are short forms, and which of their scores there are."""
+    found = []
+    for instrument in short_forms(study):
+        titles = {each.name: each.title for each in instrument.scales}
+        said = f"the {instrument.short} is a short form, without {', '.join(instrument.not_asked)}"
+        if instrument.shortened:
+            made = ", ".join(titles[name] for name in instrument.shortened)
+            said += (
+                f": {made} are of the items that were asked, which compares conditions "
+                "of this study, and not with scores or norms of the whole questionnaire"
+            )
+        said += "".join(
+            f"; {titles[name]} cannot be scored: {why}" for name, why in instrument.unscored.items()
+        )
+        found.append(said)
+    return found
 
 
 def _losses(

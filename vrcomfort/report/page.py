@@ -60,7 +60,7 @@ def render_page(
             forms=[form.upper() for form in forms],
             words=vocabulary,
             tests=TESTS,
-            shown_above=_shown_above(results, figures),
+            shown_above="" if results["without_primary"] else _shown_above(results, figures),
             digits=DIGITS,
             correlations=METHODS,
             ordinal_title=ordinal_title,

@@ -107,6 +107,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     )
     named = [*conditions, *_unfinished(every, conditions)]
     results = {
+        "without_primary": scored.without_primary or None,
         "schema": SCHEMA,
         "software": {"vrcomfort": __version__, **{name: version(name) for name in SOFTWARE}},
         "study": {"title": study.title, "protocol": study.protocol},
