@@ -26,7 +26,7 @@ class EventLog:
         self.recorder.write(row)
 
     def note(self, happened: HeadsetEvent) -> None:
-        """Write, between two frames, what happened; tell what an operator must know at once."""
+        """Write a headset event between two frames; show the operator the urgent ones."""
         self.event_soon(happened.name, detail=happened.detail)
         if happened.name == "unfocused":
             self.tell("notice", WHOLE_SESSION, 0, 0, happened.detail)

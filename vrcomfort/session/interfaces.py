@@ -1,4 +1,4 @@
-"""What a session needs from others, by shape: a renderer, scenes, headsets; and what it tells."""
+"""Interfaces of a session to its renderer, tasks and other devices."""
 
 from __future__ import annotations
 
@@ -53,14 +53,14 @@ Called once per exposure: a playback headset is made anew, a real one is led to 
 
 
 class Doing(Protocol):
-    """What is done during frames that count: a task, an adjustment, or a validation of the gaze."""
+    """An activity during frames: a task, an adjustment, or a validation of the gaze."""
 
     @property
     def done(self) -> bool:
         """Return whether the exposure ends with it, before its time."""
 
     def demand(self, frame: Frame) -> Demand | None:
-        """Return what is to be looked at, and perhaps pointed at, now."""
+        """Return the current target of gaze, and perhaps of pointing."""
 
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
         """Take a frame before it is drawn."""
@@ -81,7 +81,7 @@ class Looks(Protocol):
 
 
 class Relay(Protocol):
-    """Passes on what happens to other devices, such as LabStreamingLayer; never waits."""
+    """Outlet to other devices, such as LabStreamingLayer; never waits."""
 
     def now_s(self) -> float | None:
         """Return its own clock, if it has one."""

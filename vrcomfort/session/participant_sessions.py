@@ -178,7 +178,7 @@ class ParticipantSessions:
         )
 
     def _look_at(self, number: int, manifest: Manifest, before: Interrupted | None) -> None:
-        """Tell what was cut off, and write into the participant's note what was flagged."""
+        """Collect warnings, and write timing flags into the participant's note."""
         flags = manifest.timing_flags[len(before.manifest["timing_flags"]) if before else 0 :]
         cut = before.warnings if before else ()
         self.notices.extend([*cut, *flags, *manifest.clock_set_back, *manifest.missed_questions])
@@ -194,7 +194,7 @@ STOPPED = "stopped by the operator"
 def _kept(
     flow: SessionFlow, writer: ManifestWriter, recorder: Recorder
 ) -> tuple[SessionStatus, str]:
-    """Run a session and write into its manifest how it ended, whatever ended it."""
+    """Run a session and write its end into the manifest, in any case."""
     status: SessionStatus = "aborted"
     note = ""
     try:
