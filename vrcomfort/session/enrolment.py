@@ -10,7 +10,8 @@ from pathlib import Path
 from vrcomfort.design import Design, build_design
 from vrcomfort.protocol import Protocol
 from vrcomfort.records import enrolled, entered, note_withdrawal, only_run, open_study
-from vrcomfort.records.consents import ConsentRow, Given, required_consent
+from vrcomfort.records.consents import Given, required_consent
+from vrcomfort.records.session_rows import ConsentRow
 from vrcomfort.session.resume import InterruptedSessions, choose_sessions, require_rest
 
 
