@@ -135,6 +135,10 @@ def main() -> None:
         picture_of_conditions(folder).save(IMAGES / "tutorial_conditions.png", optimize=True)
         picture_of_the_panel(folder).save(IMAGES / "tutorial_panel.png", optimize=True)
         picture_of_the_report(folder).save(IMAGES / "tutorial_report.png", optimize=True)
+        ratings = Image.open(folder / "lens_report" / "figures" / "ratings.png").convert("RGB")
+        ratings.resize((800, round(800 * ratings.height / ratings.width))).save(
+            IMAGES / "tutorial_ratings.png", optimize=True
+        )
 
 
 if __name__ == "__main__":

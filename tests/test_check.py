@@ -173,7 +173,7 @@ def test_a_condition_that_nobody_can_see_is_refused(run, tmp_path):
     (tmp_path / "weak.toml").write_text(weak, encoding="utf-8")
     code, _, err = run("check", tmp_path / "weak.toml", "--moments", 4)
     assert code == 2
-    assert "weak.toml, line 15, column 1: `dof` cannot be seen in temple" in err
+    assert "weak.toml, line 16, column 1: `dof` cannot be seen in temple" in err
     meant = f'{weak}[visibility]\nunseen = ["dof"]\n'
     (tmp_path / "meant.toml").write_text(meant, encoding="utf-8")
     assert run("check", tmp_path / "meant.toml", "--moments", 4)[0] == 0

@@ -89,7 +89,17 @@ def test_the_state_says_who_in_which_order_and_how_much_of_a_step_is_left(sessio
     server, *_ = session
     last = states_of(server, "exposure")[-1]
     assert (last["participant"], last["session"], last["sequence"]) == ("P01", 1, "ab")
-    assert last["order"] == (("room.glb", "plain"), ("room.glb", "blur"))
+    assert last["timeline"] == (
+        "questionnaire ssq (baseline)",
+        "training",
+        "exposure 1: plain in room.glb",
+        "questionnaire ssq (post)",
+        "exposure 2: blur in room.glb",
+        "questionnaire ssq (post)",
+        "rest of 60 s",
+        "questionnaire ssq (recovery)",
+    )
+    assert last["timeline"][last["position"] - 1] == "exposure 2: blur in room.glb"
     assert last["trial"] == 2
     assert last["step"]["words"] == "exposure 2 of 2, attempt 1: blur in room.glb"
     assert last["total"] == 10.0

@@ -16,7 +16,13 @@ from websockets.exceptions import ConnectionClosedError, InvalidStatus
 from tests.support.console import Served, page_of, served
 from tests.support.waiting import WAIT_S, wait_for
 from vrcomfort.console import wire
-from vrcomfort.console.access import NO_COOKIE, OTHER_HOST, OTHER_ORIGIN, Access, operator_name
+from vrcomfort.console.access import (
+    NO_COOKIE,
+    OTHER_HOST,
+    OTHER_ORIGIN,
+    ConsoleAccess,
+    operator_name,
+)
 from vrcomfort.console.messages import ACTIONS_PER_S, LONGEST_CHARACTERS, read_command
 from vrcomfort.operator_interface import Command
 
@@ -278,7 +284,7 @@ def test_a_server_that_stands_still_does_not_keep_the_session_from_its_end(monke
 
 def test_operators_have_letters_and_every_message_has_its_limit():
     assert [operator_name(n) for n in (1, 26, 27, 53)] == ["A", "Z", "A2", "A3"]
-    access = Access(port=1)
+    access = ConsoleAccess(port=1)
     assert access.exchange("") is None
     assert access.operators == 0
     assert read_command('{"id": "1", "action": "rate", "step": 2, "value": 3}') == Command(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,8 +15,10 @@ from tests.support.layouts import CONDITIONS, ENGLISH, ITEMS, PEOPLE, Truth, exa
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
 from vrcomfort.importing import import_files, load_mapping, parse_mapping, write_study
+from vrcomfort.importing.courses import course_instrument
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.suggest import suggest_mapping
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.records import QuestionnaireRow
 
 TOP = 'format_version = 1\n[[tables]]\nfiles = ["*"]\n'
@@ -332,3 +335,122 @@ def test_a_file_with_doubts_is_refused_with_the_command_to_type(tmp_path: Path) 
             catch_exceptions=False,
         )
     assert f"vrcomfort import {file} --suggest --out map.toml" in str(found.value)
+
+
+LONG = '[[tables.questionnaires]]\ninstrument = "ssq"\nitem_column = "item"\n'
+LONG += 'response_column = "answer"\n'
+LONG_ITEMS = "".join(f'{item} = "{text}"\n' for item, text in zip(ITEMS, ENGLISH, strict=True))
+
+
+@pytest.fixture
+def long_file(tmp_path: Path) -> Path:
+    rows = [["a", "b", text, n % 4] for n, text in enumerate(ENGLISH)]
+    return write(tmp_path / "x.csv", [["who", "what", "item", "answer"], *rows])
+
+
+MISSPELT = {
+    "an item of the mapping": (
+        "Fatigue", "Fatigue", ("fatigue =", "fatige ="),
+        r"map\.toml, line \d+, column 1: `fatige` is no item of ssq; did you mean `fatigue`\?",
+    ),
+    "an item that was not asked": (
+        "Fatigue", "Fatigue", ("\n[tables.q", '\nnot_asked = ["fatige"]\n[tables.q'),
+        r"map\.toml, line 11, column 14: `fatige` is no item of ssq; did you mean `fatigue`\?",
+    ),
+    "a text of the mapping": (
+        "Fatigue", "Fatigue", ('"Fatigue"', '"Fatige"'),
+        r"map\.toml, line \d+, column 1: no row has `Fatige` under item; did you mean `Fatigue`\?",
+    ),
+    "a text of all rows": (
+        "Fatigue", "Tired", ("", ""), r"map\.toml.*no row has `Fatigue` under item; it has ",
+    ),
+    "a text of some rows": (
+        "a,b,Fatigue,1", "a,b,Fatigue,1\nc,b,Fatige,1", ("", ""),
+        r"x\.csv, row 4, column 'item': 'Fatige' is no item; is it 'Fatigue'\? Give it under",
+    ),
+    "rows that count": (
+        "Fatigue", "Fatigue", ("\n[tables.q", '\nwhere = { what = "bb" }\n[tables.q'),
+        r"map\.toml, line 11, column 11: no row has `bb` under what; did you mean `b`",
+    ),
+    "a condition": (
+        "Fatigue", "Fatigue", ("[[tables]]", 'condition_labels = { bb = "60 Hz" }\n[[tables]]'),
+        r"map\.toml, line 2, column 22: no answer is of a condition `bb`; did you mean `b`",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", MISSPELT)
+def test_what_is_misspelt_is_refused_and_not_dropped(
+    tmp_path: Path, long_file: Path, what: str
+) -> None:
+    old, new, (right, wrong), words = MISSPELT[what]
+    mapping = tmp_path / "map.toml"
+    text = f"{TOP}{FACTS}{LONG}\n[tables.questionnaires.items]\n{LONG_ITEMS}"
+    mapping.write_text(text, "utf-8")
+    arguments = ["import", str(long_file), "--mapping", str(mapping), "--preview"]
+    assert CliRunner().invoke(app, arguments).exit_code == 0
+    mapping.write_text(text.replace(right, wrong, 1), "utf-8")
+    long_file.write_text(long_file.read_text("utf-8").replace(old, new, 1), "utf-8")
+    with pytest.raises(InputError, match=words):
+        import_files([long_file], load_mapping(mapping).mapping)
+
+
+def test_items_that_no_row_of_a_long_file_answers_are_said(long_file: Path) -> None:
+    text = long_file.read_text("utf-8").replace("Fatigue", "Hunger")
+    long_file.write_text(text, "utf-8")
+    with pytest.raises(InputError, match=r"line 6, .*no row answers fatigue; give them under"):
+        imported([long_file], f"{TOP}{FACTS}{LONG}")
+    said = imported([long_file], f'{TOP}{FACTS}{LONG}not_asked = ["fatigue"]\n')
+    assert said.notes == ["x.csv: 1 rows of 'Hunger' were left out: no item of that name"]
+
+
+def test_rows_count_where_a_column_is_blank(long_file: Path) -> None:
+    head, *rows = long_file.read_text("utf-8").splitlines()
+    lines = [f"{head},note", *(f"{row}," for row in rows), f"{rows[0]},again"]
+    long_file.write_text("\n".join(lines), "utf-8")
+    found = imported([long_file], f'{TOP}{FACTS}{LONG}where = {{ note = "" }}\n')
+    assert found.notes == ["x.csv: 1 rows with 'again' are in no questionnaire of the mapping"]
+
+
+def test_a_scale_that_an_instrument_does_not_have_is_refused_with_its_place() -> None:
+    scores = '[[tables.scores]]\ninstrument = "ssq"\nscales = { Totl = "x" }\n'
+    with pytest.raises(InputError, match=r"map\.toml, line 6, column 12: `Totl` is no scale of"):
+        parse_mapping(f"{TOP}{scores}", Path("map.toml"))
+
+
+@pytest.mark.parametrize(
+    ("cells", "answers", "step"),
+    [
+        (["22.740000000000002", "22.74"], [22.74, 22.74], 0.01),
+        (["0.1", "1e-7"], [0.1, 1e-7], 1e-7),
+        (["0.30000000000000004", "-1234.5"], [0.3, -1234.5], 0.1),
+        (["1e-30", "999999.999999999"], [0, 1e6], 1),
+        (["3", "4.0"], [3, 4], 1),
+    ],
+)
+def test_scores_of_any_formula_are_an_instrument(
+    tmp_path: Path, cells: list[str], answers: list[float], step: float
+) -> None:
+    rows = [["who", "what", "total"], *(["a", str(n), cell] for n, cell in enumerate(cells))]
+    scores = '[[tables.scores]]\ninstrument = "ssq"\nkind = "other"\nscales = { T = "total" }\n'
+    found = imported([write(tmp_path / "x.csv", rows)], f"{TOP}{FACTS}{scores}")
+    assert [sheet.answers["total"] for sheet in found.sheets.values()] == answers
+    made = found.instruments["ssq_other_scores"]
+    assert made.items[0].answers.step == step
+    assert all(made.items[0].answers.has(answer) for answer in answers)
+
+
+def test_a_score_that_no_instrument_has_is_refused_with_its_place(tmp_path: Path) -> None:
+    file = write(tmp_path / "x.csv", [["who", "what", "total"], ["a", "b", "1e7"]])
+    scores = '[[tables.scores]]\ninstrument = "ssq"\nkind = "other"\nscales = { T = "total" }\n'
+    with pytest.raises(InputError, match=r"row 2, column 'total': 1e7 is larger than any score"):
+        imported([file], f"{TOP}{FACTS}{scores}")
+
+
+def test_a_title_of_any_text_is_that_of_the_instrument_of_courses() -> None:
+    ours = replace(shipped_instruments()["fms"], title='The "sick\\ness"\n\x7f', citation='"')
+    made = course_instrument(ours, ["peak", "mean"])
+    assert made.title == 'The "sick\\ness"\n\x7f, during exposure'
+    fine = replace(ours.answers, low=0.00003, high=1.00003, step=0.5)
+    finer = replace(ours, answers=fine)
+    assert course_instrument(finer, ["mean"]).items[0].answers.low == 0.00003

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import re
 import tomllib
 from importlib.metadata import requires
@@ -20,6 +21,14 @@ def name_of(requirement: str) -> str:
     found = re.match(r"[\w.-]+", requirement)
     assert found
     return found[0].lower()
+
+
+def text_of(argument: ast.expr, file: Path) -> str:
+    """Return an argument that is a literal, or the name of a constant of its module."""
+    if not isinstance(argument, ast.Name):
+        return ast.literal_eval(argument)
+    parts = file.relative_to(Path(vrcomfort.__file__).parent.parent).with_suffix("").parts
+    return getattr(importlib.import_module(".".join(parts)), argument.id)
 
 
 def known() -> set[str]:
@@ -40,7 +49,7 @@ def test_every_remedy_names_packages_of_the_project():
         )
         for node in ast.walk(ast.parse(text)) if "pip_install" in text else ():
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "pip_install":
-                names |= {ast.literal_eval(each).lower() for each in node.args}
+                names |= {name_of(text_of(each, file)) for each in node.args}
     assert {"pylsl", "pyserial", "miniaudio", "distributed", "pyopenxr"} <= names
     assert names <= known()
 

@@ -10,7 +10,7 @@ import moderngl
 import numpy as np
 import pytest
 from test_openxr_looks import Looker
-from test_study_panel import TwoHands
+from test_study_panel import TwoHands, aim_at
 
 from tests.support.openxr import fresh_monado, needs_monado
 from vrcomfort.cli.run_openxr import look_down_of
@@ -86,9 +86,9 @@ class Moving(TwoHands):
 class Person:
     """Somebody in an exposure, frame by frame."""
 
-    def __init__(self, look_down: LookDown | None) -> None:
+    def __init__(self, look_down: LookDown | None, *, points_with_head: bool = True) -> None:
         self.headset, self.now_s = Moving(), 0.0
-        screen = PanelScreen(self.headset, points_with_head=True)
+        screen = PanelScreen(self.headset, points_with_head=points_with_head)
         self.panel = PanelRespondent(
             screen, now_s=lambda: self.now_s, look_down=look_down, dwell_s=0.5
         )
@@ -145,12 +145,39 @@ def test_a_protocol_may_do_without() -> None:
     assert person.screen.quad is None
 
 
-def test_who_holds_a_controller_has_a_button_and_may_look_down() -> None:
+def test_a_controller_in_hand_takes_no_look_down_away_and_answers() -> None:
     person = Person(LookDown())
     person.headset.now = Inputs(right=HandInput(Pose()))
     person.headset.look(*DOWN)
-    person.endure(10.0)
-    assert person.screen.quad is None
+    person.endure(2.5)
+    assert person.screen.quad is not None
+    stop = next(each for each in stop_page().cells if each.act is Act.WITHDRAW)
+    aim = aim_at(person.screen.quad, stop.center)
+    person.headset.now = Inputs(right=HandInput(aim, select=True))
+    with pytest.raises(Withdrew):
+        person.endure(FRAME_S)
+
+
+@pytest.mark.parametrize("points_with_head", [False, True])
+def test_looks_answer_what_a_look_has_asked_though_a_controller_lies_beside(
+    points_with_head: bool,
+) -> None:
+    person = Person(LookDown(), points_with_head=points_with_head)
+    behind = Pose(np.array([0.0, 0.8, 0.0]), yaw_pitch_roll(np.pi, 0.0, 0.0))
+    person.headset.now = Inputs(left=HandInput(behind))
+    person.headset.look(*DOWN)
+    person.endure(2.5)
+    with pytest.raises(Withdrew):
+        person.choose(Act.WITHDRAW)
+
+
+def test_looks_do_not_answer_what_a_button_has_asked() -> None:
+    person = Person(LookDown())
+    person.headset.now = Inputs(left=HandInput(Pose(), stop=True))
+    person.endure(FRAME_S)
+    person.headset.now = Inputs(left=HandInput(Pose()))
+    person.choose(Act.WITHDRAW)
+    assert person.screen.quad is not None
 
 
 def test_the_eyes_count_where_they_are_seen() -> None:

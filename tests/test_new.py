@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -15,6 +16,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.draft import HIGH
 from vrcomfort.questionnaire import find_instrument
+from vrcomfort.session.ratings import due_times
 
 
 def new(*words: str):
@@ -64,6 +66,19 @@ def test_options_stand_in_the_file_and_every_table_has_a_comment(tmp_path):
     for number, line in enumerate(lines):
         if line.startswith(("[order]", "[simulation]", "languages")):
             assert lines[number - 1].startswith("#")
+
+
+@pytest.mark.parametrize("minutes", [0.1, 0.4, 0.5, 1, 2.5, 5, 60])
+def test_ratings_come_at_times_at_which_people_can_answer_them(tmp_path, minutes):
+    file = tmp_path / "study.toml"
+    told = new(str(file), "--exposure-min", str(minutes), "--rating", "fms", "--yes")
+    assert told.exit_code == 0, told.output
+    protocol = load_protocol(file)
+    assert ("have no time for ratings" in told.stderr) == (not protocol.ratings) == (minutes < 0.5)
+    for each in protocol.ratings:
+        assert each.timeout_s >= 10
+        assert each.every_s >= 2 * each.timeout_s
+        assert due_times(each, protocol.exposure_s, np.random.default_rng(0))
 
 
 def test_it_passes_check_with_its_rehearsal(tmp_path):

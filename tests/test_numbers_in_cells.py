@@ -10,9 +10,11 @@ import pytest
 
 import vrcomfort
 from tests.support.report import Study, build_report, foreign
-from vrcomfort.csv_table import number_in, number_or_none
+from vrcomfort.csv_table import CsvTable, number_in, number_or_none, whole_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import score_file, shipped_instruments
+from vrcomfort.recordings import Memory
+from vrcomfort.recordings.exposures import measure
 from vrcomfort.report.courses.exposures import _rating
 from vrcomfort.report.measures.model import number_of
 from vrcomfort.report.study_data import trial_s
@@ -37,6 +39,41 @@ def test_anything_else_is_no_number(cell):
     assert number_or_none(cell) is None
     with pytest.raises(ValueError, match=r"number|plain digits|could not convert"):
         number_in(cell)
+
+
+@pytest.mark.parametrize("cell", [*NONE, "", "\u2028", "1.5", "1e3", "²", "9" * 30, "9" * 5000])
+def test_a_cell_is_a_whole_number_or_none(cell):
+    assert whole_or_none(cell) is None
+    assert whole_or_none(" -12 ") == -12
+
+
+@pytest.mark.parametrize("cell", ["x", "\u2028", "", "1.5", "9" * 5000])
+@pytest.mark.parametrize("column", ["trial", "start_s", "end_s", "attempt"])
+def test_frames_of_an_exposure_whose_row_has_no_number_are_told(tmp_path, column, cell):
+    rows = {"participant": "P1", "session": "1", "trial": "1", "start_s": "0", "end_s": "9"}
+    rows |= {"attempt": "1"}
+    good = [",".join(rows), ",".join(rows.values())]
+    rows[column] = cell
+    (tmp_path / "trials.csv").write_text("\n".join([*good, ",".join(rows.values()), ""]), "utf-8")
+    frames = tmp_path / "frames.csv"
+    frames.write_text("session_s\n", "utf-8")
+    found = measure(Memory(), frames)
+    means_something = (column, cell) in {("attempt", ""), ("attempt", "\u2028"),
+                                         ("start_s", "1.5"), ("end_s", "1.5")}  # fmt: skip
+    (note,) = found.notes
+    assert (f"trials.csv, line 3, column {column}: " in note) != means_something
+
+
+def test_a_column_is_read_as_numbers_or_refused_with_its_place(tmp_path):
+    file = tmp_path / "t.csv"
+    file.write_text("a,b\n1,\n-2,2.5\n", "utf-8")
+    table = CsvTable.read(file)
+    assert table.whole_numbers("a") == [1, -2]
+    assert table.numbers("b", blank=0.5) == [0.5, 2.5]
+    with pytest.raises(InputError, match=r"t\.csv, line 2, column b: '' is not a number"):
+        table.numbers("b")
+    with pytest.raises(InputError, match=r"line 3, column b: '2\.5' is not a whole number"):
+        table.whole_numbers("b", blank=1)
 
 
 @pytest.mark.parametrize("cell", ["NA", "nan", " N/A "])
@@ -78,7 +115,10 @@ def test_an_exclusion_by_a_column_passes_over_what_is_no_number(tmp_path):
 
 @pytest.mark.parametrize("folder", READERS)
 def test_no_other_place_decides_what_a_number_is(folder):
-    """A parse whose failure is caught is a rule of its own, unless it is of `plain_digits`."""
+    """A parse whose failure is caught or looked out for is a rule of its own.
+
+    Unless it is of `plain_digits`.
+    """
     root = Path(vrcomfort.__file__).parent
     found = [
         f"{file.relative_to(root)}, line {call.lineno}: {ast.unparse(call)}"
@@ -90,19 +130,37 @@ def test_no_other_place_decides_what_a_number_is(folder):
     assert found == []
 
 
-def test_a_rule_of_its_own_would_be_found():
-    calls = _guarded(ast.parse("try:\n    x = float(cell)\nexcept ValueError:\n    x = None"))
+@pytest.mark.parametrize(
+    "text",
+    [
+        "try:\n    x = float(cell)\nexcept ValueError:\n    x = None",
+        "x = float(cell) if cell.isdigit() else None",
+        "x = sum(float(cell) for cell in cells if cell.isdecimal())",
+    ],
+)
+def test_a_rule_of_its_own_would_be_found(text):
+    calls = _guarded(ast.parse(text))
     assert [ast.unparse(call) for call in calls] == ["float(cell)"]
 
 
 def _guarded(tree: ast.Module) -> list[ast.Call]:
-    """Return the calls that parse a number within ``try … except ValueError``."""
-    return [
-        call
+    """Return the calls that parse a number where ``ValueError`` is caught, or digits counted."""
+    caught = [
+        ast.Module(node.body, [])
         for node in ast.walk(tree)
         if isinstance(node, ast.Try)
         if any(each.type and "ValueError" in ast.unparse(each.type) for each in node.handlers)
-        for call in ast.walk(ast.Module(node.body, []))
+    ]
+    looked_at = [
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.IfExp | ast.GeneratorExp | ast.ListComp)
+        if any(test in ast.unparse(node) for test in (".isdigit()", ".isdecimal()"))
+    ]
+    return [
+        call
+        for node in (*caught, *looked_at)
+        for call in ast.walk(node)
         if isinstance(call, ast.Call)
         if isinstance(call.func, ast.Name)
         if call.func.id in PARSERS

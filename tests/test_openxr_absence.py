@@ -75,18 +75,27 @@ class Blind:
         return result
 
 
-@pytest.mark.parametrize("poll", [silent, Blind()])
+def covered(follow: Any, session: Any, info: Any, state: Any) -> int:
+    """Want no picture of any frame."""
+    result = follow(session, info, state)
+    state.contents.should_render = 0
+    return int(result)
+
+
+@pytest.mark.parametrize(
+    "calls", [{"xrPollEvent": silent}, {"xrPollEvent": Blind()}, {"xrWaitFrame": covered}]
+)
 def test_a_headset_that_nobody_looks_into_for_long_ends_the_session(
-    ctx: moderngl.Context, feed: RemoteFeed, poll: Any
+    ctx: moderngl.Context, feed: RemoteFeed, calls: dict[str, Any]
 ) -> None:
     def go(session: OpenXrHeadset) -> None:
         for frame in session.frames():
-            assert frame.paused
+            assert not frame.seen
             session.submit(frame, None)
 
     words = r"shown nothing for 0.5 s.*--resume"
     with (
-        headset(ctx, feed, patience_s=0.5, xrPollEvent=poll) as session,
+        headset(ctx, feed, patience_s=0.5, **calls) as session,
         pytest.raises(RuntimeLostError, match=words),
     ):
         go(session)

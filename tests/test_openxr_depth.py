@@ -88,8 +88,8 @@ class Runtime:
         for layer in info.contents.layers:
             projection = ctypes.cast(layer, ctypes.POINTER(xr.CompositionLayerProjection)).contents
             for view in projection.views:
-                if view._next:
-                    depth = xr.CompositionLayerDepthInfoKHR.from_address(view._next)
+                if view.next:
+                    depth = xr.CompositionLayerDepthInfoKHR.from_address(view.next)
                     ends = depth.min_depth, depth.max_depth, depth.near_z, depth.far_z
                     self.infos.append(ends)
         return follow(session, info)

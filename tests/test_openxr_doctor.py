@@ -47,11 +47,11 @@ def fake_bindings(folder: Path, error: str) -> str:
 @pytest.mark.parametrize(
     ("error", "words"),
     [
-        ("ModuleNotFoundError('no', name='xr')", "are not installed; pip install pyopenxr"),
+        ("ModuleNotFoundError('no', name='xr')", 'are not installed; pip install "pyopenxr>='),
         ("ImportError('no')", "cannot be loaded (no)"),
         (
             "OSError('libopenxr_loader.so: cannot open shared object file')",
-            "the OpenXR loader cannot be loaded (libopenxr_loader.so: cannot open",
+            "a library of the OpenXR bindings cannot be loaded (libopenxr_loader.so: cannot open",
         ),
     ],
 )

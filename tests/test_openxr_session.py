@@ -20,18 +20,20 @@ from vrcomfort.errors import RuntimeLostError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, axis_angle
 from vrcomfort.protocol import load_protocol
+from vrcomfort.recordings import frame_measures
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.rehearsal import Rehearsal
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
+from tests.support.openxr_layers import Interceptor
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
 
 pytestmark = needs_monado
 
 SIZE_PX = (16, 16)
-PROTOCOL = """
+EXPOSURES = """
 name = "rehearsal"
 title = "Two short exposures"
 participants = 2
@@ -39,14 +41,14 @@ exposure_s = 2.0
 scenes = ["temple"]
 conditions = [{ name = "a" }, { name = "b" }]
 order = { rule = "williams" }
-questionnaires = [
-  { timepoint = "baseline", when = "session_start" },
-  { timepoint = "post", when = "after_trial" },
-]
 ratings = { instrument = "fms", every_s = 1.2, timeout_s = 0.7 }
 """
-
-
+PROTOCOL = f"""{EXPOSURES}
+questionnaires = [
+  {{ timepoint = "baseline", when = "session_start" }},
+  {{ timepoint = "post", when = "after_trial" }},
+]
+"""
 PREPARED = f"""{PROTOCOL}
 practice = [{{ name = "try", draw = 1, exposure_s = 0.5 }}]
 posture = {{ mode = "seated", eye_height_m = 1.2, settle_s = 0.3, measure_s = 0.4 }}
@@ -97,10 +99,10 @@ def walk() -> Iterator[Pose]:
 
 def run(
     ctx: moderngl.Context, rehearsal: Rehearsal, folder: Path, **kwargs: Any
-) -> session.Outcome:
+) -> session.RunOutcome:
     protocol = folder / "rehearsal.toml"
     protocol.write_text(kwargs.pop("text", PROTOCOL))
-    settings = OpenXrSettings(image_size_px=SIZE_PX)
+    settings = OpenXrSettings(image_size_px=SIZE_PX, api_layers=kwargs.pop("api_layers", ()))
     with OpenXrHeadset(ctx, settings, before_wait=rehearsal.before_frame) as headset:
         rehearsal.screen = PanelScreen(headset)
         return run_participant(
@@ -117,6 +119,42 @@ def run(
             screen=rehearsal.screen,
             **kwargs,
         )
+
+
+class Covers:
+    """A runtime that wants no picture of three frames in ten: something else is shown."""
+
+    def __init__(self) -> None:
+        self._numbers = count()
+
+    def __call__(self, follow: Any, session: Any, info: Any, state: Any) -> int:
+        result = follow(session, info, state)
+        if next(self._numbers) % 10 < 3:
+            state.contents.should_render = 0
+        return int(result)
+
+
+def test_frames_that_the_runtime_wants_no_picture_of_are_no_exposure(
+    ctx: moderngl.Context, tmp_path: Path
+) -> None:
+    layer = Interceptor(xrWaitFrame=Covers())
+    with fresh_monado(tmp_path) as monado, monado.feed() as feed:
+        rehearsal = Rehearsal(feed, walk(), iter([0] * 9))
+        outcome = run(ctx, rehearsal, tmp_path, text=EXPOSURES, api_layers=(layer.name,))
+    assert outcome.status == "completed"
+    frames, trials = read(tmp_path, "frames.csv"), read(tmp_path, "trials.csv")
+    assert set(frames.groupby("trial")["should_render"].min()) == {0}, "they are recorded"
+    measured, notes = frame_measures([tmp_path / "study/sub-P01/ses-1/frames.csv"])
+    assert notes == []
+    for (_, trial), found in zip(trials.iterrows(), measured, strict=True):
+        rows = frames[frames["trial"] == trial["trial"]]
+        seen = rows["should_render"] == 1
+        assert float(trial["hidden_s"]) >= 0.9 * rows["period_ns"][~seen].sum() / 1e9 > 0
+        longest_s = rows["xr_time_ns"].diff().max() / 1e9
+        assert abs(float(trial["live_s"]) + float(trial["frozen_s"]) - 2.0) <= longest_s
+        assert float(trial["live_s"]) == pytest.approx(found.live_s, abs=1e-6)
+        lost_s = float(trial["frozen_s"]) + float(trial["hidden_s"])
+        assert lost_s == pytest.approx(found.frozen_s + found.hidden_s, abs=1e-6)
 
 
 def test_what_comes_before_exposures_passes_in_the_headset(

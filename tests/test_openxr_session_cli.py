@@ -15,14 +15,19 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.support.openxr import BEST_PRACTICES, VALIDATION, needs_monado, services_of
+from tests.support.openxr import (
+    BEST_PRACTICES,
+    VALIDATION,
+    needs_monado,
+    services_of,
+    validation_environment,
+)
 from tests.support.study import smoke_with
 from tests.support.waiting import SESSION_S, WAIT_S
 from vrcomfort.resources import data_folder
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
-import xr
 
 pytestmark = needs_monado
 
@@ -71,10 +76,8 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     environment = {
         **os.environ,
         "PYTHONPATH": f"{Path(__file__).parent.parent}:{os.environ.get('PYTHONPATH', '')}",
-        "XR_API_LAYER_PATH": str(Path(xr.__file__).parent / "api_layer" / "linux_x86_64"),
         "XR_ENABLE_API_LAYERS": f"{VALIDATION}:{BEST_PRACTICES}",
-        "XR_CORE_VALIDATION_EXPORT_TYPE": "text",
-        "XR_CORE_VALIDATION_FILE_NAME": str(folder / "validation.txt"),
+        **validation_environment(folder / "validation.txt"),
     }
     done = subprocess.run(
         [sys.executable, "-c", CLIENT, *command(folder)],

@@ -12,13 +12,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.support.openxr import BEST_PRACTICES, VALIDATION, fresh_monado, needs_monado
+from tests.support.openxr import (
+    BEST_PRACTICES,
+    VALIDATION,
+    fresh_monado,
+    needs_monado,
+    validation_environment,
+)
 from tests.support.study import smoke_with
 from tests.support.waiting import SESSION_S
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
-import xr
 
 pytestmark = needs_monado
 
@@ -38,10 +43,8 @@ def test_a_simulated_participant_goes_through_a_session_under_a_swaying_head(
     report = tmp_path / "validation.txt"
     environment = {
         "PYTHONPATH": f"{Path(__file__).parent.parent}:{os.environ.get('PYTHONPATH', '')}",
-        "XR_API_LAYER_PATH": str(Path(xr.__file__).parent / "api_layer" / "linux_x86_64"),
         "XR_ENABLE_API_LAYERS": f"{VALIDATION}:{BEST_PRACTICES}",
-        "XR_CORE_VALIDATION_EXPORT_TYPE": "text",
-        "XR_CORE_VALIDATION_FILE_NAME": str(report),
+        **validation_environment(report),
     }
     words = [
         *("run", str(smoke_with(tmp_path, 4.0)), "--participant", "P01", "--quiet"),

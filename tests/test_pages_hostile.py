@@ -17,7 +17,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.report import ReportSummary
 from vrcomfort.report.tables import inert, to_csv
 from vrcomfort.report.writing import LONGEST_BYTES, file_name
-from vrcomfort.web_page import POLICY, inline_svg, page_templates, visible
+from vrcomfort.web_page import POLICY, escape_hidden, inline_svg, page_templates
 
 ONERROR = "<img src=x onerror=document.title='ran'>"
 SCRIPT = "\"'></style></svg><script>document.title='ran'</script>"
@@ -174,8 +174,8 @@ def test_records_are_not_altered_by_a_report(tmp_path):
 
 
 def test_what_nobody_sees_is_written_out():
-    assert visible("a\u202eb\x00\u200b\tc\n") == "a\\u202eb\\u0000\\u200b\tc\n"
-    assert visible("مرحبا 日本語 👩‍🔬 é") == "مرحبا 日本語 👩‍🔬 é"
+    assert escape_hidden("a\u202eb\x00\u200b\tc\n") == "a\\u202eb\\u0000\\u200b\tc\n"
+    assert escape_hidden("مرحبا 日本語 👩‍🔬 é") == "مرحبا 日本語 👩‍🔬 é"
 
 
 @pytest.mark.parametrize("name", ['"><script>', "a\\q", "\\g<1>", "a b", "", "é"])

@@ -39,9 +39,10 @@ def by_hand(rows: pd.DataFrame) -> dict[str, float | None]:
         cut = now["discontinuity"] == 1
         passed = now["xr_time_ns"] - before["xr_time_ns"]
         late = passed > 1.2 * before["period_ns"]
-        seen = before["period_ns"] if late else passed
+        unseen = not before["should_render"]
+        seen = 0 if unseen else before["period_ns"] if late else passed
         found["unfocused" if before["session_state"] == "visible" else "live"] += seen / 1e9
-        frozen = now["dropped"] and not cut
+        frozen = now["dropped"] and not cut and not unseen
         found["frozen" if frozen else "hidden"] += (passed - seen) / 1e9
         found["blur"] += before["max_blur_px"] != now["max_blur_px"]
         if not cut and not np.isnan(now["focus_m"]) and not np.isnan(before["focus_m"]):
@@ -54,7 +55,8 @@ def by_hand(rows: pd.DataFrame) -> dict[str, float | None]:
         cosine = abs(sum(now[f"head_q{p}"] * before[f"head_q{p}"] for p in "xyzw"))
         found["turning"] += np.degrees(2 * np.arccos(min(1.0, cosine)))
     last = table[-1]
-    found["unfocused" if last["session_state"] == "visible" else "live"] += last["period_ns"] / 1e9
+    kind = "unfocused" if last["session_state"] == "visible" else "live"
+    found[kind if last["should_render"] else "hidden"] += last["period_ns"] / 1e9
     found["lag"] = float(np.nanmean(np.abs(1 / rows["focus_m"] - 1 / rows["focus_raw_m"])))
     found["untracked"] = float(rows.loc[rows["head_tracked"] == 0, "period_ns"].sum()) / 1e9
     return found
@@ -116,6 +118,7 @@ def test_times_are_those_that_the_session_wrote_for_its_trial(tmp_path, hidden):
             discontinuity=bool(random.random() < 0.03),
             head_pose=Pose(random.normal(size=3)),
             session_state=str(random.choice(["focused", "visible"])),
+            should_render=bool(random.random() > 0.1),
         )
         if 9 < index < 290 and random.random() < hidden:
             log.add_hidden(replace(shown, paused=True))

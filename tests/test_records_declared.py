@@ -88,7 +88,7 @@ def test_every_column_is_declared_whole():
     for name, table in TABLES.items():
         hints = get_type_hints(table, include_extras=True)
         for column in (*declared(table), *table.FURTHER):
-            assert column.meaning and not column.meaning.endswith("."), (name, column.name)
+            assert re.fullmatch(r".+[^.\s]", column.meaning), (name, column.name)
             hint = hints.get(column.name)
             if get_origin(hint) is Annotated and NoneType in get_args(get_args(hint)[0]):
                 assert column.blank, f"{name}: say what a blank {column.name} means"
@@ -192,18 +192,14 @@ NOVEL_EVENT = "bell_rang"
 
 
 def add_event(session: Path, name: str, detail: str) -> None:
-    """Add an event, during the first exposure."""
+    """Add an event at the beginning of the first exposure."""
     file = session / "events.csv"
-    lines = file.read_text().splitlines(keepends=True)
+    header, *lines = file.read_text().splitlines(keepends=True)
     place = next(n for n, line in enumerate(lines) if ",exposure," in line)
-    onset_s = lines[place].split(",")[0]
-    resumed = "0"
-    cells = {"onset_s": onset_s, "duration_s": "0.0", "name": name, "detail": detail}
-    header = lines[0].strip().split(",")
-    lines.insert(
-        place + 1, ",".join({**cells, NOVEL: "", "resumed": resumed}[c] for c in header) + "\n"
-    )
-    file.write_text("".join(lines))
+    cells = {"onset_s": lines[place].split(",")[0], "duration_s": "0.0", "name": name}
+    cells |= {"detail": detail, "resumed": "0"}
+    lines.insert(place + 1, ",".join(cells.get(c, "") for c in header.strip().split(",")) + "\n")
+    file.write_text("".join([header, *lines]))
     (session / "checksums.sha256").unlink()
 
 
@@ -215,9 +211,7 @@ def all_text(folder: Path) -> str:
 
 def declare(monkeypatch: pytest.MonkeyPatch, table: type[Row], column: Column) -> None:
     """Declare a column of a table, as one more line in the class of its rows does it."""
-    annotations = dict(table.__annotations__)
-    last = annotations.pop("resumed")  # before it: columns of frames end with this
-    new = {**annotations, NOVEL: Annotated[float | None, column], "resumed": last}
+    new = {**table.__annotations__, NOVEL: Annotated[float | None, column]}
     monkeypatch.setattr(table, "__annotations__", new)
     monkeypatch.setattr(table, NOVEL, 1.5, raising=False)
     monkeypatch.setattr(rows, "_LAYOUTS", {})
@@ -266,7 +260,7 @@ def test_an_older_study_is_whole_without_a_column_that_came_later(study, tmp_pat
 def test_a_column_and_an_event_are_declared_in_one_place_each(tmp_path, monkeypatch):
     kind = EventKind("A bell rang", private="it may tell where people were")
     monkeypatch.setitem(EVENTS, NOVEL_EVENT, kind)
-    study = with_gaze(tmp_path / "new", PRACTICE)
+    study = with_gaze(tmp_path, PRACTICE)
     session = study / "sub-P01/ses-1"
     assert {row[NOVEL] for row in read_rows(session / "frames.csv")} == {"1.5"}
     assert kinds((NOVEL,)) == {NOVEL: "DOUBLE"}

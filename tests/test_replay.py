@@ -29,7 +29,7 @@ from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.records import Machine
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.replay import Comparison, Wish, read_session, replay
+from vrcomfort.replay import Comparison, ReplaySelection, read_session, replay
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
 from vrcomfort.session.standing import without_meshes
@@ -169,7 +169,9 @@ def study(undrawn: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(undrawn, tmp_path / "copy"))
 
 
-def drawn_again(place: Path, wish: Wish | None = None, **changed: Any) -> tuple[list, Comparison]:
+def drawn_again(
+    place: Path, selection: ReplaySelection | None = None, **changed: Any
+) -> tuple[list, Comparison]:
     session = read_session(place / SESSION)
     if changed:
         session = replace(session, **changed)
@@ -179,7 +181,7 @@ def drawn_again(place: Path, wish: Wish | None = None, **changed: Any) -> tuple[
         frames = list(
             replay(
                 session,
-                wish or Wish(),
+                selection or ReplaySelection(),
                 drawer=drawing,
                 second=None,
                 load_scene=lambda _: temple(),
@@ -213,7 +215,7 @@ def test_a_replay_drawn_with_another_condition_has_not_the_recorded_images(place
     plain = session.condition("plain")
     instead = dict.fromkeys(session.conditions, plain)
 
-    _, comparison = drawn_again(place, Wish(trial=2, instead=instead))
+    _, comparison = drawn_again(place, ReplaySelection(trial=2, instead=instead))
 
     assert comparison.compared > 3
     assert comparison.equal == 0
@@ -227,7 +229,7 @@ def test_the_patch_for_a_photodiode_is_part_of_the_images_and_its_onset_is_on_re
     settings = {**session.manifest["settings"], "photodiode": None}
     manifest = {**session.manifest, "settings": settings}
 
-    _, comparison = drawn_again(place, Wish(trial=2), manifest=manifest)
+    _, comparison = drawn_again(place, ReplaySelection(trial=2), manifest=manifest)
 
     assert comparison.compared > 3
     assert comparison.equal == 0
@@ -241,7 +243,7 @@ def test_the_patch_for_a_photodiode_is_part_of_the_images_and_its_onset_is_on_re
 @pytest.mark.slow
 def test_times_in_the_video_are_those_that_frames_stood(place: Path) -> None:
     """Dropped and undrawn frames leave the picture standing; exposures follow without a gap."""
-    frames, _ = drawn_again(place, Wish(trial=1))
+    frames, _ = drawn_again(place, ReplaySelection(trial=1))
 
     steps = np.diff([each.video_s for each in frames]) * 72
     times = np.diff([each.frame.predicted_display_time_ns for each in frames]) / 1e9 * 72
@@ -257,7 +259,7 @@ def test_a_range_of_time_is_drawn_as_it_is_in_the_whole(place: Path) -> None:
     rows = [r for r in read_rows(place / SESSION / "frames.csv") if r["trial"] == "2"]
     from_s, to_s = float(rows[8]["session_s"]), float(rows[15]["session_s"])
 
-    frames, comparison = drawn_again(place, Wish(from_s=from_s, to_s=to_s))
+    frames, comparison = drawn_again(place, ReplaySelection(from_s=from_s, to_s=to_s))
 
     drawn = [row for row in rows[8:16] if row["should_render"] == "1"]
     assert [each.session_s for each in frames] == [float(row["session_s"]) for row in drawn]
@@ -343,7 +345,7 @@ def test_beside_another_condition_with_gaze_and_ratings(
 def test_the_cross_stands_where_the_recorded_gaze_meets_the_focus(place: Path) -> None:
     from vrcomfort.replay.sheet import gaze_point, looked_at
 
-    frames, _ = drawn_again(place, Wish(trial=2))
+    frames, _ = drawn_again(place, ReplaySelection(trial=2))
     drawn = next(each for each in frames[8:] if each.frame.gaze and each.frame.gaze.valid)
     point = gaze_point(drawn)
     head = drawn.frame.head_pose

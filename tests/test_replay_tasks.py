@@ -24,7 +24,7 @@ from vrcomfort.headset.inputs import HandInput, Inputs
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import load_protocol
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.replay import Comparison, Wish, read_session, replay
+from vrcomfort.replay import Comparison, ReplaySelection, read_session, replay
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
 
@@ -200,12 +200,12 @@ def copy(place: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(place, tmp_path / "copy"))
 
 
-def drawn_again(place: Path, wish: Wish | None = None) -> Comparison:
+def drawn_again(place: Path, selection: ReplaySelection | None = None) -> Comparison:
     session, comparison = read_session(place / SESSION), Comparison()
     with drawer().ctx:
         frames = replay(
             session,
-            wish or Wish(),
+            selection or ReplaySelection(),
             drawer=drawer(),
             second=None,
             load_scene=lambda _: temple(),
@@ -235,10 +235,10 @@ def test_a_replay_with_tasks_has_the_recorded_images(place: Path) -> None:
 def test_what_was_adjusted_is_drawn_as_it_was(place: Path, copy: Path) -> None:
     values = [r["value"] for r in read_rows(place / SESSION / "dials.csv") if r["kind"] == "change"]
     assert len(set(values)) > 10
-    turned = drawn_again(place, Wish(trial=4))
+    turned = drawn_again(place, ReplaySelection(trial=4))
     assert turned.compared == turned.equal > 4
     (copy / SESSION / "dials.csv").unlink()
-    still = drawn_again(copy, Wish(trial=4))
+    still = drawn_again(copy, ReplaySelection(trial=4))
     assert still.equal < still.compared
 
 
@@ -247,7 +247,7 @@ def test_the_balls_are_in_the_images(copy: Path, run: Run, trial: int) -> None:
     """Without what is recorded of them, images of each task are others, and this is told."""
     (copy / SESSION / "balls.csv").unlink()
 
-    comparison = drawn_again(copy, Wish(trial=trial))
+    comparison = drawn_again(copy, ReplaySelection(trial=trial))
 
     assert comparison.equal < comparison.compared
     (note,) = (n for n in read_session(copy / SESSION).notes if "balls" in n)
@@ -256,7 +256,7 @@ def test_the_balls_are_in_the_images(copy: Path, run: Run, trial: int) -> None:
 
 def test_a_part_of_an_exposure_has_its_balls_from_the_beginning(place: Path) -> None:
     rows = [r for r in read_rows(place / SESSION / "frames.csv") if r["trial"] == "1"]
-    comparison = drawn_again(place, Wish(from_s=float(rows[20]["session_s"]), trial=1))
+    comparison = drawn_again(place, ReplaySelection(from_s=float(rows[20]["session_s"]), trial=1))
     assert comparison.compared == comparison.equal > 4
 
 

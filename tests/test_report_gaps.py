@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 from pathlib import Path
@@ -10,8 +11,16 @@ import pytest
 
 from tests.support.report import foreign, manifest
 from tests.support.resume import go
+from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
+from vrcomfort.records import RatingRow, TrialRow
+from vrcomfort.records.rows import Row, csv_line
+from vrcomfort.report.build import choose_plan
+from vrcomfort.report.exposures import score_exposures
 from vrcomfort.report.gaps import unreadable
+from vrcomfort.report.plan.derived import plan_of
+from vrcomfort.report.quality import quality
+from vrcomfort.report.stimulus_time import stimulus_time
 from vrcomfort.report.study_data import read_study
 
 
@@ -51,6 +60,29 @@ def test_a_file_that_is_missing_is_told(study: Path, lost: str, says: str) -> No
     (note,) = told(study)
     assert note.startswith(says)
     assert note.endswith("; restore it from a copy")
+
+
+@pytest.mark.parametrize("row_type", [TrialRow, RatingRow])
+def test_a_column_that_a_table_lacks_is_blank(study: Path, row_type: type[Row]) -> None:
+    file = study / "sub-P01/ses-1" / row_type.FILE
+    whole = CsvTable.read(file)
+    for place in range(len(whole.header)):
+        rows = [[*row[:place], *row[place + 1 :]] for row in (whole.header, *whole.rows)]
+        file.write_text("".join(map(csv_line, rows)), "utf-8")
+        found = read_study(study)
+        assert all(set(TrialRow.columns()) <= set(trial) for trial in found.trials)
+        stimulus_time(found, found.labels)
+        plan = plan_of(found)
+        quality(found, score_exposures(found, plan), plan, [])
+    assert whole.rows
+
+
+@pytest.mark.parametrize("protocol", [{"x": 1}, [1], 1, None])
+def test_a_study_whose_protocol_has_no_name_has_a_plan_of_its_own(study: Path, protocol) -> None:
+    file = study / "dataset_description.json"
+    content = json.loads(file.read_text("utf-8")) | {"protocol": protocol}
+    file.write_text(json.dumps(content), "utf-8")
+    assert choose_plan(read_study(study), None)
 
 
 def test_a_description_that_says_nothing_is_told(study: Path) -> None:

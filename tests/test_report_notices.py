@@ -99,6 +99,26 @@ def test_whose_group_never_meets_a_condition_is_not_lost(tmp_path, group, told):
     assert any("participants are not in the tests of a and b" in each for each in warnings) == told
 
 
+@pytest.mark.parametrize(
+    ("shown_s", "told"),
+    [
+        ([None, None], None),
+        ([1.0, None], "Exposures of 1 session were shortened to 1 s at most (--exposure-s)"),
+        ([4, 0.5], "Exposures of 2 sessions were shortened to 0.5 s and 4 s at most"),
+    ],
+)
+def test_shortened_exposures_are_told_of(tmp_path, shown_s, told):
+    study = Study(tmp_path / "s")
+    for number, each in enumerate(shown_s):
+        study.session(f"P{number}", 1, 0, [("a", "x", 4), ("b", "x", 3)])
+        file = tmp_path / "s" / f"sub-P{number}" / "ses-1" / "manifest.json"
+        manifest = {"protocol": {"sha256": "a"}, "exposure_override_s": each}
+        file.write_text(json.dumps(manifest))
+    found = [each for each in report(tmp_path / "s", tmp_path / "o")["notices"] if "short" in each]
+    assert len(found) == (told is not None)
+    assert all(told in each for each in found)
+
+
 def test_names_that_may_be_one_person_are_told_and_stay_two(tmp_path):
     names = ["P9", "P09", "p 10", "P10", "P1", "Q1"]
     scores = {name: {"a": 3 + i, "b": 2 * i} for i, name in enumerate(names)}

@@ -163,7 +163,9 @@ def test_a_rating_that_is_no_number_is_told(tmp_path):
         rated_exposures(read_study(folder), "fms")
 
 
-def test_time_that_stood_still_does_not_count(tmp_path):
+@pytest.mark.parametrize("recorded", [False, True])
+def test_time_that_stood_still_or_was_not_seen_does_not_count(tmp_path, recorded):
+    """No frame came for 10 s; or they came, and the runtime wanted no picture of them."""
     study = RatedStudy().expose("P1", "a", [1, None, 3], ended_s=40.0, lost_s=10.0)
     folder = study.write(tmp_path)
     unplaced = rated_exposures(
@@ -171,9 +173,11 @@ def test_time_that_stood_still_does_not_count(tmp_path):
     )
     assert unplaced[0].unplaced
     assert unplaced[0].course.times_s.tolist() == [10, 20, 30]
-    frames = [t / 10 for t in range(150)] + [25 + t / 10 for t in range(150)]  # still from 15 s on
-    rows = "".join(f"{2000 + t!r},1,100000000\n" for t in frames)
-    (folder / "frames.csv").write_text("session_s,trial,period_ns\n" + rows, "utf-8")
+    frames = [(t / 10, 1) for t in (*range(150), *range(250, 400))]  # not from 15 to 25 s
+    frames += [(15.1 + t / 10, 0) for t in range(99)] if recorded else []
+    rows = "".join(f"{2000 + t!r},1,100000000,{drawn}\n" for t, drawn in sorted(frames))
+    header = "session_s,trial,period_ns,should_render\n"
+    (folder / "frames.csv").write_text(header + rows, "utf-8")
     data = read_study(folder)
     (found,) = rated_exposures(data, "fms", clock=LiveClock(data, folder))
     assert not found.unplaced

@@ -20,12 +20,15 @@ def test_what_a_headset_tells_late_is_noted_and_what_was_noted_first_stays(tmp_p
         def frames(self) -> Iterator[Frame]:
             for frame in super().frames():
                 self.details = {"ipd_m": 0.0642, "space": "local"}
+                self.refresh_hz = 90.0
                 yield frame
 
     headset = Late(details={"space": "stage"})
+    headset.refresh_hz = 0.0  # before the first frame, a runtime need not tell
     go(tmp_path, Scripted(), headset=lambda: headset, sessions=[1])
     noted = manifest(tmp_path)["headset"]
     assert noted["ipd_m"] == 0.0642
+    assert noted["refresh_hz"] == 90.0
     assert noted["space"] == "stage"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 
 import pytest
@@ -9,6 +10,8 @@ import pytest
 from tests.support.resume import go
 from tests.support.study import AheadHeadset
 from vrcomfort.errors import InputError
+from vrcomfort.records import lock
+from vrcomfort.records.exclusion import add_note, exclude
 
 
 def test_two_programs_cannot_run_one_participant(tmp_path):
@@ -27,3 +30,27 @@ def test_a_lock_that_a_dead_program_left_locks_nobody_out(tmp_path):
     lock.write_text('{"pid": 1, "host": "elsewhere"}\n')
     assert go(tmp_path).status == "enrolled"
     assert lock.read_text() == ""
+
+
+@pytest.mark.parametrize(
+    ("number", "told"),
+    [
+        (errno.ENOLCK, "No locks available; put the study on a disk of this machine"),
+        (errno.ENOTSUP, "not supported; put the study on a disk of this machine"),
+        (errno.EDEADLK, r"lock is being held by another program; wait until it ends"),
+    ],
+)
+def test_a_folder_that_cannot_be_locked_is_told_whoever_asks(tmp_path, monkeypatch, number, told):
+    go(tmp_path)
+    before = (tmp_path / "S/participants.csv").read_bytes()
+
+    def refuse(*_, **__):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(lock, "_lock", refuse)
+    with pytest.raises(InputError, match=told):
+        add_note(tmp_path / "S", "P01", "left-handed")
+    for act in (lambda: exclude(tmp_path / "S", "P01", "why"), lambda: go(tmp_path)):
+        with pytest.raises(InputError, match=told.replace("lock is being held", "is being run")):
+            act()
+    assert (tmp_path / "S/participants.csv").read_bytes() == before

@@ -10,7 +10,7 @@ from tests.test_study_languages import BOTH, dutch
 from vrcomfort.cli.study_setup import RespondentKind, require_wording
 from vrcomfort.errors import InputError
 from vrcomfort.resources import data_folder
-from vrcomfort.session.panel_wording import wording_faults
+from vrcomfort.session.panel_wording import undrawable_wording
 
 TOLD = '\n[[instructions]]\nname = "hi"\nwhen = "session_start"\ntext = "{}"\n'
 WRITTEN = '\n[[free_texts]]\nname = "seen"\nwhen = "session_end"\ntext = "{}"\n'
@@ -33,7 +33,7 @@ def own_scale(folder, instruction="How?", item="Dizzy", label="very"):
 
 def faults(folder, text, language=None, **more):
     protocol = tiny_protocol(folder, text).spoken(language)
-    return [str(each) for each in wording_faults(protocol, **more)]
+    return [str(each) for each in undrawable_wording(protocol, **more)]
 
 
 def line_of(text, part):

@@ -14,6 +14,7 @@ from vrcomfort.frame import HeadsetEvent
 from vrcomfort.headset.refresh_period import RefreshPeriod
 from vrcomfort.protocol import Ratings
 from vrcomfort.questionnaire import find_instrument
+from vrcomfort.session.interfaces import NoRelay
 from vrcomfort.session.ratings import RatingSchedule, RatingSchedules
 from vrcomfort.session.timing import SeenTime, missed_refreshes
 
@@ -41,15 +42,27 @@ def test_a_freeze_is_time_beyond_a_frames_own_period():
 @given(
     st.lists(
         st.tuples(
-            st.integers(1, 60), st.booleans(), st.booleans(), st.sampled_from(["", "visible"])
+            st.integers(1, 60),
+            st.booleans(),
+            st.booleans(),
+            st.booleans(),
+            st.sampled_from(["", "visible"]),
         )
     )
 )
 def test_the_four_kinds_of_time_add_up_to_the_trial(steps):
     frames, periods = [at(0)], 0
-    for step, paused, discontinuity, state in steps:
+    for step, paused, drawn, discontinuity, state in steps:
         periods += step
-        frames.append(at(periods, paused=paused, discontinuity=discontinuity, session_state=state))
+        frames.append(
+            at(
+                periods,
+                paused=paused,
+                should_render=drawn,
+                discontinuity=discontinuity,
+                session_state=state,
+            )
+        )
     seen = seen_of(frames)
     whole_s = (periods + 1) * PERIOD_NS / 1e9
     assert seen.live_s + seen.frozen_s + seen.hidden_s + seen.unfocused_s == pytest.approx(whole_s)
@@ -60,6 +73,14 @@ def test_time_while_the_headset_is_off_is_hidden():
     frames = [at(0), at(1, paused=True), at(2, paused=True), at(3, discontinuity=True)]
     seen = seen_of(frames)
     assert (seen.live_s, seen.hidden_s, seen.frozen_s) == pytest.approx((0.2, 0.2, 0.0))
+
+
+@pytest.mark.parametrize("state", ["focused", "visible"])
+def test_time_in_frames_that_the_runtime_wants_no_picture_of_is_hidden(state):
+    frames = [at(0), *(at(n, should_render=False, session_state=state) for n in (1, 2, 9)), at(10)]
+    seen = seen_of(frames)
+    assert (seen.live_s, seen.hidden_s) == pytest.approx((0.2, 0.9))
+    assert (seen.frozen_s, seen.unfocused_s) == (0.0, 0.0)
 
 
 def test_a_runtimes_menu_in_front_is_unfocused_time():
@@ -139,6 +160,35 @@ def test_a_menu_in_front_pauses_the_exposure(tmp_path):
     assert [row[3] for row in attempts(tmp_path)] == ["completed", "completed"]
 
 
+class Covered(AheadHeadset):
+    """For 30 of its frames the runtime wants no picture, and wakes the program every 0.3 s."""
+
+    def frames(self):
+        for index in range(self.frames_left):
+            covered = 20 <= index < 50
+            since = min(max(index - 19, 0), 30)
+            yield at(index + 2 * since, should_render=not covered)
+
+
+def test_frames_that_are_not_seen_are_recorded_and_no_exposure(tmp_path):
+    told = []
+
+    class Told(NoRelay):
+        def show(self, frame, seen_ns):
+            told.append((frame.should_render, seen_ns))
+
+    go(tmp_path, headset_for=lambda *_: Covered(), relay=Told())
+    trial, timing = rows(tmp_path, "trials")[0], rows(tmp_path, "timing")[0]
+    assert float(trial["live_s"]) == pytest.approx(10.0)
+    assert float(trial["hidden_s"]) == pytest.approx(8.8)
+    assert float(trial["frozen_s"]) == pytest.approx(0.2), "until the first of them"
+    assert (trial["frames"], trial["dropped"], timing["flagged"]) == ("130", "1", "0")
+    frames = [row for row in rows(tmp_path, "frames") if row["trial"] == "1"]
+    assert [row["should_render"] for row in frames].count("0") == 30
+    assert told, "other devices are told of frames"
+    assert all(drawn for drawn, _ in told)
+
+
 def test_the_operator_is_told_at_once_that_the_stop_button_is_out_of_reach(tmp_path):
     told = []
     headset = AheadHeadset(events=[HeadsetEvent("unfocused", "the stop button does not work")])
@@ -154,6 +204,28 @@ def test_a_slow_program_does_not_lengthen_the_period_at_which_frames_are_due():
     assert [period.update(ns) for ns in (1050, 850, 700)] == [50, 50, 50]
     period.forget()
     assert period.update(100) == 100, "the display's rate has changed"
+
+
+def test_a_runtime_that_predicts_no_period_has_that_of_its_display():
+    rates = iter([0.0, 80.0])
+    period = RefreshPeriod(lambda: next(rates))
+    assert [period.update(0, 0), period.update(0, 1)] == [0, 12_500_000]
+    assert "refresh rate" in period.source
+    assert period.update(0, 2) == 12_500_000, "asked once"
+
+
+def test_where_nothing_tells_the_period_it_is_measured_once_in_frames_that_are_shown():
+    period, now_ns = RefreshPeriod(), 0
+    for passed_ns in (11, 500, 10, 9, 10, 11, 10, 9, 700, 10):
+        assert period.update(0, now_ns) == 0
+        assert period.source == ""
+        now_ns += passed_ns
+        if passed_ns == 700:  # not shown: the runtime may let it wait
+            assert period.update(0, None) == 0
+    assert [period.update(0, at_ns) for at_ns in (now_ns, now_ns + 90)] == [10, 10]
+    assert period.source.startswith("measured: ")
+    assert period.update(8, now_ns + 180) == 8, "a prediction is better"
+    assert period.source == "predicted by the runtime"
 
 
 class Silent:

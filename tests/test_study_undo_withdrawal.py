@@ -60,7 +60,7 @@ def test_who_withdraws_again_has_withdrawn(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("participant", "reason", "told"),
-    [("P02", "a slip", "no participant P02"), ("P01", " ", "--reason is empty")],
+    [("P02", "a slip", "no participant P02"), ("P01", " ", "the text is empty; say why")],
 )
 def test_what_cannot_be_undone_is_refused(
     tmp_path: Path, participant: str, reason: str, told: str

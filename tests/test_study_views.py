@@ -177,6 +177,41 @@ def test_headings_look_ahead_and_turn_the_shorter_way():
     assert middle == pytest.approx([0, 0, 1])
 
 
+TURNING = [
+    PathPoint(time_s=float(second), position=(0, 0, 0), yaw_deg=yaw_deg)
+    for second, yaw_deg in enumerate((0, 360, 720, 350))
+]
+
+
+def turned_deg(path, seconds):
+    """Return how far a path turns, added up over small steps."""
+    fine = np.linspace(0.0, seconds, 500 * seconds + 1)
+    headings = [path.pose(t).matrix()[:3, :3] @ np.array([0, 0, -1]) for t in fine]
+    yaws_rad = np.unwrap([np.arctan2(-x, -z) for x, _, z in headings])
+    return np.degrees(yaws_rad[-1] - yaws_rad[0])
+
+
+def test_unwrapped_headings_turn_as_far_as_is_written():
+    path = CameraPath(TURNING, unwrapped=True)
+    assert [turned_deg(path, seconds) for seconds in (1, 2, 3)] == pytest.approx([360, 720, 350])
+    assert path.shortened == ()
+    assert turned_deg(CameraPath(TURNING), 3) == pytest.approx(-10)
+
+
+def test_unwrapped_headings_that_are_not_written_turn_the_shorter_way():
+    onwards = [*TURNING[:3], PathPoint(time_s=3.0, position=(0, 0, 0)), TURNING[3]]
+    onwards[2] = onwards[2].model_copy(update={"position": (1, 0, 0)})
+    onwards[3] = onwards[3].model_copy(update={"position": (2, 0, 0)})
+    onwards[4] = onwards[4].model_copy(update={"time_s": 4.0, "position": (3, 0, 0)})
+    assert turned_deg(CameraPath(onwards, unwrapped=True), 3) == pytest.approx(720 - 90)
+
+
+def test_steps_of_half_a_turn_and_more_that_are_not_turned_are_known():
+    found = [each[:3] for each in CameraPath(TURNING).shortened]
+    assert found == [(1, 0, 360), (2, 360, 720), (3, 720, 350)]
+    assert [each.turned_deg for each in CameraPath(TURNING).shortened] == pytest.approx([0, 0, -10])
+
+
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [

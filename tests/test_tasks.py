@@ -2,30 +2,35 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
+import shutil
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from tests.oracles.raycast import cast
 from tests.support.exchange import cell
 from tests.support.study import AheadHeadset, Scripted, read_rows
 from tests.support.tasks import PROTOCOL, do, doing_protocol, room
+from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.geometry import Pose, normalize, turn_to, yaw_pitch_roll
 from vrcomfort.headset.inputs import HandInput, Inputs
+from vrcomfort.protocol import with_task_code
 from vrcomfort.report.measures import measure_of, values_of
 from vrcomfort.report.study_data import read_study
 from vrcomfort.scene.load import load_scene
 from vrcomfort.scene.markers import Markers
 from vrcomfort.scene.ray_cast import RayCaster
-from vrcomfort.tasks import Ball, Moment, Surroundings, settings_of_file
+from vrcomfort.tasks import Ball, Moment, Surroundings, run_task_file
 from vrcomfort.tasks.aiming import Aiming
 from vrcomfort.tasks.exploration import Exploration
 from vrcomfort.tasks.fixation import Fixation
@@ -430,6 +435,7 @@ def test_a_task_of_the_labs_own_is_a_file_beside_the_protocol(tmp_path):
     assert [row["score"] for row in rows if row["kind"] == "trial"] == ["200.0", "200.0"]
     kept = json.loads((tmp_path / "S/sub-P01/ses-1/manifest.json").read_text())
     assert kept["settings"]["tasks"] == [{"name": "shoot", "kind": "nod.py", "every": 50}]
+    assert kept["task_code"] == {"nod.py": hashlib.sha256(OWN.encode()).hexdigest()}
     assert not verify_study(tmp_path / "S").faults
 
 
@@ -437,7 +443,7 @@ def test_the_task_of_the_docs_counts_nods(tmp_path):
     page = (Path(__file__).parents[1] / "docs/tasks.md").read_text(encoding="utf-8")
     (code,) = re.findall("```python\n(.*?)```", page, flags=re.DOTALL)
     (tmp_path / "count_nods.py").write_text(code)
-    settings = settings_of_file(tmp_path / "count_nods.py")
+    settings, _ = run_task_file(tmp_path / "count_nods.py")
     task = settings(name="nod", kind="count_nods.py", depth_deg=10.0).start(around())
     for time_s, pitch_deg in enumerate([0, -15, -15, 0, -5, 0, -12, 3, 0]):
         pose = Pose(orientation=yaw_pitch_roll(0.0, np.radians(pitch_deg), 0.0))
@@ -454,16 +460,93 @@ def test_the_task_of_the_docs_counts_nods(tmp_path):
         (PROTOCOL.replace('"aiming"', '"aiming"\nevery = 3'), "`every` is without a unit"),
         (PROTOCOL.replace('"aiming"', '"aiming"\nevery_s = 3.0'), "two targets at a time"),
         (PROTOCOL.replace('"shoot"', '"none"'), "says that there is no task"),
-        (PROTOCOL.replace("aiming", "broken.py"), "cannot be read: ZeroDivisionError"),
-        (PROTOCOL.replace("aiming", "empty.py"), "has no `TASK"),
-        (PROTOCOL.replace('"aiming"', '"nod.py"\nevery = 0'), "`every`.*greater than or equal"),
         (PROTOCOL.replace("blur = 2.0", "blurr = 2.0"), "no condition `blurr`"),
     ],
 )
 def test_faults_are_told_with_their_line(tmp_path, text, told):
-    (tmp_path / "broken.py").write_text("1 / 0")
-    (tmp_path / "empty.py").write_text("")
-    (tmp_path / "nod.py").write_text(OWN)
     with pytest.raises(InputError, match=told) as refusal:
         doing_protocol(tmp_path, text)
     assert refusal.value.line is not None
+
+
+@pytest.mark.parametrize(
+    ("code", "keys", "told"),
+    [
+        ("1 / 0", "", "cannot be read: ZeroDivisionError"),
+        ("", "", "has no `TASK"),
+        (OWN, "every = 0", "`every`.*greater than or equal"),
+        (OWN, "evry = 2", "`evry`"),
+    ],
+)
+def test_faults_of_a_task_file_are_told_where_it_is_run(tmp_path, code, keys, told):
+    (tmp_path / "nod.py").write_text(code)
+    protocol = doing_protocol(tmp_path, PROTOCOL.replace('"aiming"', f'"nod.py"\n{keys}'))
+    with pytest.raises(InputError, match=told) as refusal:
+        with_task_code(protocol)
+    assert refusal.value.line is not None
+
+
+@pytest.mark.parametrize("kind", ["absolute", "../elsewhere/nod.py", "code.py", "folder/nod.py"])
+def test_a_task_file_outside_of_the_protocols_folder_is_refused(tmp_path, kind):
+    study, code = tmp_path / "study", tmp_path / "elsewhere" / "nod.py"
+    for folder in (study, code.parent):
+        folder.mkdir()
+    code.write_text(OWN)
+    (study / "code.py").symlink_to(code)
+    (study / "folder").symlink_to(code.parent)
+    kind = str(code) if kind == "absolute" else kind
+    with pytest.raises(InputError, match=r"outside of the protocol's folder.*copy it into") as no:
+        doing_protocol(study, PROTOCOL.replace("aiming", kind))
+    assert no.value.line is not None
+
+
+def test_a_task_file_in_a_folder_below_the_protocols_may_be_a_link_within_it(tmp_path):
+    (tmp_path / "tasks").mkdir()
+    (tmp_path / "tasks/nod.py").write_text(OWN)
+    (tmp_path / "now.py").symlink_to("tasks/nod.py")
+    for kind in ("tasks/nod.py", "now.py"):
+        protocol = doing_protocol(tmp_path, PROTOCOL.replace("aiming", kind))
+        assert with_task_code(protocol).task_code.keys() == {kind}
+
+
+MARKING = """
+from pathlib import Path
+Path(__file__).with_name("ran").touch()
+"""
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "check study.toml --no-draw",
+        "design study.toml",
+        "schema protocol",
+        "status data",
+        "verify data",
+        pytest.param("plan study.toml --size 64x64", marks=pytest.mark.slow),
+        pytest.param("report data --out report", marks=pytest.mark.slow),
+    ],
+)
+def test_only_run_and_simulate_run_a_protocols_python(tmp_path, monkeypatch, run, marked, command):
+    monkeypatch.chdir(shutil.copytree(marked, tmp_path / "study"))
+    code, out, err = run(*command.split())
+    assert code == 0, out + err
+    assert not Path("ran").exists()
+    if command.startswith("check"):
+        assert "the code of the task `shoot` (nod.py) is not run here" in err
+
+
+@pytest.fixture(scope="module")
+def marked(tmp_path_factory):
+    """Return a folder with a protocol whose task file leaves a file, and its simulated study."""
+    folder = tmp_path_factory.mktemp("marked")
+    (folder / "nod.py").write_text(OWN + MARKING)
+    text = PROTOCOL.replace("aiming", "nod.py").replace("room.glb", "temple")
+    file = folder / "study.toml"
+    file.write_text(text.replace("exposure_s = 20.0", "exposure_s = 1.0\nparticipants = 2"))
+    words = ["simulate", str(file), "-n", "2", "--no-frames", "--out", str(folder / "data")]
+    told = CliRunner().invoke(app, words)
+    assert told.exit_code == 0, told.output
+    assert re.search(r"the code of the task file nod\.py is run \(SHA-256 \w{64}\)", told.stderr)
+    (folder / "ran").unlink()
+    return folder

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import importlib.util
+import json
 import re
 import shlex
 import sys
@@ -48,6 +50,18 @@ def test_what_the_page_says_to_type_runs_and_prints_what_it_says(tutorial, tmp_p
         for line in filter(None, step.printed):
             assert " ".join(line.split()) in said, step.commands
     assert (tmp_path / "lens_report" / "index.html").is_file()
+    ratings = [row for file in tmp_path.glob("lens_data/*/*/ratings.csv") for row in rows(file)]
+    assert 0 < sum(row["missed"] == "1" for row in ratings) < len(ratings) / 5
+    assert min(float(row["latency_s"]) for row in ratings if row["latency_s"]) > 0.5
+    summary = json.loads((tmp_path / "lens_report" / "results.json").read_text(encoding="utf-8"))
+    assert not any("shortened" in notice for notice in summary["notices"])
+    with (tmp_path / "lens_report" / "tables" / "rating_curves.csv").open() as file:
+        assert {float(row["time_s"]) for row in csv.DictReader(file)} == {60, 120, 180, 240}
+
+
+def rows(file):
+    with file.open(encoding="utf-8") as opened:
+        return list(csv.DictReader(opened))
 
 
 def test_the_picture_of_the_panel_is_of_this_version(tutorial, tmp_path):

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Callable, Mapping
+from datetime import date
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from openpyxl import Workbook
 
 from torture import small_scene
 from torture.case import OTHER, Result, Rig
@@ -17,6 +20,9 @@ from torture.worker import named, workers
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import EyeGaze, Gaze, Pose
+from vrcomfort.importing import import_files, load_mapping
+from vrcomfort.importing.files import read_tables
+from vrcomfort.importing.suggest import suggest_mapping
 from vrcomfort.protocol import load_protocol
 from vrcomfort.questionnaire import read_instrument, score_file, shipped_instruments
 from vrcomfort.records import GazeRow, QuestionnaireRow
@@ -132,6 +138,85 @@ def _wide_answers() -> list[bytes]:
     return ["\n".join([*rows, ""]).encode()]
 
 
+def _workbooks() -> list[bytes]:
+    """Return a workbook with merged headings, a date and a formula's place."""
+    book = Workbook()
+    sheet = book.worksheets[0]
+    sheet.append(["code", "day", "before", None, "after", None])
+    sheet.append([None, None, *[item.name for item in SSQ.items[:2]] * 2])
+    for row in range(6):
+        sheet.append([f"P{row}", date(2026, 3, 1 + row), row % 4, 0.5, "slight", row % 2 == 0])
+    for merged in ("A1:A2", "B1:B2", "C1:D1", "E1:F1"):
+        sheet.merge_cells(merged)
+    more = book.create_sheet("more")
+    for row in (["code", "age"], ["P1", 31], ["P2", 29.5]):
+        more.append(row)
+    file = io.BytesIO()
+    book.save(file)
+    return [file.getvalue()]
+
+
+def _lab_json() -> list[bytes]:
+    rows = [{"code": f"P{n}", "ssq": {"nausea": n % 4, "when": ["pre", 1]}} for n in range(6)]
+    columns = {"code": ["P1", "P2"], "nausea": [1, 2.5]}
+    return [json.dumps(each).encode() for each in (rows, columns, {"P1": rows[0], "P2": rows[1]})]
+
+
+def _mapping() -> list[bytes]:
+    """Return a mapping that says of a table what can be said."""
+    others = [item.name for item in SSQ.items if item.name not in {"nausea", "fatigue"}]
+    return [
+        f"""format_version = 1
+name = "A study"
+condition_labels = {{ a_1 = "60 Hz" }}
+ignore_sheets = ["notes"]
+
+[[tables]]
+files = ["*.csv"]
+read = {{ separator = ";", decimal = ".", heading_rows = [1], skip_rows = [2] }}
+participant = {{ column = "code", values = {{ "p 1" = "P1" }} }}
+condition = {{ columns = ["group", "round"] }}
+trial = {{ count = true }}
+participants = {{ age = "Age" }}
+leave_out = {{ code = ["Mean", ""] }}
+missing = ["-99"]
+ignore = ["Date"]
+
+[[tables.questionnaires]]
+instrument = "ssq"
+heading = "{{timepoint}}_{{item}}"
+answers = {{ none = 0, slight = 1 }}
+items = {{ nausea = "Nausea", fatigue = ["Fatigue", "Tired"] }}
+item_coding = {{ nausea = {{ coded_from = 1, times = 2.0 }} }}
+not_asked = {others}
+
+[[tables.scores]]
+instrument = "ssq"
+pattern = '(?P<item>T|N)_(?P<timepoint>.+)'
+kind = "other"
+scales = {{ T = "T" }}
+
+[[doubts]]
+question = "Is it?"
+answer = "yes"
+""".encode()
+    ]
+
+
+_LAB_TABLE = """code;group;round;Age;Date;pre_Nausea;pre_Tired;T_pre
+in words;;;;;;;
+p 1;a;1;30;x;1;slight;22.740000000000002
+"""
+
+
+def _read_mapping(file: Path) -> object:
+    """Read a mapping, and a table as it says."""
+    table = file.with_name("lab.csv")
+    table.write_text(_LAB_TABLE, encoding="utf-8")
+    loaded = load_mapping(file)
+    return import_files([table], loaded.mapping, loaded.instruments)
+
+
 def _read_protocol(file: Path) -> object:
     return build_design(load_protocol(file), seed=0)
 
@@ -154,6 +239,10 @@ KINDS: Mapping[str, Kind] = {
     "logs of Unity": Kind("unity.csv", _unity, import_trace),
     "questionnaires": Kind("questionnaires.csv", _answers, read_study),
     "scores": Kind("scores.csv", _wide_answers, lambda file: score_file(file, SSQ)),
+    "workbooks": Kind("lab.xlsx", _workbooks, read_tables),
+    "JSON of labs": Kind("lab.json", _lab_json, read_tables),
+    "tables of labs": Kind("lab.csv", _wide_answers, lambda file: suggest_mapping([file])),
+    "mappings": Kind("map.toml", _mapping, _read_mapping),
     "glTF": Kind("scene.gltf", _scene_file, load_scene),
     "binary glTF": Kind("scene.glb", lambda: [small_scene.glb(small_scene.whole())], load_scene),
     "side-cars": Kind(

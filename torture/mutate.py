@@ -7,6 +7,8 @@ import csv
 import io
 import json
 import re
+import zipfile
+import zlib
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
@@ -123,11 +125,33 @@ def in_csv(content: bytes, rng: Rng) -> bytes:
     return text.getvalue().encode(errors="surrogatepass")
 
 
+def in_archive(content: bytes, rng: Rng) -> bytes:
+    """Change the bytes of a part of a ZIP archive, or leave it out."""
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    name = pick(rng, [*parts, *[name for name in parts if "sheet" in name.lower()] * 3])
+    if rng.random() < 0.1:
+        del parts[name]
+    else:
+        parts[name] = in_bytes(parts[name], rng)
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        for each, part in parts.items():
+            archive.writestr(each, part)
+    return file.getvalue()
+
+
+_NO_STRUCTURE = (
+    ValueError, IndexError, csv.Error, zipfile.BadZipFile, zlib.error, EOFError,
+    RuntimeError,  # of archives with a password, and of versions and compressions to come
+)  # fmt: skip
+
 BY_SUFFIX: Mapping[str, Callable[[bytes, Rng], bytes]] = {
     ".json": in_json,
     ".gltf": in_json,
     ".toml": in_toml,
     ".csv": in_csv,
+    ".xlsx": in_archive,
 }
 
 
@@ -138,6 +162,6 @@ def worse(content: bytes, suffix: str, rng: Rng) -> bytes:
         change = by_structure if rng.random() < 2 / 3 else in_bytes
         try:
             content = change(content, rng)
-        except (ValueError, IndexError, csv.Error):  # the change before has left no structure
+        except _NO_STRUCTURE:  # the change before has left none
             content = in_bytes(content, rng)
     return content

@@ -5,18 +5,24 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
 from pathlib import Path
-from typing import BinaryIO, NoReturn, Self
+from typing import BinaryIO, NoReturn, Self, TypeVar
 
 from vrcomfort.errors import InputError
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 NOTHING = frozenset({"na", "nan", "n/a"})
+LARGEST_WHOLE = 2**62
+"""Fits int64, with room for a sum."""
 _BLOCK = 2**15
+_LONGEST_SHOWN = 40
+
+Number = TypeVar("Number", int, float)
 
 
 @dataclass(frozen=True)
@@ -106,8 +112,38 @@ class CsvTable:
             for column in columns:
                 cell = row.get(column, "").strip()
                 if cell and number_or_none(cell) is None:
-                    message = f"{cell!r} is not a number; write digits, with a decimal point"
+                    message = "is not a number; write digits, with a decimal point"
+                    message = f"{shortened(cell)} {message}"
                     raise self.fault(message, line, column)
+
+    def numbers(self, column: str, *, blank: float | None = None) -> list[float]:
+        """Return the numbers of a column.
+
+        Parameters
+        ----------
+        blank
+            Value of a blank cell; None refuses blank cells.
+
+        Raises
+        ------
+        InputError
+            At the first cell that is no number.
+        """
+        return [*self._read(column, number_or_none, blank, "a number; write digits")]
+
+    def whole_numbers(self, column: str, *, blank: int | None = None) -> list[int]:
+        """Return the whole numbers of a column, as `numbers`."""
+        return [*self._read(column, whole_or_none, blank, "a whole number")]
+
+    def _read(
+        self, column: str, read: Callable[[str], Number | None], blank: Number | None, wanted: str
+    ) -> Iterator[Number]:
+        place = self.header.index(column)
+        for line, row in zip(self.lines, self.rows, strict=True):
+            value = read(row[place]) if row[place].strip() else blank
+            if value is None:
+                raise self.fault(f"{shortened(row[place])} is not {wanted}", line, column)
+            yield value
 
     def fault(self, message: str, line: int, column: str | None = None) -> InputError:
         """Return the error of a row, or of one cell."""
@@ -156,6 +192,20 @@ def number_or_none(cell: str) -> float | None:
         return number_in(cell)
     except ValueError:
         return None
+
+
+def whole_or_none(cell: str | None) -> int | None:
+    """Return the whole number of a cell; None for other text and beyond `LARGEST_WHOLE`."""
+    try:
+        found = int(plain_digits(cell or ""))
+    except ValueError:
+        return None
+    return found if abs(found) < LARGEST_WHOLE else None
+
+
+def shortened(cell: str) -> str:
+    """Return a cell in quotes, shortened for a message."""
+    return repr(cell if len(cell) <= _LONGEST_SHOWN else f"{cell[:_LONGEST_SHOWN]}…")
 
 
 class _Text:
@@ -282,7 +332,7 @@ def _header(file: Path, records: list[tuple[int, tuple[str, ...]]]) -> tuple[str
         words, rows = cells[0].split(), records[1:]
         cells = words if not rows or len(words) == len(rows[0][1]) else cells
     header = tuple(map(str.strip, cells))
-    twice = {name for name in header if name and header.count(name) > 1}
+    twice = {name for name, count in Counter(header).items() if name and count > 1}
     if twice:
         message = f"column {min(twice)!r} appears twice; keep one"
         raise InputError(message, file=file, line=line, column=min(twice))

@@ -14,8 +14,12 @@ def pip_install(*packages: str, again: bool = False) -> str:
 
     >>> pip_install("pylsl")
     'pip install pylsl'
+    >>> pip_install("pylsl>=1.17", again=True)
+    'pip install --force-reinstall "pylsl>=1.17"'
     """
-    return " ".join(("pip install", *(["--force-reinstall"] if again else []), *packages))
+    # A shell reads < and > as redirections.
+    quoted = (f'"{each}"' if set(each) & set("<>") else each for each in packages)
+    return " ".join(("pip install", *(["--force-reinstall"] if again else []), *quoted))
 
 
 class InputError(ValueError):

@@ -38,7 +38,7 @@ class Frame:
     avatar_pose
         world-from-stage: where locomotion (or a trace's anchor) has put the tracked space.
     should_render
-        False where nobody sees the frame.
+        False where the runtime wants no picture: nobody sees the frame.
     discontinuity
         True where the pose before has nothing to do with this one (first frame, loop, teleport).
     snap_turn
@@ -79,9 +79,14 @@ class Frame:
     patch: bool | None = None
 
     @property
+    def seen(self) -> bool:
+        """Whether the participant sees the frame: else its time is no exposure."""
+        return self.should_render and not self.paused
+
+    @property
     def unfocused(self) -> bool:
         """Whether the participant sees the frame, and the runtime's own menu has the input."""
-        return self.session_state == "visible"
+        return self.seen and self.session_state == "visible"
 
 
 @dataclass(frozen=True)
@@ -155,7 +160,7 @@ class GpuTime(NamedTuple):
     gpu_ms: float
 
 
-class DrawnFrame(Protocol):
+class RenderResult(Protocol):
     """Both eyes' images of one frame, and what is known of it by now."""
 
     @property

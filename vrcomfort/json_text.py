@@ -16,6 +16,7 @@ KeyPath: TypeAlias = tuple[str | int, ...]
 _SPACE = re.compile(r"[ \t\r\n]*")
 _HALF = re.compile(r"\\u[dD][89a-fA-F]")
 """How half of a character is written; a text that was decoded has no other."""
+_SURROGATE = re.compile("[\ud800-\udfff]")
 _FAULTS = {
     "Expecting ',' delimiter": "a comma or a closing bracket is missing before this place",
     "Expecting ':' delimiter": "a colon is missing before this place",
@@ -28,6 +29,24 @@ _FAULTS = {
     "Invalid \\": "this backslash means nothing here; a backslash is written as two",
 }
 """Beginning of what the parser says → what a reader needs to know."""
+
+
+def json_of(content: Any, *, indent: int | None = 2) -> str:
+    """Return the text of a JSON file, with lone surrogates escaped.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite.
+    """
+    return escape_surrogates(
+        json.dumps(content, indent=indent, ensure_ascii=False, allow_nan=False)
+    )
+
+
+def escape_surrogates(text: str) -> str:
+    r"""Return JSON with ``\\ud800`` in place of each lone surrogate, which UTF-8 does not have."""
+    return _SURROGATE.sub(lambda found: f"\\\\u{ord(found[0]):04x}", text)
 
 
 def parse_json(

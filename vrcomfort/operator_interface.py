@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol, TypeAlias
 
-from vrcomfort.frame import DrawnFrame, Frame
+from vrcomfort.frame import Frame, RenderResult
 from vrcomfort.protocol.timeline import StepKind
 
 _ALWAYS = {"note", "abort", "withdraw", "withdraw_surely", "withdraw_not"}
@@ -36,20 +36,25 @@ class OperatorStep:
 
 @dataclass(frozen=True)
 class SessionOrder:
-    """Who is run in which order.
+    """A session that begins: its participant and its timeline.
 
     Parameters
     ----------
-    trials
-        Scene and condition of each exposure of the session.
+    sequence
+        Name of the participant's order of conditions.
+    timeline
+        The planned steps, by name.
+    position
+        Returns the number of planned steps that have begun.
     remaining_s
-        Returns how much time the session is expected to take still.
+        Returns the estimated remaining time.
     """
 
     participant: str
     session: int
     sequence: str
-    trials: tuple[tuple[str, str], ...]
+    timeline: tuple[str, ...]
+    position: Callable[[], int]
     remaining_s: Callable[[], float]
 
 
@@ -136,7 +141,7 @@ class OperatorInterface(Protocol):
     def begin(self, step: OperatorStep) -> None:
         """Show a step that begins."""
 
-    def see(self, frame: Frame, rendered: DrawnFrame | None, trial: TrialSoFar) -> None:
+    def see(self, frame: Frame, rendered: RenderResult | None, trial: TrialSoFar) -> None:
         """Look at a frame that was shown, if there is time and anybody to look."""
 
     def rated(self, instrument: str, elapsed_s: float, response: float | None) -> None:
@@ -166,7 +171,7 @@ class NoOperator:
     def begin(self, step: OperatorStep) -> None:
         """Show nothing."""
 
-    def see(self, frame: Frame, rendered: DrawnFrame | None, trial: TrialSoFar) -> None:
+    def see(self, frame: Frame, rendered: RenderResult | None, trial: TrialSoFar) -> None:
         """Look away."""
 
     def rated(self, instrument: str, elapsed_s: float, response: float | None) -> None:

@@ -13,6 +13,7 @@ import re
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from vrcomfort.escaping import escape_unprintable
 from vrcomfort.resources import data_folder
 
 POLICY = (
@@ -22,8 +23,7 @@ POLICY = (
 """The content security policy of a page: no scripts, nothing from elsewhere."""
 
 _HIDDEN = re.compile(
-    "[\x00-\x08\x0b-\x1f\x7f-\x9f"  # control characters but tab and line feed
-    "\u200b\u202a-\u202e\u2060-\u2069\ufeff"  # no width, or turns the text around it
+    "[\u200b\u202a-\u202e\u2060-\u2069\ufeff"  # no width, or turns the text around it
     "\u115f\u1160\u2800\u3164\uffa0"  # letters without a shape
     "\ufff9-\ufffb\U000e0000-\U000e007f]"
 )
@@ -38,15 +38,15 @@ def page_templates() -> Environment:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
-        finalize=lambda value: visible(value) if type(value) is str else value,
+        finalize=lambda value: escape_hidden(value) if type(value) is str else value,
     )
     environment.globals["policy"] = POLICY
     return environment
 
 
-def visible(text: str) -> str:
-    r"""Write characters that nobody sees, or that turn text around, as ``\u202e``."""
-    return _HIDDEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+def escape_hidden(text: str) -> str:
+    r"""Return a text with ``\u202e`` in place of unprintable, invisible and bidi characters."""
+    return escape_unprintable(escape_unprintable(text), _HIDDEN)
 
 
 def inline_svg(svg: str, name: str, attributes: str = 'role="img"') -> Markup:

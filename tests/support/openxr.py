@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 from collections.abc import Callable, Iterator
@@ -59,18 +60,37 @@ def fresh_monado(folder: Path, *, sways: bool = False) -> Iterator[Monado]:
         yield monado
 
 
-@contextmanager
-def validation(report: Path) -> Iterator[tuple[str, ...]]:
-    """Yield the validation layers that pyopenxr ships; they write to `report`."""
-    import xr
+def layer_folder() -> Path:
+    """Return where pyopenxr keeps the API layers that it ships."""
+    from xr.api_layer.layer_path import py_layer_library_path
 
-    layers = Path(xr.__file__).parent / "api_layer" / "linux_x86_64"
-    variables = {
-        "XR_API_LAYER_PATH": str(layers),
+    return Path(py_layer_library_path()).parent
+
+
+def validation_environment(report: Path) -> dict[str, str]:
+    """Return where the loader finds the validation layers that pyopenxr ships.
+
+    Manifests of some versions name a library without its folder, where the loader would not look.
+    They are written anew beside `report`, to which the layers write.
+    """
+    folder = report.with_suffix(".layers")
+    folder.mkdir()
+    for manifest in layer_folder().glob("*_validation.json"):
+        layer = json.loads(manifest.read_text())
+        library = Path(layer["api_layer"]["library_path"]).name
+        layer["api_layer"]["library_path"] = str(layer_folder() / library)
+        (folder / manifest.name).write_text(json.dumps(layer))
+    return {
+        "XR_API_LAYER_PATH": str(folder),
         "XR_CORE_VALIDATION_EXPORT_TYPE": "text",
         "XR_CORE_VALIDATION_FILE_NAME": str(report),
     }
-    with active_environment(variables):
+
+
+@contextmanager
+def validation(report: Path) -> Iterator[tuple[str, ...]]:
+    """Yield the validation layers that pyopenxr ships; they write to `report`."""
+    with active_environment(validation_environment(report)):
         yield VALIDATION, BEST_PRACTICES
 
 

@@ -15,13 +15,10 @@ from __future__ import annotations
 
 import ctypes
 import struct
-from pathlib import Path
 
-import xr
+from tests.support.openxr import layer_folder
 
-LIBRARY = (
-    Path(xr.__file__).parent / "api_layer/linux_x86_64/libXrApiLayer_best_practices_validation.so"
-)
+LIBRARY = layer_folder() / "libXrApiLayer_best_practices_validation.so"
 TABLE = "_ZN8BPLogger11errorCountsB5cxx11E"
 EXPORTED = "xrNegotiateLoaderApiLayerInterface"
 FIRST, TEXT, LENGTH, COUNT = 16, 8, 16, 40

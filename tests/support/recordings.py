@@ -26,6 +26,7 @@ def frames(n: int, *, trials: int = 2, seed: int = 1) -> pd.DataFrame:
     return pd.DataFrame({
         "session_s": time_ns / 1e9, "xr_time_ns": time_ns, "period_ns": PERIOD_NS,
         "trial": np.arange(n) * (trials + 1) // n,
+        "should_render": (random.random(n) > 0.05).astype(int),
         "head_x_m": steps[:, 0], "head_y_m": steps[:, 1], "head_z_m": steps[:, 2],
         "head_qx": turns[:, 0], "head_qy": turns[:, 1], "head_qz": turns[:, 2],
         "head_qw": turns[:, 3],

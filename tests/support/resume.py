@@ -8,10 +8,10 @@ from typing import Any
 
 from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows, tiny_protocol
-from vrcomfort.session import Outcome
+from vrcomfort.session import RunOutcome
 
 
-def go(tmp_path: Path, respondent: Any = None, **more: Any) -> Outcome:
+def go(tmp_path: Path, respondent: Any = None, **more: Any) -> RunOutcome:
     """Run session 1 of P01, or of `participant`; `interrupt` is (exposure, frame), or None."""
     exposure, at_frame = more.pop("interrupt", None) or (0, None)
     begun = []

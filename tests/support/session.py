@@ -12,7 +12,7 @@ from tests.support.study import AheadHeadset, LateFocus, read_rows, tiny_protoco
 from vrcomfort.protocol import Protocol
 from vrcomfort.records import read_participants, session_folder
 from vrcomfort.respondent import Respondent
-from vrcomfort.session import Outcome, SessionSettings
+from vrcomfort.session import RunOutcome, SessionSettings
 
 
 def run(
@@ -27,7 +27,7 @@ def run(
     resume: bool = False,
     group_readable: bool = False,
     **parts: Any,
-) -> Outcome:
+) -> RunOutcome:
     """Enrol a participant and run their sessions."""
     with vrcomfort.session.open_enrolment(
         protocol,
@@ -44,7 +44,7 @@ def run(
         return vrcomfort.session.run(enrolment, settings)
 
 
-def go(tmp_path: Path, respondent, *, headset=AheadHeadset, **more) -> Outcome:
+def go(tmp_path: Path, respondent, *, headset=AheadHeadset, **more) -> RunOutcome:
     protocol = tiny_protocol(tmp_path)
     return run(
         protocol,

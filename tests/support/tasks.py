@@ -9,10 +9,10 @@ import trimesh
 
 from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus
-from vrcomfort.protocol import Protocol, load_protocol
+from vrcomfort.protocol import Protocol, load_protocol, with_task_code
 from vrcomfort.respondent import Respondent, SimulatedRespondent
 from vrcomfort.scene.data import Material, Node, Primitive, Scene
-from vrcomfort.session import Outcome
+from vrcomfort.session import RunOutcome
 
 PROTOCOL = """\
 name = "doing"
@@ -95,9 +95,9 @@ def do(
     headset: type[AheadHeadset] = AheadHeadset,
     language: str | None = None,
     **more: object,
-) -> Outcome:
+) -> RunOutcome:
     """Run a participant through the study in `folder / "S"`."""
-    protocol = doing_protocol(folder, text).spoken(language)
+    protocol = with_task_code(doing_protocol(folder, text).spoken(language))
     who = respondent or SimulatedRespondent(protocol.simulation, participant=participant, seed=0)
     parts = {**in_the_room(headset), **more}
     return run(protocol, participant, study=folder / "S", respondent=who, **parts)

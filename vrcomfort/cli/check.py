@@ -23,6 +23,8 @@ from vrcomfort.cli.terminal import (
 )
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
+from vrcomfort.protocol.instruments import missing_wording
+from vrcomfort.tasks import OwnTask
 
 if TYPE_CHECKING:
     from vrcomfort.cli.check_stimuli import Stimuli
@@ -88,6 +90,9 @@ def check(
 def _check(
     name: str, size: str | None, refresh_hz: float | None, moments: int, draw: bool, advance: Any
 ) -> _Checked:
+    from vrcomfort.cli.check_stimuli import open_vignettes
+    from vrcomfort.session.standing import shortened_turns
+
     try:
         protocol = load_protocol(name)
     except InputError as error:
@@ -95,15 +100,19 @@ def _check(
     found = _Checked(notes=list(_notes(protocol)))
     try:
         found.faults += _of_design(protocol)
-        found.faults += _of_wording(protocol)
+        found.faults += _undrawable(protocol)
+        found.faults += missing_wording(protocol)
+        found.notes += shortened_turns(protocol)
         if not_to_be_had := [*_of_places(protocol), *_of_instructions(protocol)]:
             found.faults += not_to_be_had
             return found  # neither rehearsed nor drawn: nobody can stand there, or be told
         advance(0, f"rehearsing {name} without pictures")
         found.lengths = _rehearsed(protocol)
+        found.notes += _without_rest(protocol, found.lengths)
+        size_px = parse_size(size) if size else protocol.headset.image_size_px
+        rate_hz = refresh_hz or protocol.headset.refresh_hz
+        found.notes += open_vignettes(protocol, size_px, rate_hz)
         if draw:
-            size_px = parse_size(size) if size else protocol.headset.image_size_px
-            rate_hz = refresh_hz or protocol.headset.refresh_hz
             _look(protocol, found, size_px, rate_hz, moments, advance)
     except InputError as error:
         found.faults += [error.alone, *error.others]
@@ -123,12 +132,12 @@ def _of_instructions(protocol: Protocol) -> list[InputError]:
     return list(instruction_faults(protocol))
 
 
-def _of_wording(protocol: Protocol) -> list[InputError]:
+def _undrawable(protocol: Protocol) -> list[InputError]:
     """Return the texts that the panel cannot draw, in any language; what all have comes once."""
-    from vrcomfort.session.panel_wording import wording_faults
+    from vrcomfort.session.panel_wording import undrawable_wording
 
     languages = protocol.languages or (None,)
-    found = [each for one in languages for each in wording_faults(protocol.spoken(one))]
+    found = [each for one in languages for each in undrawable_wording(protocol.spoken(one))]
     return list({str(each): each for each in found}.values())
 
 
@@ -143,12 +152,40 @@ def _of_design(protocol: Protocol) -> Iterator[InputError]:
 
 
 def _notes(protocol: Protocol) -> Iterator[str]:
-    asked = {ask.instrument for ask in protocol.questionnaires}
+    asked = {ask.instrument for ask in protocol.questionnaires if ask.compares is None}
     for each in (protocol.instrument(name) for name in sorted(asked)):
         if len(each.asked) > 1 and not tomllib.loads(each.text).get("scales"):
             yield f"the {each.short} has no [[scales]]: its items are reported one by one"
+    for task in protocol.tasks:
+        if isinstance(task, OwnTask):
+            yield (
+                f"the code of the task `{task.name}` ({task.kind}) is not run here; its settings "
+                "are checked by `simulate` and `run`"
+            )
     if protocol.participants is None:
         yield "`participants` is not said, so nobody knows whether the orders will balance"
+
+
+_MEANT, _MEANT_S = 2, 300.0
+"""So many exposures without a rest, or all that take so long together, `break_s = 0.0` allows."""
+
+
+def _without_rest(protocol: Protocol, lengths: list[SessionLength]) -> Iterator[str]:
+    """Yield a sentence where exposures follow each other without a rest that nobody has decided.
+
+    A `break_s = 0.0` that is written down is a decision for two exposures, or for a few minutes.
+    """
+    longest = max(lengths, key=lambda each: (each.in_a_row, each.in_a_row_s))
+    written = "break_s" in protocol.model_fields_set
+    meant = longest.in_a_row <= _MEANT or longest.in_a_row_s <= _MEANT_S
+    if longest.in_a_row < 2 or protocol.breaks is not None or (written and meant):
+        return
+    decide = "give `break_s` a length, or write [breaks]"
+    decide += ", or `break_s = 0.0` where none is meant" if meant else ""
+    yield (
+        f"{longest.in_a_row} exposures of a session, {longest.in_a_row_s / 60:.1f} min together, "
+        f"follow each other without a rest, and symptoms carry over; {decide}"
+    )
 
 
 def _rehearsed(protocol: Protocol) -> list[SessionLength]:
@@ -206,7 +243,9 @@ def _show(name: str, found: _Checked) -> None:
     for fault in found.faults:
         complain(str(fault))
     if not found.faults:
-        printed.print(f"{name}: nothing is wrong")
+        notes = len(found.notes)
+        counted = f"no fault; {notes} {'note' if notes == 1 else 'notes'} to look at"
+        printed.print(f"{name}: {counted if notes else 'nothing is wrong'}")
 
 
 def _length_table(name: str, lengths: list[SessionLength]) -> Table:

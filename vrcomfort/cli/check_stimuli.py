@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
+from itertools import islice, pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,17 +12,27 @@ import numpy as np
 from vrcomfort.cli.playback import PlaybackSetup
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, focal_length_px, yaw_pitch_roll
-from vrcomfort.protocol import Protocol
+from vrcomfort.optics.vignette import clear_deg, moved_towards, widest_angle_deg
+from vrcomfort.protocol import Condition, Protocol
+from vrcomfort.render.head_step import HeadStep, speed_share
 
 if TYPE_CHECKING:
     import moderngl
 
+    from vrcomfort.frame import Frame
+    from vrcomfort.protocol.conditions import Vignette
     from vrcomfort.render.stimulus_size import Moment, StimulusSize
     from vrcomfort.render.visibility import Fault, Seen
     from vrcomfort.scene.camera_path import CameraPath
     from vrcomfort.scene.data import Scene
+    from vrcomfort.session.standing import Standing
 
 PROBE_WIDTH_PX = 160
+_MOMENT_S, _SUSTAINED = 0.1, 300
+"""Steps of this length, so many, are a motion that lasts."""
+_STEPS_HZ = 30.0
+"""So often speeds along a walk are looked at."""
+_QUICK_LOOK_DEG_PER_S = 200.0
 
 
 @dataclass(frozen=True)
@@ -78,40 +88,175 @@ def moments_of(
 ) -> list[Moment]:
     """Return moments of the walk that ships with a scene; without one, of a look around its start.
 
-    A moment is a frame at the headset's rate, and the one before. Who does not walk (in a view with
-    a path, or without locomotion) looks as on that walk, and is carried along the path.
+    A moment is a frame at the headset's rate, and the one before.
     """
+    standing = _standing(protocol, name, scene)
+    carried = _carried(standing.path, refresh_hz)
+    if frames := _walk(protocol, name, standing, size_px, refresh_hz):
+        places = np.linspace(1, len(frames) - 1, count).astype(int)
+        pairs = [(frames[place - 1], frames[place]) for place in places]
+        pairs = [pair for pair in pairs if not (pair[1].discontinuity or pair[1].snap_turn)]
+    else:
+        pairs = list(_around(protocol, standing.scene.spawn, size_px, refresh_hz, count))
+    return [(carried(before), carried(now)) for before, now in pairs]
+
+
+def _standing(protocol: Protocol, name: str, scene: Scene) -> Standing:
     from vrcomfort.session.standing import stand
 
-    view = protocol.view(name)
-    standing = stand(scene, view, walks=protocol.locomotion.mode != "off")
+    return stand(scene, protocol.view(name), walks=protocol.locomotion.mode != "off")
+
+
+def _walk(
+    protocol: Protocol,
+    name: str,
+    standing: Standing,
+    size_px: tuple[int, int],
+    refresh_hz: float,
+) -> list[Frame]:
+    """Return the frames of the walk that ships with a scene; none where none does.
+
+    Who does not walk (in a view with a path, or without locomotion) looks as on that walk; callers
+    carry them along the path.
+    """
     try:
         playback = PlaybackSetup(size_px, protocol.headset.ipd_m, refresh_hz=refresh_hz)
-        headset = playback(view.scene, standing.scene)
+        headset = playback(protocol.view(name).scene, standing.scene)
     except InputError:
-        spawn = standing.scene.spawn
-        moments = list(_around(protocol, spawn, size_px, refresh_hz, count))
-        return [_carried(pair, standing.path, refresh_hz) for pair in moments]
+        return []
     length_s = protocol.length_s(name) if standing.path else headset.trace_s
-    frames = list(islice(headset.frames(), int(length_s * refresh_hz + 1e-6) + 1))
-    places = np.linspace(1, len(frames) - 1, count).astype(int)
-    moments = [(frames[place - 1], frames[place]) for place in places]
-    return [
-        _carried(pair, standing.path, refresh_hz)
-        for pair in moments
-        if not (pair[1].discontinuity or pair[1].snap_turn)
-    ]
+    return list(islice(headset.frames(), int(length_s * refresh_hz + 1e-6) + 1))
 
 
-def _carried(moment: Moment, path: CameraPath | None, refresh_hz: float) -> Moment:
-    """Return a moment along a path, whose time its first frame's index tells."""
+def _carried(path: CameraPath | None, refresh_hz: float) -> Callable[[Frame], Frame]:
+    """Return what moves a frame along a path, to the time that its index tells."""
     if path is None:
-        return moment
-    before, now = (
-        replace(frame, avatar_pose=path.moved(frame.index / refresh_hz) @ frame.avatar_pose)
-        for frame in moment
+        return lambda frame: frame
+    return lambda frame: replace(
+        frame, avatar_pose=path.moved(frame.index / refresh_hz) @ frame.avatar_pose
     )
-    return before, now
+
+
+def open_vignettes(
+    protocol: Protocol, size_px: tuple[int, int], refresh_hz: float
+) -> Iterator[str]:
+    """Yield a sentence for each condition whose vignette narrows in no scene; nothing is drawn.
+
+    The walks are those that blur is measured on. Where none ships with a scene, people are taken to
+    walk and to turn their heads quickly. Where they can move by locomotion, its speeds count, too.
+    """
+    restricted = [each for each in protocol.conditions if each.vignette is not None]
+    if not restricted:
+        return
+    steps = [_steps_in(protocol, name, size_px, refresh_hz) for name in protocol.scenes]
+    for condition in restricted:
+        if reason := _never_narrows(condition, steps, size_px):
+            yield f"the vignette of `{condition.name}` never narrows the view: {reason}"
+
+
+def _steps_in(
+    protocol: Protocol, name: str, size_px: tuple[int, int], refresh_hz: float
+) -> list[HeadStep | None]:
+    """Return the steps of a scene's walk in their order, None at cuts, and those of locomotion."""
+    from vrcomfort.headset.locomotion import TURNING_SPEED_RAD_S
+    from vrcomfort.render.stimulus_size import step_between
+    from vrcomfort.scene.load import load_scene
+
+    standing = _standing(protocol, name, load_scene(protocol.scene_source(name)))
+    rate_hz = min(refresh_hz, _STEPS_HZ)
+    carried = _carried(standing.path, rate_hz)
+    frames = list(map(carried, _walk(protocol, name, standing, size_px, rate_hz)))
+    steps: list[HeadStep | None] = [
+        None if now.discontinuity or now.snap_turn else step_between(before, now)
+        for before, now in pairwise(frames)
+    ]
+    still = Pose()
+    if not frames:
+        for moved in (_ahead(LOOK_M_PER_S), _turned(_QUICK_LOOK_DEG_PER_S)):
+            steps += _SUSTAINED * [HeadStep(still, moved, still, still, _MOMENT_S)]
+        if standing.path is not None:
+            path = [
+                standing.path.moved(time_s)
+                for time_s in np.arange(0, standing.path.duration_s, _MOMENT_S)
+            ]
+            steps += [
+                HeadStep(still, still, before, now, _MOMENT_S) for before, now in pairwise(path)
+            ]
+    walks = protocol.locomotion
+    if walks.mode == "walk" and standing.path is None:
+        turning_deg_s = 0.0 if walks.snap_turn_deg else np.degrees(TURNING_SPEED_RAD_S)
+        for moved in (_ahead(walks.walking_speed_m_s), _turned(turning_deg_s)):
+            steps += _SUSTAINED * [HeadStep(still, still, still, moved, _MOMENT_S)]
+    return steps
+
+
+def _ahead(speed_m_s: float) -> Pose:
+    return Pose(np.array([0.0, 0.0, -speed_m_s * _MOMENT_S]))
+
+
+def _turned(speed_deg_s: float) -> Pose:
+    return Pose(orientation=yaw_pitch_roll(np.radians(speed_deg_s * _MOMENT_S), 0.0, 0.0))
+
+
+def _never_narrows(
+    condition: Condition, scenes: Sequence[Sequence[HeadStep | None]], size_px: tuple[int, int]
+) -> str | None:
+    """Return why a vignette leaves the view as it is everywhere; None where it narrows it."""
+    from vrcomfort.headset.playback import default_fovs
+
+    settings = condition.vignette
+    if settings is None:
+        return None
+    if settings.turning is None and settings.moving is None:
+        if "open_deg" not in settings.model_fields_set:
+            return "it has neither `turning` nor `moving`; write one of them"
+        narrowest = settings.open_deg
+    elif settings.restricted_deg == settings.open_deg:
+        return "`restricted_deg` is `open_deg`; make it smaller"
+    else:
+        strength = max(_strongest(settings, steps) for steps in scenes)
+        if strength == 0.0:
+            return _too_slow(settings, [step for steps in scenes for step in steps if step])
+        narrowest = clear_deg(settings.open_deg, settings.restricted_deg, strength)
+    widest = max(widest_angle_deg(fov, Pose()) for fov in default_fovs(size_px))
+    if condition.centred_on_gaze or narrowest / 2 < widest:
+        return None
+    seen = f"the image ends {widest:.0f} degrees from its middle"
+    return f"its field is at least {narrowest:.0f} degrees wide, and {seen}; make it smaller"
+
+
+def _strongest(settings: Vignette, steps: Sequence[HeadStep | None]) -> float:
+    """Return how far the field closes at most, 0 to 1, along steps that follow each other."""
+    strongest = strength = 0.0
+    for step in steps:
+        wanted = speed_share(settings, step)
+        if step is None:
+            strength = 0.0
+            continue
+        strength = moved_towards(
+            strength,
+            wanted,
+            elapsed_s=step.seconds,
+            attack_s=settings.attack_s,
+            release_s=settings.release_s,
+        )
+        strongest = max(strongest, strength)
+    return strongest
+
+
+def _too_slow(settings: Vignette, steps: Sequence[HeadStep]) -> str:
+    of = settings.speed_of
+    found = []
+    if settings.turning is not None:
+        fastest = max((step.turn_deg_s(of) for step in steps), default=0.0)
+        begins = f"begins at {settings.turning.from_deg_s:g}"
+        found.append(f"turning reaches {fastest:.0f} deg/s, and `turning` {begins}")
+    if settings.moving is not None:
+        fastest = max((step.speed_m_s(of) for step in steps), default=0.0)
+        begins = f"begins at {settings.moving.from_m_s:g}"
+        found.append(f"moving reaches {fastest:.1f} m/s, and `moving` {begins}")
+    told = "; ".join(found)
+    return f'in its scenes (speed_of = "{of}") {told}; let it begin at a lower speed'
 
 
 LOOK_M_PER_S, LOOK_DEG_PER_S = 1.4, 30.0

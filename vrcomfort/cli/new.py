@@ -13,6 +13,7 @@ import typer
 
 from vrcomfort.cli.terminal import console, dialogue, warn
 from vrcomfort.errors import InputError
+from vrcomfort.escaping import escape_unprintable
 from vrcomfort.protocol import parse_protocol
 from vrcomfort.protocol.draft import Draft
 from vrcomfort.resources import data_folder
@@ -87,7 +88,7 @@ def new(
     wanted = participants or asks.number("How many participants are planned", 16)
     draft = Draft(
         name=file.stem,
-        title=title or asks.text("What is the study called", file.stem.replace("_", " ")),
+        title=_line(title or asks.text("What is the study called", file.stem.replace("_", " "))),
         compared=compared.value,
         scenes=scenes,
         participants=wanted,
@@ -99,6 +100,12 @@ def new(
     draft = _balanced(draft, file)
     protocol = parse_protocol(draft.toml(), file=file)
     _write(file, protocol.toml)
+    if draft.rating and not draft.has_time_for_ratings:
+        needed_s = sum(draft.rating_times_s)
+        warn(
+            f"exposures of {draft.exposure_s:g} s have no time for ratings, which take "
+            f"{needed_s:g} s; none is asked during them"
+        )
     if draft.participants != wanted:
         orders = f"{wanted} participants would not balance the orders"
         warn(f"{orders}; it plans {draft.participants}")
@@ -108,6 +115,11 @@ def new(
 def somebody_answers() -> bool:
     """Return whether a terminal is there to be typed into."""
     return sys.stdin.isatty()
+
+
+def _line(text: str) -> str:
+    """Return a text in one line, as a comment of a file can hold it."""
+    return escape_unprintable(" ".join(text.split()))
 
 
 def _rating(kind: str) -> str:

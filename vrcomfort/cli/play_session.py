@@ -16,8 +16,8 @@ from vrcomfort.protocol.quality_levels import Quality
 
 if TYPE_CHECKING:
     from vrcomfort.render.pipeline import StereoRenderer
-    from vrcomfort.replay import Comparison, RecordedSession, Wish
-    from vrcomfort.replay.sheet import Eye, Sheet
+    from vrcomfort.replay import Comparison, RecordedSession, ReplaySelection
+    from vrcomfort.replay.sheet import ContactSheet, Eye
 
 SHOWN = ("gaze", "ratings")
 
@@ -74,13 +74,13 @@ def play_session(
     for note in session.notes:
         warn(note)
     protocol = _protocol(options, session)
-    wish = _wish(session, options, protocol)
+    selection = _selection(session, options, protocol)
     size_px = options.size_px or session.size_px
     drawer = make_renderer(size_px, photodiode=session.photodiode)
     comparison = Comparison()
-    frames = _drawn(session, wish, drawer, size_px, comparison, protocol)
-    sheet = _sheet(session, options, wish)
-    total = _count(session, wish)
+    frames = _drawn(session, selection, drawer, size_px, comparison, protocol)
+    sheet = _sheet(session, options, selection)
+    total = _count(session, selection)
     if not total:
         message = "no recorded frame is among what --trial, --from and --to ask for"
         raise InputError(f"{message}; {_times(session)}", file=folder)
@@ -91,9 +91,9 @@ def play_session(
             advance()
             count, length_s = written.frames, written.video_s
     if size_px == session.size_px:
-        _tell(session, wish, comparison, drawer, quiet=quiet)
+        _tell(session, selection, comparison, drawer, quiet=quiet)
     if out is not None:
-        write_summary(out, _summary(session, wish, options, comparison, size_px))
+        write_summary(out, _summary(session, selection, options, comparison, size_px))
     places = ", ".join(str(each) for each in (out, video) if each is not None)
     console(quiet).print(f"{count} frames, {length_s:.2f} s: {places}")
 
@@ -115,8 +115,10 @@ def _protocol(options: ReplayOptions, session: RecordedSession) -> Protocol | No
     return protocol
 
 
-def _wish(session: RecordedSession, options: ReplayOptions, protocol: Protocol | None) -> Wish:
-    from vrcomfort.replay import Wish
+def _selection(
+    session: RecordedSession, options: ReplayOptions, protocol: Protocol | None
+) -> ReplaySelection:
+    from vrcomfort.replay import ReplaySelection
 
     def named(name: str) -> Condition:
         if protocol is None:
@@ -137,12 +139,12 @@ def _wish(session: RecordedSession, options: ReplayOptions, protocol: Protocol |
     beside = None if options.beside is None else levelled(named(options.beside))
     from_s = float("-inf") if options.from_s is None else options.from_s
     to_s = float("inf") if options.to_s is None else options.to_s
-    return Wish(options.trial, from_s, to_s, instead, beside)
+    return ReplaySelection(options.trial, from_s, to_s, instead, beside)
 
 
 def _drawn(
     session: RecordedSession,
-    wish: Wish,
+    selection: ReplaySelection,
     drawer: StereoRenderer,
     size_px: tuple[int, int],
     comparison: Comparison,
@@ -164,12 +166,12 @@ def _drawn(
 
     second = (
         None
-        if wish.beside is None
+        if selection.beside is None
         else StereoRenderer(drawer.ctx, size_px, photodiode=session.photodiode)
     )
     return replay(
         session,
-        wish,
+        selection,
         drawer=drawer,
         second=second,
         load_scene=loaded,
@@ -178,8 +180,10 @@ def _drawn(
     )
 
 
-def _sheet(session: RecordedSession, options: ReplayOptions, wish: Wish) -> Sheet:
-    from vrcomfort.replay.sheet import Sheet
+def _sheet(
+    session: RecordedSession, options: ReplayOptions, selection: ReplaySelection
+) -> ContactSheet:
+    from vrcomfort.replay.sheet import ContactSheet
 
     shown = options.shown
     if "gaze" in shown and session.trace.gaze is None:
@@ -187,28 +191,28 @@ def _sheet(session: RecordedSession, options: ReplayOptions, wish: Wish) -> Shee
     if "ratings" in shown and not any(each.ratings for each in session.exposures):
         warn(f"{session.folder}: has no ratings; none are drawn in")
     level = f", {options.quality}" if options.quality else ""
-    beside = None if wish.beside is None else f"{wish.beside.name}{level}"
-    return Sheet(
+    beside = None if selection.beside is None else f"{selection.beside.name}{level}"
+    return ContactSheet(
         options.eyes,
-        {name: _title(name, wish, level) for name in session.conditions},
+        {name: _title(name, selection, level) for name in session.conditions},
         beside,
         gaze="gaze" in shown,
         ratings="ratings" in shown,
     )
 
 
-def _title(name: str, wish: Wish, level: str) -> str:
-    drawn = wish.instead.get(name)
+def _title(name: str, selection: ReplaySelection, level: str) -> str:
+    drawn = selection.instead.get(name)
     if drawn is None or drawn.name == name:
         return f"{name}{level}"
     return f"{drawn.name}{level} (seen: {name})"
 
 
-def _count(session: RecordedSession, wish: Wish) -> int:
+def _count(session: RecordedSession, selection: ReplaySelection) -> int:
     """Return how many frames are to be shown."""
     return sum(
         bool(session.drawn[row])
-        and wish.wants(
+        and selection.wants(
             each.trial if row >= each.shown else 0,
             float(session.session_s[row]),
         )
@@ -230,7 +234,7 @@ def _times_of(session: RecordedSession) -> Iterator[str]:
 
 def _tell(
     session: RecordedSession,
-    wish: Wish,
+    selection: ReplaySelection,
     comparison: Comparison,
     drawer: StereoRenderer,
     *,
@@ -247,7 +251,7 @@ def _tell(
     if comparison.equal == comparison.compared:
         return
     reasons = []
-    if wish.instead:
+    if selection.instead:
         reasons.append("another condition or quality is drawn in place of what was seen")
     facts = describe(drawer.ctx)
     machine = Machine(facts["renderer"], facts["version"], shaders=shader_hashes())
@@ -258,19 +262,19 @@ def _tell(
 
 def _summary(
     session: RecordedSession,
-    wish: Wish,
+    selection: ReplaySelection,
     options: ReplayOptions,
     comparison: Comparison,
     size_px: tuple[int, int],
 ) -> dict[str, Any]:
-    drawn = {**session.conditions, **wish.instead}
+    drawn = {**session.conditions, **selection.instead}
     return {
         "participant": session.manifest["participant"],
         "session": session.manifest["session"],
         "size_px": list(size_px),
         "quality": options.quality,
         "conditions": {name: each.model_dump(mode="json") for name, each in drawn.items()},
-        "beside": None if wish.beside is None else wish.beside.model_dump(mode="json"),
+        "beside": None if selection.beside is None else selection.beside.model_dump(mode="json"),
         "images_compared": comparison.compared,
         "images_equal": comparison.equal,
     }

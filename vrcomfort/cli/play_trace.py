@@ -108,10 +108,10 @@ class _RowFile:
         self._stream = stream
 
     def write(self, *rows: Row) -> None:
-        from vrcomfort.records.rows import cell_text, csv_line
+        from vrcomfort.records.rows import csv_line
 
         for row in rows:
-            self._stream.write(csv_line(map(cell_text, row.cells())))
+            self._stream.write(csv_line(row.cells()))
 
 
 @contextmanager

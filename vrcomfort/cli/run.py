@@ -48,7 +48,7 @@ from vrcomfort.protocol import Protocol, load_protocol
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
     from vrcomfort.records.consents import Given
-    from vrcomfort.session import Outcome
+    from vrcomfort.session import RunOutcome
     from vrcomfort.session.rehearsal import Rehearsal
 
 
@@ -273,7 +273,7 @@ def _connect(
     return None
 
 
-def _tell(outcome: Outcome, out: Path, quiet: bool) -> None:
+def _tell(outcome: RunOutcome, out: Path, quiet: bool) -> None:
     for warning in outcome.warnings:
         warn(warning)
     console(quiet).print(outcome_sentence(outcome, out))

@@ -123,7 +123,7 @@ def open_mirror(owned: ExitStack) -> tuple[Mirror, moderngl.Context]:
 
 
 def look_down_of(wish: Answering) -> LookDown | None:
-    """Return how whoever has no button asks to stop an exposure; None where nobody can."""
+    """Return how a look asks to stop an exposure; None where the protocol wants none."""
     from vrcomfort.respondent.dwell import LookDown
 
     return LookDown(wish.stop_down_deg, wish.stop_down_s) if wish.stop_by_looks else None

@@ -56,7 +56,7 @@ def rehearse(
 
 def _read_answers(path: Path) -> list[int]:
     numbers = []
-    for line, words in enumerate(read_text(path, "script of answers").splitlines(), start=1):
+    for line, words in enumerate(read_text(path, "script of answers").split("\n"), start=1):
         for word in words.partition("#")[0].split():
             if not word.isdecimal():
                 raise InputError(f"an answer is a whole number, not {word!r}", file=path, line=line)

@@ -29,7 +29,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
-    from vrcomfort.session import Outcome
+    from vrcomfort.session import RunOutcome
 
 
 def register(app: typer.Typer) -> None:
@@ -94,7 +94,7 @@ def simulate_study(
     group_readable: bool = False,
     frames: bool = True,
     quiet: bool,
-) -> list[Outcome]:
+) -> list[RunOutcome]:
     """Run all sessions of simulated participants P01, P02, … that are left.
 
     Stops where one is aborted. An interrupted session is continued.
@@ -120,10 +120,16 @@ def simulate_study(
     resume_check = ResumeCheck(protocol, playback if frames else None, exposure_s)
     kept_seed = open_study(out, protocol, seed=seed, group_readable=group_readable)
     design = build_design(protocol, seed=kept_seed)
-    outcomes: list[Outcome] = []
+    outcomes: list[RunOutcome] = []
     ends = {name: resume_check.ends(out, name) for name in _names(out, participants)}
     if told := told_of_the_other_kind(out, simulated=True):
         warn(told)
+    if protocol.ratings and protocol.shown_s(exposure_s) < protocol.longest_s:
+        warn(
+            f"exposures of {protocol.longest_s:g} s are shortened to {exposure_s:g} s, and their "
+            "ratings come at shortened times, or are missed between frames; --no-frames without "
+            "--exposure-s has them at the protocol's times"
+        )
     with progress_bar("simulated", participants, quiet=quiet, unit="participants") as advance:
         for number, (name, ended) in enumerate(ends.items(), start=1):
             if not _is_over(out, name, ended, design.sessions):
@@ -146,7 +152,9 @@ def _names(study: Path, participants: int) -> list[str]:
     return [f"P{number:0{digits}d}" for number in range(1, participants + 1)]
 
 
-def _simulate_one(setup: StudySetup, study: Path, name: str, covariates: dict[str, str]) -> Outcome:
+def _simulate_one(
+    setup: StudySetup, study: Path, name: str, covariates: dict[str, str]
+) -> RunOutcome:
     from vrcomfort import session
     from vrcomfort.records import unfinished_sessions
 

@@ -13,7 +13,8 @@ from vrcomfort.cli.playback import PlaybackSetup
 from vrcomfort.cli.renderer import describe_machine, make_renderer
 from vrcomfort.cli.terminal import dialogue, warn
 from vrcomfort.errors import InputError
-from vrcomfort.protocol import Protocol
+from vrcomfort.protocol import Protocol, with_task_code
+from vrcomfort.protocol.instruments import missing_wording
 
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
     from vrcomfort.scene.data import Scene
-    from vrcomfort.session import Enrolment, Outcome, SessionSettings
+    from vrcomfort.session import OpenEnrolment, RunOutcome, SessionSettings
     from vrcomfort.session.interfaces import HeadsetFor, Renderer
 
 
@@ -51,7 +52,8 @@ class StudySetup:
     Raises
     ------
     InputError
-        If exposures would be longer than the protocol's.
+        If exposures would be longer than the protocol's, or the file of an own task, which is run
+        here, cannot be.
     """
 
     def __init__(
@@ -66,7 +68,6 @@ class StudySetup:
         durability: Durability = "each_row",
         frames: bool = True,
     ) -> None:
-        self._protocol = protocol
         self._study = study
         self._playback = playback
         self._seed = seed
@@ -74,6 +75,9 @@ class StudySetup:
         self._exposure_s = exposure_s
         _require_places(protocol)
         _require_instructions(protocol)
+        self._protocol = with_task_code(protocol)
+        for file, sha256 in self._protocol.task_code.items():
+            warn(f"the code of the task file {file} is run (SHA-256 {sha256})")
         self._group_readable = group_readable
         self._durability = durability
         self._frames = frames
@@ -89,10 +93,19 @@ class StudySetup:
         resume: bool = False,
         covariates: Mapping[str, str] | None = None,
         consent: Given | None = None,
-    ) -> AbstractContextManager[Enrolment]:
-        """Return a participant who can be run; see `session.open_enrolment`."""
+    ) -> AbstractContextManager[OpenEnrolment]:
+        """Return a participant who can be run; see `session.open_enrolment`.
+
+        Raises
+        ------
+        InputError
+            If a person would be asked a question that has no wording.
+        """
         from vrcomfort.session import open_enrolment
 
+        if kind is not RespondentKind.SIMULATED:
+            for fault in missing_wording(self._protocol):
+                raise fault
         return open_enrolment(
             self._protocol,
             participant,
@@ -109,7 +122,7 @@ class StudySetup:
 
     def settings(
         self,
-        enrolment: Enrolment,
+        enrolment: OpenEnrolment,
         kind: RespondentKind,
         headset: HeadsetSetup | None = None,
         console: ConsoleSetup | None = None,
@@ -166,7 +179,7 @@ class StudySetup:
     def _respondent(
         self,
         kind: RespondentKind,
-        enrolment: Enrolment,
+        enrolment: OpenEnrolment,
         headset: HeadsetSetup | None,
         console: ConsoleSetup | None,
     ) -> Respondent:
@@ -215,11 +228,11 @@ def require_wording(protocol: Protocol, kind: RespondentKind, *, in_headset: boo
     InputError
         Names the first of them, and what to do.
     """
-    from vrcomfort.session.panel_wording import wording_faults
+    from vrcomfort.session.panel_wording import undrawable_wording
 
     aloud = kind in {RespondentKind.TERMINAL, RespondentKind.CONSOLE}
     if in_headset or not aloud:
-        for fault in wording_faults(protocol, asked_aloud=aloud):
+        for fault in undrawable_wording(protocol, asked_aloud=aloud):
             raise fault
 
 
@@ -232,7 +245,7 @@ def _load_scene(source: str) -> Scene:
     return scene
 
 
-def outcome_sentence(outcome: Outcome, out: Path) -> str:
+def outcome_sentence(outcome: RunOutcome, out: Path) -> str:
     """Say what became of a participant's sessions."""
     sessions = ", ".join(map(str, outcome.sessions))
     note = f" ({outcome.note})" if outcome.note else ""

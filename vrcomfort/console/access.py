@@ -27,7 +27,7 @@ def new_secret() -> str:
 
 
 @dataclass
-class Access:
+class ConsoleAccess:
     """What opens one console.
 
     Parameters

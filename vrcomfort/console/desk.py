@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
-from vrcomfort.frame import DrawnFrame, FocusSample, Frame
+from vrcomfort.frame import FocusSample, Frame, RenderResult
 from vrcomfort.operator_interface import (
     ALLOWED,
     Command,
@@ -78,18 +78,18 @@ class OperatorConsole:
         self._lines: deque[str] = deque(maxlen=LINES)
         self._replies: deque[tuple[str, str]] = deque(maxlen=REPLIES)
         self._focus_m: float | None = None
-        self._remaining_s: Callable[[], float] | None = None
+        self._order: SessionOrder | None = None
         self._paused = self._leaving = False
         self._next_s = self._next_picture_s = 0.0
 
     def open(self, order: SessionOrder) -> None:
         """Take note of a session that begins; its first step shows it."""
-        self._remaining_s = order.remaining_s
+        self._order = order
         self._state |= {
             "participant": order.participant,
             "session": order.session,
             "sequence": order.sequence,
-            "order": order.trials,
+            "timeline": order.timeline,
             "trial": 0,
             "ended": "",
         }
@@ -121,7 +121,7 @@ class OperatorConsole:
                 return
         self._publish()
 
-    def see(self, frame: Frame, rendered: DrawnFrame | None, trial: TrialSoFar) -> None:
+    def see(self, frame: Frame, rendered: RenderResult | None, trial: TrialSoFar) -> None:
         """Look at a frame that was shown, if there is time and anybody to look."""
         if rendered is not None:
             for sample in rendered.focus_samples:
@@ -143,7 +143,7 @@ class OperatorConsole:
         }
         self._publish()
 
-    def _look(self, rendered: DrawnFrame) -> None:
+    def _look(self, rendered: RenderResult) -> None:
         """Take a picture now and then, where somebody wants to see it."""
         pictures = self._pictures
         if pictures is None:
@@ -196,8 +196,9 @@ class OperatorConsole:
         self._next_s = self._now_s() + STATE_EVERY_S
         state = dict(self._state)
         state |= {"paused": self._paused, "withdrawing": self._leaving}
-        if self._remaining_s is not None:
-            state["remaining_s"] = round(self._remaining_s(), 1)
+        if self._order is not None:
+            state["remaining_s"] = round(self._order.remaining_s(), 1)
+            state["position"] = self._order.position()
         state |= {"ratings": tuple(self._ratings), "lines": tuple(self._lines)}
         state["replies"] = tuple(self._replies)
         self._server.show(state)

@@ -6,6 +6,7 @@ import json
 import math
 from typing import Any
 
+from vrcomfort.escaping import escape_unprintable
 from vrcomfort.operator_interface import Command
 
 LONGEST_CHARACTERS = 4096
@@ -45,6 +46,7 @@ def _checked(content: dict[str, Any]) -> Command | str:
     numeric = isinstance(value, int | float) and not isinstance(value, bool)
     if value is not None and not (numeric and math.isfinite(value) and abs(value) < 1e9):
         return "`value` of a message is no number; reload the page"
-    own_words = content["action"] == "write"
-    said = text.strip() if own_words else " ".join(text.split())
-    return Command(content["id"], content["action"], step, said, value)
+    own_words = content["action"] == "write"  # kept to the letter, escaped: `one_line`
+    said = text.strip() if own_words else escape_unprintable(" ".join(text.split()))
+    number, action = (escape_unprintable(content[key]) for key in ("id", "action"))
+    return Command(number, action, step, said, value)

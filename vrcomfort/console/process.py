@@ -19,7 +19,7 @@ from contextlib import suppress
 from typing import Any, Self
 
 from vrcomfort.console import wire
-from vrcomfort.console.access import Access
+from vrcomfort.console.access import ConsoleAccess
 from vrcomfort.errors import InputError
 from vrcomfort.operator_interface import Command
 
@@ -55,7 +55,7 @@ class ServerProcess:
 
     def __init__(self, say: Callable[[str], None], address: Callable[[str], None]) -> None:
         self._say, self._tell_address = say, address
-        self._access = Access(port=0)
+        self._access = ConsoleAccess(port=0)
         self._outbox: deque[bytes | Callable[[], bytes]] = deque(maxlen=QUEUE)
         self._last_state: bytes | None = None
         self._commands: deque[Command] = deque(maxlen=COMMANDS)

@@ -29,7 +29,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from vrcomfort.console import wire
-from vrcomfort.console.access import NO_COOKIE, Access
+from vrcomfort.console.access import NO_COOKIE, ConsoleAccess
 from vrcomfort.console.messages import ACTIONS_PER_S, LONGEST_CHARACTERS, read_command
 
 PAGE = Path(__file__).parent / "page"
@@ -49,7 +49,7 @@ HEADERS = {
 _FILES = {"/console.js": "text/javascript", "/console.css": "text/css"}
 
 
-class Page:
+class ConsolePage:
     """One open page: what it is to get next. A slow one misses what was in between."""
 
     def __init__(self) -> None:
@@ -110,9 +110,9 @@ class ConsoleServer:
         Takes a message for the session.
     """
 
-    def __init__(self, access: Access, tell: Callable[[dict[str, Any]], None]) -> None:
+    def __init__(self, access: ConsoleAccess, tell: Callable[[dict[str, Any]], None]) -> None:
         self._access, self._tell = access, tell
-        self._pages: set[Page] = set()
+        self._pages: set[ConsolePage] = set()
         self._state: str | None = None
         routes: list[Route | WebSocketRoute] = [Route("/", self._page)]
         routes += [Route(path, self._file) for path in _FILES]
@@ -176,7 +176,7 @@ class ConsoleServer:
             await socket.send_denial_response(PlainTextResponse(refusal, 403, HEADERS))
             return
         await socket.accept()
-        page = Page()
+        page = ConsolePage()
         self._pages.add(page)
         self._tell_watching()
         page.reply({"kind": "you", "operator": self._operator(socket)})
@@ -194,7 +194,7 @@ class ConsoleServer:
             self._pages.discard(page)
             self._tell_watching()
 
-    async def _listen(self, socket: WebSocket, page: Page) -> None:
+    async def _listen(self, socket: WebSocket, page: ConsolePage) -> None:
         """Pass on what a page wants."""
         times: deque[float] = deque(maxlen=ACTIONS_PER_S)
         while True:
@@ -209,7 +209,7 @@ class ConsoleServer:
             times.append(now_s)
             self._entered(message.get("text"), page, self._operator(socket) or "")
 
-    def _entered(self, message: str | None, page: Page, operator: str) -> None:
+    def _entered(self, message: str | None, page: ConsolePage, operator: str) -> None:
         entered = "a message is not text; reload the page" if message is None else ""
         found = entered or read_command(message or "")
         if isinstance(found, str):
@@ -286,7 +286,7 @@ def main() -> None:
         server_header=False, timeout_graceful_shutdown=1,
     )  # fmt: skip
     socket = config.bind_socket()
-    access = Access(
+    access = ConsoleAccess(
         socket.getsockname()[1], settings["key"], settings["token"], settings["operators"]
     )
     server = ConsoleServer(access, tell)

@@ -8,7 +8,6 @@ for.
 from __future__ import annotations
 
 import csv
-import json
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,6 +21,7 @@ from vrcomfort import __version__
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.private_facts import EPOCH, Moved, of_manifest
 from vrcomfort.exchange.room import new_folder, require_whole
+from vrcomfort.json_text import json_of
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.checksums import seal
 from vrcomfort.records.disk import Access, make_folders, replace_text
@@ -29,7 +29,7 @@ from vrcomfort.records.events import EVENTS, shared_detail
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.rows import ALWAYS, GAZE, MOTION, Needs, Trait, cell_text, csv_line
+from vrcomfort.records.rows import ALWAYS, GAZE, MOTION, Needs, Trait, csv_line
 from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS, TABLES, SharedFile
 from vrcomfort.records.session_rows import IPD_RULE, EventRow, ParticipantRow, ScreeningRow
 from vrcomfort.records.study import DESCRIPTION, access_of, read_participants, recorded_sessions
@@ -125,7 +125,7 @@ def _write(
             _Session(study, out, old, names[old], number, moved, kept, access, unknown).write()
     _write_participants(out, rows, names, kept, access)
     record = _record(study, list(rows.values()), wishes, kept, unknown)
-    replace_text(out / RECORD, json.dumps(record, indent=2, ensure_ascii=False) + "\n", access)
+    replace_text(out / RECORD, json_of(record) + "\n", access)
     return record
 
 
@@ -170,7 +170,7 @@ def _write_participants(
     lines = [csv_line((*ParticipantRow.columns(), *others))]
     for row in sorted(blank, key=lambda each: each.participant):
         more = [dict(row.others).get(name, "") for name in others]
-        lines.append(csv_line(map(cell_text, (*row.cells(), *more))))
+        lines.append(csv_line((*row.cells(), *more)))
     replace_text(out / ParticipantRow.FILE, "".join(lines), access)
 
 
@@ -195,7 +195,7 @@ class _Session:
         folder = session_folder(self.out, self.new, self.number)
         make_folders(self.out, folder, self.access)
         manifest = of_manifest(read_manifest(source), self.new, self.moved)
-        text = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
+        text = json_of(manifest) + "\n"
         replace_text(folder / "manifest.json", text, self.access)
         begin_ns = _begin_ns(source)
         for row_type in (*SESSION_ROWS, *OPTIONAL_ROWS):

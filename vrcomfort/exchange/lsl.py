@@ -5,7 +5,6 @@ Needs `pylsl`, which brings the library (the extra `lsl`).
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Sequence
 from functools import partial
@@ -14,6 +13,7 @@ from typing import Any, Self
 from vrcomfort.errors import InputError, pip_install
 from vrcomfort.exchange.queued import Queued
 from vrcomfort.frame import Frame
+from vrcomfort.json_text import json_of
 from vrcomfort.records import EventRow, RatingRow
 
 HEAD = ("x", "y", "z", "qx", "qy", "qz", "qw", "valid")
@@ -118,7 +118,7 @@ class LslRelay:
         return took_ns, lsl_s - (before_ns + took_ns / 2) / 1e9
 
     def _mark(self, content: dict[str, Any], at_s: float) -> None:
-        self._push("markers", [json.dumps(content, ensure_ascii=False)], at_s)
+        self._push("markers", [json_of(content, indent=None)], at_s)
 
     def _push(self, name: str, sample: list[Any], at_s: float) -> None:
         self._queue.put(partial(self._outlets[name].push_sample, sample, at_s))

@@ -7,7 +7,6 @@ and end in ``_data.csv``, and a ``dataset_description.json`` that describes ever
 from __future__ import annotations
 
 import csv
-import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from pathlib import Path
 from vrcomfort import __version__
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.exchange.room import new_folder, require_whole
+from vrcomfort.json_text import json_of
 from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.rows import Row
@@ -91,7 +91,7 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
         readme = _README.format(name=name, protocol=protocol, more=more, **names)
         (draft / "README.md").write_text(readme, encoding="utf-8")
         content = _description(name, protocol, str(description.get("citation") or ""), there)
-        text = json.dumps(content, indent=2, ensure_ascii=False) + "\n"
+        text = json_of(content) + "\n"
         (draft / DESCRIPTION).write_text(text, encoding="utf-8")
     empty = [table.file for table in tables if not table.rows]
     return [f"{file}: the study has no rows of it" for file in empty]

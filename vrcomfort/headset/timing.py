@@ -94,7 +94,7 @@ def time_frames(
     for frame in headset.frames():
         got_ns.append(time.monotonic_ns())
         headset.submit(frame, eyes if frame.should_render else None)
-        if frame.paused:
+        if not frame.seen:
             got_ns.clear()
             continue
         shown_ns.append(frame.predicted_display_time_ns)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -15,6 +15,7 @@ from vrcomfort.importing.mapping import (
     Scores,
     Table,
     template_pattern,
+    texts_of,
 )
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.questionnaire import Instrument, plain
@@ -72,7 +73,7 @@ class Columns:
             for name, column in mapping.participants.items()
         }
         self.leave_out = {
-            self.index(column, "leave_out"): _texts(texts)
+            self.index(column, "leave_out"): texts_of(texts)
             for column, texts in mapping.leave_out.items()
         }
         self.blocks = [b for each in mapping.questionnaires for b in self._blocks(each)]
@@ -106,7 +107,7 @@ class Columns:
     def _blocks(self, source: Questionnaire | Scores) -> list[Block]:
         instrument = self._instrument(source.instrument)
         where = {
-            self.index(column, "where"): _texts(texts) for column, texts in source.where.items()
+            self.index(column, "where"): texts_of(texts) for column, texts in source.where.items()
         }
         if isinstance(source, Questionnaire) and source.item_column is not None:
             return [self._long_block(source, instrument, where)]
@@ -185,14 +186,7 @@ class Columns:
     def _pieces(self, source: Questionnaire | Scores, instrument: Instrument) -> _Pieces:
         if isinstance(source, Scores):
             return _Pieces({name: (piece,) for name, piece in source.scales.items()}, None)
-        known = {item.name for item in instrument.items}
-        for item in (*source.items, *source.not_asked, *source.item_coding):
-            if item not in known:
-                near = instrument.nearest(item)
-                hint = f"; did you mean `{near}`?" if near else ""
-                message = f"the mapping names `{item}`, which is no item of {instrument.name}{hint}"
-                raise self._table.fault(message)
-        items = {item: _texts(texts) for item, texts in source.items.items()}
+        items = {item: texts_of(texts) for item, texts in source.items.items()}
         return _Pieces(items, None if items else instrument)
 
     def _require_items(
@@ -263,7 +257,3 @@ class _Pieces:
 def _columns_of(mapping: Table, fact: str) -> tuple[str, ...]:
     found = mapping.fact(fact)
     return (found.column,) if found.column is not None else found.columns
-
-
-def _texts(texts: str | Iterable[str]) -> tuple[str, ...]:
-    return (texts,) if isinstance(texts, str) else tuple(texts)

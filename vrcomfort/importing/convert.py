@@ -20,6 +20,7 @@ from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suspects import suspects
 from vrcomfort.importing.table_import import Made, TableImport
+from vrcomfort.importing.unmatched import texts_in, unmatched
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 
 
@@ -45,6 +46,7 @@ def import_files(
     known = {**shipped_instruments(), **{each.name: each for each in own}}
     _require_names(files)
     used: set[int] = set()
+    seen: list[set[tuple[str, str]]] = [set() for _ in mapping.tables]
     for file in files:
         found = [i for i, each in enumerate(mapping.tables) if _is_of(file, each)]
         if not found:
@@ -53,15 +55,15 @@ def import_files(
         taken = []
         for index in found:
             table = mapping.tables[index]
-            taken += [
-                TableImport(each, table, known, imported, numbers, made).run()
-                for each in _sheets(file, table)
-            ]
+            for each in _sheets(file, table):
+                taken.append(TableImport(each, table, known, imported, numbers, made).run())
+                seen[index] |= texts_in(each, table)
         _require_sheets(file, mapping, [sheet for sheet in taken if sheet])
     for index, table in enumerate(mapping.tables):
         if index not in used:
             names = ", ".join(table.files)
             raise InputError(f"the mapping has a table for {names}, which was not given; give it")
+    mapping.require_none(unmatched(mapping, seen, known, imported.conditions))
     imported.instruments = {each.name: each for each in own}
     imported.instruments |= {name: each.made() for name, each in made.scores.items()}
     imported.scores = list(made.scores)

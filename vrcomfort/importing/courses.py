@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from vrcomfort.importing.mapping import Summary
 from vrcomfort.importing.rows import Imported, Moment, Sheet
 from vrcomfort.questionnaire import Answer, Instrument, parse_instrument
+from vrcomfort.questionnaire.answers import common_divisor, exact, plain_number
+from vrcomfort.settings import toml_value
 
 if TYPE_CHECKING:
     from vrcomfort.importing.rows import Place, Rating
@@ -24,25 +27,23 @@ _TEXTS: Mapping[Summary, str] = {
 
 def course_instrument(instrument: Instrument, summaries: Sequence[Summary]) -> Instrument:
     """Return the instrument whose items are summaries of courses: ``fms_course``."""
-    low, high = instrument.low, instrument.high
-    step = instrument.answers.step
+    answers = instrument.answers
+    of_ratings = {"low": answers.low, "high": answers.high, "step": answers.step}
+    fine = common_divisor(Fraction(1, 10**DECIMALS), answers.resolution, exact(answers.high))
     lines = [
-        f"# Made by an import of ratings during exposure ({instrument.short}).",
-        f'name = "{instrument.name}_course"',
-        f'short = "{instrument.short} during exposure"',
-        f'title = "{instrument.title}, during exposure"',
-        f'citation = "{instrument.citation}"',
+        f"# Made by an import of ratings during exposure ({instrument.name}).",
+        f"name = {toml_value(f'{instrument.name}_course')}",
+        f"short = {toml_value(f'{instrument.short} during exposure')}",
+        f"title = {toml_value(f'{instrument.title}, during exposure')}",
+        f"citation = {toml_value(instrument.citation)}",
         'rule = "of the ratings of an exposure, in the order of their times; missed ones left out"',
-        f'primary = "{summaries[0]}"',
-        "[answers]",
-        f"low = {low}",
-        f"high = {high}",
-        f"step = {step}",
+        f"primary = {toml_value(summaries[0])}",
+        f"answers = {toml_value(of_ratings)}",
     ]
     for name in summaries:
-        steps = f"0.{'0' * (DECIMALS - 1)}1" if name == "mean" else step
-        lines += ["[[items]]", f'name = "{name}"', f'text = "{_TEXTS[name]}"']
-        lines += [f"answers = {{ low = {low}, high = {high}, step = {steps} }}"]
+        step = plain_number(fine) if name == "mean" else answers.step
+        lines += ["[[items]]", f"name = {toml_value(name)}", f"text = {toml_value(_TEXTS[name])}"]
+        lines += [f"answers = {toml_value({**of_ratings, 'step': step})}"]
     return parse_instrument("\n".join(lines) + "\n")
 
 

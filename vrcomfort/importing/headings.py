@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
+from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import InputError
-from vrcomfort.importing.source import Grid, Reading, SourceTable, unique
+from vrcomfort.importing.source import Grid, Reading, SourceTable, require_room, unique
 
 JOIN = " / "
 """Between the rows of a heading that has several."""
@@ -28,6 +29,7 @@ def as_table(grid: Grid) -> SourceTable:
     """
     if not grid.rows:
         raise _fault(grid, "there is no row with anything in it")
+    _width(grid)
     if grid.reading.transpose:
         grid = transposed(grid)
     found = _detected(grid) if grid.reading.heading_rows is None else grid.reading
@@ -66,11 +68,25 @@ def as_table(grid: Grid) -> SourceTable:
 
 def transposed(grid: Grid) -> Grid:
     """Return the columns of a grid as rows, numbered from 1; blank ones are left out."""
-    width = max(map(len, grid.rows))
+    width = _width(grid)
     filled = [(*row, *[""] * (width - len(row))) for row in grid.rows]
     kept = [(n, row) for n, row in enumerate(zip(*filled, strict=True), start=1) if any(row)]
     rows, numbers = tuple(row for _, row in kept), tuple(number for number, _ in kept)
     return replace(grid, rows=rows, numbers=numbers, named=False)
+
+
+def _width(grid: Grid) -> int:
+    """Return the length of the longest row.
+
+    Raises
+    ------
+    InputError
+        If padding all rows to it would take more than `MOST_CELLS`.
+    """
+    number, row = max(zip(grid.numbers, grid.rows, strict=True), key=lambda each: len(each[1]))
+    sheet = f"sheet {grid.sheet}, " if grid.sheet else ""
+    require_room(len(grid.rows), len(row), grid.file, f"{sheet}row {number} is the longest")
+    return len(row)
 
 
 def _fault(grid: Grid, message: str) -> InputError:
@@ -169,7 +185,7 @@ def _is_heading(rows: Sequence[Sequence[str]]) -> bool:
     first, below = rows[0], rows[1:60]
     if not below:
         return True
-    count = [int(cell) for cell in first if cell.isdigit()]
+    count = [number for number in map(whole_or_none, first) if number is not None and number >= 0]
     if len(count) >= 3 and all(b - a == 1 for a, b in pairwise(count)):
         return True  # the numbers of items
     numeric_below = [

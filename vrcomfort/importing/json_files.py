@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from vrcomfort.errors import InputError
-from vrcomfort.importing.source import Grid, Reading, cell_text
+from vrcomfort.importing.source import Grid, Reading, cell_text, require_room
 from vrcomfort.importing.text_files import decode, encoding_of, read_bytes
 from vrcomfort.json_text import parse_json
 
@@ -34,6 +34,7 @@ def read_json_table(file: Path, reading: Reading) -> Grid:
     if not headings:
         message = "no records were found in this JSON; a list of objects is needed"
         raise InputError(message, file=file)
+    require_room(len(records), len(headings), file, f"{len(headings):,} names of columns")
     rows = [tuple(record.get(name, "") for name in headings) for record in records]
     return Grid(
         file,

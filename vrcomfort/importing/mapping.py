@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.source import Reading
-from vrcomfort.questionnaire import Instrument, find_instrument
-from vrcomfort.settings import Problem, Settings, first_problem, parse_settings, read_text
+from vrcomfort.questionnaire import Instrument, Scale, find_instrument, shipped_instruments
+from vrcomfort.settings import (
+    KeyPath,
+    Problem,
+    Settings,
+    did_you_mean,
+    first_problem,
+    parse_settings,
+    read_text,
+)
 
 FACTS = ("participant", "session", "period", "block", "trial", "condition", "scene", "timepoint")
 """What is known of a questionnaire beside its answers."""
@@ -24,6 +32,8 @@ TIMES = frozenset(["time_s", "time_min"])
 """When a rating during exposure was given, in headings."""
 Summary = Literal["peak", "mean", "last"]
 Texts = str | tuple[str, ...]
+Bounded = Annotated[float, Field(ge=-1e6, le=1e6)]
+"""An answer, in the range of instruments."""
 
 
 class Fact(Settings):
@@ -69,11 +79,11 @@ class Read(Settings):
 class AnswerCoding(Settings):
     """How answers stand in the file."""
 
-    answers: dict[str, int | float] = Field(default_factory=dict)
+    answers: dict[str, Bounded] = Field(default_factory=dict)
     """The file's word → the number of the instrument."""
-    coded_from: int | None = None
+    coded_from: Annotated[int, Field(ge=-1000000, le=1000000)] | None = None
     """The number that stands for the lowest answer, where that is not the instrument's own."""
-    times: Annotated[float, Field(gt=0)] | None = None
+    times: Annotated[float, Field(gt=0, le=1e6)] | None = None
     """What the file's numbers are multiplied by: 5 for marks of 0 to 20 in place of 0 to 100."""
     missing: tuple[str, ...] = ()
     """Texts that mean that there is no answer, beside the blank."""
@@ -197,6 +207,14 @@ class Mapping(Settings):
     tables: Annotated[tuple[Table, ...], Field(min_length=1)]
     doubts: tuple[Doubt, ...] = ()
 
+    _text: str = PrivateAttr(default="")
+    _file: Path | None = PrivateAttr(default=None)
+
+    def require_none(self, found: Iterable[Problem]) -> None:
+        """Raise `InputError` with line and column if there is a problem."""
+        if problems := list(found):
+            raise first_problem(problems, self._text, self._file)
+
 
 @dataclass(frozen=True)
 class MappingFile:
@@ -230,6 +248,7 @@ def load_mapping(file: Path) -> MappingFile:
         message = f"{count} open in this mapping: {shown} - mend what is wrong, and then write"
         raise InputError(f'{message} an answer = "…" in each [[doubts]]', file=file)
     own = tuple(find_instrument(name, beside=file.parent) for name in mapping.instruments)
+    mapping.require_none(_unknown(mapping, {each.name: each for each in own}))
     return MappingFile(mapping, file, text, own)
 
 
@@ -242,9 +261,41 @@ def parse_mapping(text: str, file: Path | None) -> Mapping:
         If it is wrong, with line and column.
     """
     mapping = parse_settings(Mapping, text, file)
-    if found := list(_problems(mapping)):
-        raise first_problem(found, text, file)
+    mapping._text, mapping._file = text, file
+    mapping.require_none(_problems(mapping))
+    mapping.require_none(_unknown(mapping, dict(shipped_instruments())))
     return mapping
+
+
+def _unknown(mapping: Mapping, known: dict[str, Instrument]) -> Iterator[Problem]:
+    """Yield items and scales that the instruments among `known` do not have."""
+    for place, table in enumerate(mapping.tables):
+        for index, each in enumerate(table.questionnaires):
+            if each.instrument in known:
+                path: KeyPath = ("tables", place, "questionnaires", index)
+                yield from _unknown_items(each, known[each.instrument], path)
+        for index, scores in enumerate(table.scores):
+            if scores.instrument in known:
+                path = ("tables", place, "scores", index, "scales")
+                yield from _unknown_scales(scores, known[scores.instrument], path)
+
+
+def _unknown_scales(scores: Scores, instrument: Instrument, path: KeyPath) -> Iterator[Problem]:
+    for name in scores.scales:
+        if scale_named(instrument, name) is None:
+            hint = did_you_mean(name, [each.name for each in instrument.scales])
+            yield Problem((*path, name), f"`{name}` is no scale of {instrument.name}; {hint}")
+
+
+def _unknown_items(each: Questionnaire, instrument: Instrument, path: KeyPath) -> Iterator[Problem]:
+    names = {item.name for item in instrument.items}
+    for key in ("items", "item_coding", "not_asked"):
+        for index, item in enumerate(getattr(each, key)):
+            if item not in names:
+                near = instrument.nearest(item)
+                hint = f"did you mean `{near}`?" if near else did_you_mean(item, names)
+                message = f"`{item}` is no item of {instrument.name}; {hint}"
+                yield Problem((*path, key, index if key == "not_asked" else item), message)
 
 
 def _problems(mapping: Mapping) -> Iterator[Problem]:
@@ -301,6 +352,16 @@ def _pattern_problems(each: _Columns, here: tuple[str | int, ...]) -> Iterator[P
     for unknown in sorted(names - {*FACTS, *TIMES, "item", "*"}):
         known = ", ".join(FACTS)
         yield Problem(here, f"`{unknown}` is no fact; there are item, {known}")
+
+
+def scale_named(instrument: Instrument, name: str) -> Scale | None:
+    """Return a scale by its name, column or title."""
+    return next((s for s in instrument.scales if name in {s.name, s.column, s.title}), None)
+
+
+def texts_of(texts: Texts) -> tuple[str, ...]:
+    """Return one text, or several, as several."""
+    return (texts,) if isinstance(texts, str) else texts
 
 
 _PLACEHOLDER = re.compile(r"\{(\*|[a-z_]+)\}")

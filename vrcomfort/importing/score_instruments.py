@@ -13,9 +13,16 @@ from math import isclose
 
 from vrcomfort.importing.mapping import ScoreKind
 from vrcomfort.questionnaire import Answer, Instrument, Scale, parse_instrument
+from vrcomfort.questionnaire.answers import exact, plain_number
+from vrcomfort.settings import toml_value
 
 ROUNDED = 0.051
 """Labs round scores to one decimal or more."""
+MOST = 1e6
+"""Of a score of another formula: an instrument has no larger answer."""
+MOST_DECIMALS = 9
+_DIGITS = 12
+"""Of such a score: 22.740000000000002 is 22.74, and ties with it."""
 
 _NAMES: Mapping[ScoreKind, str] = {
     "score": "scores",
@@ -34,11 +41,6 @@ def name_of(instrument: Instrument, kind: ScoreKind) -> str:
     return f"{instrument.name}_{_NAMES[kind]}"
 
 
-def scale_named(instrument: Instrument, name: str) -> Scale | None:
-    """Return a scale by its name, column or title."""
-    return next((s for s in instrument.scales if name in {s.name, s.column, s.title}), None)
-
-
 def step_of(scale: Scale, kind: ScoreKind) -> Fraction | None:
     """Return what scores are whole multiples of; None where no decimal number is that."""
     if kind == "other":
@@ -50,16 +52,16 @@ def step_of(scale: Scale, kind: ScoreKind) -> Fraction | None:
 def on_scale(value: float, scale: Scale, kind: ScoreKind) -> Answer | None:
     """Return the score that a rounded number means; None where it is none of the scale's."""
     if kind == "other":
-        return value
+        found = round(float(f"{value:.{_DIGITS}g}"), MOST_DECIMALS)
+        return plain_number(exact(found)) if abs(found) <= MOST else None
     unit = Fraction(1) if kind == "raw_sum" else scale.unit
     steps = round(value / unit)
-    exact = steps * unit
+    score = steps * unit
     low, high = scale.low / scale.unit * unit, scale.high / scale.unit * unit
-    if not isclose(float(exact), value, abs_tol=ROUNDED) or not low <= exact <= high:
+    if not isclose(float(score), value, abs_tol=ROUNDED) or not low <= score <= high:
         return None
     step = step_of(scale, kind)
-    found = float(exact) if step is not None else round(float(exact), 2)
-    return int(found) if found.is_integer() else found
+    return plain_number(score if step is not None else round(score, 2))
 
 
 @dataclass
@@ -74,34 +76,34 @@ class ScoreInstrument:
         """Return the instrument, whose text is its file."""
         scales = [scale for scale in self.of.scales if scale.column in self.values]
         title = f"{self.of.title}, {_TITLES[self.kind]}"
+        words = _NAMES[self.kind].replace("_", " ")
         lines = [
-            f"# Made by an import: the file has {_TITLES[self.kind]} of the {self.of.short}.",
-            f'name = "{name_of(self.of, self.kind)}"',
-            f'short = "{self.of.short} {_NAMES[self.kind].replace("_", " ")}"',
-            f'title = "{title}"',
-            f'citation = "{self.of.citation}"' if self.of.citation else "",
+            f"# Made by an import: the file has {_TITLES[self.kind]} of {self.of.name}.",
+            f"name = {toml_value(name_of(self.of, self.kind))}",
+            f"short = {toml_value(f'{self.of.short} {words}')}",
+            f"title = {toml_value(title)}",
+            f"citation = {toml_value(self.of.citation)}" if self.of.citation else "",
             'rule = "scores as the file has them, without the answers that they were made of"',
-            f'primary = "{_primary(self.of, scales)}"',
-            "",
-            "[answers]",
-            *self._range(scales[0]),
+            f"primary = {toml_value(_primary(self.of, scales))}",
+            f"answers = {toml_value(self._range(scales[0]))}",
         ]
         for scale in scales:
-            lines += ["", "[[items]]", f'name = "{scale.column}"', f'text = "{scale.title}"']
-            inside = ", ".join(self._range(scale))
-            lines.append(f"answers = {{ {inside} }}")
+            lines += ["", "[[items]]", f"name = {toml_value(scale.column)}"]
+            lines += [f"text = {toml_value(scale.title)}"]
+            lines += [f"answers = {toml_value(self._range(scale))}"]
         return parse_instrument("\n".join(lines) + "\n")
 
-    def _range(self, scale: Scale) -> list[str]:
+    def _range(self, scale: Scale) -> dict[str, Answer]:
         step = step_of(scale, self.kind)
         if self.kind == "other":
             values = self.values[scale.column] or [0]
-            low, high, steps = min(0, *values), max(1, *values), 10.0 ** -_decimals(values)
+            low, high = exact(min(0, *values)), exact(max(1, *values))
+            step = Fraction(1, 10 ** _decimals(values))
         else:
             unit = Fraction(1) if self.kind == "raw_sum" else scale.unit
-            low, high = (float(each / scale.unit * unit) for each in (scale.low, scale.high))
-            steps = float(step) if step is not None else 0.01
-        return [f"low = {_plain(low)}", f"high = {_plain(high)}", f"step = {_plain(steps)}"]
+            low, high = (each / scale.unit * unit for each in (scale.low, scale.high))
+        found = {"low": low, "high": high, "step": Fraction(1, 100) if step is None else step}
+        return {name: plain_number(number) for name, number in found.items()}
 
 
 def _primary(instrument: Instrument, scales: Iterable[Scale]) -> str:
@@ -110,9 +112,9 @@ def _primary(instrument: Instrument, scales: Iterable[Scale]) -> str:
 
 
 def _decimals(values: Iterable[Answer]) -> int:
-    texts = (repr(float(value)).partition(".")[2] for value in values)
-    return max((len(text) for text in texts if text != "0"), default=0)
-
-
-def _plain(value: float) -> str:
-    return str(int(value)) if float(value).is_integer() else f"{value:.10f}".rstrip("0")
+    """Return the number of decimals needed; `on_scale` has left at most `MOST_DECIMALS`."""
+    return next(
+        digits
+        for digits in range(MOST_DECIMALS + 1)
+        if all((exact(value) * 10**digits).denominator == 1 for value in values)
+    )

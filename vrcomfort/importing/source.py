@@ -10,6 +10,11 @@ from typing import Any, NamedTuple
 
 from vrcomfort.errors import InputError
 
+MOST_CELLS = 10_000_000
+"""Of a table, with the blank ones that make its rows equally long."""
+LONGEST_TEXT = 131_072
+"""Characters of a cell: the limit of Python's CSV reader."""
+
 
 class Reading(NamedTuple):
     """How a file is read; what is None (or blank) is found out, and said.
@@ -37,6 +42,13 @@ class Reading(NamedTuple):
     heading_rows: tuple[int, ...] | None = None
     skip_rows: tuple[int, ...] = ()
     transpose: bool = False
+
+
+def require_room(rows: int, width: int, file: Path, longest: str) -> None:
+    """Raise `InputError` if rows padded to a width are more than `MOST_CELLS`; see `longest`."""
+    if rows * width > MOST_CELLS:
+        message = f"{longest}: with it, {rows:,} rows have {rows * width:,} cells, and may have"
+        raise InputError(f"{message} {MOST_CELLS:,}; delete what is no data", file=file)
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import io
-import json
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,11 +11,12 @@ from vrcomfort import __version__
 from vrcomfort.errors import InputError, spare
 from vrcomfort.importing.mapping import MappingFile
 from vrcomfort.importing.rows import Imported
+from vrcomfort.json_text import json_of
 from vrcomfort.questionnaire import FOLDER
 from vrcomfort.records.disk import OWNER, make_folders, replace_text
 from vrcomfort.records.exposure_rows import RatingRow
 from vrcomfort.records.names import check_study
-from vrcomfort.records.rows import Cell, cell_text, csv_line
+from vrcomfort.records.rows import Cell, csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION
 from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow
 
@@ -83,7 +81,7 @@ def _require_room(folder: Path) -> None:
 
 
 def _json(content: object) -> str:
-    return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
+    return json_of(content) + "\n"
 
 
 def _description(imported: Imported, mapping: MappingFile, folder: Path) -> dict[str, object]:
@@ -128,24 +126,21 @@ def _provenance(
 
 def _table(columns: Iterable[str], rows: Iterable[Iterable[Cell]]) -> str:
     lines = [csv_line(columns)]
-    lines += [csv_line(map(cell_text, row)) for row in rows]
+    lines += [csv_line(row) for row in rows]
     return "".join(lines)
 
 
 def _questionnaires(imported: Imported) -> str:
     """Return the answers; the scene, which sessions have in trials.csv, is the last column."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow((*QuestionnaireRow.columns(), "scene"))
-    for (instrument, m), sheet in imported.sheets.items():
-        whose = [*map(cell_text, (m.participant, m.session, m.period, m.block, m.trial))]
-        whose += [*map(cell_text, (m.condition, m.timepoint, instrument))]
-        scene = cell_text(m.scene)
-        writer.writerows(
-            (*whose, item, cell_text(answer), "", "", order, "", "", scene)
+    return _table(
+        (*QuestionnaireRow.columns(), "scene"),
+        (
+            (m.participant, m.session, m.period, m.block, m.trial, m.condition, m.timepoint,
+             instrument, item, answer, None, None, order, None, None, m.scene)
+            for (instrument, m), sheet in imported.sheets.items()
             for order, (item, answer) in enumerate(sheet.answers.items(), start=1)
-        )
-    return text.getvalue()
+        ),
+    )  # fmt: skip
 
 
 _UNSAID = {"status": "enrolled"}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 
 from vrcomfort.importing.answers import AnswerReader, number
 from vrcomfort.importing.columns import Block, Columns
@@ -15,18 +16,21 @@ from vrcomfort.importing.mapping import (
     Scores,
     Summary,
     Table,
+    scale_named,
 )
 from vrcomfort.importing.rows import Imported, Moment, Place, Rating, Sheet, moment_of
 from vrcomfort.importing.score_instruments import (
+    MOST,
     ScoreInstrument,
     name_of,
     on_scale,
-    scale_named,
 )
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.questionnaire import Answer, Instrument, Scale
+from vrcomfort.questionnaire import Answer, Instrument, Scale, plain
 
 KnownInstruments = dict[str, Instrument]
+ALMOST = 0.85
+"""Similarity from which a text counts as another one misspelt."""
 STATUSES = ("enrolled", "completed", "withdrawn", "excluded")
 
 
@@ -62,7 +66,8 @@ class TableImport:
         self._known_moments: dict[tuple[object, ...], list[Moment]] = {}
         self._left_out = 0
         self._blank: Counter[str] = Counter()
-        self._unknown_items: Counter[str] = Counter()
+        self._unknown_items: dict[str, list[tuple[int, int]]] = {}
+        """Text that is no item → row and column of each such cell."""
         self._elsewhere: Counter[str] = Counter()
         self._readers: dict[tuple[int, str], AnswerReader] = {}
 
@@ -139,13 +144,14 @@ class TableImport:
         else:
             self._answers(place, block, moment, cells, row)
 
-    def _items(self, block: Block, cells: tuple[str, ...]) -> list[tuple[int, str]]:
+    def _items(self, block: Block, cells: tuple[str, ...], row: int) -> list[tuple[int, str]]:
         """Return (column, item) of the answers of a row."""
         if block.item_column is None or block.response_column is None:
             return list(block.columns.items())
         item = block.words.get(cells[block.item_column])
         if item is None:
-            self._unknown_items[cells[block.item_column]] += 1
+            text = cells[block.item_column]
+            self._unknown_items.setdefault(text, []).append((row, block.item_column))
             return []
         return [(block.response_column, item)]
 
@@ -164,7 +170,7 @@ class TableImport:
     def _answers(
         self, place: int, block: Block, moment: Moment, cells: tuple[str, ...], row: int
     ) -> None:
-        found = self._items(block, cells)
+        found = self._items(block, cells, row)
         answers = {i: self._read(place, block, i, cells[c], row, c) for c, i in found}
         if block.item_column is None and not any(a is not None for a in answers.values()):
             self._blank[moment.timepoint] += 1
@@ -189,7 +195,7 @@ class TableImport:
         if onset_s is None:
             text = "" if block.time_column is None else cells[block.time_column]
             raise self._table.fault(f"{text!r} is no time in seconds", row, block.time_column)
-        for column, item in self._items(block, cells):
+        for column, item in self._items(block, cells, row):
             response = self._read(place, block, item, cells[column], row, column)
             rating = Rating(moment, block.instrument.name, onset_s, response)
             self._imported.ratings.append(rating)
@@ -231,6 +237,8 @@ class TableImport:
         if value is None:
             raise self._table.fault(f"{text!r} is no number, as scores are", row, column)
         found = on_scale(value, scale, kind)
+        if found is None and kind == "other":
+            raise self._table.fault(f"{text} is larger than any score, {MOST:,.0f}", row, column)
         if found is None:
             unit = 1 if kind == "raw_sum" else scale.weight
             highest = float(scale.high) if kind == "score" else float(scale.high / scale.unit)
@@ -275,12 +283,26 @@ class TableImport:
             notes.append(
                 f"{name}: {count} rows with {text!r} are in no questionnaire of the mapping"
             )
-        if self._unknown_items:
-            for item, count in self._unknown_items.items():
-                notes.append(
-                    f"{name}: {count} rows of {item!r} were left out: no item of that name"
-                )
+        notes += self._rows_of_no_item()
         self._imported.notes += notes
+
+    def _rows_of_no_item(self) -> Iterator[str]:
+        """Yield notes on rows of unknown items.
+
+        Raises
+        ------
+        InputError
+            If the text is almost one: it is misspelt, and would be dropped.
+        """
+        known = {plain(text): text for block in self._all_blocks for text in block.words}
+        for text, cells in self._unknown_items.items():
+            if plain(text) in known:
+                continue  # of another questionnaire
+            if near := get_close_matches(plain(text), known, n=1, cutoff=ALMOST):
+                message = f"{text!r} is no item; is it {known[near[0]]!r}? Give it under items, or"
+                raise self._table.fault(f"{message} under leave_out, in the mapping", *cells[0])
+            what = f"{len(cells)} rows of {text!r} were left out"
+            yield f"{self._table.name}: {what}: no item of that name"
 
 
 def _item_text(block: Block, cells: tuple[str, ...]) -> str:

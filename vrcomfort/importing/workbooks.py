@@ -1,18 +1,29 @@
-"""Reads the sheets of Excel workbooks as text."""
+"""Reads the sheets of Excel workbooks as text.
+
+A workbook is a ZIP archive of XML, in which a few bytes can stand for gigabytes. So its XML is
+checked before it is parsed, and cells are counted before they are made.
+"""
 
 from __future__ import annotations
 
+import io
 import warnings
-import zipfile
+from collections.abc import Iterable
+from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, Any
+from xml.etree.ElementTree import Element, iterparse
 
 from vrcomfort.errors import InputError
-from vrcomfort.importing.source import Grid, Reading, cell_text
+from vrcomfort.importing.archives import check_archive, one_sentence
+from vrcomfort.importing.source import LONGEST_TEXT, MOST_CELLS, Grid, Reading, cell_text
 from vrcomfort.importing.text_files import read_bytes
 
-if TYPE_CHECKING:
-    from openpyxl.worksheet.worksheet import Worksheet
+_ENCRYPTED = b"\xd0\xcf\x11\xe0"
+"""How files of Excel's former format begin, and workbooks with a password."""
+_XML = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
+_ROW, _MERGED = f"{_XML}row", f"{_XML}mergeCell"
+_FORMULA, _VALUE = f"{_XML}f", f"{_XML}v"
 
 
 def read_workbook(file: Path, reading: Reading) -> list[Grid]:
@@ -23,54 +34,141 @@ def read_workbook(file: Path, reading: Reading) -> list[Grid]:
     Raises
     ------
     InputError
-        If it is no workbook, or a formula has no saved value, with sheet and cell.
+        If it is no workbook, is damaged, unpacks to more than `archives.MOST_BYTES` or
+        `MOST_CELLS`, or a formula has no saved value; with sheet and row.
     """
     from openpyxl import load_workbook  # noqa: PLC0415 - slow, and for workbooks alone
-    from openpyxl.utils.exceptions import InvalidFileException  # noqa: PLC0415
 
-    read_bytes(file)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # styles and such that it does not keep
-            book = load_workbook(file, data_only=True)
-            formulas = load_workbook(file)
-    except (InvalidFileException, zipfile.BadZipFile, KeyError, ValueError, OSError):
-        message = "this is not a workbook that can be read; save it as .xlsx or CSV"
-        raise InputError(message, file=file) from None
-    sheets = [book[name] for name in book.sheetnames if hasattr(book[name], "iter_rows")]
-    grids = [_grid(file, sheet, formulas[sheet.title], reading) for sheet in sheets]
+    content = read_bytes(file)
+    if content.startswith(_ENCRYPTED):
+        message = "this workbook has a password, or is of Excel's former format"
+        raise InputError(f"{message}; save it as .xlsx without a password", file=file)
+    check_archive(content, file)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # styles and such that it does not keep
+        with one_sentence(file, "this workbook"):
+            book = load_workbook(
+                io.BytesIO(content), read_only=True, data_only=True, keep_links=False
+            )
+        with closing(book):
+            size = _Size(file)
+            grids = [_grid(file, sheet, reading, size) for sheet in book.worksheets]
     found = [grid for grid in grids if grid.rows]
     if not found:
         raise InputError("this workbook is empty", file=file)
     return found
 
 
-def _grid(file: Path, sheet: Worksheet, formulas: Worksheet, reading: Reading) -> Grid:
-    cells = [[cell_text(cell.value) for cell in row] for row in sheet.iter_rows()]
-    _require_saved_values(file, sheet, formulas)
-    for merged in sheet.merged_cells.ranges:
-        text = cells[merged.min_row - 1][merged.min_col - 1]
-        for row in range(merged.min_row, merged.max_row + 1):
-            for column in range(merged.min_col, merged.max_col + 1):
-                cells[row - 1][column - 1] = text
-    kept = [(number, row) for number, row in enumerate(cells, start=1) if any(row)]
+class _Size:
+    """Counts the cells of all sheets, before they are made."""
+
+    def __init__(self, file: Path) -> None:
+        self._file, self._cells = file, 0
+
+    def add(self, cells: int, sheet: str, place: str) -> None:
+        """Count cells.
+
+        Raises
+        ------
+        InputError
+            If they are more than a table of answers has.
+        """
+        self._cells += cells
+        if self._cells > MOST_CELLS:
+            message = f"sheet {sheet}, {place}: the workbook has more than {MOST_CELLS:,} cells"
+            raise InputError(f"{message} up to here; delete what is no data", file=self._file)
+
+
+def _grid(file: Path, sheet: Any, reading: Reading, size: _Size) -> Grid:
+    cells: dict[int, dict[int, str]] = {}
+    merged: list[tuple[int | None, int | None, int | None, int | None]] = []
+    with one_sentence(file, f"sheet {sheet.title}"), sheet._get_source() as source:
+        _read_sheet(file, sheet, source, cells, merged, size)
+    _fill_merged(cells, merged, sheet.title, size)
+    kept = dict(sorted(cells.items()))
+    rows = []
+    for number, row in kept.items():
+        width = max(row)
+        size.add(width - len(row), sheet.title, f"row {number}")
+        rows.append(tuple(row.get(column, "") for column in range(1, width + 1)))
     hidden = sheet.sheet_state != "visible"
     notes = (f"{file.name}: the sheet {sheet.title} is hidden, and was read",) if hidden else ()
     found = reading._replace(decimal=reading.decimal or ".")
-    return Grid(
-        file,
-        sheet.title,
-        tuple(tuple(row) for _, row in kept),
-        tuple(number for number, _ in kept),
-        found,
-        notes,
+    return Grid(file, sheet.title, tuple(rows), tuple(kept), found, notes)
+
+
+def _read_sheet(
+    file: Path,
+    sheet: Any,
+    source: IO[bytes],
+    cells: dict[int, dict[int, str]],
+    merged: list[tuple[int | None, int | None, int | None, int | None]],
+    size: _Size,
+) -> None:
+    """Read a sheet's cells and merged ranges in one pass; its stated dimension is not used."""
+    from openpyxl.utils import get_column_letter, range_boundaries  # noqa: PLC0415
+    from openpyxl.worksheet._reader import WorkSheetParser  # noqa: PLC0415
+
+    book = sheet.parent
+    parser = WorkSheetParser(
+        source,
+        sheet._shared_strings,
+        data_only=True,
+        epoch=book.epoch,
+        date_formats=book._date_formats,
+        timedelta_formats=book._timedelta_formats,
     )
+    texts: dict[str, str] = {}
+    in_row = False
+    for event, element in iterparse(source, ("start", "end")):  # noqa: S314 - see `check_archive`
+        if element.tag == _ROW:
+            in_row = event == "start"
+        if event == "start" or in_row:
+            continue
+        if element.tag == _ROW:
+            place = element.get("r") or parser.row_counter + 1
+            with one_sentence(file, f"sheet {sheet.title}, row {str(place)[:10]}"):
+                number, row = parser.parse_row(element)
+            size.add(1 + len(row), sheet.title, f"row {number}")
+            for cell, said in zip(row, element, strict=True):
+                place = f"sheet {sheet.title}, cell {get_column_letter(cell['column'])}{number}"
+                text = _text(cell["value"], said, texts, file, place)
+                if text:
+                    cells.setdefault(number, {})[cell["column"]] = text
+        elif element.tag == _MERGED:
+            merged.append(range_boundaries(element.get("ref", "")))
+        element.clear()
 
 
-def _require_saved_values(file: Path, sheet: Worksheet, formulas: Worksheet) -> None:
-    for row in formulas.iter_rows():
-        for cell in row:
-            if cell.data_type == "f" and sheet[cell.coordinate].value is None:
-                message = "this formula has no saved value; open the workbook, and save it again"
-                place = f"sheet {sheet.title}, cell {cell.coordinate}"
-                raise InputError(f"{file}, {place}: {message}")
+def _text(value: object, said: Element, known: dict[str, str], file: Path, place: str) -> str:
+    """Return the text of a cell; equal texts are one object."""
+    if value is None and said.find(_FORMULA) is not None and said.find(_VALUE) is None:
+        message = "this formula has no saved value; open the workbook, and save it again"
+        raise InputError(f"{file}, {place}: {message}")
+    if not isinstance(value, str):
+        return cell_text(value)
+    if len(value) > LONGEST_TEXT:
+        message = f"this text has {len(value):,} characters; a cell of a table has at most"
+        raise InputError(f"{file}, {place}: {message} {LONGEST_TEXT:,}")
+    if value not in known:
+        known[value] = cell_text(value)
+    return known[value]
+
+
+def _fill_merged(
+    cells: dict[int, dict[int, str]],
+    merged: Iterable[tuple[int | None, int | None, int | None, int | None]],
+    sheet: str,
+    size: _Size,
+) -> None:
+    """Put the text of merged cells into all of them, as far as the sheet is used."""
+    last_row = max(cells, default=0)
+    last_column = max((column for row in cells.values() for column in row), default=0)
+    for left, top, right, bottom in merged:
+        if not (left and top and right and bottom) or not (text := cells.get(top, {}).get(left)):
+            continue
+        columns = range(left, min(right, last_column) + 1)
+        rows = range(top, min(bottom, last_row) + 1)
+        size.add(len(rows) * len(columns), sheet, f"the merged cells from row {top} to {bottom}")
+        for row in rows:
+            cells.setdefault(row, {}).update(dict.fromkeys(columns, text))

@@ -6,6 +6,7 @@ from vrcomfort.protocol.load import load_protocol, parse_protocol
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import Allocation, Covariate, Group, Order, Sequence, Trial
 from vrcomfort.protocol.simulation import Simulation
+from vrcomfort.protocol.tasks import with_task_code
 from vrcomfort.protocol.views import View
 
 __all__ = [
@@ -27,4 +28,5 @@ __all__ = [
     "View",
     "load_protocol",
     "parse_protocol",
+    "with_task_code",
 ]

@@ -7,7 +7,7 @@ Every number that a paper gives is a named setting here; the paper's protocol fi
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -44,17 +44,13 @@ Kernel = Literal[
 Tricks for Fast Blurring in Software and Hardware", 2001; and three engines' ways, for comparison:
 as KinoBokeh (Takahashi, Unity), as Filament's `dof.mat` and as Bevy's Gaussian."""
 
-EffectName = Literal["depth_of_field", "motion_blur", "speed_blur", "relocation_blur", "vignette"]
-EFFECTS: tuple[EffectName, ...] = get_args(EffectName)
-"""In the order in which they come where a condition does not say otherwise."""
-
 FocusRuleName = Literal["nine_ray", "autofocus_zone", "gaze", "fixed", "scripted"]
 
 RefocusLawName = Literal[
     "linear", "linear_dioptre", "low_pass", "low_pass_backward_euler", "duration", "instant"
 ]
 
-_FORMER_ORDERS: dict[Any, tuple[EffectName, ...]] = {
+_FORMER_ORDERS: dict[Any, tuple[str, ...]] = {
     "depth_of_field_first": ("depth_of_field", "motion_blur"),
     "motion_blur_first": ("motion_blur", "depth_of_field"),
 }
@@ -411,23 +407,13 @@ class Vignette(SpeedRamps):
         return self
 
 
-class Condition(Settings):
-    """One way of rendering that participants are exposed to."""
+class EffectTables(Settings):
+    """The effects, in the order in which they come where a condition does not say otherwise.
 
-    name: Name
-    """As files have it: letters, digits, - and _."""
-    label: str = ""
-    """In words, for reports."""
-    levels: dict[str, str] = Field(default_factory=dict)
-    """Factor → level, where the condition is a combination of them; [[factors]] fill this in."""
-    quality: Quality | None = None
-    """Speed against accuracy: gives the effects' settings that are not written here."""
-    background_blur: BackgroundBlur | None = None
-    """Blur of everything but named nodes; none without it."""
-    task: Word | None = None
-    """Name of what is done in exposures to it; `none` for nothing."""
-    focus: Focus = Focus()
-    """How the focus is found."""
+    This is the one list of them: conditions, levels of factors, `effect_order` and the schema have
+    what stands here. How each is drawn is in `vrcomfort.render.effects.kinds`.
+    """
+
     depth_of_field: DepthOfField | None = None
     """Blur of what is out of focus; none without it."""
     motion_blur: MotionBlur | None = None
@@ -438,15 +424,39 @@ class Condition(Settings):
     """Blur of the whole image after a cut; none without it."""
     vignette: Vignette | None = None
     """A field of view that closes with speed; none without it."""
+
+
+EFFECTS: tuple[str, ...] = tuple(EffectTables.model_fields)
+if TYPE_CHECKING:
+    EffectName: TypeAlias = str
+else:
+    EffectName = Literal[EFFECTS]
+
+
+class ConditionName(Settings):
+    """What a condition is called."""
+
+    name: Name
+    """As files have it: letters, digits, - and _."""
+    label: str = ""
+    """In words, for reports."""
+
+
+class ConditionSettings(EffectTables):
+    """What a condition shows and has done, all of which a level of a factor may set."""
+
+    quality: Quality | None = None
+    """Speed against accuracy: gives the effects' settings that are not written here."""
+    background_blur: BackgroundBlur | None = None
+    """Blur of everything but named nodes; none without it."""
+    task: Word | None = None
+    """Name of what is done in exposures to it; `none` for nothing."""
+    focus: Focus = Focus()
+    """How the focus is found."""
     gaze_centre: GazeCentre | None = None
     """What is centred on the gaze; nothing without it."""
     effect_order: tuple[EffectName, ...] = EFFECTS
     """Which effect comes first; those that are not named come last, in their usual order."""
-
-    @model_validator(mode="before")
-    @classmethod
-    def _take_what_the_level_says(cls, data: Any) -> Any:
-        return filled(data)
 
     @field_validator("effect_order", mode="before")
     @classmethod
@@ -461,6 +471,18 @@ class Condition(Settings):
                 message = "`{name}` is named more than once; name each effect once"
                 raise PydanticCustomError("effect_twice", message, {"name": name})
         return (*value, *(name for name in EFFECTS if name not in value))
+
+
+class Condition(ConditionSettings, ConditionName):
+    """One way of rendering that participants are exposed to."""
+
+    levels: dict[str, str] = Field(default_factory=dict)
+    """Factor → level, where the condition is a combination of them; [[factors]] fill this in."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_what_the_level_says(cls, data: Any) -> Any:
+        return filled(data)
 
     def at_level(self, level: Quality) -> Condition:
         """Return the same condition, sampled as a level of `quality` says."""

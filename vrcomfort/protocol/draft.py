@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
+
+from vrcomfort.settings import toml_value
 
 Compared: TypeAlias = Literal["depth_of_field", "motion_blur", "both"]
 
@@ -136,6 +137,10 @@ _SIMULATION = """\
 rate_per_min = 0.06
 """
 
+ANSWER_S = (10.0, 15.0)
+"""Time to answer a rating: at least, and usually."""
+EVERY_S = (20.0, 60.0)
+"""From one rating to the next: at least, and usually."""
 HIGH = {"fms": 15, "misc": 7}
 """Rating instrument → the answer that ends an exposure."""
 
@@ -165,6 +170,17 @@ class Draft:
     languages: tuple[str, ...]
 
     @property
+    def rating_times_s(self) -> tuple[float, float]:
+        """Return from one rating to the next, and how long there is to answer it."""
+        every_s = min(max(self.exposure_s / 4, EVERY_S[0]), EVERY_S[1])
+        return every_s, min(max(every_s / 4, ANSWER_S[0]), ANSWER_S[1])
+
+    @property
+    def has_time_for_ratings(self) -> bool:
+        """Return whether an exposure is long enough for one rating and its answer."""
+        return sum(self.rating_times_s) <= self.exposure_s
+
+    @property
     def conditions(self) -> int:
         """Return how many conditions are compared."""
         return 4 if self.compared == "both" else 2
@@ -177,26 +193,26 @@ class Draft:
             _HEAD.format(
                 title=self.title,
                 file=file,
-                name=json.dumps(self.name),
-                title_text=json.dumps(self.title, ensure_ascii=False),
+                name=toml_value(self.name),
+                title_text=toml_value(self.title),
                 participants=self.participants,
                 exposure_s=self.exposure_s,
                 break_s=600.0 if in_a_day > 1 else 0.0,
-                scenes=json.dumps(list(self.scenes)),
+                scenes=toml_value(self.scenes),
             )
         ]
         if self.languages:
-            given = json.dumps(list(self.languages))
+            given = toml_value(self.languages)
             parts.append(_LANGUAGES.format(last=self.languages[-1], languages=given))
         parts.append(_BOTH if self.compared == "both" else _OFF + _ON[self.compared])
         parts += [_ORDER.format(file=file, sessions=self.sessions), _QUESTIONS]
-        if self.rating:
-            every_s = min(60.0, self.exposure_s / 4)
+        if self.rating and self.has_time_for_ratings:
+            every_s, timeout_s = self.rating_times_s
             parts.append(
                 _RATING.format(
-                    instrument=json.dumps(self.rating),
+                    instrument=toml_value(self.rating),
                     every_s=every_s,
-                    timeout_s=min(15.0, every_s / 2),
+                    timeout_s=timeout_s,
                     stop_at=HIGH[self.rating],
                 )
             )

@@ -8,51 +8,23 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from vrcomfort.protocol.conditions import (
-    BackgroundBlur,
-    Condition,
-    DepthOfField,
-    EffectName,
-    Focus,
-    MotionBlur,
-    RelocationBlur,
-    SpeedBlur,
-    Vignette,
-)
-from vrcomfort.protocol.quality_levels import Quality
+from vrcomfort.protocol.conditions import Condition, ConditionSettings
 from vrcomfort.settings import KeyPath, Name, Problem, Settings, Word
 
 MOST_CONDITIONS = 64
-_OF_THE_LEVEL = ("name", "label")
 
 
-class Level(Settings):
-    """A level of a factor: what it sets of a condition, and nothing else."""
+class LevelName(Settings):
+    """What a level is called."""
 
     name: Name
     """Part of the names of conditions."""
     label: str = ""
     """In words; part of the labels of conditions."""
-    quality: Quality | None = None
-    """Speed against accuracy."""
-    background_blur: BackgroundBlur | None = None
-    """As a condition's."""
-    task: Word | None = None
-    """As a condition's."""
-    focus: Focus | None = None
-    """As a condition's."""
-    depth_of_field: DepthOfField | None = None
-    """As a condition's."""
-    motion_blur: MotionBlur | None = None
-    """As a condition's."""
-    speed_blur: SpeedBlur | None = None
-    """As a condition's."""
-    relocation_blur: RelocationBlur | None = None
-    """As a condition's."""
-    vignette: Vignette | None = None
-    """As a condition's."""
-    effect_order: tuple[EffectName, ...] | None = None
-    """As a condition's."""
+
+
+class Level(ConditionSettings, LevelName):
+    """A level of a factor: what it sets of a condition, and nothing else."""
 
 
 class Factor(Settings):
@@ -72,7 +44,7 @@ def crossed(factors: tuple[Factor, ...]) -> tuple[Condition, ...]:
 def _condition(factors: tuple[Factor, ...], levels: tuple[Level, ...]) -> Condition:
     settings: dict[str, Any] = {}
     for level in levels:
-        _merge(settings, level.model_dump(exclude_unset=True, exclude=set(_OF_THE_LEVEL)))
+        _merge(settings, level.model_dump(exclude_unset=True, exclude=set(LevelName.model_fields)))
     return Condition(
         name="_".join(level.name for level in levels),
         label=", ".join(level.label or level.name for level in levels),
@@ -111,7 +83,7 @@ def factor_problems(factors: tuple[Factor, ...]) -> Iterator[Problem]:
 def _set_by(level: Level) -> Iterator[KeyPath]:
     """Yield the key paths that a level sets; an effect's table is the effect itself, too."""
     for name, value in level.model_dump(exclude_unset=True).items():
-        if name in _OF_THE_LEVEL:
+        if name in LevelName.model_fields:
             continue
         if isinstance(value, dict):
             yield from ((name, key) for key in value)

@@ -48,6 +48,34 @@ def _named(protocol: Protocol) -> Iterator[tuple[KeyPath, str]]:
         yield ("sliders", index, "instrument"), slider.instrument
 
 
+def missing_wording(protocol: Protocol) -> Iterator[InputError]:
+    """Yield instruments whose items have no wording in a language in which people are asked.
+
+    Simulated participants answer them all the same.
+    """
+    told: list[str] = []
+    for language in [protocol.language] if protocol.language else protocol.languages or [None]:
+        spoken = protocol.spoken(language)
+        forms = [spoken.form(ask) for ask in spoken.questionnaires]
+        forms += [spoken.rated(each) for each in spoken.all_rated]
+        for (path, _), form in zip(_named(protocol), forms, strict=True):
+            if form.unworded:
+                message = _unworded(form, protocol.languages)
+                if message not in told:
+                    told.append(message)
+                    yield protocol.fault(path, message)
+
+
+def _unworded(form: Instrument, languages: tuple[str, ...]) -> str:
+    names = ", ".join(form.unworded)
+    table = f"[text.{form.language}.instruments.{form.name}.items]"
+    also = "" if form.language in languages else f', with `languages = ["{form.language}"]`'
+    return (
+        f"the {form.short} has no wording in `{form.language}` for {names}: people would be asked "
+        f"these names; write the questions into {table}{also}, or into an instrument file of yours"
+    )
+
+
 def instrument_problems(
     protocol: Protocol, instruments: Mapping[str, Instrument]
 ) -> Iterator[Problem]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -33,7 +33,7 @@ from vrcomfort.protocol.texts import LanguageTable, Words, words_of
 from vrcomfort.protocol.viewing import Answering, Headset, Locomotion, Visibility
 from vrcomfort.protocol.views import View
 from vrcomfort.questionnaire import Instrument, shipped_instruments
-from vrcomfort.settings import KeyPath, Name, Settings, Word
+from vrcomfort.settings import KeyPath, Name, Problem, Settings, Word
 from vrcomfort.settings.include import Source
 from vrcomfort.settings.schema import or_one_table
 from vrcomfort.tasks import AnyTask, TaskSettings
@@ -151,6 +151,7 @@ class Protocol(Settings):
     _language: str | None = PrivateAttr(default=None)
     _instruments: dict[str, Instrument] = PrivateAttr(default_factory=dict)
     _tasks: dict[str, TaskSettings] = PrivateAttr(default_factory=dict)
+    _task_code: dict[str, str] = PrivateAttr(default_factory=dict)
     _adjustments: dict[str, Adjustment] = PrivateAttr(default_factory=dict)
 
     def instrument(self, name: str) -> Instrument:
@@ -269,6 +270,12 @@ class Protocol(Settings):
         _, file, line, column = self._source.place(path)
         return InputError(message, file=file, line=line, column=column)
 
+    def first_fault(self, found: Sequence[Problem]) -> InputError:
+        """Return the error for what stands first in the text; the others are its `others`."""
+        if self._source is None:
+            return self.fault(found[0].path, found[0].message)
+        return self._source.first_problem(found)
+
     def shown_s(self, shortened_s: float | None) -> float:
         """Return how long an exposure is shown at most: as the protocol says, or shortened.
 
@@ -343,6 +350,11 @@ class Protocol(Settings):
     def media_file(self, name: str) -> Path:
         """Return the file of a picture or a sound, which is beside the protocol file."""
         return self._file.parent / name if self._file else Path(name)
+
+    @property
+    def task_code(self) -> dict[str, str]:
+        """Return file → SHA-256 of the own tasks whose code was run; see `with_task_code`."""
+        return dict(self._task_code)
 
     def scene_source(self, scene: str) -> str:
         """Return what a scene loader needs: a shipped name, or a path beside the protocol file."""

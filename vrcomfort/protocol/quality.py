@@ -5,7 +5,6 @@ The levels are those of `vrcomfort.protocol.quality_levels`.
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Collection, Iterable
 from pathlib import Path
@@ -23,6 +22,7 @@ from vrcomfort.protocol.quality_levels import (
     QualityTable,
     quality_table,
 )
+from vrcomfort.settings import toml_value
 
 MARK = "# Measured; written by the command named below, not by hand."
 
@@ -103,8 +103,6 @@ def write_figures(file: Path, measured: Measured, figures: Iterable[Figure]) -> 
 
 
 def _toml(header: str, values: BaseModel) -> str:
-    """Write a flat table; JSON's texts and numbers are TOML's, and None is left out."""
+    """Write a flat table; None is left out."""
     lines = values.model_dump(exclude_none=True).items()
-    return "\n".join(
-        [header, *(f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in lines)]
-    )
+    return "\n".join([header, *(f"{key} = {toml_value(value)}" for key, value in lines)])

@@ -1,4 +1,4 @@
-"""The tasks that a protocol names: found, and with settings that they know."""
+"""The tasks that a protocol names: found, and, where they are run, the lab's own code."""
 
 from __future__ import annotations
 
@@ -12,24 +12,43 @@ from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import NO_TASK
 from vrcomfort.protocol.parts import written_orders
 from vrcomfort.settings import KeyPath, Problem, did_you_mean, problems_of, repeated
-from vrcomfort.tasks import OwnTask, TaskSettings, settings_of_file
+from vrcomfort.tasks import OwnTask, TaskSettings, own_task_file, run_task_file
 
 
 def find_tasks(protocol: Protocol) -> tuple[dict[str, TaskSettings], list[Problem]]:
-    """Return name → settings of each task, those of the lab's own files read; and what is wrong."""
-    beside = protocol.file.parent if protocol.file else Path()
+    """Return name → settings of each task, and the faults. No task file is run."""
     found: dict[str, TaskSettings] = {}
     faults = list(repeated(("tasks",), [each.name for each in protocol.tasks]))
     for index, task in enumerate(protocol.tasks):
         if task.name == NO_TASK:
             message = f"`{NO_TASK}` says that there is no task; give this one another name"
             faults.append(Problem(("tasks", index, "name"), message))
-        if not isinstance(task, OwnTask):
-            found[task.name] = task
-            continue
+        found[task.name] = task
+        if isinstance(task, OwnTask):
+            try:
+                own_task_file(_folder(protocol), task.kind)
+            except InputError as error:
+                faults.append(Problem(("tasks", index, "kind"), str(error)))
+    return found, faults + list(_unknown(protocol))
+
+
+def with_task_code(protocol: Protocol) -> Protocol:
+    """Return the protocol with its own tasks ready to start: this runs their Python files.
+
+    Only what is about to hold a session calls it. Until then the settings of an own task are an
+    `OwnTask`, whatever keys they have.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be run, or does not take the settings.
+    """
+    own = [(k, task) for k, task in enumerate(protocol.tasks) if isinstance(task, OwnTask)]
+    ready, ran, faults = dict(protocol._tasks), {}, []
+    for index, task in own:
         try:
-            model = settings_of_file(beside / task.kind)
-            found[task.name] = model.model_validate(task.model_dump(), strict=True)
+            model, ran[task.kind] = run_task_file(own_task_file(_folder(protocol), task.kind))
+            ready[task.name] = model.model_validate(task.model_dump(), strict=True)
         except InputError as error:
             faults.append(Problem(("tasks", index, "kind"), str(error)))
         except ValidationError as error:
@@ -37,7 +56,15 @@ def find_tasks(protocol: Protocol) -> tuple[dict[str, TaskSettings], list[Proble
                 Problem(("tasks", index, *each.path), each.message, each.missing)
                 for each in problems_of(model, error)
             ]
-    return found, faults + list(_unknown(protocol))
+    if faults:
+        raise protocol.first_fault(faults)
+    prepared = protocol.model_copy()
+    prepared._tasks, prepared._task_code = ready, ran
+    return prepared
+
+
+def _folder(protocol: Protocol) -> Path:
+    return protocol.file.parent if protocol.file else Path()
 
 
 def _unknown(protocol: Protocol) -> Iterator[Problem]:

@@ -55,14 +55,22 @@ class PlannedStep:
     Parameters
     ----------
     words
-        The beginning of its name.
+        The beginning of its name when it is run, which ends with the attempt and the like.
     planned_s
         Its planned length.
+    shows
+        The condition and scene of an exposure.
     """
 
     kind: StepKind
     words: str
     planned_s: float
+    shows: str = ""
+
+    @property
+    def name(self) -> str:
+        """Return its name before it begins."""
+        return f"{self.words.strip()}: {self.shows}" if self.shows else self.words
 
 
 @dataclass(frozen=True)
@@ -344,6 +352,7 @@ class SessionPlan:
                 "exposure",
                 f"exposure {place.trial} ",
                 min(self.protocol.length_s(place.scene), self.exposure_s),
+                f"{place.condition} in {place.scene}",
             )
         ]
         if place.trial == 1 and self.protocol.training_s:

@@ -24,6 +24,9 @@ def view_problems(protocol: Protocol, shipped: list[str]) -> Iterator[Problem]:
         if len(places) > 1:
             message = f"`{places[0]}` and `{places[1]}` exclude each other; keep one"
             yield Problem((*path, places[1]), message)
+        if view.unwrapped and view.points is None:
+            message = "`unwrapped` does nothing without `points`; a side-car says it of its paths"
+            yield Problem((*path, "unwrapped"), message)
         if view.points is not None and view.points[-1].time_s < protocol.length_s(view.name):
             yield Problem((*path, "points"), too_short(protocol, view, view.points[-1].time_s))
 

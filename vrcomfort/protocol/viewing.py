@@ -46,8 +46,8 @@ class Answering(Settings):
     head: bool = True
     """Without controllers and an eye tracker, the middle of the head's view points."""
     stop_by_looks: bool = True
-    """Who has no button asks to stop an exposure by a look down; the panel then asks whether they
-    are sure."""
+    """A look down asks to stop an exposure, with a controller in hand as without; the panel then
+    asks whether they are sure."""
     stop_down_deg: Annotated[float, Field(ge=20, le=85)] = 60.0
     """So far below the horizon, at least, they look then."""
     stop_down_s: Annotated[float, Field(ge=0.5, le=30)] = 2.0

@@ -27,6 +27,9 @@ class View(Settings):
     """Along which the participant is carried: a name of [paths] in the scene's side-car."""
     points: PathPoints | None = None
     """Instead of a name, the path itself: floor points with times."""
+    unwrapped: bool = False
+    """Of `points`: whether `yaw_deg` turns as far as is written, from 0 to 360 once round to the
+    left. Without it, headings turn the shorter way, and 360 degrees are none."""
     exposure_s: Annotated[float, Field(ge=0.001, le=14_400)] | None = None
     """How long a trial shows it; without it, the protocol's `exposure_s`."""
 

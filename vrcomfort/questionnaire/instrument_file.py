@@ -196,6 +196,7 @@ def _item(each: ItemTable, table: InstrumentTable) -> Item:
         reversed=each.reversed,
         asked=each.asked,
         wordings=tuple(wordings),
+        worded=bool(each.text),
     )
 
 

@@ -79,6 +79,8 @@ class Item:
         False for what is not asked item by item, such as weights from comparisons.
     wordings
         The item in other languages.
+    worded
+        False where the file gives no text, and `text` is the name.
     """
 
     name: str
@@ -88,6 +90,7 @@ class Item:
     reversed: bool = False
     asked: bool = True
     wordings: tuple[Wording, ...] = ()
+    worded: bool = True
 
     @cached_property
     def keys(self) -> frozenset[str]:
@@ -178,6 +181,11 @@ class Instrument:
         return tuple(item for item in self.items if item.asked)
 
     @property
+    def unworded(self) -> tuple[str, ...]:
+        """Return the names of the asked items that have no text to be asked with."""
+        return tuple(item.name for item in self.asked if not item.worded)
+
+    @property
     def outcomes(self) -> tuple[str, ...]:
         """Return the names of the scales in the order of reports: the primary one first."""
         return tuple(sorted((s.name for s in self.scales), key=lambda name: name != self.primary))
@@ -258,7 +266,8 @@ class Instrument:
         def worded(item: Item) -> Item:
             text = next((w.text for w in item.wordings if w.language == language), item.text)
             own = item.answers != self.answers
-            return replace(item, text=text, answers=item.answers if own else answers)
+            answered = item.answers if own else answers
+            return replace(item, text=text, answers=answered, worded=True)
 
         return replace(
             self,
@@ -290,6 +299,8 @@ class Instrument:
             given.labels or before.labels,
             given.source or before.source,
         )
+        if language == self.language:
+            return self._reworded(given, {**self.translations, language: whole})
 
         def worded(item: Item) -> Item:
             if item.name not in given.items:
@@ -301,11 +312,28 @@ class Instrument:
         items = tuple(worded(item) for item in self.items)
         return replace(self, items=items, translations={**self.translations, language: whole})
 
+    def _reworded(self, given: Translated, translations: Mapping[str, Translation]) -> Instrument:
+        """Return the instrument with other words of its own language."""
+        answers = replace(self.answers, labels=given.labels or self.labels)
+
+        def reworded(item: Item) -> Item:
+            answered = answers if item.answers == self.answers else item.answers
+            if item.name not in given.items:
+                return replace(item, answers=answered)
+            return replace(item, text=given.items[item.name].text, worded=True, answers=answered)
+
+        return replace(
+            self,
+            items=tuple(reworded(item) for item in self.items),
+            answers=answers,
+            instruction=given.instruction or self.instruction,
+            translations=translations,
+        )
+
     def wording_source(self, language: str) -> str:
         """Return whose wording is asked in a language."""
-        if language == self.language:
-            return self.licence
-        return self.translations.get(language, Translation()).source
+        source = self.translations.get(language, Translation()).source
+        return source or (self.licence if language == self.language else "")
 
 
 DERIVED = frozenset(

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -29,14 +30,15 @@ _ROUNDING_S = 1e-6
 """Of session times in files."""
 
 _OPTIONAL: dict[str, Kind] = kinds((
-    "head_valid", "head_tracked", "session_state", "missed_refreshes", "focus_m", "focus_raw_m",
-    "max_blur_px", "avatar_x_m", "avatar_y_m", "avatar_z_m",
+    "should_render", "head_valid", "head_tracked", "session_state", "missed_refreshes", "focus_m",
+    "focus_raw_m", "max_blur_px", "avatar_x_m", "avatar_y_m", "avatar_z_m",
 ))  # fmt: skip
 """What a recording may lack, or leave blank."""
 _PLAIN = ("session_s", "xr_time_ns", "period_ns", "trial", "dropped", "discontinuity")
 _HEAD = ("head_x_m", "head_y_m", "head_z_m", "head_qx", "head_qy", "head_qz", "head_qw")
-_BEFORE = ("session_s", "xr_time_ns", "period_ns", "trial", *_HEAD, "head_valid", "session_state",
-           "focus_m", "max_blur_px", "avatar_x_m", "avatar_y_m", "avatar_z_m")  # fmt: skip
+_BEFORE = ("session_s", "xr_time_ns", "period_ns", "trial", *_HEAD, "should_render",
+           "head_valid", "session_state", "focus_m", "max_blur_px", "avatar_x_m", "avatar_y_m",
+           "avatar_z_m")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -181,17 +183,18 @@ def _attempts(trials: Path) -> list[_Attempt]:
     needed = ("participant", "session", "trial", "start_s", "end_s")
     if not set(needed) <= set(table.header):
         return []
-    table.require_numbers(("trial", "start_s", "end_s", "attempt"))
-    rows = sorted(table.dicts(), key=lambda row: (int(row["trial"]), float(row["start_s"])))
+    there = "attempt" in table.header
+    attempts = table.whole_numbers("attempt", blank=1) if there else [1] * len(table.rows)
+    numbers, starts_s = table.whole_numbers("trial"), table.numbers("start_s")
+    rows = zip(numbers, starts_s, table.numbers("end_s"), attempts, table.dicts(), strict=True)
     found: list[_Attempt] = []
-    for row in rows:
-        trial, from_s = int(row["trial"]), float(row["start_s"]) - _ROUNDING_S
+    for trial, start_s, end_s, attempt, row in sorted(rows, key=itemgetter(0, 1)):
+        from_s = start_s - _ROUNDING_S
         if found and found[-1].trial == trial:
-            from_s = (found[-1].until_s + float(row["start_s"])) / 2
+            from_s = (found[-1].until_s + start_s) / 2
             found[-1] = replace(found[-1], until_s=from_s)
         who, session = row["participant"], row["session"]
-        attempt = int(row.get("attempt") or 1)
-        found.append(_Attempt(who, session, trial, attempt, from_s, float(row["end_s"])))
+        found.append(_Attempt(who, session, trial, attempt, from_s, end_s))
     last = {each.trial: place for place, each in enumerate(found)}
     for place in last.values():
         found[place] = replace(found[place], until_s=math.inf)
@@ -311,6 +314,8 @@ _STEADY = (
 )
 _STEPS = f"""
     xr_time_ns, period_ns, dropped, missed_refreshes, head_tracked, discontinuity,
+    coalesce(should_render = 0, false) AS unseen,
+    coalesce(should_render_before = 0, false) AS unseen_before,
     coalesce(session_state = 'visible', false) AS menu,
     coalesce(session_state_before = 'visible', false) AS menu_before,
     CASE WHEN {_FOLLOWS} THEN xr_time_ns - xr_time_ns_before END AS passed,
@@ -327,20 +332,22 @@ _STEPS = f"""
     CASE WHEN {_FOLLOWS} THEN max_blur_px <> max_blur_px_before END AS blur_changed"""
 
 _TIMES = f"""
-    CASE WHEN discontinuity = {CUT} THEN least(passed, shown)
+    CASE WHEN unseen_before THEN 0 WHEN discontinuity = {CUT} THEN least(passed, shown)
         WHEN passed > {DROPPED_INTERVAL_PERIODS} * shown THEN shown ELSE passed END AS seen,
-    discontinuity <> {CUT} AND dropped > 0 AS froze"""
+    discontinuity <> {CUT} AND dropped > 0 AND NOT unseen_before AS froze"""
 
 _SUMS = """
     count(*) AS frames, sum(dropped) AS dropped, sum(missed_refreshes) AS missed,
     coalesce(sum(seen) FILTER (NOT menu_before), 0)
-        + CASE WHEN NOT arg_max(menu, xr_time_ns) THEN arg_max(period_ns, xr_time_ns) ELSE 0 END
-        AS live,
+        + CASE WHEN arg_max(menu OR unseen, xr_time_ns) THEN 0
+        ELSE arg_max(period_ns, xr_time_ns) END AS live,
     coalesce(sum(seen) FILTER (menu_before), 0)
-        + CASE WHEN arg_max(menu, xr_time_ns) THEN arg_max(period_ns, xr_time_ns) ELSE 0 END
-        AS unfocused,
+        + CASE WHEN arg_max(menu AND NOT unseen, xr_time_ns) THEN arg_max(period_ns, xr_time_ns)
+        ELSE 0 END AS unfocused,
     coalesce(sum(passed - seen) FILTER (froze), 0) AS frozen,
-    coalesce(sum(passed - seen) FILTER (NOT froze), 0) AS hidden,
+    coalesce(sum(passed - seen) FILTER (NOT froze), 0)
+        + CASE WHEN arg_max(unseen, xr_time_ns) THEN arg_max(period_ns, xr_time_ns) ELSE 0 END
+        AS hidden,
     sum(CASE WHEN head_tracked = 0 THEN period_ns WHEN head_tracked = 1 THEN 0 END) AS untracked,
     coalesce(bool_or(wrong), false) AS wrong,
     sum(head_step) AS head_path, sum(turn) AS turning,

@@ -12,6 +12,7 @@ from pathlib import Path
 import duckdb
 
 from vrcomfort.errors import InputError
+from vrcomfort.escaping import escape_unprintable
 
 _UNITS = {"MB": 10**6, "GB": 10**9, "MIB": 2**20, "GIB": 2**30}
 _SIZE = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(MB|GB|MIB|GIB)\s*", re.IGNORECASE)
@@ -70,7 +71,16 @@ class Memory:
 
 
 def quoted(text: str | Path) -> str:
-    """Return a text as SQL writes it."""
+    """Return a text as SQL writes it.
+
+    Raises
+    ------
+    InputError
+        If it has bytes that are no UTF-8, as names of files can; the database takes none.
+    """
+    if escape_unprintable(str(text)) != str(text):
+        message = "its name has characters that the database does not take; rename it, or a folder"
+        raise InputError(f"{message} above it", file=escape_unprintable(str(text)))
     return "'" + str(text).replace("'", "''") + "'"
 
 

@@ -43,7 +43,7 @@ class AppendedFile:
 
     def append(self, text: str) -> None:
         """Take text; `flush` writes it."""
-        self._waiting += text.encode()
+        self._waiting += text.encode(errors="replace")  # `csv_line` has left nothing to replace
         if self.unsynced_since_s is None:
             self.unsynced_since_s = time.monotonic()
 

@@ -76,7 +76,8 @@ def read_checksums(folder: Path) -> dict[str, Checksum]:
     """
     file = folder / CHECKSUMS
     found: dict[str, Checksum] = {}
-    for number, line in enumerate(read_text(file, "list of checksums").splitlines(), start=1):
+    lines = read_text(file, "list of checksums").removesuffix("\n").split("\n")
+    for number, line in enumerate(lines, start=1):
         parts = _LINE.fullmatch(line)
         if parts is None:
             message = "this is no checksum and file name; restore the file from a copy"

@@ -13,7 +13,7 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.records.disk import replace_text
-from vrcomfort.records.rows import cell_text, csv_line
+from vrcomfort.records.rows import csv_line
 from vrcomfort.records.session_rows import ConsentRow
 from vrcomfort.records.study import access_of, changing_participants, now
 
@@ -120,5 +120,5 @@ def note_consent(study: Path, row: ConsentRow) -> None:
     with changing_participants(study):
         rows = [*read_consents(study), row]
         lines = [csv_line(ConsentRow.columns())]
-        lines += [csv_line(map(cell_text, each.cells())) for each in rows]
+        lines += [csv_line(each.cells()) for each in rows]
         replace_text(study / ConsentRow.FILE, "".join(lines), access_of(study))

@@ -18,19 +18,19 @@ complete: the tables of a study with their columns in order, and the events. How
 
 - **Blank** says what a blank cell means; a column without it is never blank, but in copies for
   others.
-- **Since** is the schema version that introduced a column, where that is not 1 (now {version}). Older
-  studies are whole without it; `vrcomfort verify` tells which columns a session is without.
-- **Kept with** says what `vrcomfort anonymise` has to keep for a column (or a file) to stay:
-  `motion` and `gaze` on request, `text` and `date` never. Without it, it stays.
-- Numbers have their units in their names. A number is whole where its type is "whole".
+- **Since** is the schema version that introduced a column, where that is not 1 (now {version}).
+  Older studies are whole without it; `vrcomfort verify` lists the columns that a session lacks.
+- **Kept with** names what `vrcomfort anonymise` has to keep for a column, or a file, to stay:
+  `motion` and `gaze` on request, `text` and `date` never. A column without it always stays.
+- **Type** is text, whole (number) or number, with the unit that ends the column's name.
 """
 _TYPES = {str: "text", int: "whole", float: "number"}
 _EVENTS = """
 ## Events
 
-`events.csv` has a row for each event. `vrcomfort anonymise` and `vrcomfort export --format bids` leave
-out details that may tell who a participant is. They report a name that is not in this table, and leave
-its detail out.
+`events.csv` has a row for each event. `vrcomfort anonymise` and `vrcomfort export --format bids`
+leave out details that may tell who a participant is. They report a name that is not in this table,
+and leave its detail out.
 
 | name | meaning | detail in copies for others |
 |---|---|---|

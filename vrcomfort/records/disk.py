@@ -129,7 +129,9 @@ def replace_text(file: Path, text: str, access: Access = OWNER, *, sync: bool = 
         refuse_links(file.parent, file)
         draft.unlink(missing_ok=True)  # that of a program that was killed
         descriptor = open_new(draft, access, os.O_WRONLY | os.O_EXCL)
-        with os.fdopen(descriptor, "w", encoding="utf-8", newline="") as stream:
+        with os.fdopen(
+            descriptor, "w", encoding="utf-8", errors="replace", newline=""
+        ) as stream:  # what made the text has left nothing to replace
             stream.write(text)
             stream.flush()
             if sync:

@@ -8,6 +8,7 @@ from pathlib import Path
 from vrcomfort.errors import InputError
 from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.records.study import (
+    checked_reason,
     now,
     only_run,
     read_participants,
@@ -27,10 +28,10 @@ def exclude(study: Path, participant: str, reason: str) -> None:
         If there is no reason, nobody of this name, they are excluded, or a program runs them.
     """
     with only_run(study, participant):
-        row = _known(study, participant, reason)
+        row, reason = _known(study, participant, reason)
         if row.status == "excluded":
             raise InputError(f"participant {participant} is excluded already", file=study)
-        note = f"excluded (was {row.status}) {now()}: {reason.strip()}"
+        note = f"excluded (was {row.status}) {now()}: {reason}"
         set_status(study, participant, "excluded", note)
 
 
@@ -43,14 +44,14 @@ def undo_exclusion(study: Path, participant: str, reason: str) -> str:
         If there is no reason, nobody of this name is excluded, or a program runs them.
     """
     with only_run(study, participant):
-        row = _known(study, participant, reason)
+        row, reason = _known(study, participant, reason)
         if row.status != "excluded":
             message = f"participant {participant} is {row.status}, not excluded"
             raise InputError(message, file=study)
         before = _BEFORE.findall(row.note)
         usual = "withdrawn" if withdrawn_sessions(study, participant) else "enrolled"
         status = str(before[-1]) if before else usual
-        set_status(study, participant, status, f"exclusion undone {now()}: {reason.strip()}")
+        set_status(study, participant, status, f"exclusion undone {now()}: {reason}")
         return status
 
 
@@ -62,14 +63,13 @@ def add_note(study: Path, participant: str, text: str) -> None:
     InputError
         If it is empty, or there is nobody of this name.
     """
-    row = _known(study, participant, text)
-    set_status(study, participant, row.status, f"{now()}: {text.strip()}")
+    row, text = _known(study, participant, text)
+    set_status(study, participant, row.status, f"{now()}: {text}")
 
 
-def _known(study: Path, participant: str, text: str) -> ParticipantRow:
-    if not text.strip():
-        raise InputError("the text is empty; say why")
+def _known(study: Path, participant: str, text: str) -> tuple[ParticipantRow, str]:
+    """Return a participant's row, and the checked reason or note."""
     for row in read_participants(study):
         if row.participant == participant:
-            return row
+            return row, checked_reason(row, text)
     raise InputError(f"this study has no participant {participant}", file=study)

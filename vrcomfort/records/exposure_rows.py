@@ -85,7 +85,7 @@ class TrialRow(Row):
     hidden_s: Annotated[
         float | None,
         Column(
-            "Time in which the participant saw nothing of the frames",
+            "Time in which nothing was seen: the headset was off, or the runtime wanted no picture",
             blank=_NOT_RECORDED,
             since=2,
         ),

@@ -19,7 +19,7 @@ from vrcomfort.records.json_file import damaged
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
 from vrcomfort.records.recorded_rows import RecordedRow, read_rows
-from vrcomfort.records.rows import Row, cell_text, csv_line
+from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS
 from vrcomfort.records.session_rows import EventRow, QuestionnaireRow, ScreeningRow, TextRow
 from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undone_trials
@@ -314,7 +314,7 @@ def _write_killed(
     except OSError as error:
         raise refused(file, error) from error
     try:
-        trials.append(csv_line(map(cell_text, row.cells())))
+        trials.append(csv_line(row.cells()))
         trials.sync()
     finally:
         trials.close()

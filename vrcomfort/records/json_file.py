@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from vrcomfort.errors import InputError
-from vrcomfort.json_text import KeyPath, name_of, parse_json, place_of
+from vrcomfort.json_text import KeyPath, escape_surrogates, name_of, parse_json, place_of
 from vrcomfort.records.schema import check_schema_version
 from vrcomfort.settings import in_words, read_text
 
@@ -51,14 +51,14 @@ def read_json(file: Path, model: type[BaseModel], what: str) -> dict[str, Any]:
 
 
 def indented(content: Mapping[str, Any]) -> str:
-    """Return `json.dumps(content, indent=2)`; parts that were written before take no time.
+    """Return `json_of(content)`; parts that were written before take no time.
 
     A manifest is written a dozen times in a session, and most of it is what it was.
     """
     parts = (
         f"  {_key(key)}: {_indented(_ENCODER.encode(value))}" for key, value in content.items()
     )
-    return "{\n" + ",\n".join(parts) + "\n}"
+    return escape_surrogates("{\n" + ",\n".join(parts) + "\n}")
 
 
 @lru_cache(maxsize=256)

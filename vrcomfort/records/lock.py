@@ -52,16 +52,11 @@ def only_program(file: Path, access: Access, *, doing: str) -> Iterator[None]:
     Raises
     ------
     InputError
-        If another program holds the lock; names its process.
+        If another program holds the lock; names its process. Or if it cannot be locked: some
+        network folders cannot.
     """
     with _open(file, access) as stream:
-        try:
-            _lock(stream, wait=False)
-        except OSError as error:
-            if error.errno not in _HELD:
-                message = f"cannot lock: {error.strerror}; put the study on a disk of this machine"
-                raise InputError(message, file=file) from error
-            raise InputError(f"{doing} by {_holder(file)}; wait until it ends") from error
+        _take(stream, file, wait=False, doing=doing)
         _sign(stream)
         try:
             yield
@@ -71,10 +66,26 @@ def only_program(file: Path, access: Access, *, doing: str) -> Iterator[None]:
 
 @contextmanager
 def in_turn(file: Path, access: Access) -> Iterator[None]:
-    """Hold the lock of a file, after waiting for whoever holds it."""
+    """Hold the lock of a file, after waiting for whoever holds it.
+
+    Raises
+    ------
+    InputError
+        If it cannot be locked.
+    """
     with _open(file, access) as stream:
-        _lock(stream, wait=True)
+        _take(stream, file, wait=True, doing=f"{file.name} is being held")
         yield
+
+
+def _take(stream: IO[str], file: Path, *, wait: bool, doing: str) -> None:
+    try:
+        _lock(stream, wait=wait)
+    except OSError as error:
+        if error.errno in _HELD:
+            raise InputError(f"{doing} by {_holder(file)}; wait until it ends") from error
+        message = f"cannot lock: {error.strerror}; put the study on a disk of this machine"
+        raise InputError(message, file=file) from error
 
 
 def _open(file: Path, access: Access) -> IO[str]:

@@ -148,6 +148,7 @@ class Manifest:
             "clock_set_back": self.clock_set_back,
             **asdict(self.machine),
             "versions": versions(),
+            "task_code": protocol.task_code,
             **self._of_protocol,
             "earlier_runs": self.earlier_runs,
             "under_way": self.under_way,

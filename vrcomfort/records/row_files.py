@@ -13,7 +13,7 @@ from vrcomfort.records.appended_file import AppendedFile
 from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
 from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
-from vrcomfort.records.rows import Row, cell_text, csv_line
+from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import SESSION_ROWS
 from vrcomfort.records.session_rows import EventRow, QuestionnaireRow, ScreeningRow, TextRow
 
@@ -169,7 +169,7 @@ class RowFiles:
         cells = row.cells()
         if self._resumed:
             cells[row.columns().index("resumed")] = 1
-        return csv_line(map(cell_text, cells))
+        return csv_line(cells)
 
     def _sync_due(self, at_once: set[str]) -> None:
         now_s = time.monotonic()

@@ -30,6 +30,11 @@ from typing import (
     get_type_hints,
 )
 
+from vrcomfort.escaping import escape_unprintable
+
+LONGEST_CELL = 120_000
+"""Characters; `csv` reads cells of up to 131,072."""
+
 Cell: TypeAlias = str | int | float | None
 CellType: TypeAlias = type[str] | type[int] | type[float]
 
@@ -231,17 +236,21 @@ def _one(cell: Callable[[Any], Cell], row: Any) -> Iterable[Cell]:
 def cell_text(value: Cell) -> str:
     """Write a cell: blank for None and for numbers that are none, shortest exact text for floats.
 
-    Line ends inside a text become spaces, so that a row is a line and a cut one is seen.
+    Line ends inside a text become spaces, so that a row is a line and a cut one is seen. Other
+    unprintable characters are escaped, and texts are cut at `LONGEST_CELL`.
     """
     if isinstance(value, float):  # most are
         return float.__repr__(value) if math.isfinite(value) else ""  # NumPy's names the type
     if value is None:
         return ""
-    return " ".join(value.splitlines()) if isinstance(value, str) else str(int(value))
+    if not isinstance(value, str):
+        return str(int(value))
+    text = escape_unprintable(" ".join(value.splitlines()))
+    return text if len(text) <= LONGEST_CELL else f"{text[:LONGEST_CELL]}…"
 
 
-def csv_line(cells: Iterable[str]) -> str:
-    """Return one CSV line with its line end."""
+def csv_line(cells: Iterable[Cell]) -> str:
+    """Return one CSV line with its line end; cells are written by `cell_text`."""
     line = io.StringIO()
-    csv.writer(line, lineterminator="\n").writerow(cells)
+    csv.writer(line, lineterminator="\n").writerow(map(cell_text, cells))
     return line.getvalue()

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+from vrcomfort.escaping import escape_unprintable
 from vrcomfort.records.rows import DATE, GAZE, TEXT, Column, Needs, Row
 from vrcomfort.records.shared_columns import (
     AnsweredS,
@@ -153,16 +153,8 @@ def one_line(text: str) -> str:
     Control characters, other line ends and halves of pairs would break rows; `in_lines` turns it
     back.
     """
-    return "".join(map(_escaped, text.replace("\r\n", "\n").replace("\r", "\n")))
-
-
-def _escaped(letter: str) -> str:
-    if letter == "\\":
-        return "\\\\"
-    if letter == "\n":
-        return "\\n"
-    plain = unicodedata.category(letter) not in {"Cc", "Cs", "Zl", "Zp"}
-    return letter if plain else f"\\u{ord(letter):04x}"
+    text = text.replace("\r\n", "\n").replace("\r", "\n").replace("\\", "\\\\")
+    return escape_unprintable(text.replace("\n", "\\n").replace("\t", "\\u0009"))
 
 
 def in_lines(text: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
@@ -15,6 +14,8 @@ from typing import Any
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design, Enrolment
 from vrcomfort.errors import InputError
+from vrcomfort.escaping import escape_unprintable
+from vrcomfort.json_text import json_of
 from vrcomfort.protocol import Protocol
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.disk import (
@@ -32,12 +33,14 @@ from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.manifest_shape import DescribedShape, DescriptionShape
 from vrcomfort.records.names import check_case, check_participant, check_study
 from vrcomfort.records.recorder import is_begun, session_folder
-from vrcomfort.records.rows import cell_text, csv_line
+from vrcomfort.records.rows import csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION
-from vrcomfort.records.session_rows import ParticipantRow
+from vrcomfort.records.session_rows import LONGEST_TEXT, ParticipantRow
 from vrcomfort.settings import read_text
 
 DESCRIPTION = "dataset_description.json"
+LONGEST_NOTES = 80_000
+"""Characters of a participant's notes; the program's own notes have room beside."""
 
 
 def now() -> str:
@@ -84,7 +87,7 @@ def open_study(
         message = f"cannot make this study folder: {error.strerror}; choose another --out"
         raise InputError(message, file=study) from error
     _keep_instruments(study, protocol, access)
-    text = json.dumps(_description(protocol, seed or 0, access), indent=2, ensure_ascii=False)
+    text = json_of(_description(protocol, seed or 0, access))
     replace_text(file, text + "\n", access)
     return seed or 0
 
@@ -336,6 +339,26 @@ def entered(
     return there.covariates
 
 
+def checked_reason(row: ParticipantRow, text: str) -> str:
+    """Return an experimenter's reason or note, escaped.
+
+    Raises
+    ------
+    InputError
+        If it is empty, or longer than a note can be.
+    """
+    reason = escape_unprintable(text.strip())
+    if not reason:
+        raise InputError("the text is empty; say why")
+    if len(reason) > LONGEST_TEXT:
+        message = f"the text has {len(reason):,} characters, and a note at most {LONGEST_TEXT:,}"
+        raise InputError(f"{message}; shorten it")
+    if len(row.note) + len(reason) > LONGEST_NOTES:
+        message = f"the notes on {row.participant} have {len(row.note):,} characters and are full"
+        raise InputError(f"{message}; keep this one elsewhere")
+    return reason
+
+
 def changing_participants(study: Path) -> AbstractContextManager[None]:
     """Two participants may be run at once; their rows are written one after the other."""
     file = study / ".participants.lock"
@@ -433,6 +456,6 @@ def _write_participants(study: Path, rows: list[ParticipantRow]) -> None:
     lines = [csv_line((*ParticipantRow.columns(), *others))]
     for row in rows:
         more = [dict(row.others).get(name, "") for name in others]
-        lines.append(csv_line(map(cell_text, (*row.cells(), *more))))
+        lines.append(csv_line((*row.cells(), *more)))
     replace_text(study / ParticipantRow.FILE, "".join(lines), access_of(study))
     _participants.cache_clear()

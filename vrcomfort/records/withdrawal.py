@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from vrcomfort.errors import InputError
+from vrcomfort.json_text import json_of
 from vrcomfort.records.checksums import seal_again
 from vrcomfort.records.disk import Access, replace_text
 from vrcomfort.records.exposure_rows import TrialRow
@@ -15,8 +15,10 @@ from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
 from vrcomfort.records.recorded_rows import read_rows
 from vrcomfort.records.recorder import session_folder
+from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.records.study import (
     access_of,
+    checked_reason,
     now,
     only_run,
     read_participants,
@@ -44,9 +46,7 @@ def undo_withdrawal(study: Path, participant: str, reason: str) -> int | None:
     InputError
         If there is no reason, nobody of this name has withdrawn, or another program runs them.
     """
-    if not reason.strip():
-        raise InputError("--reason is empty; say why the withdrawal is undone")
-    _require_withdrawn(study, participant)
+    reason = checked_reason(_withdrawn(study, participant), reason)
     with only_run(study, participant):
         at = now()
         ended = None
@@ -66,13 +66,14 @@ def undone_trials(manifest: Mapping[str, Any]) -> set[tuple[int, int]]:
     return {(each["trial"], each["attempt"]) for each in undone if each.get("trial")}
 
 
-def _require_withdrawn(study: Path, participant: str) -> None:
-    known = {row.participant: row.status for row in read_participants(study)}
+def _withdrawn(study: Path, participant: str) -> ParticipantRow:
+    known = {row.participant: row for row in read_participants(study)}
     if participant not in known:
         raise InputError(f"this study has no participant {participant}", file=study)
-    if known[participant] != "withdrawn":
-        message = f"participant {participant} is {known[participant]}, not withdrawn"
+    if known[participant].status != "withdrawn":
+        message = f"participant {participant} is {known[participant].status}, not withdrawn"
         raise InputError(message, file=study)
+    return known[participant]
 
 
 def _reopen(folder: Path, manifest: dict[str, Any], why: dict[str, Any], access: Access) -> None:
@@ -84,6 +85,6 @@ def _reopen(folder: Path, manifest: dict[str, Any], why: dict[str, Any], access:
         place = {"trial": last["trial"], "attempt": last["attempt"]}
     manifest["status"] = "aborted"
     manifest["withdrawals_undone"] = [*manifest.get("withdrawals_undone", []), why | place]
-    text = json.dumps(manifest, indent=2, ensure_ascii=False)
+    text = json_of(manifest)
     replace_text(folder / "manifest.json", text + "\n", access)
     seal_again(folder, ("manifest.json", TrialRow.FILE, f"{TrialRow.FILE}.cut"), access)

@@ -126,7 +126,7 @@ class _Drawn:
         for moment in moments:
             before, now = (_looking_ahead(frame) for frame in moment)
             self._renderer.render(replace(before, discontinuity=True), _time_s(before))
-            take = partial(self._take, _step(before, now))
+            take = partial(self._take, step_between(before, now))
             self._renderer.render(replace(now, discontinuity=False), _time_s(now), take)
         self._renderer.release()
         return {
@@ -185,7 +185,8 @@ def _time_s(frame: Frame) -> float:
     return frame.predicted_display_time_ns / 1e9
 
 
-def _step(before: Frame, now: Frame) -> HeadStep:
+def step_between(before: Frame, now: Frame) -> HeadStep:
+    """Return how the head got from one frame of a walk to the next."""
     seconds = (now.predicted_display_time_ns - before.predicted_display_time_ns) / 1e9
     return HeadStep(
         before.head_pose, now.head_pose, before.avatar_pose, now.avatar_pose, seconds=seconds

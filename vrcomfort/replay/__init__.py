@@ -1,6 +1,6 @@
 """Shows again what a participant saw: a recorded session, drawn from its own files."""
 
-from vrcomfort.replay.drawn import DrawnFrame, Wish, replay
+from vrcomfort.replay.drawn import DrawnFrame, ReplaySelection, replay
 from vrcomfort.replay.exposures import RecordedExposure
 from vrcomfort.replay.hashes import Comparison
 from vrcomfort.replay.recorded import RecordedSession, read_session, require_session
@@ -10,7 +10,7 @@ __all__ = [
     "DrawnFrame",
     "RecordedExposure",
     "RecordedSession",
-    "Wish",
+    "ReplaySelection",
     "read_session",
     "replay",
     "require_session",

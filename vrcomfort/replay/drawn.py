@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
-from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, Frame, ImageHash
+from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, Frame
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
 from vrcomfort.protocol.adjustments import adjusted
@@ -17,28 +17,15 @@ from vrcomfort.replay.hashes import Comparison
 from vrcomfort.replay.recorded import RecordedSession
 from vrcomfort.scene.markers import Markers
 
+if TYPE_CHECKING:
+    from vrcomfort.render.pipeline import StereoRenderer
+
 _EPSILON_S = 1e-6
 """Of session times in files."""
 
 
-class Drawer(Protocol):
-    """Draws frames of one scene under one condition at a time, as `render.pipeline` does."""
-
-    def begin(self, scene: Any, condition: Condition) -> None:
-        """Prepare a scene and a condition."""
-
-    def adjust(self, condition: Condition) -> None:
-        """Draw with other values of settings from now on."""
-
-    def render(self, frame: Frame, scene_time_s: float) -> Any:
-        """Draw both eyes."""
-
-    def hash_now(self, frame_index: int) -> ImageHash:
-        """Return the hashes of the images that were drawn last."""
-
-
 @dataclass(frozen=True)
-class Wish:
+class ReplaySelection:
     """What is to be shown of a session.
 
     Parameters
@@ -100,10 +87,10 @@ class DrawnFrame:
 
 def replay(
     session: RecordedSession,
-    wish: Wish,
+    selection: ReplaySelection,
     *,
-    drawer: Drawer,
-    second: Drawer | None,
+    drawer: StereoRenderer,
+    second: StereoRenderer | None,
     load_scene: Callable[[str], Any],
     size_px: tuple[int, int],
     comparison: Comparison,
@@ -116,35 +103,37 @@ def replay(
     Parameters
     ----------
     second
-        Draws `wish.beside`.
+        Draws `selection.beside`.
     comparison
         Is told of each frame whose hashes are recorded, also of those that are not shown.
     """
     end_s = 0.0
     for exposure in session.exposures:
-        last = last_wanted(session, exposure, wish)
+        last = last_wanted(session, exposure, selection)
         if last is None:
             continue
         scene = load_scene(exposure.scene)
         balls = _Balls(exposure, scene) if exposure.balls else None
         drawn_scene = scene if balls is None else balls.scene
         name = exposure.condition
-        condition = wish.instead.get(name) or session.condition(name)
+        condition = selection.instead.get(name) or session.condition(name)
         dial = _Dial(session, exposure, condition) if condition.name == name else None
         drawer.begin(drawn_scene, dial.built_for if dial else condition)
-        if second is not None and wish.beside is not None:
-            second.begin(drawn_scene, wish.beside)
-        film = _Film(session, exposure, wish, size_px, comparison, balls, dial)
-        for drawn in film.frames(drawer, second if wish.beside else None, scene, last):
+        if second is not None and selection.beside is not None:
+            second.begin(drawn_scene, selection.beside)
+        film = _Film(session, exposure, selection, size_px, comparison, balls, dial)
+        for drawn in film.frames(drawer, second if selection.beside else None, scene, last):
             yield replace(drawn, video_s=drawn.video_s + end_s)
         end_s += film.length_s
 
 
-def last_wanted(session: RecordedSession, exposure: RecordedExposure, wish: Wish) -> int | None:
+def last_wanted(
+    session: RecordedSession, exposure: RecordedExposure, selection: ReplaySelection
+) -> int | None:
     """Return the last row of an exposure that is to be shown; None where none is."""
     for row in reversed(range(exposure.first, exposure.end)):
         trial = exposure.trial if row >= exposure.shown else 0
-        if wish.wants(trial, float(session.session_s[row])):
+        if selection.wants(trial, float(session.session_s[row])):
             return row
     return None
 
@@ -177,7 +166,7 @@ class _Dial:
             first = self._coming[0]
             self.built_for = adjusted(condition, first.setting, session.highest(first.dial))
 
-    def turn(self, drawer: Drawer, session_s: float) -> None:
+    def turn(self, drawer: StereoRenderer, session_s: float) -> None:
         """Draw as the dial stood in a frame; before the exposure it stands where it begins."""
         turned = None
         while self._coming and (self._coming[0].since_s <= session_s + _EPSILON_S or self._begins):
@@ -192,7 +181,7 @@ class _Film:
 
     session: RecordedSession
     exposure: RecordedExposure
-    wish: Wish
+    selection: ReplaySelection
     size_px: tuple[int, int]
     comparison: Comparison
     balls: _Balls | None
@@ -202,7 +191,7 @@ class _Film:
     _focus_m: float | None = None
 
     def frames(
-        self, drawer: Drawer, second: Drawer | None, scene: Any, last: int
+        self, drawer: StereoRenderer, second: StereoRenderer | None, scene: Any, last: int
     ) -> Iterator[DrawnFrame]:
         exposure, session = self.exposure, self.session
         headset = PlaybackHeadset(
@@ -222,7 +211,7 @@ class _Film:
                 self.balls.show(int(session.trace.time_ns[row]))
             if self.dial is not None:
                 self.dial.turn(drawer, session_s)
-            wanted = self.wish.wants(trial, session_s)
+            wanted = self.selection.wants(trial, session_s)
             video_s = self._video_s(row, frame) if wanted else 0.0
             if not session.drawn[row]:  # the picture before stood; jumps are seen with the next
                 cut, snap = cut or frame.discontinuity, snap or frame.snap_turn
@@ -255,7 +244,7 @@ class _Film:
                     equal=equal,
                 )
 
-    def _compare(self, row: int, frame: Frame, drawer: Drawer) -> bool | None:
+    def _compare(self, row: int, frame: Frame, drawer: StereoRenderer) -> bool | None:
         recorded = self.session.hashes.get(int(self.session.trace.time_ns[row]))
         if recorded is None or self.size_px != self.session.size_px:
             return None

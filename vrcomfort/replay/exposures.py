@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.records import BallRow, DialRow, EventRow, RatingRow, TrialRow
-from vrcomfort.records.recorded_rows import RecordedRow
+from vrcomfort.records import BallRow, DialRow, EventRow, RatingRow, Row, TrialRow
+from vrcomfort.records.recorded_rows import RecordedRow, read_rows
 from vrcomfort.replay.frame_facts import FrameFacts
-from vrcomfort.replay.session_rows import rows_of
 from vrcomfort.scene.markers import Shown
 from vrcomfort.traces.trace import Trace
 
@@ -24,7 +23,7 @@ _EPSILON_S = 1e-6
 
 
 @dataclass(frozen=True)
-class Rating:
+class RecordedRating:
     """An answer in an exposure; `response` is None where none came in time."""
 
     onset_s: float
@@ -74,7 +73,7 @@ class RecordedExposure:
     end: int
     start_s: float
     end_s: float
-    ratings: tuple[Rating, ...] = ()
+    ratings: tuple[RecordedRating, ...] = ()
     balls: tuple[tuple[int, Shown], ...] = ()
     turned: tuple[Turned, ...] = ()
 
@@ -129,7 +128,7 @@ def _exposures(
     attempts: Iterable[Mapping[str, Any] | RecordedRow],
     times_ns: NDArray[np.int64],
     frames: FrameFacts,
-    ratings: Sequence[Rating],
+    ratings: Sequence[RecordedRating],
     balls: Sequence[tuple[int, Shown]],
     dials: Sequence[RecordedRow],
     trained_from_s: Sequence[float],
@@ -176,10 +175,25 @@ def _turned(
             yield Turned(row["onset_s"], row["dial"], row["setting"], row["value"])
 
 
-def _rating(row: RecordedRow) -> Rating:
+def _rating(row: RecordedRow) -> RecordedRating:
     answered_s = row["onset_s"] + (row["latency_s"] or 0.0)
-    return Rating(row["onset_s"], answered_s, row["instrument"], row["response"])
+    return RecordedRating(row["onset_s"], answered_s, row["instrument"], row["response"])
 
 
 def _ball(row: RecordedRow) -> tuple[int, Shown]:
     return row["xr_time_ns"], Shown(*(row[name] for name in Shown._fields))
+
+
+def rows_of(
+    folder: Path, row_type: type[Row], manifest: Mapping[str, Any]
+) -> Iterator[RecordedRow]:
+    """Yield the rows of a file, none where the session has not got it.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged.
+    """
+    if (folder / row_type.FILE).exists():
+        version = manifest.get("schema_version", 1)
+        yield from read_rows(folder, row_type, version=version, cut=True)

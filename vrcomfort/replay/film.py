@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.json_text import json_of
 from vrcomfort.render.output import Rgb8, VideoWriter, read_rgb8, write_png
 from vrcomfort.replay.drawn import DrawnFrame
-from vrcomfort.replay.sheet import Sheet
+from vrcomfort.replay.sheet import ContactSheet
 
 PICTURES, SUMMARY = "frames", "replay.json"
 """In the folder of results: numbered pictures, and what was drawn."""
 
 
 @dataclass
-class Written:
-    """What was written so far."""
+class FilmProgress:
+    """Frames and seconds written so far."""
 
     frames: int = 0
     video_s: float = 0.0
@@ -27,12 +27,12 @@ class Written:
 
 def write_film(
     frames: Iterable[DrawnFrame],
-    sheet: Sheet,
+    sheet: ContactSheet,
     *,
     out: Path | None,
     video: Path | None,
     refresh_hz: float,
-) -> Iterator[Written]:
+) -> Iterator[FilmProgress]:
     """Write frames as they are drawn; yield what was written after each.
 
     Parameters
@@ -45,7 +45,7 @@ def write_film(
         Its nominal rate.
     """
     pictures = None if out is None else cleared(out / PICTURES)
-    written = Written()
+    written = FilmProgress()
     with ExitStack() as owned:
         film = None
         if video is not None:
@@ -63,7 +63,7 @@ def write_film(
 
 def write_summary(out: Path, facts: dict[str, Any]) -> None:
     """Write what was drawn beside the pictures."""
-    text = json.dumps(facts, indent=2, ensure_ascii=False)
+    text = json_of(facts)
     (out / SUMMARY).write_text(text + "\n", encoding="utf-8")
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vrcomfort.csv_table import whole_or_none
 from vrcomfort.geometry import Array
 from vrcomfort.records.frame_rows import CUT
 from vrcomfort.traces.table import Table
@@ -60,8 +61,9 @@ def _columns(table: Table) -> tuple[Any, ...]:
     dropped = table.integers("dropped")
     if table.has(["missed_refreshes"]):
         cells = table.text("missed_refreshes")
-        known = [int(cell) if cell.strip().isdecimal() else -1 for cell in cells]
-        missed = np.where(dropped > 0, np.array(known, dtype=np.int64), 0)
+        known = [whole_or_none(cell) for cell in cells]
+        counts = np.array([-1 if each is None or each < 0 else each for each in known], np.int64)
+        missed = np.where(dropped > 0, counts, 0)
     else:
         missed = np.where(dropped > 0, -1, 0)
     return (

@@ -24,9 +24,8 @@ from vrcomfort.records import (
     read_manifest,
 )
 from vrcomfort.records.schema import SCHEMA_VERSION
-from vrcomfort.replay.exposures import RecordedExposure, read_exposures
+from vrcomfort.replay.exposures import RecordedExposure, read_exposures, rows_of
 from vrcomfort.replay.frame_facts import read_frames
-from vrcomfort.replay.session_rows import rows_of
 from vrcomfort.settings import in_words
 from vrcomfort.traces.trace import Trace
 

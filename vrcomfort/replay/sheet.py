@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw
 
 from vrcomfort.geometry import Array, View
 from vrcomfort.replay.drawn import DrawnFrame
-from vrcomfort.replay.exposures import Rating
+from vrcomfort.replay.exposures import RecordedRating
 from vrcomfort.text_layout import TextCanvas
 
 Rgb8: TypeAlias = NDArray[np.uint8]
@@ -28,7 +28,7 @@ _SMALLEST_PX = 9
 
 
 @dataclass(frozen=True)
-class Sheet:
+class ContactSheet:
     """How a frame is laid out.
 
     Parameters
@@ -188,7 +188,7 @@ def _draw_ratings(
     pen.line((x, area[1], x, area[3]), fill=TEXT)
 
 
-def rating_words(known: Sequence[Rating]) -> str:
+def rating_words(known: Sequence[RecordedRating]) -> str:
     """Return the last of some ratings in words."""
     if not known:
         return "no rating yet"

@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import spare
 from vrcomfort.report.answers import answer
 from vrcomfort.report.courses import analyse_courses
@@ -182,8 +183,8 @@ def _uncollected() -> Iterator[None]:
 
 def _today() -> str:
     """Return the day of the report; SOURCE_DATE_EPOCH makes it another, for equal bytes."""
-    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
-    moment = datetime.fromtimestamp(int(epoch), UTC) if epoch.isdecimal() else datetime.now(UTC)
+    epoch = whole_or_none(os.environ.get("SOURCE_DATE_EPOCH"))
+    moment = datetime.now(UTC) if epoch is None else datetime.fromtimestamp(epoch, UTC)
     return moment.date().isoformat()
 
 

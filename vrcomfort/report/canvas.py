@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 
 from vrcomfort.report import palette
 from vrcomfort.report.fonts import FAMILY, WHOLE, load_fonts
-from vrcomfort.web_page import visible
+from vrcomfort.web_page import escape_hidden
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -132,7 +132,7 @@ def _rounded(svg: str) -> str:
 
 def short(name: str) -> str:
     """Return a name as a figure writes it: every character visible, cut where it is long."""
-    name = visible(name)
+    name = escape_hidden(name)
     return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
 
 

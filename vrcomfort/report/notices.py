@@ -38,10 +38,26 @@ def notices(
         *_losses(study, tests, exclusions),
         *_ended_early(study),
         *_screened(study),
+        *_shortened(study),
         *_repeated(scored),
         *_suspect_names(study),
         *_coded_from_one(study, of_choices),
         *_confounded(study, tests),
+    ]
+
+
+def _shortened(study: StudyData) -> list[str]:
+    """Say that exposures were shown for less than the protocol's time: so are times in them."""
+    shown = [m.get("exposure_override_s") for m in study.manifests]
+    lengths = sorted({each for each in shown if isinstance(each, int | float)})
+    if not lengths:
+        return []
+    sessions = sum(each in lengths for each in shown)
+    of_sessions = "1 session" if sessions == 1 else f"{sessions} sessions"
+    told = " and ".join(f"{each:g} s" for each in lengths)
+    return [
+        f"Exposures of {of_sessions} were shortened to {told} at most (--exposure-s): the times of "
+        "ratings, endings and movements are those of the shortened exposures"
     ]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.csv_table import whole_or_none
 from vrcomfort.report.outcomes import known_outcomes
 
 if TYPE_CHECKING:
@@ -38,8 +39,8 @@ def _after_early_end(scored: Exposures) -> int:
 
 
 def _frames(study: StudyData) -> dict[str, Any] | None:
-    frames = sum(_whole(t.get("frames")) for t in study.trials)
-    dropped = sum(_whole(t.get("dropped")) for t in study.trials)
+    frames = sum(whole_or_none(t.get("frames")) or 0 for t in study.trials)
+    dropped = sum(whole_or_none(t.get("dropped")) or 0 for t in study.trials)
     if not frames:
         return None
     trust = sorted({str(m["timing_trust"]) for m in study.manifests if m.get("timing_trust")})
@@ -97,7 +98,7 @@ def _asking_sessions(study: StudyData, plan: Plan) -> set[tuple[str, str]]:
 def _ratings(study: StudyData) -> dict[str, int] | None:
     if not study.ratings:
         return None
-    missed = sum(bool(_whole(r.get("missed"))) for r in study.ratings)
+    missed = sum(bool(whole_or_none(r.get("missed"))) for r in study.ratings)
     return {"asked": len(study.ratings), "missed": missed}
 
 
@@ -114,7 +115,3 @@ def _clamps(study: StudyData) -> list[dict[str, Any]]:
     """Every clamp that touched a stimulus, with the number of sessions that had it."""
     counts = Counter(str(c) for m in study.manifests for c in m.get("clamps", []))
     return [{"clamp": text, "sessions": n} for text, n in sorted(counts.items())]
-
-
-def _whole(text: str | None) -> int:
-    return int(text) if text and text.lstrip("-").isdigit() else 0

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import math
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort import __version__
+from vrcomfort.json_text import json_of
 from vrcomfort.report.asked import unused_timepoints
 from vrcomfort.report.comparisons import check_groups, run_comparisons
 from vrcomfort.report.contrasts import conditions_of, contrasts_of, run_tests
@@ -267,4 +267,4 @@ def plain(value: Any) -> Any:
 
 def to_json(results: dict[str, Any]) -> str:
     """Write results.json."""
-    return json.dumps(results, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return json_of(results) + "\n"

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.csv_table import whole_or_none
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -25,8 +27,8 @@ def stimulus_time(study: StudyData, conditions: Iterable[str]) -> list[dict[str,
     for condition in conditions:
         trials = [trial for trial in study.trials if trial["condition"] == condition]
         said = [trial for trial in trials if trial.get("live_s")]
-        shown = sum(_whole(trial.get("frames")) for trial in trials)
-        dropped = sum(_whole(trial.get("dropped")) for trial in trials)
+        shown = sum(whole_or_none(trial.get("frames")) or 0 for trial in trials)
+        dropped = sum(whole_or_none(trial.get("dropped")) or 0 for trial in trials)
         found.append({
             "condition": condition, "exposures": len(trials), "frames": shown,
             "dropped_percent": 100 * dropped / shown if shown else None,
@@ -79,9 +81,5 @@ def frames_by_condition(study: StudyData) -> list[tuple[str, ExposureFrames]]:
 
 
 def _key(trial: dict[str, str]) -> tuple[str, str, int, int]:
-    attempt = _whole(trial.get("attempt")) or 1
-    return trial["participant"], trial["session"], _whole(trial["trial"]), attempt
-
-
-def _whole(text: str | None) -> int:
-    return int(text) if text and text.lstrip("-").isdigit() else 0
+    number, attempt = whole_or_none(trial["trial"]) or 0, whole_or_none(trial.get("attempt")) or 1
+    return trial["participant"], trial["session"], number, attempt

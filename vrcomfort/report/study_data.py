@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from vrcomfort.csv_table import CsvTable, number_or_none
+from vrcomfort.csv_table import CsvTable, number_or_none, whole_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import (
     FOLDER,
@@ -23,8 +23,10 @@ from vrcomfort.questionnaire import (
     shipped_instruments,
 )
 from vrcomfort.recordings import ExposureFrames, Memory, frame_measures
+from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.json_file import DamagedError, read_json
 from vrcomfort.records.manifest_shape import DescribedShape, ManifestShape
+from vrcomfort.records.session_rows import ScreeningRow
 from vrcomfort.records.study import DESCRIPTION
 from vrcomfort.report.gaps import gaps, unreadable
 from vrcomfort.report.ordering import natural
@@ -43,6 +45,11 @@ _NEEDED_ELSEWHERE = {
     "screening.csv": ("participant", "rule", "decision"),
     "dials.csv": ("participant", "dial", "kind", "value"),
 }
+_COLUMNS: Mapping[str, tuple[str, ...]] = {
+    "participants.csv": ("participant", "status"),
+    **{each.FILE: each.columns() for each in (TrialRow, RatingRow, TaskRow, ScreeningRow, DialRow)},
+}
+"""Columns of every row; blank where the file lacks one."""
 _INSTEAD = ("tasks.csv", "dials.csv", "ratings.csv", "participants.csv")
 """What a study may have instead of questionnaires."""
 _NUMBERS = (
@@ -288,10 +295,10 @@ def _table(source: Path, name: str, warnings: list[str]) -> tuple[dict[str, str]
             warnings.append(f"{place}: not used, because it has no column {missing[0]}")
         else:
             found.require_numbers(_NUMBERS)
-            rows += found.dicts()
+            blank = dict.fromkeys(_COLUMNS[name], "")
+            rows += ({**blank, **row} for row in found.dicts())
     if name == "participants.csv":
         _require_each_once(source, rows)
-        rows = [{"status": "", **row} for row in rows]
     return tuple(rows)
 
 
@@ -307,7 +314,7 @@ def _require_each_once(source: Path, rows: list[dict[str, str]]) -> None:
 
 def _last_attempts(trials: tuple[dict[str, str], ...]) -> tuple[dict[str, str], ...]:
     """Leave out what was begun again later; a table without attempts stays as it is."""
-    if not all("attempt" in trial for trial in trials):
+    if not all(trial["attempt"] for trial in trials):
         return trials
     last = {(trial["participant"], trial["session"], trial["trial"]): trial for trial in trials}
     return tuple(last.values())
@@ -315,17 +322,17 @@ def _last_attempts(trials: tuple[dict[str, str], ...]) -> tuple[dict[str, str], 
 
 def _of_last_attempts(rows: tuple[dict[str, str], ...]) -> tuple[dict[str, str], ...]:
     """Leave out rows of attempts at a trial that was begun again later."""
-    if not all("attempt" in row for row in rows):
+    if not all(row["attempt"] for row in rows):
         return rows
     last: dict[tuple[str, ...], int] = {}
     for row in rows:
         key = tuple(row.get(name, "") for name in ("participant", "session", "trial"))
-        attempt = int(row["attempt"]) if row["attempt"].isdecimal() else 0
+        attempt = whole_or_none(row["attempt"]) or 0
         last[key] = max(attempt, last.get(key, 0))
     return tuple(
         row
         for row in rows
-        if (int(row["attempt"]) if row["attempt"].isdecimal() else 0)
+        if (whole_or_none(row["attempt"]) or 0)
         == last[tuple(row.get(name, "") for name in ("participant", "session", "trial"))]
     )
 

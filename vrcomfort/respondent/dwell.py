@@ -97,7 +97,7 @@ class Dwell:
 
 
 class LookDown:
-    """A look far down that rests: how somebody without a button asks to stop an exposure.
+    """A look far down that rests: a request to stop an exposure that needs no button.
 
     Parameters
     ----------

@@ -50,7 +50,7 @@ class PanelRespondent:
     dwell_s
         So long a look must rest on a cell, twice, to choose it, where there is no controller.
     look_down
-        How somebody without a button asks to stop an exposure; None: they cannot.
+        How a look asks to stop an exposure; None: none does.
     waiting_line
         Returns a line that an experimenter has typed, or None, without waiting.
     prompt
@@ -90,6 +90,7 @@ class PanelRespondent:
         self._scale: Page | None = None
         self._scale_until_s = 0.0
         self._stopping: Page | None = None
+        self._stop_by_look = False
         self._rating: int | None = None
         self._told: tuple[Telling, bool, Page] | None = None
 
@@ -113,12 +114,13 @@ class PanelRespondent:
         )
         asked = looked or pointing.stop or keys.STOP in pointing.letters
         if self._stopping is None and asked:
-            self._stopping = stop_page(self._words)
+            self._stopping, self._stop_by_look = stop_page(self._words), looked
             self._keys.forget()
             self._dwell.forget()
             self._take_decision(self._step(self._stopping, Pointing(letters=pointing.letters)))
         elif self._stopping is not None:
-            self._take_decision(self._step(self._stopping, pointing))
+            answering = _by_look(pointing) if self._stop_by_look else pointing
+            self._take_decision(self._step(self._stopping, answering))
         elif self._scale is not None:
             cell = self._step(self._scale, pointing)
             if cell is not None and cell.act is Act.ANSWER:
@@ -397,3 +399,10 @@ class PanelRespondent:
     def _hide(self) -> None:
         self._scale = self._stopping = self._drawn = None
         self._screen.show(None)
+
+
+def _by_look(pointing: Pointing) -> Pointing:
+    """Let looks answer where no controller points: it may lie somewhere, still tracked."""
+    if pointing.point is not None:
+        return pointing
+    return replace(pointing, point=pointing.looked, dwelling=True, unable=False)

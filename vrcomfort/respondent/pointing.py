@@ -25,7 +25,9 @@ class Pointing:
     unable
         True where nothing is seen that could point.
     down_deg
-        How far below the horizon somebody looks who has no button; None of others.
+        How far below the horizon they look; None where that is not known.
+    looked
+        Where they look, as `point`, whatever they point with: to answer what a look has asked.
     hand
         Which controller points (0 left, 1 right).
     arrow, digits, letters, enter
@@ -40,6 +42,7 @@ class Pointing:
     dwelling: bool = False
     unable: bool = False
     down_deg: float | None = None
+    looked: tuple[float, float] | None = None
     hand: int = 1
     arrow: tuple[int, int] = (0, 0)
     digits: str = ""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,6 +12,15 @@ from vrcomfort.geometry import Array, Pose, axis_angle
 from vrcomfort.settings.camera_path import PathPoint
 
 _SAME_PLACE_M = 1e-9
+
+
+class ShortenedTurn(NamedTuple):
+    """A step between two headings that turns the shorter way; `number` counts points from 1."""
+
+    number: int
+    from_deg: float
+    to_deg: float
+    turned_deg: float
 
 
 class CameraPath:
@@ -24,12 +34,22 @@ class CameraPath:
     ----------
     points
         At least two, times rising from 0.
+    unwrapped
+        Whether headings turn as far as is written; those that are not, the shorter way.
+
+    Attributes
+    ----------
+    shortened
+        Steps of 180 degrees or more that are written and not turned.
     """
 
-    def __init__(self, points: Sequence[PathPoint]) -> None:
+    def __init__(self, points: Sequence[PathPoint], *, unwrapped: bool = False) -> None:
         self._times_s = np.array([point.time_s for point in points])
         positions = np.array([point.position for point in points])
-        self._knots = np.column_stack([positions, np.unwrap(_yaws_rad(points, positions))])
+        yaws_rad = _yaws_rad(points, positions)
+        yaws_rad = _as_written(points, yaws_rad) if unwrapped else np.unwrap(yaws_rad)
+        self.shortened = () if unwrapped else tuple(_shortened(points, yaws_rad))
+        self._knots = np.column_stack([positions, yaws_rad])
         self._slopes = _monotone_slopes(self._times_s, self._knots)
 
     @property
@@ -98,3 +118,23 @@ def _yaws_rad(points: Sequence[PathPoint], positions: Array) -> Array:
             for point, ahead in zip(points, ahead_rad, strict=True)
         ]
     )
+
+
+def _as_written(points: Sequence[PathPoint], yaws_rad: Array) -> Array:
+    """Return the (n,) headings with all turns that are written; others turn the shorter way."""
+    turned = yaws_rad.copy()
+    for index in range(1, len(points)):
+        if points[index].yaw_deg is None:
+            step_rad = turned[index] - turned[index - 1]
+            turned[index] -= 2 * np.pi * np.round(step_rad / (2 * np.pi))
+    return turned
+
+
+def _shortened(points: Sequence[PathPoint], yaws_rad: Array) -> Iterator[ShortenedTurn]:
+    turned_deg = np.degrees(np.diff(yaws_rad))
+    for index, (before, after) in enumerate(pairwise(points)):
+        if before.yaw_deg is None or after.yaw_deg is None:
+            continue
+        if abs(after.yaw_deg - before.yaw_deg) >= 180:
+            turn_deg = float(turned_deg[index])
+            yield ShortenedTurn(index + 1, before.yaw_deg, after.yaw_deg, turn_deg)

@@ -107,6 +107,9 @@ class SceneryPath(Settings):
 
     points: PathPoints
     """Floor points with times."""
+    unwrapped: bool = False
+    """Whether `yaw_deg` turns as far as is written, from 0 to 360 once round to the left; without
+    it, headings turn the shorter way."""
 
 
 class Ramp(Settings):
@@ -326,7 +329,10 @@ def _viewpoints(side_car: SideCar) -> dict[str, Pose]:
 
 
 def _paths(side_car: SideCar) -> dict[str, CameraPath]:
-    return {name: CameraPath(path.points) for name, path in side_car.paths.items()}
+    return {
+        name: CameraPath(path.points, unwrapped=path.unwrapped)
+        for name, path in side_car.paths.items()
+    }
 
 
 def _nodes(

@@ -2,21 +2,21 @@
 
 from vrcomfort.session.clock import Clock, VirtualClock, WallClock
 from vrcomfort.session.context import SessionSettings
-from vrcomfort.session.enrolment import Enrolment, open_enrolment
+from vrcomfort.session.enrolment import OpenEnrolment, open_enrolment
 from vrcomfort.session.interfaces import HeadsetFor, LoadScene, Renderer
 from vrcomfort.session.manifest_writer import headset_facts
 from vrcomfort.session.no_frames import NoPictures, StillHeadset, scenes_for
-from vrcomfort.session.participant_sessions import Outcome
+from vrcomfort.session.participant_sessions import RunOutcome
 from vrcomfort.session.run import run
 
 __all__ = [
     "Clock",
-    "Enrolment",
     "HeadsetFor",
     "LoadScene",
     "NoPictures",
-    "Outcome",
+    "OpenEnrolment",
     "Renderer",
+    "RunOutcome",
     "SessionSettings",
     "StillHeadset",
     "VirtualClock",

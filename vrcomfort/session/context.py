@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from vrcomfort.headset.sound import Speaker
+from vrcomfort.headset.watchdog import Watchdog
 from vrcomfort.operator_interface import NoOperator, ProgressCallback, no_progress
 from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import Durability, Machine
@@ -17,7 +18,6 @@ from vrcomfort.session.interfaces import (
     NoRelay,
     Relay,
     Renderer,
-    Watchdog,
 )
 from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.panel_screen import PanelScreen

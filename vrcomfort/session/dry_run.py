@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +17,8 @@ from vrcomfort.session.context import SessionSettings
 from vrcomfort.session.enrolment import open_enrolment
 from vrcomfort.session.no_frames import NoPictures, StillHeadset, scenes_for
 from vrcomfort.session.run import run
+from vrcomfort.tasks import OwnTask
+from vrcomfort.tasks.exploration import Exploration
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,8 @@ class SessionLength:
         Blank without groups.
     questions_s
         At the pace of simulated participants.
+    in_a_row, in_a_row_s
+        Most exposures that follow each other without a rest, and how long they are together.
     """
 
     group: str
@@ -37,6 +42,8 @@ class SessionLength:
     training_s: float
     rest_s: float
     questions_s: float
+    in_a_row: int
+    in_a_row_s: float
 
     @property
     def total_s(self) -> float:
@@ -58,6 +65,7 @@ def dry_run(protocol: Protocol, folder: Path) -> list[SessionLength]:
         If a session does not come to its end.
     """
     study = folder / "dry_run"
+    protocol = _without_task_code(protocol)
     design = build_design(protocol)
     wanted = {group.name for group in protocol.groups} or {""}
     lengths: list[SessionLength] = []
@@ -106,6 +114,23 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
     return outcome.sequence
 
 
+def _without_task_code(protocol: Protocol) -> Protocol:
+    """Return the protocol with nothing to do in place of own tasks: their code is not run.
+
+    Nothing is hit or scored in them, which must not end a session after practice.
+    """
+    own = {each.name for each in protocol.tasks if isinstance(each, OwnTask)}
+    if not own:
+        return protocol
+    practice = [each.model_copy(update={"otherwise": "go_on"}) for each in protocol.practice]
+    without = protocol.model_copy(update={"practice": tuple(practice)})
+    without._tasks = {
+        name: Exploration(name=name, kind="exploration") if name in own else task
+        for name, task in protocol._tasks.items()
+    }
+    return without
+
+
 def _steps_hz(protocol: Protocol) -> float:
     """Return how often a second tasks go on: coarser than people would, but of any length."""
     return max(4.0, 20 / protocol.longest_s)
@@ -121,6 +146,25 @@ def _length(study: Path, name: str, group: str, sequence: str, session: int) -> 
     known = {f"{what}_s": lasted(what) for what in ("exposure", "training", "rest")}
     known["training_s"] += lasted("practice") + lasted("eye_height")
     end_s = max(float(event["onset_s"]) for event in events if event["name"] == "session_end")
+    in_a_row, in_a_row_s = _most_in_a_row(events)
     return SessionLength(
-        group, sequence, session, questions_s=max(end_s - sum(known.values()), 0.0), **known
+        group,
+        sequence,
+        session,
+        questions_s=max(end_s - sum(known.values()), 0.0),
+        in_a_row=in_a_row,
+        in_a_row_s=in_a_row_s,
+        **known,
     )
+
+
+def _most_in_a_row(events: Sequence[Mapping[str, str]]) -> tuple[int, float]:
+    """Return how many exposures follow each other without a rest, at most, and for how long."""
+    most = now = (0, 0.0)
+    for event in events:
+        if event["name"] == "rest":
+            now = (0, 0.0)
+        elif event["name"] == "exposure":
+            now = (now[0] + 1, now[1] + float(event["duration_s"] or 0))
+            most = max(most, now)
+    return most

@@ -206,7 +206,8 @@ class FrameLoop:
             self.log.add_hidden(frame)
             self.context.operators.interface.see(frame, None, self.log.timing)
             return False
-        if frame.unfocused and self.context.protocol.unfocused == "pause":
+        unfocused = frame.unfocused and self.context.protocol.unfocused == "pause"
+        if unfocused or not frame.seen:
             self._draw(self._carried(frame), stimulus)
             return False
         return True
@@ -256,7 +257,8 @@ class FrameLoop:
             balls=self._task.changed() if self._task and stimulus.trial else (),
         )
         self.context.operators.interface.see(frame, rendered, self.log.timing)
-        self._pass_on(frame, stimulus)
+        if frame.seen:
+            self._pass_on(frame, stimulus)
 
     def _with_patch(self, frame: Frame) -> Frame:
         """Return a frame with the patch for a photodiode: black in training."""

@@ -31,10 +31,9 @@ from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.eye_height import EyeHeight
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.free_text import FreeTexts
 from vrcomfort.session.gaze_validation import Validation
 from vrcomfort.session.instructor import Instructor
-from vrcomfort.session.interview import Interview, OpenQuestions
+from vrcomfort.session.interview import FreeTexts, Interview, OpenQuestions
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.practice import PracticeRunner
 from vrcomfort.session.remaining import SessionTime
@@ -155,9 +154,14 @@ class SessionFlow:
         time = SessionTime(planned, self._events.now_s)
         words = self._context.protocol.words
         self._operators.attach(self._events, self._context.screen, words=words, time=time)
-        shown = tuple((place.scene, place.condition or "") for place in self._places)
-        name, who = self._context.sequence.name, self._context.participant
-        order = SessionOrder(who, self._events.session, name, shown, time.remaining_s)
+        order = SessionOrder(
+            self._context.participant,
+            self._events.session,
+            self._context.sequence.name,
+            tuple(each.name for each in planned),
+            lambda: time.position,
+            time.remaining_s,
+        )
         self._operators.interface.open(order)
 
     def _run_step(self, step: Step, *, after_withdrawal: bool = False) -> None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import NamedTuple, Protocol
 
-from vrcomfort.frame import DrawnFrame, FocusSample, Frame, GazeHit, GpuTime, ImageHash
+from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash, RenderResult
 from vrcomfort.records import BallRow, FrameRow, GazeRow, ImageRow, Row
 from vrcomfort.scene.markers import Shown
 from vrcomfort.session.timing import TrialTiming, missed_refreshes
@@ -84,7 +84,7 @@ class FrameLog:
     def add(
         self,
         frame: Frame,
-        rendered: DrawnFrame | None,
+        rendered: RenderResult | None,
         *,
         trial: int,
         session_s: float,
@@ -151,7 +151,7 @@ class FrameLog:
         if before_ns is not None and not frame.discontinuity:
             missed = missed_refreshes(now_ns - before_ns, frame.period_ns)
             timing.intervals.add((now_ns - before_ns) / 1e6)
-        self._shown_ns = now_ns
+        self._shown_ns = now_ns if frame.seen else None  # nobody waits for the next one
         timing.frames += 1
         timing.dropped += missed > 0
         timing.missed_refreshes += missed

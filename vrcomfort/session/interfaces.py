@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
-from vrcomfort.frame import DrawnFrame, FocusSample, Frame, GazeHit, GpuTime, ImageHash
+from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash, RenderResult
 from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Condition
@@ -24,7 +23,7 @@ class Renderer(Protocol):
     def adjust(self, condition: Condition) -> None:
         """Change settings of the present condition between two frames."""
 
-    def render(self, frame: Frame, scene_time_s: float) -> DrawnFrame:
+    def render(self, frame: Frame, scene_time_s: float) -> RenderResult:
         """Draw both eyes."""
 
     def drain(self) -> Sequence[FocusSample]:
@@ -79,16 +78,6 @@ class Looks(Protocol):
 
     def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze | None:
         """Return the gaze in the stage; `point` (3,) is what is to be looked at."""
-
-
-class Watchdog(Protocol):
-    """Sees when the headset's runtime hangs, and can end the program then."""
-
-    def guard(self, close: Callable[[], None]) -> AbstractContextManager[None]:
-        """Have records closed by `close` if that happens inside of the context.
-
-        It is called in another thread, while the session's own hangs.
-        """
 
 
 class Relay(Protocol):

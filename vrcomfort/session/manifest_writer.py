@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Protocol, runtime_checkable
+from typing import Any, Literal
 
 from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Protocol as StudyProtocol
@@ -10,18 +10,7 @@ from vrcomfort.records import Manifest, Recorder
 from vrcomfort.records.study import now
 from vrcomfort.records.wall_clock import WallClockWatch
 from vrcomfort.render.effects.depth_of_field.blur_limit import unlimited
-from vrcomfort.respondent import Respondent
-
-
-@runtime_checkable
-class Remembering(Protocol):
-    """A respondent that can be put back into the state it was in, such as a simulated one."""
-
-    def memory(self) -> dict[str, Any]:
-        """Return that state as plain JSON."""
-
-    def recall(self, memory: dict[str, Any]) -> None:
-        """Be in that state again."""
+from vrcomfort.respondent import Respondent, SimulatedRespondent
 
 
 class ManifestWriter:
@@ -37,13 +26,13 @@ class ManifestWriter:
     def open(self) -> None:
         """Write the manifest, with the memory that a continued session begins with."""
         memory = self._manifest.memory
-        if memory is not None and isinstance(self._respondent, Remembering):
+        if memory is not None and isinstance(self._respondent, SimulatedRespondent):
             self._respondent.recall(memory)
         self.boundary()
 
     def boundary(self) -> None:
         """Remember the respondent: no exposure is under way, a continuation may begin here."""
-        if isinstance(self._respondent, Remembering):
+        if isinstance(self._respondent, SimulatedRespondent):
             self._manifest.memory = self._respondent.memory()
         self._manifest.under_way = None
         self._write()
@@ -103,7 +92,8 @@ class ManifestWriter:
         """Enter the headset; what it only tells when it has shown something is entered then."""
         self._headset = headset
         before = self._manifest.headset
-        facts = {**headset_facts(headset), **before}  # what was noted first stays
+        told = {name: fact for name, fact in before.items() if (name, fact) != ("refresh_hz", 0.0)}
+        facts = {**headset_facts(headset), **told}  # what was noted first stays
         if facts != before:
             self._manifest.headset = facts
             self._write()

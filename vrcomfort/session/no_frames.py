@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from vrcomfort.frame import (
 from vrcomfort.geometry import Fov, Pose, View
 from vrcomfort.protocol import Condition
 from vrcomfort.protocol import Protocol as StudyProtocol
+from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.scene.load import load_scene
 from vrcomfort.session.exposure import Ending, FrameLoop, Stimulus
 from vrcomfort.session.interfaces import LoadScene
@@ -29,14 +30,6 @@ from vrcomfort.session.standing import without_meshes
 
 STEPS_HZ = 20.0
 """So often something happens in tasks and in validations of the gaze, which go step by step."""
-
-
-@runtime_checkable
-class Foretells(Protocol):
-    """A respondent who knows when something will happen to them: a simulated participant."""
-
-    def next_s(self, elapsed_s: float) -> float:
-        """Return when, after a time of the exposure; infinite: not any more."""
 
 
 class EventLoop(FrameLoop):
@@ -68,7 +61,7 @@ class EventLoop(FrameLoop):
         """Return the next moment of the protocol's time in which something happens."""
         respondent = self.context.respondent
         times = [math.inf if schedule is None else schedule.next_s]
-        if isinstance(respondent, Foretells):
+        if isinstance(respondent, SimulatedRespondent):
             times.append(respondent.next_s(self.felt_s))
         return max(min(times), self.felt_s)
 

@@ -151,10 +151,11 @@ class PanelScreen:
         pressed last.
         """
         inputs = self._headset.inputs()
-        keys = inputs.keys
+        keys, look = inputs.keys, self._look(inputs)
         return replace(
             self._pointed(inputs),
-            down_deg=self._down_deg(inputs),
+            down_deg=float(np.degrees(np.arcsin(np.clip(-look.forward[1], -1.0, 1.0)))),
+            looked=self._hit(look),
             back=inputs.back,
             stop=inputs.stop,
             arrow=keys.arrow,
@@ -177,18 +178,10 @@ class PanelScreen:
             return Pointing(self._hit(self._headset.head_pose), dwelling=True)
         return Pointing(point, dwelling=point is not None, unable=not seen)
 
-    def _down_deg(self, inputs: Inputs) -> float | None:
-        """Return how far down somebody looks who has no button to press; None of others."""
+    def _look(self, inputs: Inputs) -> Pose:
+        """Return the look that may ask to stop: the eyes', or else the head's."""
         gaze = inputs.gaze
-        if any(hand.aim for hand in inputs.hands):
-            return None
-        if gaze is not None and gaze.valid:
-            look = gaze.pose
-        elif self._points_with_head:
-            look = self._headset.head_pose
-        else:
-            return None
-        return float(np.degrees(np.arcsin(np.clip(-look.forward[1], -1.0, 1.0))))
+        return gaze.pose if gaze is not None and gaze.valid else self._headset.head_pose
 
     def show_loading(self) -> None:
         """Show that something is being loaded: runtimes show the last frame until another comes."""

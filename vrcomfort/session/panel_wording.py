@@ -24,7 +24,7 @@ _Text: TypeAlias = tuple[str, str, KeyPath]
 """Its name in a sentence, the text itself, and its key."""
 
 
-def wording_faults(protocol: Protocol, *, asked_aloud: bool = False) -> Iterator[InputError]:
+def undrawable_wording(protocol: Protocol, *, asked_aloud: bool = False) -> Iterator[InputError]:
     """Yield texts that the panel cannot draw, of a protocol in a participant's language.
 
     Parameters

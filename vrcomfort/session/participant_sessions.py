@@ -29,7 +29,7 @@ RUNTIME_HUNG = "runtime_hung"
 
 
 @dataclass(frozen=True)
-class Outcome:
+class RunOutcome:
     """How far a participant came.
 
     Parameters
@@ -67,7 +67,7 @@ class ParticipantSessions:
     interrupted: Mapping[int, Interrupted]
     notices: list[str] = field(default_factory=list)
 
-    def run(self, numbers: Iterable[int]) -> Outcome:
+    def run(self, numbers: Iterable[int]) -> RunOutcome:
         """Run sessions until one is not completed."""
         ran: list[int] = []
         for number in numbers:
@@ -91,9 +91,9 @@ class ParticipantSessions:
         )
         return self._outcome(status_now, ran, note)
 
-    def _outcome(self, status: str, ran: list[int], note: str = "") -> Outcome:
+    def _outcome(self, status: str, ran: list[int], note: str = "") -> RunOutcome:
         name, warnings = self.context.sequence.name, tuple(self.notices)
-        return Outcome(self.context.participant, name, status, tuple(ran), note, warnings)
+        return RunOutcome(self.context.participant, name, status, tuple(ran), note, warnings)
 
     def _session(self, number: int) -> tuple[SessionStatus, str]:
         context = self.context

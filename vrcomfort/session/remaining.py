@@ -73,6 +73,11 @@ class SessionTime:
         if began_s is not None:
             self._paused_s += self._now_s() - began_s
 
+    @property
+    def position(self) -> int:
+        """Return the number of planned steps that have begun, or were passed over."""
+        return self._at + 1
+
     def remaining_s(self) -> float:
         """Return the time that is expected to be left."""
         later_s = sum(self._expected_s(step) for step in self._steps[self._at + 1 :])

@@ -5,11 +5,11 @@ from __future__ import annotations
 from vrcomfort.records import enrol
 from vrcomfort.records.consents import note_consent
 from vrcomfort.session.context import SessionContext, SessionSettings
-from vrcomfort.session.enrolment import Enrolment
-from vrcomfort.session.participant_sessions import Outcome, ParticipantSessions
+from vrcomfort.session.enrolment import OpenEnrolment
+from vrcomfort.session.participant_sessions import ParticipantSessions, RunOutcome
 
 
-def run(enrolment: Enrolment, settings: SessionSettings) -> Outcome:
+def run(enrolment: OpenEnrolment, settings: SessionSettings) -> RunOutcome:
     """Run the sessions that an enrolment has chosen.
 
     Parameters
@@ -19,7 +19,7 @@ def run(enrolment: Enrolment, settings: SessionSettings) -> Outcome:
 
     Returns
     -------
-    Outcome
+    RunOutcome
         Ctrl-C ends in status "aborted", with everything written and all files closed.
 
     Raises

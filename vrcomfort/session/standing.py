@@ -55,7 +55,7 @@ def stand(scene: Any, view: View, *, walks: bool) -> Standing:
 
 def _path(scene: Scene, view: View) -> CameraPath | None:
     if view.points is not None:
-        return CameraPath(view.points)
+        return CameraPath(view.points, unwrapped=view.unwrapped)
     return None if view.path is None else _named(scene.paths, "path", view.path, view)
 
 
@@ -92,7 +92,7 @@ def place_faults(protocol: Protocol, load_scene: LoadScene | None = None) -> Ite
         key = ("views", index, "path" if view.path else "viewpoint" if view.viewpoint else "points")
         source = protocol.scene_source(view.name)
         try:
-            path = stand(without_meshes(source), view, walks=True).path
+            path = _path_of(protocol, view)
         except InputError as error:
             yield protocol.fault(key, error.message)
             continue
@@ -103,6 +103,30 @@ def place_faults(protocol: Protocol, load_scene: LoadScene | None = None) -> Ite
         if load_scene is not None:
             for sentence in _leaves(path, load_scene(source)):
                 yield protocol.fault(key, sentence)
+
+
+def _path_of(protocol: Protocol, view: View) -> CameraPath | None:
+    return stand(without_meshes(protocol.scene_source(view.name)), view, walks=True).path
+
+
+def shortened_turns(protocol: Protocol) -> Iterator[str]:
+    """Yield a sentence for each step of 180 degrees or more that a path does not turn as written.
+
+    Views that `place_faults` refuses are passed over.
+    """
+    for view in protocol.views:
+        try:
+            path = _path_of(protocol, view)
+        except InputError:
+            continue
+        where = f"[paths.{view.path}] of the side-car" if view.path else f"the view `{view.name}`"
+        for turn in path.shortened if path else ():
+            yield (
+                f"{where}: from point {turn.number} to point {turn.number + 1} `yaw_deg` goes from "
+                f"{turn.from_deg:g} to {turn.to_deg:g}, but headings turn the shorter way, here by "
+                f"{turn.turned_deg:.0f} degrees; write `unwrapped = true` there to turn by "
+                f"{turn.to_deg - turn.from_deg:g}"
+            )
 
 
 def _leaves(path: CameraPath, scene: Scene) -> Iterator[str]:

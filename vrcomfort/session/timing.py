@@ -65,7 +65,7 @@ class SeenTime:
     frozen_s
         A frame stood for longer: refreshes passed without a new one.
     hidden_s
-        Nothing was seen: the headset was taken off or asleep.
+        Nothing was seen: the headset was taken off or asleep, or the runtime wanted no picture.
     unfocused_s
         The frame was shown, and something of the runtime's had the input.
     """
@@ -83,7 +83,7 @@ class SeenTime:
         if before is None:
             return
         passed_ns = frame.predicted_display_time_ns - before.predicted_display_time_ns
-        if not before.paused:
+        if before.seen:
             seen_ns = seen_between_ns(before, frame)
             self.hidden_s += max(passed_ns - seen_ns, 0) / 1e9
             passed_ns = seen_ns
@@ -96,7 +96,7 @@ class SeenTime:
             self._frame = None
 
     def _count(self, frame: Frame, passed_ns: int) -> None:
-        if frame.paused:
+        if not frame.seen:
             self.hidden_s += passed_ns / 1e9
             return
         late = passed_ns > DROPPED_INTERVAL_PERIODS * frame.period_ns

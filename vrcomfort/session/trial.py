@@ -15,9 +15,8 @@ from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.timeline import TrialPlace
 from vrcomfort.records import ENDED_THE_STUDY, Interrupted, TrialRow
 from vrcomfort.respondent import Exposure, Withdrew
-from vrcomfort.session.adjustment_run import AdjustmentRun
+from vrcomfort.session.adjustment import AdjustmentRun, Several, SliderRun
 from vrcomfort.session.context import SessionContext
-from vrcomfort.session.dial_run import Several
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
@@ -26,7 +25,6 @@ from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.no_frames import EventLoop
 from vrcomfort.session.operator_control import Redone, Skipped
 from vrcomfort.session.ratings import RatingSchedules, schedules_of
-from vrcomfort.session.slider_run import SliderRun
 from vrcomfort.session.standing import Standing, stand
 from vrcomfort.session.stop_rules import StopRule, trial_ending
 from vrcomfort.session.task_run import TaskRun

@@ -16,6 +16,7 @@ from vrcomfort.settings.reading import (
     reserved,
     union_tag,
 )
+from vrcomfort.settings.toml_text import toml_key, toml_value
 
 __all__ = [
     "KeyPath",
@@ -31,5 +32,7 @@ __all__ = [
     "read_text",
     "repeated",
     "reserved",
+    "toml_key",
+    "toml_value",
     "union_tag",
 ]

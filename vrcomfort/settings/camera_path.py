@@ -22,7 +22,8 @@ class PathPoint(Settings):
     position: tuple[_Finite, _Finite, _Finite]
     """The point under the participant, metres; their eyes are as high above it as they are."""
     yaw_deg: _Finite | None = None
-    """Heading, turned to the left from -Z; without it, towards the next point."""
+    """Heading, turned to the left from -Z; without it, towards the next point. From one point to
+    the next it turns the shorter way, or with `unwrapped` as far as is written."""
 
 
 def _timed(points: tuple[PathPoint, ...]) -> tuple[PathPoint, ...]:

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from datetime import date, datetime, time
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -16,11 +14,11 @@ from vrcomfort.errors import InputError
 from vrcomfort.settings.locate import Path as KeyPath
 from vrcomfort.settings.locate import Places, locate
 from vrcomfort.settings.reading import Place, Problem, parse_data, problems_at, read_text, read_toml
+from vrcomfort.settings.toml_text import toml_key, toml_value
 
 Model = TypeVar("Model", bound=BaseModel)
 
 INCLUDE = "include"
-_WORD = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-")
 
 
 @dataclass(frozen=True)
@@ -174,36 +172,15 @@ def _copied(value: Any) -> Any:
 def to_toml(data: Mapping[str, Any]) -> str:
     """Return TOML text that reads back as `data`: keys, then tables, then lists of tables."""
     simple = {k: v for k, v in data.items() if not isinstance(v, dict) and not _are_tables(v)}
-    lines = [f"{_key(key)} = {_value(value)}" for key, value in simple.items()]
+    lines = [f"{toml_key(key)} = {toml_value(value)}" for key, value in simple.items()]
     for key, value in data.items():
         if isinstance(value, dict):
-            lines += ["", f"[{_key(key)}]", *_pairs(value)]
+            lines += ["", f"[{toml_key(key)}]", *_pairs(value)]
     for key, value in data.items():
         for table in value if _are_tables(value) else ():
-            lines += ["", f"[[{_key(key)}]]", *_pairs(table)]
+            lines += ["", f"[[{toml_key(key)}]]", *_pairs(table)]
     return "\n".join(lines) + "\n"
 
 
 def _pairs(table: Mapping[str, Any]) -> list[str]:
-    return [f"{_key(key)} = {_value(value)}" for key, value in table.items()]
-
-
-def _key(key: str) -> str:
-    return key if key and set(key) <= _WORD else _quoted(key)
-
-
-def _quoted(text: str) -> str:
-    """Return a TOML string: as JSON writes it, and DEL escaped."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return _quoted(value)
-    if isinstance(value, dict):
-        return "{ " + ", ".join(_pairs(value)) + " }" if value else "{}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_value, value)) + "]"
-    return value.isoformat() if isinstance(value, date | datetime | time) else repr(value)
+    return [f"{toml_key(key)} = {toml_value(value)}" for key, value in table.items()]

@@ -12,7 +12,7 @@ from vrcomfort.tasks.base import (
     angle_deg,
 )
 from vrcomfort.tasks.kinds import AnyTask, OwnTask
-from vrcomfort.tasks.own import settings_of_file
+from vrcomfort.tasks.own import own_task_file, run_task_file
 
 __all__ = [
     "AnyTask",
@@ -26,5 +26,6 @@ __all__ = [
     "Task",
     "TaskSettings",
     "angle_deg",
-    "settings_of_file",
+    "own_task_file",
+    "run_task_file",
 ]

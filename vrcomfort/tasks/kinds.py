@@ -36,7 +36,7 @@ class OwnTask(TaskSettings):
 
 def _tag(table: Any) -> str:
     kind = table.get("kind") if isinstance(table, dict) else getattr(table, "kind", None)
-    return union_tag(str(kind) if kind in SHIPPED else "own")
+    return union_tag(kind if isinstance(kind, str) and kind in SHIPPED else "own")
 
 
 AnyTask: TypeAlias = Annotated[

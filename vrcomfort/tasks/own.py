@@ -3,35 +3,55 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import sys
 from pathlib import Path
+from types import ModuleType
 
 from vrcomfort.errors import InputError
 from vrcomfort.tasks.base import TaskSettings
 
 
-def settings_of_file(file: Path) -> type[TaskSettings]:
-    """Return the settings class that a Python file calls `TASK`.
+def own_task_file(folder: Path, kind: str) -> Path:
+    """Return the file of a task; it is not run.
 
-    The file is run: it is code of the lab's, as the protocol beside it is.
+    Parameters
+    ----------
+    folder
+        The protocol's.
+    kind
+        The path that the protocol gives, relative to `folder`.
 
     Raises
     ------
     InputError
-        If there is no such file, it cannot be run, or has no such class.
+        If there is no such file, or it lies outside of the folder, links followed.
     """
+    file = folder / kind
     if not file.is_file():
         raise InputError("there is no such task file; put it beside the protocol", file=file)
+    if not file.resolve().is_relative_to(folder.resolve()):
+        message = f"this task file is outside of the protocol's folder {folder.resolve()}"
+        raise InputError(f"{message}, and is never run; copy it into that folder", file=file)
+    return file
+
+
+def run_task_file(file: Path) -> tuple[type[TaskSettings], str]:
+    """Run a Python file; return the settings class that it calls `TASK`, and the file's SHA-256.
+
+    Raises
+    ------
+    InputError
+        If it cannot be run, or has no such class.
+    """
     # A name of its own for each file, so that pydantic finds its classes' modules again.
     name = f"vrcomfort_task_{hashlib.sha256(str(file.resolve()).encode()).hexdigest()[:16]}"
-    spec = importlib.util.spec_from_file_location(name, file)
-    if spec is None or spec.loader is None:
-        raise InputError("this cannot be a Python file; a task is one", file=file)
-    module = importlib.util.module_from_spec(spec)
+    module = ModuleType(name)
+    module.__file__ = str(file)
     sys.modules[name] = module
     try:
-        spec.loader.exec_module(module)
+        # The bytes that are hashed are those that run: no cached .pyc comes between.
+        code = file.read_bytes()
+        exec(compile(code, str(file), "exec"), module.__dict__)  # noqa: S102 - see docs/tasks.md
     except Exception as error:  # whatever a lab's file raises, it is told where
         message = f"this task cannot be read: {type(error).__name__}: {error}"
         raise InputError(message, file=file) from error
@@ -39,4 +59,4 @@ def settings_of_file(file: Path) -> type[TaskSettings]:
     if not (isinstance(found, type) and issubclass(found, TaskSettings)):
         message = "this file has no `TASK = …`: the settings class of a task"
         raise InputError(f"{message} (docs/tasks.md)", file=file)
-    return found
+    return found, hashlib.sha256(code).hexdigest()

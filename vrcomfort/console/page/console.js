@@ -78,7 +78,7 @@ function show(now) {
     showQuestion(state.question || null);
     showRatings();
     showFrames(state.frame);
-    showOrder();
+    showTimeline();
   }
   showLines();
   for (const [id, refusal] of state.replies) {
@@ -297,12 +297,14 @@ function showFrames(frame) {
   at("frames").replaceChildren(...rows.flatMap(([name, value]) => [make("dt", name), make("dd", value)]));
 }
 
-function showOrder() {
-  const text = JSON.stringify([state.order, state.trial]);
-  if (at("order").dataset.shown === text) return;
-  at("order").dataset.shown = text;
-  at("order").replaceChildren(...state.order.map(([scene, condition], index) =>
-    make("li", `${condition} in ${scene}`, index + 1 === state.trial ? { "aria-current": "step" } : {})));
+function showTimeline() {
+  const list = at("timeline"), text = JSON.stringify([state.timeline, state.position]);
+  if (list.dataset.shown === text) return;
+  list.dataset.shown = text;
+  list.replaceChildren(...state.timeline.map((name, index) =>
+    make("li", name, index + 1 === state.position ? { "aria-current": "step" } : {})));
+  const now = list.querySelector("[aria-current]");
+  if (now) list.scrollTop = now.offsetTop - list.offsetTop - list.clientHeight / 2;
 }
 
 function showLines() {

@@ -5,10 +5,11 @@ from __future__ import annotations
 import csv
 import gzip
 import io
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
+
+from vrcomfort.json_text import json_of
 
 MISSING = "n/a"
 
@@ -16,7 +17,7 @@ MISSING = "n/a"
 def write_json(file: Path, content: Mapping[str, Any]) -> None:
     """Write a sidecar."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    file.write_text(json_of(content) + "\n", encoding="utf-8")
 
 
 def write_tsv(file: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

@@ -85,7 +85,7 @@ def write_motion(stem: Path, run: Run, system: TrackingSystem, facts: dict[str, 
     samples = stem.with_name(f"{stem.name}_motion.tsv")
     start_s = run.start_s
     write_samples(samples, (_sample(row, columns, start_s) for row in run.frames))
-    channels = [
+    channels: list[tuple[str, ...]] = [
         (f"{point}_{component}", component, each.channel, point, each.unit, point, STAGE)
         for point, component, each in of_points
     ]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying.answers import (
     check_answers,
@@ -270,7 +271,7 @@ def _check_doings(recorded: Recorded, manifest: Mapping[str, Any], found: Verifi
 def _not_recorded(events: Iterable[RecordedRow]) -> int:
     """Return how many frames have no row, as the events say."""
     words = (e["detail"].partition(" ")[0] for e in events if e["name"] == "frames_not_recorded")
-    return sum(int(word) for word in words if word.isdecimal())
+    return sum(whole_or_none(word) or 0 for word in words)
 
 
 def check_order(
@@ -288,7 +289,7 @@ def check_order(
     """
     done: set[int] = set()
     for line, row in enumerate(rows, start=2):
-        number = int(row["trial"]) if row["trial"].isdecimal() else 0
+        number = whole_or_none(row["trial"]) or 0
         if not 1 <= number <= len(planned):
             message = f"this participant's order has {len(planned)} trials, and no {number}"
             found.fault(file, f"{message}; {_RESTORE}", line)

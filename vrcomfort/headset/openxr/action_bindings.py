@@ -45,7 +45,7 @@ class Profile:
 
 _TRIGGER = {"select": "input/trigger/value", "move": "input/thumbstick"}
 _XY = {**_TRIGGER, "back": "input/y/click", "stop": "input/menu/click"}
-_AB = {**_TRIGGER, "back": "input/b/click"}
+_AB = {**_TRIGGER, "back": "input/b/click", "stop": "input/a/click"}
 _SIMPLE = {"select": "input/select/click", "stop": "input/menu/click"}
 _INDEX = {
     "select": "input/trigger/click",
@@ -98,8 +98,8 @@ PROFILES = (
         ticks=False,
     ),
 )
-"""``stop`` is the menu button where an application may have it, and A on the Index; bare
-hands have none, and stop with two fists."""
+"""``stop`` is the menu button where an application may have it, else A: on the Index, and on right
+controllers whose menu button is the runtime's. Bare hands have none, and stop with two fists."""
 
 GAZE_PROFILE = "ext/eye_gaze_interaction"
 GAZE_PATH = "/user/eyes_ext/input/gaze_ext/pose"

@@ -16,7 +16,7 @@ from vrcomfort.headset.openxr.convert import pose_from_xr
 from vrcomfort.headset.openxr.each_eye import EachEye, both
 from vrcomfort.headset.openxr.instance import Runtime
 from vrcomfort.headset.openxr.native import check, native, watched
-from vrcomfort.headset.openxr.spaces import VALID, Stage
+from vrcomfort.headset.openxr.spaces import LOCATION_FLAGS, VALID, Stage
 
 TICK_NS = 30_000_000
 TICK_AMPLITUDE = 0.4
@@ -140,7 +140,7 @@ class Actions:
         location = xr.SpaceLocation(next=seen)
         locate = xr.raw_functions.xrLocateSpace
         check(locate(self._gaze_space, stage.space, time_ns, ctypes.byref(location)))
-        flags = location._location_flags  # the enum costs 10 µs
+        flags = LOCATION_FLAGS(location)
         if flags & VALID != VALID:
             return SeenGaze(Pose(), valid=False, time_ns=int(seen.time))
         pose = pose_from_xr(location.pose)

@@ -8,6 +8,7 @@ from contextlib import ExitStack, suppress
 import moderngl
 import xr
 
+from vrcomfort.errors import InputError
 from vrcomfort.frame import HeadsetEvent
 from vrcomfort.headset.openxr import depth, display, display_clock
 from vrcomfort.headset.openxr.actions import Actions
@@ -82,7 +83,7 @@ class Connection:
         self.session = watched(xr.create_session, self.runtime.instance, create)
         self._owned.callback(watched, xr.destroy_session, self.session)
         make_current(self._ctx)
-        self.lifecycle = Lifecycle(self.runtime.instance, self.session, notify)
+        self.lifecycle = Lifecycle(self.runtime.instance, self.session, notify, self.display_hz)
         self.stage = Stage(self.session, self._settings.eye_height_m)
         formats = watched(xr.enumerate_swapchain_formats, self.session)
         self._format = choose_format(formats)
@@ -92,13 +93,26 @@ class Connection:
         self._owned.callback(self.eyes.release)
         self.actions = Actions(self.runtime, self.session)
         self._owned.callback(self.actions.release)
-        if self._settings.refresh_hz is not None and self.switches_rate:
-            display.request_refresh_rate(self.session, self._settings.refresh_hz)
+        if self._settings.refresh_hz is not None:
+            self._request_rate(self._settings.refresh_hz)
+
+    def _request_rate(self, wanted_hz: float) -> None:
+        if not self.switches_rate:
+            raise InputError(
+                "the OpenXR runtime does not let programs set the refresh rate (it lacks "
+                f"{display.REFRESH_RATE}); set {wanted_hz:g} Hz in the headset's software, and "
+                "leave out --refresh-hz"
+            )
+        display.request_refresh_rate(self.session, wanted_hz)
 
     @property
     def switches_rate(self) -> bool:
         """Return whether the runtime tells its refresh rates."""
         return display.REFRESH_RATE in self.runtime.extensions
+
+    def display_hz(self) -> float:
+        """Return the display's refresh rate as the runtime tells it; 0 where it does not."""
+        return display.current_refresh_hz(self.session) if self.switches_rate else 0.0
 
     @property
     @running()

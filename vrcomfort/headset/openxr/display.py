@@ -49,7 +49,7 @@ def refresh_rates_hz(session: xr.Session) -> list[float]:
 
 
 def current_refresh_hz(session: xr.Session) -> float:
-    """Return the rate that the display runs at now."""
+    """Return the rate that the display runs at now; 0 where the runtime does not know."""
     return float(watched(xr.get_display_refresh_rate_fb, session).value)
 
 
@@ -64,9 +64,20 @@ def request_refresh_rate(session: xr.Session, wanted_hz: float) -> None:
     offered = refresh_rates_hz(session)
     nearest = min(offered, key=lambda rate: abs(rate - wanted_hz), default=0.0)
     if abs(nearest - wanted_hz) > 0.5:
-        rates = ", ".join(f"{rate:g}" for rate in offered) or "none"
-        raise InputError(f"the headset has no {wanted_hz:g} Hz; it offers {rates} Hz")
-    watched(xr.request_display_refresh_rate_fb, session, nearest)
+        raise _not_offered(wanted_hz, offered)
+    try:
+        watched(xr.request_display_refresh_rate_fb, session, nearest)
+    except xr.exception.DisplayRefreshRateUnsupportedFBError as error:
+        raise _not_offered(wanted_hz, offered) from error
+
+
+def _not_offered(wanted_hz: float, offered: list[float]) -> InputError:
+    rates = ", ".join(f"{rate:g}" for rate in offered)
+    there = f"it offers {rates} Hz" if rates else "it offers no rates to choose from"
+    return InputError(
+        f"the headset does not switch to {wanted_hz:g} Hz; {there}: change or leave out "
+        "--refresh-hz"
+    )
 
 
 def hidden_areas(

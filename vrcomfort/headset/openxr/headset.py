@@ -98,11 +98,13 @@ class OpenXrHeadset:
         """Return what a manifest should know about runtime and headset.
 
         ``ipd_m`` is the distance between the eyes that is shown; there from the first
-        frame on in which the head is known.
+        frame on in which the head is known. ``frame_period`` says where the period of frames
+        comes from; there from the first frame on.
         """
-        ipd_m = self._where.tracking.ipd_m
-        shown = {} if ipd_m is None else {"ipd_m": ipd_m}
-        return {**self._xr.details, "timing": self.timing.reason, **shown}
+        ipd_m, source = self._where.tracking.ipd_m, self._xr.lifecycle.refresh_period.source
+        late = {"ipd_m": ipd_m, "frame_period": source or None}
+        told = {name: fact for name, fact in late.items() if fact is not None}
+        return {**self._xr.details, "timing": self.timing.reason, **told}
 
     @property
     def timing(self) -> Timing:
@@ -119,9 +121,8 @@ class OpenXrHeadset:
     @faults.running()
     def refresh_hz(self) -> float:
         """Return the display's refresh rate: as the runtime says, or as its frames come; or 0."""
-        if self._xr.switches_rate:
-            return display.current_refresh_hz(self._xr.session)
-        return SECOND_NS / self._period_ns if self._period_ns else 0.0
+        told_hz = self._xr.display_hz()
+        return told_hz or (SECOND_NS / self._period_ns if self._period_ns else 0.0)
 
     @property
     @faults.running()
@@ -142,7 +143,8 @@ class OpenXrHeadset:
     def frames(self) -> Iterator[Frame]:
         """Yield a frame whenever the runtime wants one, until it ends the session.
 
-        While the headset is asleep this waits. A frame that was not submitted goes back empty.
+        While the headset is asleep this waits, and while the period of frames is not known. A
+        frame that was not submitted goes back empty.
 
         Raises
         ------
@@ -156,6 +158,9 @@ class OpenXrHeadset:
                 frame = self._next_frame()
             if frame is None:
                 return
+            if frame.period_ns == 0:  # being measured: goes back empty
+                self._cut = True
+                continue
             yield frame
 
     def submit(self, frame: Frame, eyes: layers.Eyes | None) -> None:
@@ -294,11 +299,17 @@ class OpenXrHeadset:
         time_ns = int(timing.predicted_display_time)
         passed_s, self._time_ns = (time_ns - self._time_ns) / SECOND_NS, time_ns
         period_ns = int(timing.predicted_display_period)
-        self._period_ns = self._xr.lifecycle.refresh_period.update(period_ns)
+        self._period_ns = self._xr.lifecycle.refresh_period.update(
+            period_ns, time_ns if timing.should_render else None
+        )
         self._cut |= self._where.update(time_ns)
         inputs = self.inputs()  # kept: between frames a pose would be a guess
         self._cut |= self._where.move(inputs, passed_s, in_scene=self._in_scene)
-        self._cut |= self._presence.update(inputs, located=self._where.tracking.found)
+        self._cut |= self._presence.update(
+            inputs,
+            located=self._where.tracking.found,
+            rendered=bool(timing.should_render),
+        )
         tracking = self._where.tracking
         frame = Frame(
             index=self._next_index,

@@ -93,7 +93,7 @@ class EyeLayer:
         """Return the layer, seen from the runtime's own `views`; good until the next call."""
         depths = (None, None) if self.depth is None else self.depth.take()
         for projection, view, depth in zip(self._views, views, depths, strict=True):
-            projection.pose, projection.fov, projection._next = view.pose, view.fov, depth
+            projection.pose, projection.fov, projection.next = view.pose, view.fov, depth
         self._layer.space = space
         return self._layer
 

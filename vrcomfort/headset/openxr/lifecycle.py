@@ -21,7 +21,8 @@ from vrcomfort.headset.refresh_period import RefreshPeriod
 
 State = xr.SessionState
 POLL_S = 0.01
-_ANY_EVENT = xr.StructureType.EVENT_DATA_BUFFER.value
+_NO_EVENT = bytes(xr.EventDataBuffer())[: xr.EventDataBuffer.varying.offset]
+"""The fields `type` and `next`, as OpenXR wants them before each poll."""
 SEEN = (State.VISIBLE, State.FOCUSED)
 OUT_OF_REACH = (
     "a menu of the headset's is in front: the participant's controllers do not reach the program, "
@@ -57,10 +58,16 @@ class Lifecycle:
         Handles of OpenXR.
     notify
         Called with each event worth recording.
+    display_hz
+        Returns the display's refresh rate as the runtime tells it; 0 where it does not.
     """
 
     def __init__(
-        self, instance: xr.Instance, session: xr.Session, notify: Callable[[HeadsetEvent], None]
+        self,
+        instance: xr.Instance,
+        session: xr.Session,
+        notify: Callable[[HeadsetEvent], None],
+        display_hz: Callable[[], float],
     ) -> None:
         self._instance = instance
         self._session = session
@@ -68,7 +75,7 @@ class Lifecycle:
         self.state = State.IDLE
         self.running = False
         self.ended = False
-        self.refresh_period = RefreshPeriod()
+        self.refresh_period = RefreshPeriod(display_hz)
         self._space_changes: list[SpaceChange] = []
         self._poll_event = native("xrPollEvent", usual=xr.Result.EVENT_UNAVAILABLE)
         self._event = xr.EventDataBuffer()
@@ -150,7 +157,7 @@ class Lifecycle:
         """
         event = self._event
         while True:
-            event._type, event._next = _ANY_EVENT, None
+            ctypes.memmove(ctypes.byref(event), _NO_EVENT, len(_NO_EVENT))
             if self._poll_event(self._instance, event) != 0:
                 return
             kind, handle = self._handlers.get(event.type, (None, None))

@@ -8,11 +8,15 @@ from typing import Any
 import xr
 
 from vrcomfort.frame import HeadsetEvent
+from vrcomfort.headset.openxr.native import raw_field
 
 DEBUG_UTILS = xr.EXT_DEBUG_UTILS_EXTENSION_NAME
 Notify = Callable[[HeadsetEvent], None]
 Severity = xr.DebugUtilsMessageSeverityFlagsEXT
 Kind = xr.DebugUtilsMessageTypeFlagsEXT
+_TEXTS = tuple(
+    raw_field(xr.DebugUtilsMessengerCallbackDataEXT, name) for name in ("function_name", "message")
+)
 
 
 class Messenger:
@@ -41,6 +45,6 @@ class Messenger:
     def _hear(self, severity: int, kind: int, data: Any, _: object) -> bool:
         del kind
         name = "openxr_error" if severity & Severity.ERROR_BIT else "openxr_warning"
-        function, message = ((w or b"").decode() for w in (data._function_name, data._message))
+        function, message = ((read(data) or b"").decode() for read in _TEXTS)
         self._notify(HeadsetEvent(name, f"{function}: {message}"))
         return False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
+from operator import attrgetter
 from typing import Any, TypeVar
 
 import xr
@@ -32,6 +33,16 @@ def native_extension(instance: xr.Instance, name: str) -> Call:
     """Return such a function of an extension, which the loader finds when it is asked for."""
     address = watched(xr.get_instance_proc_addr, instance, name)
     return _in_sight(name, ctypes.cast(address, getattr(xr, f"PFN_{name}")), 0)
+
+
+def raw_field(structure: type[ctypes.Structure], name: str) -> Callable[[Any], Any]:
+    """Return a function that reads a field as C has it.
+
+    Some versions of pyopenxr call the field `name`, others ``_name`` beside a property of that
+    name, which converts: making an enumeration costs 10 µs.
+    """
+    fields = {field[0] for each in structure.__mro__ for field in vars(each).get("_fields_", ())}
+    return attrgetter(next(each for each in (name, f"_{name}") if each in fields))
 
 
 def _in_sight(name: str, function: Call, expected: int) -> Call:

@@ -63,13 +63,15 @@ class Presence:
             raise asleep(self._patience_s)
         return running
 
-    def update(self, inputs: Inputs, *, located: bool = True) -> bool:
+    def update(self, inputs: Inputs, *, located: bool = True, rendered: bool = True) -> bool:
         """Take note of a frame; return True where the participant comes back with it.
 
         Parameters
         ----------
         located
             Whether the head has ever been found: nothing is shown before.
+        rendered
+            Whether the runtime wants a picture: nothing is seen without.
 
         Raises
         ------
@@ -77,7 +79,7 @@ class Presence:
             If they have seen nothing until patience is over.
         """
         before, self.away = self.away, not (self._lifecycle.seen and located)
-        if not self.away:
+        if rendered and not self.away:
             if not self.leaving:
                 self.allow(0.0)
         elif time.monotonic() > self._until_s:

@@ -18,7 +18,7 @@ class OpenXrSettings:
     image_size_px
         (width, height) of one eye's image; None takes the size that the runtime recommends.
     refresh_hz
-        Asked of runtimes that can switch; None leaves it as it is.
+        To switch the display to; refused where the runtime cannot. None leaves it as it is.
     eye_height_m
         How far the floor is below the origin where the runtime does not know the floor.
     depth

@@ -9,7 +9,6 @@ from itertools import combinations
 
 from vrcomfort.importing.headings import is_number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import toml_value
 from vrcomfort.importing.suggest.fact_draft import FactDraft
 from vrcomfort.importing.suggest.roles import (
     MOST_CONDITIONS,
@@ -19,6 +18,7 @@ from vrcomfort.importing.suggest.roles import (
     varies_within,
 )
 from vrcomfort.questionnaire import plain
+from vrcomfort.settings import toml_value
 
 MOST_NAMED = 5
 LONG_WORD, NEAR, RARER = 6, 0.85, 2

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-import json
-import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
+
+from vrcomfort.settings import toml_key, toml_value
+
+_WIDEST = 90
+"""Characters of a list in one line."""
 
 
 class Doubt(NamedTuple):
@@ -48,12 +51,12 @@ class Draft:
     def _lines(self, path: str) -> Iterator[str]:
         for key, value in self.values.items():
             yield from (f"# {line}" for line in self.comments.get(key, ()))
-            yield f"{bare(key)} = {toml_value(value)}"
+            yield f"{toml_key(key)} = {_wrapped(value)}"
         for key, table in self.tables.items():
-            name = f"{path}{bare(key)}"
+            name = f"{path}{toml_key(key)}"
             yield from self._opened(table, f"[{name}]", name)
         for key, tables in self.lists.items():
-            name = f"{path}{bare(key)}"
+            name = f"{path}{toml_key(key)}"
             for table in tables:
                 yield from self._opened(table, f"[[{name}]]", name)
 
@@ -64,31 +67,9 @@ class Draft:
         yield from table._lines(f"{name}.")
 
 
-def bare(key: str) -> str:
-    """Return a key, in quotes where it needs them."""
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
-
-
-def quoted(text: str) -> str:
-    """Return a TOML string."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-def toml_value(value: object) -> str:
-    """Return a value as TOML writes it."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, int | float):
-        return repr(value)
-    if isinstance(value, str):
-        return quoted(value)
-    if isinstance(value, Mapping):
-        inside = ", ".join(f"{bare(str(key))} = {toml_value(each)}" for key, each in value.items())
-        return f"{{ {inside} }}" if inside else "{}"
-    if isinstance(value, list | tuple):
-        cells = [toml_value(each) for each in value]
-        line = f"[{', '.join(cells)}]"
-        if len(line) <= 90:
-            return line
-        return "[\n" + "".join(f"  {cell},\n" for cell in cells) + "]"
-    raise TypeError(value)
+def _wrapped(value: object) -> str:
+    """Return a value as TOML writes it; the elements of a long list have a line each."""
+    line = toml_value(value)
+    if len(line) <= _WIDEST or not isinstance(value, list | tuple):
+        return line
+    return "[\n" + "".join(f"  {toml_value(each)},\n" for each in value) + "]"

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from vrcomfort.importing.answers import number
-from vrcomfort.importing.mapping import ScoreKind
-from vrcomfort.importing.score_instruments import on_scale, scale_named
+from vrcomfort.importing.mapping import ScoreKind, scale_named
+from vrcomfort.importing.score_instruments import on_scale
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.headings import mentions, tokens
 from vrcomfort.importing.suggest.vocabulary import SCALE_WORDS

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.blocks import Found, find_blocks
-from vrcomfort.importing.suggest.draft import Doubt, Draft, toml_value
+from vrcomfort.importing.suggest.draft import Doubt, Draft
 from vrcomfort.importing.suggest.exposures import draft_facts
 from vrcomfort.importing.suggest.fact_draft import DraftedFacts, Exposures
 from vrcomfort.importing.suggest.headings import words_of
@@ -27,6 +27,7 @@ from vrcomfort.importing.suggest.scores import FoundScores, find_scores, kind_of
 from vrcomfort.importing.suggest.templates import template_of
 from vrcomfort.importing.suspects import alike
 from vrcomfort.questionnaire import Instrument
+from vrcomfort.settings import toml_value
 
 
 def _row_keys(longs: Sequence[Long]) -> list[int]:

@@ -1,7 +1,8 @@
 """What an effect is to the rest of the renderer: one step from an eye's image to the next.
 
-A new effect is a table of settings (`vrcomfort.protocol.conditions.Condition`), a pass that is an
-`Effect`, its shader and the shader's twin, and an `EffectKind` in `vrcomfort.render.effects.kinds`.
+A new effect is a table of settings (`vrcomfort.protocol.conditions.EffectTables`), a pass that is
+an `Effect`, its shader and the shader's twin, and an `EffectKind` in
+`vrcomfort.render.effects.kinds`.
 """
 
 from __future__ import annotations

@@ -43,7 +43,7 @@ class RatedExposure:
     ending
         One of `ENDINGS`, `INTERRUPTED` or `UNKNOWN`.
     not_live_s
-        Seconds since the start that are not in its times, because nothing moved or nobody looked.
+        Seconds since the start that are not in its times, because nothing moved or was seen.
     unplaced
         Such seconds there were, and no frame says when: times of ratings are those since the start.
     freezes

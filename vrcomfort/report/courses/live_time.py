@@ -25,7 +25,7 @@ SHORTEST_FREEZE_S = 0.5
 """As in a session: a picture that stands still for longer makes ratings missed that fall due."""
 LATE_PERIODS = 1.2
 """A frame that stands for longer stood still for all but its period."""
-_COLUMNS = ("session_s", "trial", "period_ns")
+_COLUMNS = ("session_s", "trial", "period_ns", "should_render")
 
 
 @dataclass(frozen=True)
@@ -120,4 +120,4 @@ def _frames(file: Path) -> pd.DataFrame:
         return pd.DataFrame(columns=list(_COLUMNS), dtype=np.float64)
     rows = pd.read_csv(file, usecols=list(_COLUMNS), dtype=str, on_bad_lines="skip")
     numbers: pd.DataFrame = rows.apply(pd.to_numeric, errors="coerce").dropna()
-    return numbers
+    return numbers[numbers["should_render"] != 0]  # what nobody saw stood behind the frame before

@@ -205,6 +205,6 @@ def _begun(file: Path, column: str, name: str) -> list[tuple[float, float]]:
     if not {column, "onset_s"} <= set(table.header):
         return []
     lasting = "duration_s" in table.header
-    table.require_numbers(("onset_s", "duration_s") if lasting else ("onset_s",))
-    rows = (row for row in table.dicts() if row[column] == name)
-    return [(float(row["onset_s"]), float(row.get("duration_s") or 0)) for row in rows]
+    lengths_s = table.numbers("duration_s", blank=0.0) if lasting else [0.0] * len(table.rows)
+    begun = zip(table.dicts(), table.numbers("onset_s"), lengths_s, strict=True)
+    return [(onset_s, length_s) for row, onset_s, length_s in begun if row[column] == name]

@@ -25,7 +25,7 @@ TRIAL_QUANTITIES = {
     "length_s": Quantity("Length of exposure", "s", "", "from the start of an exposure to its end"),
     "live_s": Quantity("Live time", "s", "", "the time in which new frames were seen"),
     "frozen_s": Quantity("Frozen time", "s", "lower", "the time for which a frame stood still"),
-    "hidden_s": Quantity("Hidden time", "s", "", "the time in which nobody looked"),
+    "hidden_s": Quantity("Hidden time", "s", "", "the time in which no frame was seen"),
     "unfocused_s": Quantity("Time behind a menu", "s", "", "the time with a menu in front"),
 }
 

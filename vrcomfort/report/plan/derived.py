@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -14,9 +13,10 @@ from vrcomfort.questionnaire import score_all
 from vrcomfort.report.outcomes import Outcome, outcomes_of
 from vrcomfort.report.plan.reading import read_plan
 from vrcomfort.report.study_data import conditions_in
+from vrcomfort.settings import toml_value
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
     from vrcomfort.report.plan.model import Plan
     from vrcomfort.report.study_data import StudyData
@@ -66,27 +66,32 @@ def _lines(study: StudyData) -> Iterator[str]:
     outcomes = _outcomes(study, moments["exposure_timepoint"])
     before = any(sheet.timepoint == moments["baseline_timepoint"] for sheet in study.sheets)
     yield 'name = "derived"'
-    yield f"title = {_text(_title(conditions, before=before))}"
-    yield f"note = {_text('The plan was derived from the data, because none was given.')}"
+    yield f"title = {toml_value(_title(conditions, before=before))}"
+    yield f"note = {toml_value('The plan was derived from the data, because none was given.')}"
     if study.planned_participants:
         yield f"participants = {study.planned_participants}"
-    yield f"outcomes = {_list(each.name for each in outcomes)}"
+    yield f"outcomes = {toml_value([each.name for each in outcomes])}"
     if not before:
         yield 'scores = "raw"'
-    yield from (f"{key} = {_text(name)}" for key, name in moments.items())
+    yield from (f"{key} = {toml_value(name)}" for key, name in moments.items())
     groups = _groups(study)
     scenes = {s.scene for s in study.sheets} | {t.get("scene", "") for t in study.trials}
     factors = ["condition"] if len(conditions) > 1 else []
     factors += ["scene"] if len(scenes - {""}) > 1 else []
     factors += groups
     apart = len(conditions) > 1 and _met_by_different_people(study, moments["exposure_timepoint"])
-    yield f"mixed_model = {_list([] if apart else [*factors, 'position', 'session'])}"
+    yield f"mixed_model = {toml_value([] if apart else [*factors, 'position', 'session'])}"
     if not factors:
         yield "anova = []"
     yield from _contrasts(study, conditions, moments)
     yield from _families(outcomes)
     for column in factors:
-        yield from ("", "[[anova]]", f"name = {_text(column)}", f"column = {_text(column)}")
+        yield from (
+            "",
+            "[[anova]]",
+            f"name = {toml_value(column)}",
+            f"column = {toml_value(column)}",
+        )
         if apart and column == "condition":
             yield 'kind = "between"'
 
@@ -145,11 +150,11 @@ def _moments(study: StudyData) -> dict[str, str]:
 
 def _contrasts(study: StudyData, conditions: list[str], moments: dict[str, str]) -> Iterator[str]:
     for a, b in combinations(conditions, 2):
-        yield from ("", "[[contrasts]]", f"a = {_text(a)}", f"b = {_text(b)}")
+        yield from ("", "[[contrasts]]", f"a = {toml_value(a)}", f"b = {toml_value(b)}")
     baseline, exposure = moments["baseline_timepoint"], moments["exposure_timepoint"]
     if len(conditions) == 1 and any(sheet.timepoint == baseline for sheet in study.sheets):
-        yield from ("", "[[contrasts]]", f"a_timepoint = {_text(exposure)}")
-        yield f"b_timepoint = {_text(baseline)}"
+        yield from ("", "[[contrasts]]", f"a_timepoint = {toml_value(exposure)}")
+        yield f"b_timepoint = {toml_value(baseline)}"
 
 
 def _families(outcomes: tuple[Outcome, ...]) -> Iterator[str]:
@@ -159,8 +164,8 @@ def _families(outcomes: tuple[Outcome, ...]) -> Iterator[str]:
     named = {"total": totals, "subscales": others} if totals else {"scores": others}
     for name, members in named.items():
         if members:
-            yield from ("", "[[families]]", f"name = {_text(name)}")
-            yield f"outcomes = {_list(members)}"
+            yield from ("", "[[families]]", f"name = {toml_value(name)}")
+            yield f"outcomes = {toml_value(members)}"
 
 
 def _groups(study: StudyData) -> list[str]:
@@ -168,12 +173,3 @@ def _groups(study: StudyData) -> list[str]:
     groups = study.between("group")
     sizes = Counter(groups.values())
     return ["group"] if len(sizes) > 1 and min(sizes.values()) > 1 else []
-
-
-def _text(text: str) -> str:
-    """Return a TOML string."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-def _list(names: Iterable[str]) -> str:
-    return f"[{', '.join(map(_text, names))}]"

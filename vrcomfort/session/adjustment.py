@@ -1,4 +1,4 @@
-"""A dial in an exposure: how it is turned, and its rows."""
+"""Adjustments and continuous ratings in an exposure: how their dial is turned, and its rows."""
 
 from __future__ import annotations
 
@@ -11,9 +11,13 @@ import numpy as np
 
 from vrcomfort.frame import Frame
 from vrcomfort.headset.inputs import Inputs
-from vrcomfort.protocol.sliders import Dial
+from vrcomfort.protocol import Condition
+from vrcomfort.protocol.adjustments import Adjustment, adjusted, value_of
+from vrcomfort.protocol.sliders import Dial, Slider
 from vrcomfort.protocol.timeline import TrialPlace
+from vrcomfort.questionnaire import Instrument
 from vrcomfort.records import DialRow
+from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.respondent.turning import Turn
 from vrcomfort.scene.markers import Shown
 from vrcomfort.session.context import SessionContext
@@ -30,6 +34,19 @@ LONGEST_S = 0.1
 """Nobody turns for longer in one frame: the picture stood still."""
 _STREAM = 7
 """Which of a trial's random streams is the dial's."""
+SLIDER_KEY_STEPS = 20
+"""Presses of an arrow key that take a slider through its range."""
+RIGHT_HAND = 1
+SLIDER_DIGITS = 3
+"""Of a place on the scale."""
+
+
+@runtime_checkable
+class Ticks(Protocol):
+    """A headset whose controllers can be felt."""
+
+    def tick(self, hand: int) -> None:
+        """Let a controller tick (0 left, 1 right)."""
 
 
 @runtime_checkable
@@ -164,6 +181,150 @@ def turn_of(inputs: Inputs) -> Turn:
     right, down = inputs.keys.arrow
     confirm = inputs.keys.enter or any(hand.select for hand in inputs.hands)
     return Turn(beyond if push > 0 else -beyond, right - down, confirm)
+
+
+@dataclass
+class AdjustmentRun(DialRun):
+    """The adjustment of one exposure; made before the scene is drawn."""
+
+    dial: Adjustment
+    _confirmed: bool = field(default=False, init=False)
+
+    def __post_init__(self) -> None:
+        self._condition = self.context.protocol.condition(self.place.condition or "")
+        self.at = self._first_place()
+        self._value = self.dial.value_at(self.at)
+
+    @property
+    def value(self) -> float:
+        """Return the value that is drawn."""
+        return self._value
+
+    @property
+    def built_for(self) -> Condition:
+        """Return the condition whose passes can show every value: at 0 there may be none."""
+        return self._with(self.dial.range[1])
+
+    @property
+    def ended(self) -> bool:
+        """Return whether it is confirmed."""
+        return self._confirmed
+
+    @property
+    def done(self) -> bool:
+        """Return whether it is confirmed, and that ends the exposure."""
+        return self._confirmed and self.context.protocol.exposure_ends == "adjustment"
+
+    def show_start(self) -> None:
+        """Show the value at which the dial begins, from the next frame on."""
+        self.context.renderer.adjust(self._with(self.value))
+
+    def begin(self) -> None:
+        """Let a simulated participant begin."""
+        if isinstance(self.context.respondent, SimulatedRespondent):
+            self.context.respondent.start_adjustment(self.place.trial or 0, self.dial)
+
+    def simulated(self, elapsed_s: float) -> Turn | None:
+        """Return what a simulated participant does to it; None of others."""
+        respondent = self.context.respondent
+        return (
+            respondent.turn(self.at, elapsed_s)
+            if isinstance(respondent, SimulatedRespondent)
+            else None
+        )
+
+    def turned(self, turn: Turn, elapsed_s: float, passed_s: float) -> None:
+        """Draw by what the dial says from this frame on, and keep it."""
+        del elapsed_s
+        self.at = self.moved(turn, passed_s, self.dial.steps or KEY_STEPS)
+        value = self.dial.value_at(self.at)
+        if value != self.value:
+            self._value = value
+            self.context.renderer.adjust(self._with(value))
+            self.write("change")
+        if turn.confirm:
+            self._confirmed = True
+            self.write("confirmed")
+            self.events.event_soon("adjusted", detail=f"{self.dial.name} confirmed at {value:g}")
+
+    def _with(self, value: float) -> Condition:
+        return adjusted(self._condition, self.dial.setting, value)
+
+    def _first_place(self) -> float:
+        """Return where the dial stands when the exposure begins: the same at each attempt."""
+        start = self.dial.start
+        if start == "setting":
+            own = value_of(self._condition, self.dial.setting)
+            return 0.0 if own is None else self.dial.place_of(own)
+        if start == "random":
+            return float(self.random(self.place.trial or 0).random())
+        if start == "alternating":
+            first = int(self.random(0).integers(2))
+            return float((first + self._before()) % 2)
+        return float(start == "descending")
+
+    def _before(self) -> int:
+        """Return how many exposures of the session before this one have the same adjustment."""
+        trials = self.context.sequence.sessions[self.events.session - 1]
+        before = trials[: (self.place.trial or 1) - 1]
+        known = [self.context.protocol.adjustment_in(trial.condition) for trial in before]
+        return sum(each is not None and each.name == self.dial.name for each in known)
+
+
+@dataclass
+class SliderRun(DialRun):
+    """The continuous rating of one exposure."""
+
+    dial: Slider
+    _next_s: float = field(default=0.0, init=False)
+    _stick: float = field(default=0.0, init=False)
+
+    def __post_init__(self) -> None:
+        instrument: Instrument = self.context.protocol.rated(self.dial)
+        answers = instrument.asked[0].answers
+        self._low, self._high = float(answers.low), float(answers.high)
+
+    @property
+    def value(self) -> float:
+        """Return the rating."""
+        return round(self._low + (self._high - self._low) * self.at, SLIDER_DIGITS)
+
+    def begin(self) -> None:
+        """Let a simulated participant begin."""
+        self._next_s = 1 / self.dial.sample_hz
+        if isinstance(self.context.respondent, SimulatedRespondent):
+            self.context.respondent.start_slider(self.place.trial or 0)
+
+    def simulated(self, elapsed_s: float) -> Turn | None:
+        """Return that nobody turns it: a simulated participant puts it somewhere."""
+        del elapsed_s
+        respondent = self.context.respondent
+        if not isinstance(respondent, SimulatedRespondent):
+            return None
+        self.at = respondent.slide(self.at)
+        return Turn(self._stick)
+
+    def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
+        """Take a frame before it is drawn; a slider that is moved ticks at each whole answer."""
+        before = round(self.value)
+        super().step(frame, headset, elapsed_s, scene_time_s)
+        moves = self.dial.stick == "rate" and round(self.value) != before
+        if moves and isinstance(headset, Ticks):
+            headset.tick(RIGHT_HAND)
+
+    def turned(self, turn: Turn, elapsed_s: float, passed_s: float) -> None:
+        """Move the slider, and keep where it is when it is time."""
+        if self.dial.stick == "rate":
+            self.at = self.moved(turn, passed_s, SLIDER_KEY_STEPS)
+        else:
+            if turn.stick != self._stick:  # else the keys may have put it elsewhere
+                self.at = max(turn.stick, 0.0)
+            self._stick = turn.stick
+            self.at = self.moved(Turn(steps=turn.steps), passed_s, SLIDER_KEY_STEPS)
+        if elapsed_s >= self._next_s - 1e-9:
+            self.write("sample")
+            while self._next_s <= elapsed_s + 1e-9:
+                self._next_s += 1 / self.dial.sample_hz
 
 
 @dataclass
