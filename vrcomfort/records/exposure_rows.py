@@ -204,7 +204,7 @@ class TaskRow(Row):
     x_m: Annotated[
         float | None,
         Column(
-            "Place of the target, or of the head in a sample, in the world: to the right",
+            "Place of the target, or of the head in a sample, in the world, to the right",
             blank=_NOT_OF_THE_ROW,
             needs=MOTION,
             signed=True,
@@ -212,11 +212,21 @@ class TaskRow(Row):
     ] = None
     y_m: Annotated[
         float | None,
-        Column("The same, upwards", blank=_NOT_OF_THE_ROW, needs=MOTION, signed=True),
+        Column(
+            "Place of the target, or of the head in a sample, in the world, upwards",
+            blank=_NOT_OF_THE_ROW,
+            needs=MOTION,
+            signed=True,
+        ),
     ] = None
     z_m: Annotated[
         float | None,
-        Column("The same, backwards", blank=_NOT_OF_THE_ROW, needs=MOTION, signed=True),
+        Column(
+            "Place of the target, or of the head in a sample, in the world, backwards",
+            blank=_NOT_OF_THE_ROW,
+            needs=MOTION,
+            signed=True,
+        ),
     ] = None
     targets: Targets = None
     hits: Hits = None
@@ -236,8 +246,8 @@ class BallRow(Row):
     trial: FrameTrial
     ball: Annotated[int, Column("Counts the balls of the task, from 1")]
     x_m: Annotated[float, Column("Its centre in the world, to the right", signed=True)]
-    y_m: Annotated[float, Column("The same, upwards", signed=True)]
-    z_m: Annotated[float, Column("The same, backwards", signed=True)]
+    y_m: Annotated[float, Column("Its centre in the world, upwards", signed=True)]
+    z_m: Annotated[float, Column("Its centre in the world, backwards", signed=True)]
     radius_m: Annotated[float, Column("Its radius; 0 where it is not to be seen")]
     red: Annotated[float, Column("Red of its colour, linear")]
     green: Annotated[float, Column("Green of its colour, linear")]

@@ -102,13 +102,22 @@ class SharedFile:
 
 
 def described(name: str, tables: Sequence[type[Row]]) -> str:
-    """Return the meaning of a column that may be in several tables; empty where it is in none."""
-    meanings: dict[str, list[str]] = {}
+    """Return the meaning of a column that may be in several tables; empty where it is in none.
+
+    What a blank cell means is said once for tables in which the column means the same.
+    """
+    named: dict[str, list[tuple[str, Column]]] = {}
     for file, column in _named(name, tables):
-        meanings.setdefault(full_meaning(column), []).append(file)
+        named.setdefault(column.meaning, []).append((Path(file).stem, column))
+    meanings = {
+        full_meaning(max((column for _, column in found), key=lambda each: bool(each.blank))): [
+            place for place, _ in found
+        ]
+        for found in named.values()
+    }
     if len(meanings) == 1:
         return next(iter(meanings))
-    return ". ".join(f"In {', '.join(files)}: {text}" for text, files in meanings.items())
+    return ". ".join(f"In {', '.join(places)}: {text}" for text, places in meanings.items())
 
 
 def unit_of(name: str, tables: Sequence[type[Row]]) -> str:

@@ -225,7 +225,12 @@ class GazeValidationRow(Row):
         ),
     ]
     up_deg: Annotated[
-        float | None, Column("The same, upwards", blank="the mean over all", signed=True)
+        float | None,
+        Column(
+            "Direction of the point upwards, from the head when it appeared",
+            blank="the mean over all",
+            signed=True,
+        ),
     ]
     distance_m: Annotated[
         float | None, Column("Distance of the point from the head", blank="the mean over all")
