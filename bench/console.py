@@ -28,7 +28,7 @@ from vrcomfort.frame import Frame
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.headset.eye_pictures import EyePictures
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.operator_interface import NoOperator, Progress
+from vrcomfort.operator_interface import NoOperator, SessionProgress
 from vrcomfort.protocol import load_protocol
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
@@ -190,7 +190,7 @@ def _desk_us(frame: Frame, *, shows: bool) -> float:
     operators.begin("exposure", "bench")
     for minute in range(15):
         desk.rated("fms", 60.0 * minute, 3)
-    progress = Progress("exposure", "P01", 1, trial=1, done=1.0, total=900.0)
+    progress = SessionProgress("exposure", "P01", 1, trial=1, done=1.0, total=900.0)
     began_s = time.thread_time()
     for _ in range(DESK_FRAMES):
         operators.look()

@@ -19,7 +19,7 @@ from tests.support.waiting import WAIT_S
 from vrcomfort.console import OperatorConsole
 from vrcomfort.gpu import gl
 from vrcomfort.headset.eye_pictures import EyePictures
-from vrcomfort.operator_interface import Command, OperatorStep, Progress
+from vrcomfort.operator_interface import Command, OperatorStep, SessionProgress
 from vrcomfort.session.operator_control import OperatorControl
 
 
@@ -159,7 +159,7 @@ def test_what_the_operator_must_know_at_once_is_a_line():
     server = Shown()
     desk = OperatorConsole(server)
     desk.begin(OperatorStep(1, "ready", "waiting"))
-    desk.tell(Progress("notice", "P01", 1, text="a menu is in front"))
+    desk.tell(SessionProgress("notice", "P01", 1, text="a menu is in front"))
     assert server.states[-1]["lines"][-1].endswith(" a menu is in front")
 
 

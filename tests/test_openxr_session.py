@@ -19,6 +19,7 @@ from vrcomfort import session
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, axis_angle
+from vrcomfort.operator_interface import SessionProgress
 from vrcomfort.protocol import load_protocol
 from vrcomfort.recordings import frame_measures
 from vrcomfort.respondent.panel import PanelRespondent
@@ -227,7 +228,7 @@ def test_a_runtime_that_dies_leaves_every_row_up_to_then(
     with fresh_monado(tmp_path) as monado, monado.feed() as feed:
         rehearsal = Rehearsal(feed, walk(), iter([0] * 200))
 
-        def watch(progress: session.Progress) -> None:
+        def watch(progress: SessionProgress) -> None:
             if progress.step == "exposure" and progress.done > 1.0:
                 monado.kill()
 

@@ -152,12 +152,16 @@ def test_every_page_has_the_policy_before_anything_else_that_counts(template):
     assert "script-src" not in POLICY
 
 
-@pytest.mark.parametrize("cell", ["=1", "+a", "-a", "@a", "\ta", "\ra", "=", "-", "+1+cmd", "-1e"])
+@pytest.mark.parametrize(
+    "cell", ["=1", "+a", "-a", "@a", "\ta", "\ra", "=", "-", "+1+cmd", "-1e", "'=1", "''-a"]
+)
 def test_a_text_that_begins_like_a_formula_is_inert(cell):
     assert inert(cell) == f"'{cell}"
 
 
-@pytest.mark.parametrize("cell", [-1.5, -3, None, True, "-1.5", "+2", "-1e-05", "a=b", "", "'=1"])
+@pytest.mark.parametrize(
+    "cell", [-1.5, -3, None, True, "-1.5", "+2", "-1e-05", "a=b", "", "'a", "'1"]
+)
 def test_numbers_and_plain_texts_stay_what_they_are(cell):
     assert inert(cell) is cell
 

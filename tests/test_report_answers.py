@@ -82,7 +82,8 @@ def test_the_terminal_says_the_first_answers_and_how_many_more_there_are(tmp_pat
     words = ["report", str(file), "--figures", "none", "--out", str(tmp_path / "o")]
     said = CliRunner().invoke(app, words).stdout.splitlines()
     assert len(said) == MOST_ANSWERS + 2
-    assert said[0].startswith("Total severity: no difference was shown between a (")
+    few = "Total severity: with so few people, no difference could be shown between a ("
+    assert said[0].startswith(few)
     tests = results_of(tmp_path / "o")["tests"]
     assert said[-2] == f"… and {len(tests) - MOST_ANSWERS} more on the page."
     assert said[-1].startswith("Report: ")
@@ -299,3 +300,49 @@ def test_of_many_people_evenly_spaced_ones_are_drawn():
     assert (drawn.size, drawn[0], drawn[-1]) == (MOST_DRAWN, 0, 99_999)
     assert np.ptp(np.diff(drawn)) <= 1
     assert thinned(np.arange(7.0)).tolist() == list(range(7))
+
+
+@pytest.fixture
+def without_primary(tmp_path):
+    """A study that was to show presence, and asked for sickness alone."""
+    scores = {f"P{i}": {"a": 4 + i, "b": 2 + i % 3} for i in range(8)}
+    file = foreign(tmp_path / "questionnaires.csv", scores)
+    plan = tmp_path / "plan.toml"
+    plan.write_text('name = "p"\ntitle = "P"\noutcomes = ["ipq.spatial", "T", "N"]\n')
+    return ["report", str(file), "--plan", str(plan), "--out", str(tmp_path / "o")]
+
+
+MISSING = "The planned primary outcome (Spatial presence, ipq.spatial) is not in the data"
+
+
+def test_a_planned_primary_outcome_that_is_missing_comes_before_all_else(without_primary, tmp_path):
+    said = CliRunner().invoke(app, [*without_primary, "--figures", "none"])
+    assert said.exit_code == 0
+    assert MISSING in " ".join(said.stderr.split("note:")[1].split())
+    assert "the IPQ was not answered; the data have the SSQ" in " ".join(said.stderr.split())
+    lines = said.stdout.splitlines()
+    assert all(line.startswith("Secondary: ") for line in lines[:2])
+    text = (tmp_path / "o" / "results.json").read_text("utf-8")
+    assert text.startswith('{\n  "without_primary": "' + MISSING)
+
+
+def test_the_page_without_the_primary_outcome_has_no_other_headline(without_primary, tmp_path):
+    CliRunner().invoke(app, [*without_primary, "--figures", "svg"])
+    page = (tmp_path / "o" / "index.html").read_text("utf-8")
+    body = page[page.index("</header>") :]
+    assert body.index(MISSING) < body.index('<section id="answers">')
+    assert body.index("<h2>Secondary outcomes</h2>") < body.index('<p class="answer other">')
+    assert '<p class="answer">' not in body
+    assert body.index("<figure") > body.index('id="tests"'), "no figure is that of the headline"
+    assert "primary analysis" not in body
+
+
+def test_other_outcomes_that_are_missing_leave_the_headline_to_the_primary(tmp_path):
+    scores = {f"P{i}": {"a": 4 + i, "b": 2} for i in range(8)}
+    file = foreign(tmp_path / "questionnaires.csv", scores)
+    plan = tmp_path / "plan.toml"
+    plan.write_text('name = "p"\ntitle = "P"\noutcomes = ["T", "ipq.spatial"]\n')
+    summary = build_report(file, plan=plan, out=tmp_path / "o")
+    assert summary.without_primary == ""
+    assert json.loads(summary.results.read_text("utf-8"))["without_primary"] is None
+    assert summary.headlines[0].startswith("Total severity: higher under a")

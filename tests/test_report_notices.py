@@ -112,8 +112,7 @@ def test_shortened_exposures_are_told_of(tmp_path, shown_s, told):
     for number, each in enumerate(shown_s):
         study.session(f"P{number}", 1, 0, [("a", "x", 4), ("b", "x", 3)])
         file = tmp_path / "s" / f"sub-P{number}" / "ses-1" / "manifest.json"
-        manifest = {"protocol": {"sha256": "a"}, "exposure_override_s": each}
-        file.write_text(json.dumps(manifest))
+        file.write_text(manifest(f"P{number}", exposure_override_s=each))
     found = [each for each in report(tmp_path / "s", tmp_path / "o")["notices"] if "short" in each]
     assert len(found) == (told is not None)
     assert all(told in each for each in found)
@@ -256,3 +255,35 @@ def test_exact_is_written_only_where_it_was(tmp_path, monkeypatch):
     summary = build_report(source, out=tmp_path / "p")
     assert "Asymptotic p" in summary.headlines[0]
     assert "exact permutation distribution" not in summary.index.read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("left", "plan", "told"),
+    [
+        ("bbb", "complete_pairs", "all 3 ; the comparison is of those who stayed"),
+        ("bbba", "complete_pairs", "3 of 4 ; the comparison is of those who stayed"),
+        ("bbb", "worst_rank", "all 3 ; they are ranked as worst"),
+        ("bbaa", "complete_pairs", ""),
+        ("b", "complete_pairs", ""),
+    ],
+)  # fmt: skip
+def test_people_who_left_under_one_condition_are_told_first(tmp_path, left, plan, told):
+    study = Study(tmp_path / "s")
+    for i in range(12):
+        other = "b" if i < len(left) and left[i] == "a" else "a"
+        exposures = [(other, "x", 4 + i % 5), ("ab"[other == "a"], "x", 3 + i % 3)]
+        if i < len(left):
+            exposures[1] = (left[i], "x", None)
+        status = "withdrawn" if i < len(left) else "completed"
+        study.session(f"P{i:02d}", 1, 0, exposures, status)
+        study.person(f"P{i:02d}", "a", status)
+    file = tmp_path / "plan.toml"
+    file.write_text(f'name = "p"\ntitle = "P"\noutcomes = ["T"]\nwithdrawals = "{plan}"\n')
+    summary = build_report(tmp_path / "s", plan=file, out=tmp_path / "o")
+    found = [line for line in summary.warnings if "who left, left under" in line]
+    share, _, of_whom = told.partition(" ; ")
+    told = f"{share} participants who left, left under b: {of_whom}"
+    assert found == ([told] if share else [])
+    if share:
+        page = summary.index.read_text("utf-8")
+        assert page.index(told[1:]) < page.index('id="answers"')

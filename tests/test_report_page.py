@@ -110,7 +110,8 @@ def test_estimates_without_an_interval_say_why(tmp_path):
     assert len(summary.headlines) == 4
     for line in summary.headlines[:3]:  # nobody answered what is of D alone
         assert re.search(
-            r"points \(no 95\u00a0% CI: too few differences\), n\u00a0=\u00a04\.", line
+            r"points \(no (Holm-adjusted )?95\u00a0% CI: too few differences\), n\u00a0=\u00a04\.",
+            line,
         )
         assert re.search(r"r\u00a0=\u00a0\S+ \[\S+,\u00a0\S+\]\.", line)
         assert "–" not in line
@@ -164,10 +165,21 @@ def test_where_r_and_p_disagree_about_zero_is_counted(tmp_path):
     scores = {f"P{i}": {"a": 5, "b": 5 - 2 * (i < 6)} for i in range(8)}
     summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
     tests = json.loads(summary.results.read_text("utf-8"))["tests"]
+    effects = [(t["verdict"], (t["simultaneous"] or t)["effect"]) for t in tests if t["effect"]]
     wrong = sum(
-        (t["p"] <= 0.05) == (t["effect"]["low"] <= 0 <= t["effect"]["high"])
-        for t in tests
-        if t["effect"]
+        (verdict in {"higher", "lower"}) == (found["low"] <= 0 <= found["high"])
+        for verdict, found in effects
     )
     said = f"disagree about 0 in {wrong} of these tests" in summary.index.read_text("utf-8")
     assert said == (wrong > 0)
+
+
+def test_the_page_of_more_conditions_than_are_compared_in_pairs(tmp_path):
+    scores = {f"P{i}": {f"c{k:02d}": (i * k) % 7 for k in range(13)} for i in range(4)}
+    plan = tmp_path / "plan.toml"
+    plan.write_text(
+        'name = "p"\ntitle = "P"\noutcomes = ["T"]\nmixed_model = ["condition"]\nanova = []\n'
+        'contrasts = [{ a = "c00", b = "c12" }]\n'
+    )
+    summary = build_report(foreign(tmp_path / "q.csv", scores), plan=plan, out=tmp_path / "o")
+    assert "Pairs are compared of up to 12 conditions." in summary.index.read_text("utf-8")

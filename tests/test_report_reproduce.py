@@ -3,6 +3,7 @@
 import random
 import shutil
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -27,13 +28,13 @@ def run(folder: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-def random_study(folder: Path, seed: int) -> Path:
+def random_study(folder: Path, seed: int, names: Sequence[str] = "abc", person: str = "P") -> Path:
     chance = random.Random(seed)  # noqa: S311 - no secret
     scores = {
-        f"P{i}": {c: chance.choice((0, 0, 2, 5, 9)) + 2 * k for k, c in enumerate("abc")}
+        f"{person}{i}": {c: chance.choice((0, 0, 2, 5, 9)) + 2 * k for k, c in enumerate(names)}
         for i in range(14)
     }
-    del scores["P3"]["c"]
+    del scores[f"{person}3"][names[2]]
     return foreign(folder / "questionnaires.csv", scores)
 
 
@@ -53,10 +54,60 @@ PLANS = [
 def test_r_finds_the_same_numbers(tmp_path, plan):
     file = tmp_path / "plan.toml"
     file.write_text(f'name = "p"\ntitle = "P"\n{plan}', "utf-8")
-    build_report(random_study(tmp_path, 5), plan=file, out=tmp_path / "o")
+    study = random_study(tmp_path, 5, ("=a", "+b", "@c"), "=P")
+    build_report(study, plan=file, out=tmp_path / "o")
     found = run(tmp_path / "o")
     assert found.returncode == 0, found.stdout + found.stderr
     assert "0 differ by more than" in found.stdout
+
+
+NAMES = (
+    "=1+1",
+    "+a",
+    "@b",
+    "-c",
+    "'=1+1",
+    "'d",
+    "e, f",
+    'g "h"',
+    "i × j",
+    "k − l",
+    "m&n",
+    "NA",
+    "T",
+)
+"""What a condition, a person or a factor may be called: beginning as formulas do, with signs that
+lists, quotations and effects are made of, or like values of R."""
+
+
+@pytest.mark.slow
+@needs_r
+def test_r_reads_names_as_they_are(tmp_path):
+    """A study in which everything has such a name; the plan asks for every kind of analysis."""
+    study = random_study(tmp_path, 3, NAMES, "=P, ")
+    people = [f'"=P, {i}",{"=+@"[i % 3]}g,{20 + i * i % 17}' for i in range(14)]
+    table = "\n".join(["participant,=of,+age", *people, ""])
+    (tmp_path / "participants.csv").write_text(table, "utf-8")
+    plan = tmp_path / "plan.toml"
+    plan.write_text(
+        'name = "p"\ntitle = "P"\noutcomes = ["T", "N"]\nmixed_model = ["condition", "=of"]\n'
+        'covariates = ["+age"]\n'
+        '[[contrasts]]\na = "=1+1"\nb = "\'=1+1"\n[[contrasts]]\na = "+a"\nb = "@b"\n'
+        '[[contrasts]]\na = "=g"\nb = "+g"\nbetween = "=of"\n'
+        '[[contrasts]]\na = "i × j"\nb = "m&n"\ntest = "paired_t"\n'
+        '[[equivalence]]\noutcome = "T"\na = "e, f"\nb = "NA"\nlow = -20\nhigh = 20\n'
+        '[[correlations]]\nx = "T"\ny = "N"\nmethod = "pearson"\n'
+        '[[anova]]\nname = "=con × dition"\ncolumn = "condition"\n'
+        '[[anova]]\nname = "@group"\ncolumn = "=of"\n',
+        "utf-8",
+    )
+    build_report(study.parent, plan=plan, out=tmp_path / "o")
+    found = run(tmp_path / "o")
+    assert found.returncode == 0, found.stdout + found.stderr
+    for said in ("=1+1 minus '=1+1", "pearson", "Kruskal-Wallis, @group", "equivalence of e, f"):
+        assert said in found.stdout
+    assert ("ANOVA, @group" in found.stdout) == has_package("car")
+    assert ("mixed model, condition: " in found.stdout) == has_package("lmerTest")
 
 
 @pytest.mark.slow

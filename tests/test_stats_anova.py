@@ -209,3 +209,23 @@ def test_interval_of_partial_eta_squared_contains_zero_unless_significant(f, df1
     p = f_distribution.sf(f, df1, df2)
     if abs(p - 0.05) > 1e-6:
         assert (effect.low > 0) == (p < 0.05)
+
+
+@given(st.lists(st.permutations((0, 1, 2)), min_size=3, max_size=7), st.sampled_from(["II", "III"]))
+@settings(max_examples=60, deadline=None)
+def test_an_effect_of_exactly_zero_has_no_negative_sum_of_squares(scores, sums_of_squares):
+    """Both groups, of unequal size, have the same people in them: no group effect at all."""
+    people = [("x", each) for each in scores] + [("y", each) for each in (*scores, *scores)]
+    rows = [
+        (f"P{i}", group, f"c{j}", float(score))
+        for i, (group, each) in enumerate(people)
+        for j, score in enumerate(each)
+    ]
+    data = pd.DataFrame(rows, columns=["id", "group", "condition", "y"])
+    found = anova(
+        data, value="y", participant="id", within=["condition"], between="group",
+        sums_of_squares=sums_of_squares,
+    ).effects  # fmt: skip
+    assert all(effect.sum_of_squares >= 0 for effect in found)
+    of_group = [effect for effect in found if "group" in effect.effect]
+    assert all(effect.sum_of_squares < 1e-20 for effect in of_group)

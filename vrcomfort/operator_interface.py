@@ -96,7 +96,7 @@ ProgressKind: TypeAlias = Literal[
 
 
 @dataclass(frozen=True)
-class Progress:
+class SessionProgress:
     """Where a session is: `done` of `total` (frames, items or seconds, by `step`).
 
     The `text` of a notice is for the operator.
@@ -113,11 +113,11 @@ class Progress:
     text: str = ""
 
 
-ProgressCallback: TypeAlias = Callable[[Progress], None]
+ProgressCallback: TypeAlias = Callable[[SessionProgress], None]
 
 
 class TrialSoFar(Protocol):
-    """How regularly the frames of a trial have come."""
+    """The timing of a trial's frames so far."""
 
     frames: int
     dropped: int
@@ -129,7 +129,7 @@ class TrialSoFar(Protocol):
 
 
 class OperatorInterface(Protocol):
-    """Where operators are: shows them the session and passes on what they want; never waits."""
+    """Shows operators the session and returns their commands; never waits."""
 
     @property
     def starts_sessions(self) -> bool:
@@ -148,10 +148,10 @@ class OperatorInterface(Protocol):
         """Show a rating; None was missed."""
 
     def next_command(self) -> Command | None:
-        """Return what an operator wants, or None at once."""
+        """Return the next command, or None at once."""
 
     def reply(self, command: Command, refusal: str) -> None:
-        """Tell whoever gave a command that it is refused, and why; blank: it is done."""
+        """Report a command's refusal, or blank where it is done."""
 
     def ask_whether_to_withdraw(self, *, asked: bool) -> None:
         """Ask all operators whether the withdrawal is meant, or no longer."""
@@ -161,7 +161,7 @@ class OperatorInterface(Protocol):
 
 
 class NoOperator:
-    """Where there is no operator but at the terminal."""
+    """Operators at the terminal alone: shows nothing, has no commands."""
 
     starts_sessions = False
 
@@ -178,17 +178,17 @@ class NoOperator:
         """Show nothing."""
 
     def next_command(self) -> None:
-        """Return that nobody wants anything."""
+        """Return None."""
 
     def reply(self, command: Command, refusal: str) -> None:
-        """Tell nobody."""
+        """Do nothing."""
 
     def ask_whether_to_withdraw(self, *, asked: bool) -> None:
-        """Ask nobody."""
+        """Do nothing."""
 
     def ask(self, question: Mapping[str, Any] | None) -> None:
-        """Ask nobody."""
+        """Do nothing."""
 
 
-def no_progress(progress: Progress) -> None:
+def no_progress(progress: SessionProgress) -> None:
     """Show nothing."""

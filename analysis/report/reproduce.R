@@ -19,10 +19,22 @@ MOST_FOR_WALSH <- 3000    # pairs: n (n + 1) / 2 averages are made
 script <- sub("^--file=", "", grep("^--file=", commandArgs(FALSE), value = TRUE))
 folder <- if (length(script)) dirname(script[1]) else "."
 
-# Everything is read as text: a score called T is no TRUE, a participant called 007 no number.
+# Everything is read as text: a score called T is no TRUE, a participant called 007 no number. The
+# apostrophe that keeps a spreadsheet from computing a text such as =a is taken off again.
 read_table <- function(name) {
-  read.csv(file.path(folder, "tables", paste0(name, ".csv")), colClasses = "character",
-           na.strings = "", check.names = FALSE, encoding = "UTF-8", quote = "\"")
+  found <- read.csv(file.path(folder, "tables", paste0(name, ".csv")), colClasses = "character",
+                    na.strings = "", check.names = FALSE, encoding = "UTF-8", quote = "\"")
+  plain <- function(text) sub("^'('*[=+@\t\r\n-])", "\\1", text)
+  names(found) <- plain(names(found))
+  found[] <- lapply(found, plain)
+  found
+}
+
+# The names in a cell that is a line of CSV itself.
+names_in <- function(cell) {
+  if (is.na(cell)) return(character())
+  scan(text = cell, what = "", sep = ",", quote = "\"", na.strings = character(), quiet = TRUE,
+       encoding = "UTF-8")
 }
 
 # Sums over the exposures of each condition, brought to one number of exposures, of the people with
@@ -154,10 +166,13 @@ for (k in seq_len(nrow(done))) {
   }
   bounded <- !is.na(test$hodges_lehmann_low) || !is.na(test$hodges_lehmann_high)
   if (bounded && test$shift_interval == "inverted_test" && length(kept) <= MOST_FOR_INTERVAL) {
-    level <- 1 - as.numeric(test$confidence)
-    ends <- interval(d, test$zero_method, test$alternative, exact, level) * pairs$unit
+    at <- function(level) interval(d, test$zero_method, test$alternative, exact, level) * pairs$unit
+    ends <- at(1 - as.numeric(test$confidence))
     compare(test, "interval, low", test$hodges_lehmann_low, ends[1])
     compare(test, "interval, high", test$hodges_lehmann_high, ends[2])
+    ends <- at(as.numeric(test$level))   # in a family: that at which Holm's method decides
+    compare(test, "interval (Holm), low", test$hodges_lehmann_holm_low, ends[1])
+    compare(test, "interval (Holm), high", test$hodges_lehmann_holm_high, ends[2])
   }
   if (exact && requireNamespace("coin", quietly = TRUE) && any(d != 0)) {
     side <- test$alternative
@@ -177,7 +192,7 @@ for (family in unique(done$family[!is.na(done$p_holm)])) {
   }
 }
 
-# The models. Names of factors may be anything, so they are called f1, f2, ... in formulas.
+# The models. Names of factors and levels may be anything: they are f1, f2, ... and numbers here.
 TIMES <- " \u00d7 "
 MINUS <- " \u2212 "
 read_if_there <- function(name) {
@@ -226,10 +241,17 @@ if (!is.null(found)) {
   }
 }
 
+# Every order of some names.
+orders <- function(names) {
+  if (length(names) < 2) return(list(names))
+  each <- function(k) lapply(orders(names[-k]), function(rest) c(names[k], rest))
+  do.call(c, lapply(seq_along(names), each))
+}
+
 # The analysis of variance of participants with a score in every cell.
 anova_of <- function(found, columns) {
   names <- sub("^anova: ", "", columns)
-  between <- if (is.na(found$between[1])) NULL else strsplit(found$between[1], TIMES, TRUE)[[1]]
+  between <- names_in(found$between[1])
   mine <- data.frame(who = scores$participant, score = as.numeric(scores[[found$outcome[1]]]))
   called <- setNames(paste0("f", seq_along(names)), names)
   for (k in seq_along(names)) mine[[called[k]]] <- scores[[columns[k]]]
@@ -237,7 +259,8 @@ anova_of <- function(found, columns) {
   within <- called[setdiff(names, between)]; between <- called[between]
   cell <- if (length(within)) do.call(paste, c(mine[within], sep = "\r")) else rep("", nrow(mine))
   wide <- tapply(mine$score, list(mine$who, cell), mean)
-  wide <- wide[complete.cases(wide), , drop = FALSE]
+  wide <- wide[complete.cases(wide) & rownames(wide) %in% names_in(found$people_in_it[1]), ,
+               drop = FALSE]
   people <- mine[match(rownames(wide), mine$who), between, drop = FALSE]
   people[] <- lapply(people, factor)
   old <- options(contrasts = c("contr.sum", "contr.poly")); on.exit(options(old))
@@ -264,11 +287,12 @@ anova_of <- function(found, columns) {
     univariate <- unclass(made$univariate.tests)[, c("Sum Sq", "F value", "Pr(>F)"), drop = FALSE]
     corrected <- made$pval.adjustments
   }
-  terms <- strsplit(rownames(univariate), ":", TRUE)
+  effects <- lapply(strsplit(rownames(univariate), ":", TRUE), function(term) {
+    vapply(orders(names[match(term, called)]), paste, "", collapse = TIMES)
+  })
   for (k in seq_len(nrow(found))) {
     line <- found[k, ]
-    wanted <- called[strsplit(line$effect, TIMES, TRUE)[[1]]]
-    row <- which(vapply(terms, setequal, logical(1), wanted))
+    row <- which(vapply(effects, function(called) line$effect %in% called, logical(1)))
     about <- paste("ANOVA,", line$effect)
     if (!length(row) || is.na(line$f)) next
     compare(line, "sum of squares", line$sum_of_squares, univariate[row, 1], about, size = 1e-6)
@@ -304,11 +328,13 @@ mixed_of <- function(found) {
   coefficient <- character()
   for (name in whole$term) {
     column <- scores[[paste0("mixed: ", name)]]
-    own <- terms$term[startsWith(terms$term, paste0(name, ": "))]
-    if (length(own)) {
-      parts <- strsplit(substring(own, nchar(name) + 3), MINUS, TRUE)
-      mine[[called[name]]] <- relevel(factor(column), parts[[1]][2])
-      coefficient[own] <- paste0(called[name], vapply(parts, `[`, "", 1))
+    pairs <- expand.grid(level = unique(column), reference = unique(column),
+                         stringsAsFactors = FALSE)
+    pairs$term <- paste0(name, ": ", pairs$level, MINUS, pairs$reference)
+    own <- pairs[match(intersect(terms$term, pairs$term), pairs$term), ]
+    if (nrow(own)) {   # in the order of the terms: that of a locale is another
+      mine[[called[name]]] <- factor(match(column, c(own$reference[1], own$level)))
+      coefficient[own$term] <- paste0(called[name], 1 + seq_len(nrow(own)))
     } else {
       mine[[called[name]]] <- as.numeric(column)
       coefficient[name] <- called[name]
@@ -354,7 +380,6 @@ if (!is.null(found) && !requireNamespace("lmerTest", quietly = TRUE)) {
 
 # Comparisons by other tests, and correlations: each person's mean over exposures.
 others <- 0
-names_in <- function(cell) if (is.na(cell)) character() else strsplit(cell, TIMES, TRUE)[[1]]
 means_of <- function(outcome, people, condition) {
   here <- is.na(condition) | scores$condition %in% condition
   mine <- here & !is.na(scores[[outcome]])
@@ -399,6 +424,7 @@ compare_means <- function(line, a, b) {
 }
 
 compare_ranks <- function(line, a, b) {
+  a <- signif(a, 12); b <- signif(b, 12)   # means of several exposures that are alike tie
   above <- outer(a, b, ">") + outer(a, b, "==") / 2
   compare(line, "U", line$value, sum(above))
   compare(line, "r", line$effect_estimate, 2 * mean(above) - 1, size = 1e-6)
@@ -453,7 +479,7 @@ for (one in if (is.null(found)) list() else split(found, paste(found$outcome, fo
   mine <- mine & !is.na(scores[[one$outcome[1]]])
   wide <- tapply(as.numeric(scores[[one$outcome[1]]][mine]),
                  list(scores$participant[mine], scores[[one$over[1]]][mine]), mean)
-  wide <- wide[complete.cases(wide), , drop = FALSE]
+  wide <- wide[rownames(wide) %in% names_in(one$people_in_it[1]), , drop = FALSE]
   n <- nrow(wide); k <- ncol(wide)
   people <- k * var(rowMeans(wide)); occasions <- n * var(colMeans(wide))
   rest <- wide - outer(rowMeans(wide), colMeans(wide), "+") + mean(wide)
@@ -495,7 +521,7 @@ found <- read_if_there("kruskal_wallis")
 for (k in seq_len(if (is.null(found)) 0 else nrow(found))) {
   line <- found[k, ]; column <- paste0("anova: ", line$factor)
   if (!column %in% names(scores)) next
-  people <- unique(scores$participant[!is.na(scores[[line$outcome]])])
+  people <- names_in(line$people_in_it)
   level <- scores[[column]][match(people, scores$participant)]
   mean <- means_of(line$outcome, people, NA)
   test <- kruskal.test(signif(mean, 12)[!is.na(level)], factor(level[!is.na(level)]))

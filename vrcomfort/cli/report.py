@@ -140,6 +140,8 @@ def report(
             memory=Memory.of_text(memory),
             cluster=cluster,
         )
+    if summary.without_primary:
+        warn(summary.without_primary)
     for warning in summary.warnings:
         warn(warning)
     if as_json:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from vrcomfort.cli.terminal import progress_bar, warn
 
 if TYPE_CHECKING:
-    from vrcomfort.operator_interface import Progress
+    from vrcomfort.operator_interface import SessionProgress
 
 
 class SessionBars(ExitStack):
@@ -20,7 +20,7 @@ class SessionBars(ExitStack):
         self._title = ""
         self._done = 0.0
 
-    def tell(self, progress: Progress) -> None:
+    def tell(self, progress: SessionProgress) -> None:
         """Show how far a step of the session has come, and what the operator must know at once."""
         if progress.step == "notice":
             warn(progress.text)

@@ -1,4 +1,4 @@
-"""Who may use a console: a token that works once, then a cookie; and from which pages.
+"""Access to a console: a one-time token, then a cookie; and the permitted origins.
 
 The server listens on the loopback interface alone. That keeps other machines out, but neither other
 people on this one (they have no token) nor pages of other sites in the operator's browser (their
@@ -22,13 +22,13 @@ OTHER_ORIGIN = "Pages of other origins may not use this console."
 
 
 def new_secret() -> str:
-    """Return 256 bits that nobody can guess, for an address."""
+    """Return 256 random bits for an address."""
     return secrets.token_urlsafe(32)
 
 
 @dataclass
 class ConsoleAccess:
-    """What opens one console.
+    """Credentials of one console.
 
     Parameters
     ----------
@@ -54,11 +54,11 @@ class ConsoleAccess:
 
     @property
     def address(self) -> str:
-        """Return what lets the next operator in."""
+        """Return the address for the next operator."""
         return f"http://127.0.0.1:{self.port}/?token={self.token}"
 
     def exchange(self, token: str) -> str | None:
-        """Take the token, once; return the cookie of the operator who had it, else None."""
+        """Exchange the token, once, for an operator's cookie; return None for another token."""
         if not hmac.compare_digest(token.encode(), self.token.encode()):
             return None
         self.token = new_secret()
@@ -67,7 +67,7 @@ class ConsoleAccess:
         return f"{name}.{self._signature(name)}"
 
     def operator(self, cookie: str | None) -> str | None:
-        """Return whose cookie it is; None where it is nobody's."""
+        """Return the cookie's operator; None for an invalid one."""
         name, _, signature = (cookie or "").partition(".")
         if not name or not hmac.compare_digest(signature.encode(), self._signature(name).encode()):
             return None

@@ -1,4 +1,4 @@
-"""What operators see of a session, put together between two frames."""
+"""The console's state of a session, updated between two frames."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from vrcomfort.operator_interface import (
     ALLOWED,
     Command,
     OperatorStep,
-    Progress,
     SessionOrder,
+    SessionProgress,
     TrialSoFar,
 )
 
@@ -35,7 +35,7 @@ class Server(Protocol):
         """Have a picture shown."""
 
     def next_command(self) -> Command | None:
-        """Return what an operator wants."""
+        """Return the next command, or None."""
 
 
 class Pictures(Protocol):
@@ -45,7 +45,7 @@ class Pictures(Protocol):
         """Begin to copy both images."""
 
     def arrived(self) -> Callable[[], bytes] | None:
-        """Count a frame; return what makes the picture that is there by now, if one is."""
+        """Count a frame; return the maker of a picture that has arrived, or None."""
 
 
 class OperatorConsole:
@@ -107,7 +107,7 @@ class OperatorConsole:
         self._line(f"step {step.number}: {step.words}")
         self._publish()
 
-    def tell(self, progress: Progress) -> None:
+    def tell(self, progress: SessionProgress) -> None:
         """Show the progress of a step."""
         if progress.step == "notice":
             self._line(progress.text)
@@ -144,7 +144,7 @@ class OperatorConsole:
         self._publish()
 
     def _look(self, rendered: RenderResult) -> None:
-        """Take a picture now and then, where somebody wants to see it."""
+        """Take a picture every `PICTURE_EVERY_S`, if a page shows them."""
         pictures = self._pictures
         if pictures is None:
             return
@@ -161,11 +161,11 @@ class OperatorConsole:
         self._publish()
 
     def next_command(self) -> Command | None:
-        """Return what an operator wants, or None at once."""
+        """Return the next command, or None at once."""
         return self._server.next_command()
 
     def reply(self, command: Command, refusal: str) -> None:
-        """Show everybody what was asked for, and whoever asked whether it was refused."""
+        """Show a command on all pages, and its refusal to the operator."""
         self._replies.append((command.id, refusal))
         action, said = command.action.replace("_", " "), f": {command.text}" if command.text else ""
         if action in {"answer", "rate"} and not refusal:

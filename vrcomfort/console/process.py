@@ -86,7 +86,7 @@ class ServerProcess:
         self._outbox.append(lambda: wire.framed(wire.PICTURE, make()))
 
     def next_command(self) -> Command | None:
-        """Return what an operator wants, or None at once."""
+        """Return the next command, or None at once."""
         return self._commands.popleft() if self._commands else None
 
     def __enter__(self) -> Self:
@@ -104,7 +104,7 @@ class ServerProcess:
         self.close()
 
     def close(self) -> None:
-        """Show what waits, and end the server; one that stands still is killed."""
+        """Send the waiting messages, and end the server; kill one that hangs."""
         self._ending = True
         if self._writing is not None:
             self._writing.join(END_S)

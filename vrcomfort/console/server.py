@@ -50,7 +50,7 @@ _FILES = {"/console.js": "text/javascript", "/console.css": "text/css"}
 
 
 class ConsolePage:
-    """One open page: what it is to get next. A slow one misses what was in between."""
+    """One open page and its next messages. A slow one misses those between."""
 
     def __init__(self) -> None:
         self.wants_pictures = False
@@ -77,7 +77,7 @@ class ConsolePage:
         self._news.set()
 
     async def send(self, socket: WebSocket) -> None:
-        """Send whatever comes, for as long as the page is open."""
+        """Send new messages while the page is open."""
         while True:
             await self._news.wait()
             self._news.clear()
@@ -100,7 +100,7 @@ class ConsolePage:
 
 
 class ConsoleServer:
-    """Serves the page to operators, and passes on what they want.
+    """Serves the page to operators, and passes on their commands.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ class ConsoleServer:
         self.app = Starlette(routes=routes)
 
     def tell_access(self) -> None:
-        """Tell the session who can come in next."""
+        """Tell the session the next operator's address."""
         access = self._access
         facts = {"port": access.port, "token": access.token, "operators": access.operators}
         self._tell({"kind": "access", **facts})
@@ -137,7 +137,7 @@ class ConsoleServer:
             page.show(self._state)
 
     async def show_last(self) -> None:
-        """Wait until all pages have what they were shown, but no longer than `LAST_STATE_S`."""
+        """Wait until all pages have the last state, at most `LAST_STATE_S`."""
         telling = [asyncio.create_task(page.told()) for page in self._pages]
         if telling:
             await asyncio.wait(telling, timeout=LAST_STATE_S)
@@ -195,7 +195,7 @@ class ConsoleServer:
             self._tell_watching()
 
     async def _listen(self, socket: WebSocket, page: ConsolePage) -> None:
-        """Pass on what a page wants."""
+        """Pass on a page's commands."""
         times: deque[float] = deque(maxlen=ACTIONS_PER_S)
         while True:
             message = await socket.receive()
@@ -266,7 +266,7 @@ def _read_pipe(
 
 
 def main() -> None:
-    """Serve until standard input ends; its first message says where and to whom."""
+    """Serve until standard input ends; its first message has port and credentials."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the session decides what Ctrl-C means
     first = wire.read_message(sys.stdin.buffer)
     if first is None:

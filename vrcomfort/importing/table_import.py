@@ -183,7 +183,8 @@ class TableImport:
             sheet.answers[item] = answers[item]
         source = block.source
         if isinstance(source, Questionnaire) and source.not_asked:
-            self._imported.not_asked[name] = source.not_asked
+            before = self._imported.not_asked.get(name, ())
+            self._imported.not_asked[name] = tuple(dict.fromkeys((*before, *source.not_asked)))
 
     def _rating(
         self, place: int, block: Block, moment: Moment, cells: tuple[str, ...], row: int

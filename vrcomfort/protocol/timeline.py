@@ -97,7 +97,7 @@ class TimelineStep:
 
 @dataclass(frozen=True)
 class ScreeningStep(TimelineStep):
-    """A check of what was measured or entered before the session."""
+    """A check of facts from before the session: IPD, or covariates."""
 
     of: Literal["ipd", "covariates"]
 

@@ -2,7 +2,7 @@
 
 from vrcomfort.questionnaire.answers import Answer, Answers
 from vrcomfort.questionnaire.found import asked_in, guess, guess_for_file
-from vrcomfort.questionnaire.instrument_file import parse_instrument, read_instrument
+from vrcomfort.questionnaire.instrument_file import parse_instrument, read_instrument, short_form
 from vrcomfort.questionnaire.instruments import Instrument, Item, plain
 from vrcomfort.questionnaire.library import (
     FOLDER,
@@ -40,5 +40,6 @@ __all__ = [
     "score_all",
     "score_file",
     "shipped_instruments",
+    "short_form",
     "usual_instruments",
 ]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -162,6 +163,84 @@ def parse_instrument(text: str, file: Path | None = None) -> Instrument:
         },
         text=text,
     )
+
+
+def short_form(instrument: Instrument, not_asked: Collection[str]) -> Instrument:
+    """Return the instrument of a study that left out items by design.
+
+    A scale that allows for missing items (`min_valid`) is scored as ever where enough were asked.
+    One that needs all its items is made of those that were asked, and called so: it is another
+    scale. One of which nothing was asked, or whose items weigh differently for each person, has no
+    score, and neither has a scale made of it.
+    """
+    lost = tuple(item.name for item in instrument.items if item.name in not_asked)
+    if not lost:
+        return instrument
+    table = parse_settings(InstrumentTable, instrument.text, None)
+    items = {
+        each.name: replace(each, asked=each.asked and each.name not in lost)
+        for each in instrument.items
+    }
+    made: dict[str, Compiled] = {}
+    unscored: dict[str, str] = {}
+    short: set[str] = set()
+    for each in table.scales:
+        kept = {name: weight for name, weight in each.items.items() if name not in lost}
+        if reason := _unscored(each, kept, frozenset(lost), unscored):
+            unscored[each.name] = reason
+            made[each.name] = compile_scale(each, items, made)
+            continue
+        whole = each.min_valid is not None and each.min_valid < len(each.items)
+        if (len(kept) < len(each.items) and not whole) or short & _parts(each):
+            short.add(each.name)
+        now = each if whole else each.model_copy(update={"items": kept, "min_valid": None})
+        made[each.name] = compile_scale(now, items, made)
+    alone = [of_one_item(items[name]) for name in _alone(table)]
+    unscored |= {each.name: "it was not asked" for each in alone if each.name in lost}
+    scales = [
+        replace(each.scale, title=f"{each.scale.title} (short form)") if name in short
+        else each.scale
+        for name, each in made.items()
+    ]  # fmt: skip
+    return replace(
+        instrument,
+        title=f"{instrument.title} (short form)",
+        items=tuple(items.values()),
+        scales=(*scales, *alone),
+        rule=_rule_of_short_form(instrument, lost, short),
+        not_asked=lost,
+        shortened=tuple(name for name in made if name in short),
+        unscored=unscored,
+    )
+
+
+def _parts(scale: ScaleTable) -> set[str]:
+    return {*scale.raw_sums_of, *scale.scores_of}
+
+
+def _unscored(
+    scale: ScaleTable, kept: Mapping[str, float], lost: frozenset[str], before: Mapping[str, str]
+) -> str:
+    """Say why a scale has no score with the items that were asked; nothing where it has one."""
+    if missing := sorted(_parts(scale) & before.keys()):
+        return f"it is made of {missing[0]}, which has none"
+    asked, count = len(kept), len(scale.items)
+    if asked == count and not lost.intersection(scale.weighted_by.values()):
+        return ""
+    if not asked:
+        return "none of its items was asked"
+    if scale.weighted_by:
+        return "it needs every item and the weight of each"
+    needed = scale.min_valid or 0
+    return f"{asked} of its {count} items were asked, and {needed} needed" if asked < needed else ""
+
+
+def _rule_of_short_form(instrument: Instrument, lost: tuple[str, ...], short: set[str]) -> str:
+    said = f"without {', '.join(lost)}, which {'were' if len(lost) > 1 else 'was'} not asked"
+    if not short:
+        return f"{instrument.rule}, {said}" if instrument.rule else said
+    other = "sums of a short form are on another scale than those of the whole questionnaire"
+    return f"{instrument.rule or 'from the items that were asked'}, {said}; {other}"
 
 
 def _answers(given: AnswersTable, table: InstrumentTable) -> Answers:

@@ -159,6 +159,12 @@ class Instrument:
     """Language → what is asked of all items in it."""
     text: str = field(default="", repr=False)
     """The TOML that it was read from."""
+    not_asked: tuple[str, ...] = ()
+    """Items that a study left out by design; see `instrument_file.short_form`."""
+    shortened: tuple[str, ...] = ()
+    """Scales made of the other items of those that they are made of otherwise."""
+    unscored: Mapping[str, str] = field(default_factory=dict, repr=False, hash=False)
+    """Scale → why it has no score without those items."""
 
     @property
     def low(self) -> Answer:

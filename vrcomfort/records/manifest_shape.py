@@ -224,6 +224,8 @@ class DescribedShape(_File):
     citation: str = ""
     protocol: str = ""
     conditions: dict[str, str] = {}
+    not_asked: dict[str, list[str]] = {}
+    """Instrument → the items that an import's short form of it does not have."""
 
 
 class DescriptionShape(DescribedShape):

@@ -1,4 +1,4 @@
-"""Shows again what a participant saw: a recorded session, drawn from its own files."""
+"""Replays a recorded session, drawn from its own files."""
 
 from vrcomfort.replay.drawn import DrawnFrame, ReplaySelection, replay
 from vrcomfort.replay.exposures import RecordedExposure

@@ -26,7 +26,7 @@ _EPSILON_S = 1e-6
 
 @dataclass(frozen=True)
 class ReplaySelection:
-    """What is to be shown of a session.
+    """The selected part of a session, and its conditions.
 
     Parameters
     ----------
@@ -252,7 +252,7 @@ class _Film:
         return self.comparison.add(recorded, (left, right))
 
     def _video_s(self, row: int, frame: Frame) -> float:
-        """Return when a frame is seen: after what was dropped, but not after what was hidden."""
+        """Return the frame's time in the video: dropped frames count, hidden ones do not."""
         now_ns, period_ns = frame.predicted_display_time_ns, frame.period_ns
         if self._shown_ns is None:
             video_s = 0.0

@@ -104,7 +104,7 @@ def read_exposures(
 def _attempts(
     trials: Iterable[RecordedRow], manifest: Mapping[str, Any]
 ) -> Iterator[Mapping[str, Any] | RecordedRow]:
-    """Yield the rows of ``trials.csv``, and what is known of an exposure that was cut short."""
+    """Yield the rows of ``trials.csv``, and the known facts of an exposure that was cut short."""
     seen = set()
     for row in trials:
         seen.add((row["trial"], row["attempt"]))

@@ -39,7 +39,7 @@ class Comparison:
 
 
 def differences(manifest: Mapping[str, Any], machine: Machine) -> Iterator[str]:
-    """Yield what is not as it was when the session was run, and may change images."""
+    """Yield changes since the session was run that may change images."""
     for name in ("gpu", "driver"):
         then, now = manifest.get(name) or "", getattr(machine, name)
         if then and then != now:

@@ -103,7 +103,7 @@ class ContactSheet:
 
 
 def _facts(drawn: DrawnFrame, *, gaze: bool) -> tuple[str, bool]:
-    """Return what is to know of a frame, and whether something was amiss with it."""
+    """Return a frame's caption, and whether it is a warning."""
     seen = f"trial {drawn.trial}" if drawn.trial else "training"
     words, odd = [seen, f"session {drawn.session_s:.2f} s"], False
     if drawn.focus_m is not None:

@@ -54,8 +54,10 @@ class ReportSummary:
         Name of the analysis plan.
     participants, analysed, withdrawn
         Numbers of people; `analysed` are in at least one test.
+    without_primary
+        That the planned primary outcome is not in the data, why, and what to do; else blank.
     headlines
-        One sentence per test.
+        One sentence per test; of secondary outcomes alone where the primary one is missing.
     warnings
         What was left out while reading or scoring, and last what to know before any number: one
         sentence each.
@@ -69,6 +71,7 @@ class ReportSummary:
     participants: int
     analysed: int
     withdrawn: int
+    without_primary: str
     headlines: tuple[str, ...]
     warnings: tuple[str, ...]
 
@@ -247,11 +250,8 @@ def _summary(out: Path, results: dict[str, Any], words: Vocabulary) -> ReportSum
         participants=results["participants"]["n"],
         analysed=len(results["participants"]["analysed"]),
         withdrawn=results["withdrawals"]["n"],
-        headlines=(
-            *(answer(test, words)["text"] for test in results["tests"]),
-            *(answer(row, words)["text"] for row in results["comparisons"]),
-            *(line["text"] for line in further_answers(results, words)),
-        ),
+        without_primary=results["without_primary"] or "",
+        headlines=tuple(_headlines(results, words)),
         warnings=(
             *quality["reading"],
             *_changed(quality["protocol_versions"]),
@@ -259,6 +259,14 @@ def _summary(out: Path, results: dict[str, Any], words: Vocabulary) -> ReportSum
             *results["notices"],
         ),
     )
+
+
+def _headlines(results: dict[str, Any], words: Vocabulary) -> Iterator[str]:
+    """Yield the answers, called secondary where the planned primary outcome is not in the data."""
+    called = "Secondary: " if results["without_primary"] else ""
+    answered = [answer(test, words) for test in (*results["tests"], *results["comparisons"])]
+    for line in (*answered, *further_answers(results, words)):
+        yield f"{called}{line['text']}"
 
 
 def _changed(versions: int) -> list[str]:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.report.descriptives import describe, describe_with_interval
+from vrcomfort.report.descriptives import describe
+from vrcomfort.report.families import UNDECIDED, add_intervals
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.orders import one_order
 from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up, sides_of
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
     Lost = Callable[[str, str], dict[str, int]]
 
 FEWEST_PAIRS = 2
-TAKEN = "item"
+TAKEN = {"item": "a column of the table of symptoms", "difference": "a column of the tests"}
+"""What conditions cannot be called, and what is called so."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +62,8 @@ def conditions_of(scored: Exposures, labels: dict[str, str]) -> list[str]:
     """
     order = {name: place for place, name in enumerate(labels)}
     found = {str(name) for name in scored.table["condition"].unique()} - {""}
-    if TAKEN in found:
-        message = f"a condition is called `{TAKEN}`, as a column of the table of symptoms is"
+    for name in sorted(found & TAKEN.keys()):
+        message = f"a condition is called `{name}`, as {TAKEN[name]} is"
         raise InputError(f"{message}; give it another name")
     return sorted(found, key=lambda name: (order.get(name, len(order)), natural(name)))
 
@@ -128,7 +130,7 @@ def run_tests(scored: Exposures, plan: Plan, contrasts: list[Compared], lost: Lo
 
 def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost: Lost) -> Test:
     a, b = contrast.a, contrast.b
-    pairs = pair_up(scored, outcome, a, b, complete=plan.withdrawals != "available_pairs")
+    pairs = pair_up(scored, outcome, a, b, complete=plan.needs_every_score)
     signs = _ranked_worst(pairs, plan, lost(a.name, b.name))
     result: dict[str, Any] = {
         "a": a.name,
@@ -142,9 +144,9 @@ def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost:
         "exposures_per_condition": {s.name: needed_of(scored, outcome, s) for s in (a, b)},
         "alternative": contrast.alternative,
         "p": None,
-        "p_holm": None,
         "not_tested": None,
         "confounded": None,
+        **UNDECIDED,
     }
     if contrast.of_conditions:
         people = pairs.participants
@@ -155,17 +157,41 @@ def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost:
     if len(pairs.participants) < FEWEST_PAIRS:
         result["not_tested"] = _too_few(scored, outcome, contrast, len(pairs.participants))
         return result
-    test = _signed_rank(pairs, plan, contrast.alternative)
+    test = _signed_rank(pairs, plan, contrast.alternative, plan.confidence)
     worst = _worst_rank(pairs, list(signs.values()), plan, contrast.alternative) if signs else {}
-    return {
+    t_test = _t_test(pairs, plan, contrast.alternative)
+    found = {
         **result,
         **describe_test(test),
         **worst,
         "n": result["n"],
-        "descriptives": describe_pairs(pairs, contrast, plan.confidence),
+        "smallest_p": _smallest_p(pairs, len(signs), plan, contrast.alternative),
+        "descriptives": describe_pairs(pairs, contrast, t_test),
         "other_zeros": _other_zeros(pairs, plan, contrast.alternative),
-        "t_test": _t_test(pairs, plan, contrast.alternative),
+        "t_test": t_test,
     }
+    return {**found, "higher": found["w_plus"] > found["w_minus"]}
+
+
+def add_intervals_of_tests(
+    scored: Exposures, plan: Plan, contrasts: list[Compared], tests: list[Test]
+) -> None:
+    """Add to every test in a family the intervals of the level at which it decides.
+
+    Parameters
+    ----------
+    tests
+        As `run_tests` returns them.
+    """
+    of_each = (contrast for contrast in contrasts for _ in scored.outcomes)
+    for contrast, test in zip(of_each, tests, strict=True):
+
+        def again(confidence: float, contrast: Compared = contrast, test: Test = test) -> Test:
+            sides, complete = (contrast.a, contrast.b), plan.needs_every_score
+            pairs = pair_up(scored, test["outcome"], *sides, complete=complete)
+            return asdict(_signed_rank(pairs, plan, contrast.alternative, confidence))
+
+        add_intervals(test, 1 - plan.confidence, again)
 
 
 def _too_few(scored: Exposures, outcome: str, contrast: Compared, n: int) -> str:
@@ -184,14 +210,16 @@ def _ranked_worst(pairs: Pairs, plan: Plan, lost: dict[str, int]) -> dict[str, i
     return {who: sign for who, sign in lost.items() if who not in pairs.participants}
 
 
-def _signed_rank(pairs: Pairs, plan: Plan, alternative: Alternative) -> SignedRank:
+def _signed_rank(
+    pairs: Pairs, plan: Plan, alternative: Alternative, confidence: float
+) -> SignedRank:
     return signed_rank(
         pairs.differences,
         pairs.unit,
         zeros=plan.zeros,
         alternative=alternative,
         p_value=plan.p_value,
-        confidence=plan.confidence,
+        confidence=confidence,
         shift_interval=plan.shift_interval,
         effect_interval=(
             "normal_shift" if plan.rank_biserial_interval == "normal_shift" else "fisher_z"
@@ -209,6 +237,19 @@ def _worst_rank(
     )
     keep = ("w_plus", "w_minus", "z", "zeros", "ties", "p_exact", "p_asymptotic", "p", "method")
     return {name: value for name, value in describe_test(test).items() if name in keep}
+
+
+def _smallest_p(pairs: Pairs, withdrawn: int, plan: Plan, alternative: Alternative) -> float:
+    """Return p as it would be if all who differ did so in one direction."""
+    one_way = np.abs(pairs.differences) * (-1 if alternative == "less" else 1)
+    signs = [-1 if alternative == "less" else 1] * withdrawn
+    if withdrawn:
+        return worst_rank(
+            one_way, signs, zeros=plan.zeros, alternative=alternative, p_value=plan.p_value
+        ).p
+    return signed_rank(
+        one_way, zeros=plan.zeros, alternative=alternative, p_value=plan.p_value, intervals=False
+    ).p
 
 
 def _interval_n(pairs: Pairs, plan: Plan) -> int | None:
@@ -249,11 +290,19 @@ def describe_test(test: SignedRank) -> dict[str, Any]:
 
 
 def describe_pairs(
-    pairs: Pairs, contrast: Compared, confidence: float
+    pairs: Pairs, contrast: Compared, t_test: Test | None
 ) -> dict[str, dict[str, float | None]]:
-    """Return mean, spread and quartiles of both conditions and of the differences, in points."""
+    """Return mean, spread and quartiles of both conditions and of the differences, in points.
+
+    The interval of the mean difference is that of its t test: a report has no other.
+    """
+    low, high = (t_test["low"], t_test["high"]) if t_test else (None, None)
     return {
         contrast.a.name: describe(pairs.a * pairs.unit),
         contrast.b.name: describe(pairs.b * pairs.unit),
-        "difference": describe_with_interval(pairs.differences * pairs.unit, confidence),
+        "difference": {
+            **describe(pairs.differences * pairs.unit),
+            "mean_low": low,
+            "mean_high": high,
+        },
     }

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort.report.notices import names
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.study_data import short_forms
 from vrcomfort.report.withdrawals import everybody
 from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.signed_rank import EXACT_UP_TO
@@ -28,7 +29,7 @@ def deviations(
         *_numbers(study, plan),
         *_excluded_without_a_rule(study, plan),
         *_named_and_absent(study, plan),
-        *_outcomes(scored),
+        *_outcomes(study, scored),
         *_timepoints(study, plan),
         *_baseline(scored, plan, results),
         *_tests(results, plan),
@@ -69,10 +70,15 @@ def _named_and_absent(study: StudyData, plan: Plan) -> Iterator[Deviation]:
             yield _deviation("exclusion_not_found", text, absent)
 
 
-def _outcomes(scored: Exposures) -> Iterator[Deviation]:
-    for name in scored.absent:
-        text = f"outcome {name} is not in the data: its questionnaire was not answered"
-        yield _deviation("outcome_not_found", text)
+def _outcomes(study: StudyData, scored: Exposures) -> Iterator[Deviation]:
+    for name, why in scored.absent.items():
+        yield _deviation("outcome_not_found", f"outcome {name} is not in the data: {why}")
+    for instrument in short_forms(study):
+        titles = [each.title for each in scored.outcomes if each.instrument == instrument.name]
+        if titles:
+            lost = ", ".join(instrument.not_asked)
+            text = f"{', '.join(titles)}: the {instrument.short} was asked without {lost}"
+            yield _deviation("short_form", text)
 
 
 def _timepoints(study: StudyData, plan: Plan) -> Iterator[Deviation]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.report.canvas import FAINT, GRID, INK, PAPER, Drawing, canvas, dots, lines, spread
+from vrcomfort.report.families import reported
 from vrcomfort.report.pairs import Side, in_a_test, pair_up
 from vrcomfort.report.sides import (
     dot_size,
@@ -146,7 +147,7 @@ def _difference_of(test: Test, words: Vocabulary, width: int) -> str:
 
 def _ends(test: Test, differences: Floats) -> tuple[float, float]:
     """Return the ends of the interval; one that is not bounded is the farthest difference."""
-    shift = test["shift"] or {}
+    shift = reported(test, "shift") or {}
     low, high = shift.get("low"), shift.get("high")
     if low is None and high is None:
         return np.nan, np.nan

@@ -26,7 +26,7 @@ from vrcomfort.report.outcomes import Outcome, items_of, known_outcomes, outcome
 from vrcomfort.report.planned import planned_exposures
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
 
     from vrcomfort.questionnaire import Instrument, Sheet
     from vrcomfort.report.plan import Plan
@@ -51,7 +51,9 @@ class Exposures:
     outcomes
         Those of the plan that the data have, in the plan's order.
     absent
-        Names of those that the data do not have.
+        Those that the data do not have → why.
+    without_primary
+        Sentences on the plan's primary outcome, where it is one of them; blank otherwise.
     units
         Outcome → points per integer step of its column.
     bases
@@ -78,7 +80,8 @@ class Exposures:
     """
 
     outcomes: tuple[Outcome | Measure, ...]
-    absent: tuple[str, ...]
+    absent: dict[str, str]
+    without_primary: str
     units: dict[str, float]
     bases: dict[str, Basis]
     items: dict[str, tuple[str, str]]
@@ -136,19 +139,12 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
     kept = kept_by_the_experimenter(study)
     others = [sheet for sheet in kept if sheet.keys["instrument"] not in plan.of_choices]
     check_timepoints(others, plan)
-    there = set(study.instruments_at(plan.exposure_timepoint))
     wanted = outcomes_of_plan(study, plan)
-    outcomes = tuple(
-        each for each in wanted if isinstance(each, Measure) or each.instrument in there
-    )
+    absent = {each.name: why for each in wanted if (why := _why_absent(study, plan, each))}
+    outcomes = tuple(each for each in wanted if each.name not in absent)
     if not outcomes and others:
-        have = ", ".join(sorted({sheet.keys["instrument"] for sheet in study.sheets}))
-        named = ", ".join(plan.outcomes)
-        raise plan.fault(
-            f"the data have no questionnaire for any outcome of the plan ({named}); they have "
-            f"answers to {have}",
-            "outcomes",
-        )
+        reasons = "; ".join(f"{name}: {why}" for name, why in absent.items())
+        raise plan.fault(f"the data have no outcome of the plan ({reasons})", "outcomes")
     work = _Work(study, plan, Facts.of(study, plan), outcomes)
     scores = [each for each in outcomes if isinstance(each, Outcome)]
     for instrument in dict.fromkeys(each.instrument for each in scores):
@@ -157,7 +153,36 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
         )
     for measure in (each for each in outcomes if isinstance(each, Measure)):
         work.measure(measure)
-    return work.done(tuple(each.name for each in wanted if each not in outcomes))
+    return work.done(absent, _without_primary(wanted, absent))
+
+
+def _without_primary(wanted: Iterable[Outcome | Measure], absent: Mapping[str, str]) -> str:
+    """Say that the data do not have the planned primary outcome, why, and what to do."""
+    primary = next(iter(wanted), None)
+    if primary is None or primary.name not in absent:
+        return ""
+    return (
+        f"The planned primary outcome ({primary.title}, {primary.name}) is not in the data: "
+        f"{absent[primary.name]}. If it was asked, add its answers and report again; if not, the "
+        "question of the plan has no answer here: the outcomes that follow are secondary, and "
+        "none of them takes its place."
+    )
+
+
+def _why_absent(study: StudyData, plan: Plan, outcome: Outcome | Measure) -> str:
+    """Say why the data do not have an outcome; nothing where they have it."""
+    if isinstance(outcome, Measure):
+        return ""
+    instrument, moment = study.instruments[outcome.instrument], plan.exposure_timepoint
+    if outcome.instrument not in study.instruments_at(moment):
+        asked = {s.timepoint for s in study.sheets if s.keys["instrument"] == instrument.name}
+        if asked:
+            at = ", ".join(f"`{name}`" for name in sorted(asked))
+            return f"the {instrument.short} was answered at {at}, and not at `{moment}`"
+        have = sorted({study.instruments[s.keys["instrument"]].short for s in study.sheets})
+        return f"the {instrument.short} was not answered; the data have the {', '.join(have)}"
+    why = instrument.unscored.get(outcome.scale.name, "")
+    return f"the {instrument.short} was asked as a short form, and {why}" if why else ""
 
 
 def outcomes_of_plan(study: StudyData, plan: Plan) -> tuple[Outcome | Measure, ...]:
@@ -268,7 +293,7 @@ class _Work:
         self._bases[measure.name] = "measured"
         self._planned[measure.name] = planned_exposures(self._study, self._plan, met, "")
 
-    def done(self, absent: tuple[str, ...]) -> Exposures:
+    def done(self, absent: dict[str, str], without_primary: str) -> Exposures:
         """Return the tables."""
         names = [each.name for each in self._outcomes if each.name in self._bases]
         rows, moments = list(self._after.values()), list(self._moments.values())
@@ -279,6 +304,7 @@ class _Work:
         return Exposures(
             outcomes=tuple(each for each in self._outcomes if each.name in names),
             absent=absent,
+            without_primary=without_primary,
             units={o.name: o.unit / steps[o.name] for o in self._outcomes if o.name in names},
             bases={name: self._bases[name] for name in names},
             items=dict(self._items),

@@ -1,34 +1,56 @@
-"""Which tests are adjusted together: the families of a plan, over tests and ANOVA."""
+"""Which tests are adjusted together, what each decides, and the intervals that say the same.
+
+One rule for whatever a report says of a test. The p that decides is the adjusted one where there is
+a family. The intervals beside it are those of the level at which Holm's method decides on the test,
+so that they hold no difference exactly where none was shown.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
-from vrcomfort.stats.multiplicity import holm
+from vrcomfort.stats.multiplicity import holm, holm_levels
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from vrcomfort.report.plan import Family, Plan
 
 Row = dict[str, Any]
+Verdict = Literal["higher", "lower", "not_shown", "not_possible"]
+"""Of the first side; `not_possible`: so few people cannot give a p at which a difference is shown,
+whatever they answer."""
+UNDECIDED: Row = {
+    "family": None, "p_holm": None, "level": None, "verdict": None, "smallest_p": None,
+    "simultaneous": None,
+}  # fmt: skip
+"""What is decided of a test once all are made; it stays so where there is no test."""
+INTERVALS = ("shift", "difference", "effect")
 
 
 def adjust(plan: Plan, tests: list[Row], anovas: list[Row]) -> list[Row]:
     """Set `family` and `p_holm` of every test and ANOVA effect that is in a family.
+
+    Of every test that was made, set also `level`, at which it decides, and its `verdict`.
 
     Returns
     -------
     list of dict
         One row per family: name, method, and how many p values it adjusts.
     """
+    level = 1 - plan.confidence
     for test in tests:
-        test["family"] = None
+        if not test["not_tested"]:
+            decide(test, level, [test["p"]], 0)
     found = []
     for family in plan.families:
         members = _members(family, tests, anovas)
         p_values = [reported_p(member) for member in members]
         adjusted = holm(p_values) if family.method == "holm" else [None] * len(members)
-        for member, p in zip(members, adjusted, strict=True):
+        for place, (member, p) in enumerate(zip(members, adjusted, strict=True)):
             member["family"], member["p_holm"] = family.name, p
+            if p is not None and "verdict" in member:
+                decide(member, level, p_values, place)
         size = sum(p is not None for p in p_values)
         found.append({"name": family.name, "method": family.method, "size": size})
     return found
@@ -50,3 +72,64 @@ def reported_p(row: Row) -> float | None:
     corrected: float | None = row.get("p_greenhouse_geisser")
     p: float | None = row["p"]
     return p if corrected is None else corrected
+
+
+def decide(row: Row, level: float, p_values: list[float | None], place: int) -> None:
+    """Set the level at which a test decides among others, and its verdict."""
+    row["level"] = holm_levels(p_values, level)[place]
+    if row["p"] <= row["level"]:
+        row["verdict"] = "higher" if row["higher"] else "lower"
+        return
+    best = [*p_values]
+    best[place] = smallest = row["smallest_p"]
+    own = holm_levels(best, level)[place]
+    row["verdict"] = "not_shown" if own is not None and smallest <= own else "not_possible"
+
+
+def add_intervals(row: Row, level: float, again: Callable[[float], Row]) -> None:
+    """Set `simultaneous`, the intervals of a test in a family; None where it decides at `level`.
+
+    Parameters
+    ----------
+    again
+        Confidence → the test with its intervals.
+    """
+    if row["level"] is not None and row["level"] < level:
+        found = again(1 - row["level"])
+        row["simultaneous"] = {name: found[name] for name in INTERVALS if name in found}
+
+
+def reported(row: Row, name: str) -> Any:
+    """Return the estimate with the interval that belongs to the p that decides."""
+    return (row["simultaneous"] or row)[name]
+
+
+def is_shown(row: Row) -> bool:
+    """Return whether a test has shown what it looked for."""
+    return row["verdict"] not in {None, "not_shown", "not_possible"}
+
+
+def disagreement(row: Row, found: Row | None, null: float = 0.0) -> str:
+    """Say that an interval and the verdict of its test differ about the null value; or nothing.
+
+    Those of the default methods do not, but for rank-biserials and correlations, whose intervals
+    are not inversions of the printed test; nor is that of a plan that asks for order statistics.
+    """
+    if not found or (found["low"] is None and found["high"] is None):
+        return ""
+    if holds(found, null) != is_shown(row):
+        return ""
+    value = f"{null:g}".removeprefix("0") or "0"
+    if is_shown(row):
+        return f" (which includes {value}, though the test rejects it)"
+    return f" (which excludes {value}, though the test does not reject it)"
+
+
+def holds(found: Row, value: float) -> bool:
+    """Return whether a value is in an interval, whose ends may be open or missing."""
+    low, high = found["low"], found["high"]
+    if found.get("holds_rejected_zero") and value == 0:
+        return False
+    above = low is None or low < value or (low == value and found.get("low_closed", True))
+    below = high is None or high > value or (high == value and found.get("high_closed", True))
+    return bool(above and below)

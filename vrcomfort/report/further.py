@@ -11,9 +11,17 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.report.choices import choices_of
 from vrcomfort.report.comparisons import NO_VARIANCE, too_few
+from vrcomfort.report.families import decide
 from vrcomfort.report.models import guarded, is_between, level_of, points
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.pairs import Side, groups_of, pair_up, side_sums, sides_of
+from vrcomfort.report.pairs import (
+    Side,
+    groups_of,
+    pair_up,
+    side_sums,
+    sides_of,
+    with_every_score,
+)
 from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.correlation import correlation, repeated_measures_correlation
 from vrcomfort.stats.intraclass import intraclass
@@ -28,6 +36,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.families import Verdict
     from vrcomfort.report.plan import Agreed, Correlated, Equivalent, Plan, Preferred
     from vrcomfort.report.study_data import StudyData
 
@@ -72,14 +81,21 @@ def _correlation(scored: Exposures, plan: Plan, asked: Correlated) -> Row:
         found = repeated_measures_correlation(
             x, y, whole["participant"].to_numpy(), confidence=plan.confidence
         )
-        people = sorted(whole["participant"].unique(), key=natural)
+        people, smallest = sorted(whole["participant"].unique(), key=natural), 0.0
     else:
+        side, complete = Side(asked.condition), plan.needs_every_score
+        of_x, of_y = (
+            side_sums(scored, name, [side], complete=complete)[0] for name in (asked.x, asked.y)
+        )
+        rows = rows[rows["participant"].isin(set(of_x).intersection(of_y))]
         means = rows.groupby("participant")[[asked.x, asked.y]].mean().dropna()
         x, y = (
             means[name].to_numpy(dtype=float) * scored.units[name] for name in (asked.x, asked.y)
         )
         found = correlation(x, y, method=asked.method, confidence=plan.confidence)
         people = sorted(means.index, key=natural)
+        one_way = correlation(np.sort(x), np.sort(y), method=asked.method)
+        smallest = 0.0 if asked.method == "pearson" or one_way.p is None else one_way.p
     problem = None
     if found.estimate is None:
         problem = (
@@ -88,7 +104,18 @@ def _correlation(scored: Exposures, plan: Plan, asked: Correlated) -> Row:
     return {
         "x": asked.x, "y": asked.y, "condition": asked.condition, "not_tested": problem,
         "participants": people, "values": [x.tolist(), y.tolist()], **asdict(found),
+        "verdict": _verdict(plan, found.p, smallest, higher=(found.estimate or 0.0) > 0),
     }  # fmt: skip
+
+
+def _verdict(plan: Plan, p: float | None, smallest_p: float, *, higher: bool) -> Verdict | None:
+    """Return what a test decides that is in no family."""
+    if p is None:
+        return None
+    row: Row = {"p": p, "smallest_p": smallest_p, "higher": higher}
+    decide(row, 1 - plan.confidence, [p], 0)
+    found: Verdict = row["verdict"]
+    return found
 
 
 def _in_points(table: pd.DataFrame, scored: Exposures, name: str) -> NDArray[np.float64]:
@@ -97,7 +124,7 @@ def _in_points(table: pd.DataFrame, scored: Exposures, name: str) -> NDArray[np.
 
 
 def _equivalence(scored: Exposures, plan: Plan, asked: Equivalent) -> Row:
-    complete = plan.withdrawals == "complete_pairs"
+    complete = plan.needs_every_score
     result: Row = {**asked.model_dump(), "bounds": [asked.low, asked.high], "not_tested": None}
     bounds, level = (asked.low, asked.high), 1 - plan.confidence
     if asked.between:
@@ -134,13 +161,15 @@ def _preference(study: StudyData, plan: Plan, index: int) -> Row:
         raise plan.fault(message, "preferences", index)
     none = sum(counts[value] for value in asked.none)
     found = preference(counts[asked.a], counts[asked.b], none, confidence=plan.confidence)
+    preferring = counts[asked.a] + counts[asked.b]
+    smallest = preference(preferring, 0, none).p
     return {
         "name": asked.name, "label": asked.label or asked.name, "of_a": asked.a, "of_b": asked.b,
         "n": sum(counts.values()), "missing": sum(not value for _, value in said),
         "participants": sorted((who for who, value in said if value), key=natural),
         "confidence": plan.confidence,
-        "not_tested": None if counts[asked.a] + counts[asked.b] else "nobody has a preference",
-        **asdict(found),
+        "not_tested": None if preferring else "nobody has a preference",
+        **asdict(found), "verdict": _verdict(plan, found.p, smallest, higher=found.a > found.b),
     }  # fmt: skip
 
 
@@ -197,13 +226,20 @@ def _agreement(scored: Exposures, plan: Plan, asked: Agreed) -> Row:
 def _intraclass(scored: Exposures, plan: Plan, asked: Agreed) -> Row:
     rows = points(scored.table, scored, asked.outcome)
     rows = rows[rows["condition"] == asked.condition] if asked.condition else rows
+    if plan.needs_every_score:
+        rows = with_every_score(rows, [asked.over])
     wide = rows.pivot_table(index="participant", columns=asked.over, values="score").dropna()
     if wide.shape[0] < 2 or wide.shape[1] < 2:
         raise InputError(
             f"{wide.shape[0]} people with a score in each of {wide.shape[1]} occasions: too few"
         )
     forms = intraclass(wide.to_numpy(dtype=float), confidence=plan.confidence)
-    return {"n": wide.shape[0], "occasions": wide.shape[1], "forms": [asdict(f) for f in forms]}
+    return {
+        "n": wide.shape[0],
+        "participants": sorted(wide.index, key=natural),
+        "occasions": wide.shape[1],
+        "forms": [asdict(f) for f in forms],
+    }
 
 
 def _several(scored: Exposures, plan: Plan, place: int) -> bool:
@@ -220,10 +256,14 @@ def _kruskal_wallis(scored: Exposures, plan: Plan, place: int, outcome: str) -> 
 def _of_levels(scored: Exposures, plan: Plan, place: int, outcome: str) -> Row:
     """Test the groups of a factor on each person's integer sums, brought to one number."""
     factor = plan.anova[place]
+    rows = points(scored.table, scored, outcome)
+    rows = rows.assign(level=level_of(scored, rows, factor)).dropna(subset=["level"])
+    if plan.needs_every_score:
+        rows = with_every_score(rows, ["level"])
+    group = dict(zip(rows["participant"], rows["level"], strict=True))
+    names = sorted({str(level) for level in rows["level"].unique()}, key=natural)
     people, sums, _ = side_sums(scored, outcome, [Side()], complete=False)
     of = dict(zip(people, sums[:, 0], strict=True))
-    levels = level_of(scored, scored.table, factor)
-    group = dict(zip(scored.table["participant"], levels, strict=True))
-    names = sorted({str(level) for level in levels.dropna().unique()}, key=natural)
-    groups = [np.array([v for who, v in of.items() if group[who] == name]) for name in names]
-    return {"levels": names, **asdict(kruskal_wallis(groups, p_value=plan.p_value))}
+    groups = [np.array([v for who, v in of.items() if group.get(who) == name]) for name in names]
+    found = asdict(kruskal_wallis(groups, p_value=plan.p_value))
+    return {"levels": names, "participants": sorted(group, key=natural), **found}

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.report.families import disagreement, is_shown, reported
 from vrcomfort.report.ordinal import ordinal_lines
-from vrcomfort.report.words import NONE, fraction, interval, number, p_equals
+from vrcomfort.report.words import NONE, fraction, interval, number, p_equals, p_value
 
 if TYPE_CHECKING:
     from vrcomfort.report.vocabulary import Vocabulary
@@ -45,9 +46,40 @@ def further_answers(results: Row, words: Vocabulary) -> list[Line]:
     ]
 
 
-def decisive_p(test: Row) -> float:
-    """Return the p that decides: adjusted, where the score is in a family."""
-    return float(test["p"] if test["p_holm"] is None else test["p_holm"])
+def difference_in_words(test: Row, of_a: str, of_b: str, within: str, few: str) -> str:
+    """Say what a test decides on two sides; `few`: of whom or what there are too few to show it."""
+    if test["verdict"] == "not_possible":
+        return f"with {few}, no difference could be shown between {of_a} and {of_b}"
+    if not is_shown(test):
+        return f"no difference was shown between {of_a} and {of_b}"
+    return f"{test['verdict']} {within} {of_a} than {within} {of_b}"
+
+
+def too_few(test: Row) -> str:
+    """Return of what a test has too few, where so few cannot show a difference."""
+    if test["smallest_p"] <= 1 - confidence_of(test):
+        return "so few people for so many tests"
+    return "so few people whose scores differ" if test.get("zeros") else "so few people"
+
+
+def interval_title(test: Row) -> str:
+    """Return what the interval beside a verdict is called: its level is that of the verdict."""
+    percent = f"{100 * confidence_of(test):g}\u00a0% CI"
+    return f"Holm-adjusted {percent}" if test["simultaneous"] else percent
+
+
+def confidence_of(test: Row) -> float:
+    """Return the confidence that the plan asks for."""
+    return float((test.get("shift") or test["difference"])["confidence"])
+
+
+def p_in_words(test: Row) -> str:
+    """Return p, adjusted p, and how small p can be where no difference could be shown."""
+    holm = "" if test["p_holm"] is None else f", Holm-adjusted {p_equals(test['p_holm'])}"
+    least = ""
+    if test["verdict"] == "not_possible":
+        least = f" (of so few at least {p_value(test['smallest_p'])})"
+    return f"{p_equals(test['p'])}{least}{holm}"
 
 
 def mean_and_sd(found: dict[str, float | None]) -> str:
@@ -66,45 +98,38 @@ def comparison_answer(row: Row, words: Vocabulary) -> Line:
         for side, label in (("a", a), ("b", b))
     )
     within = "under" if row["design"] == "paired" else "in"
-    difference = row["difference"]
-    if decisive_p(row) > 1 - difference["confidence"]:
-        said = f"no difference was shown between {of_a} and {of_b}"
-    else:
-        more = "higher" if _higher(row) else "lower"
-        said = f"{more} {within} {of_a} than {within} {of_b}"
+    said = difference_in_words(row, of_a, of_b, within, too_few(row))
+    difference = reported(row, "difference")
     n = row["n_a"] if row["design"] == "paired" else f"{row['n_a']} and {row['n_b']}"
     of = f"{number(difference['estimate'])} {words.unit(row['outcome'])}".rstrip()
-    claim = f"{name}: {said}; {difference['what']} {of}{_interval(difference)}, n\u00a0=\u00a0{n}."
+    claim = f"{name}: {said}; {difference['what']} {of}{_interval(row)}, n\u00a0=\u00a0{n}."
     return line_of(claim, _evidence(row))
 
 
-def _higher(row: Row) -> bool:
-    """Return whether a is higher; the estimate may be 0 where the ranks are not."""
-    middle = {"U": row["n_a"] * row["n_b"] / 2, "t": 0.0}
-    if row["statistic"] in middle:
-        return bool(row["value"] > middle[row["statistic"]])
-    return bool(row["effect"]["estimate"] > 0.5)
-
-
-def _interval(found: Row) -> str:
-    percent, ends = f"{100 * found['confidence']:g}\u00a0% CI", interval(found)
-    return f" (no {percent}: too few)" if ends == NONE else f", {percent} {ends}"
+def _interval(row: Row) -> str:
+    found = reported(row, "difference")
+    percent, ends = interval_title(row), interval(found)
+    if ends == NONE:
+        return f" (no {percent}: too few)"
+    return f", {percent} {ends}{disagreement(row, found)}"
 
 
 def _evidence(row: Row) -> str:
-    holm = "" if row["p_holm"] is None else f", Holm-adjusted {p_equals(row['p_holm'])}"
     exact = f" ({row['method']})" if row["method"] != "t" else ""
     df = f"({number(row['df'], 0 if float(row['df']).is_integer() else 2)})" if row["df"] else ""
     statistic = (
         f"{row['statistic']}{df}\u00a0=\u00a0{number(row['value'], DIGITS[row['statistic']])}"
     )
-    text = f"{TESTS[row['test']]}{exact}: {statistic}, {p_equals(row['p'])}{holm}"
-    effect = row["effect"]
+    text = f"{TESTS[row['test']]}{exact}: {statistic}, {p_in_words(row)}"
+    effect = reported(row, "effect")
     if effect:
         bounded = "g" not in effect["what"].split()[-1]
         write = fraction if bounded else number
         text += f"; {effect['what']}\u00a0=\u00a0{write(effect['estimate'])}"
-        text += f" {interval(effect, bounded=bounded)}" if interval(effect) != NONE else ""
+        if interval(effect) != NONE:
+            null = 0.5 if effect["what"] == "share above" else 0.0
+            text += f" {interval(effect, bounded=bounded, null=null)}"
+            text += disagreement(row, effect, null)
     return f"{text}."
 
 
@@ -132,16 +157,19 @@ def preference_answer(row: Row) -> Line:
     counts = f"{a} {row['a']}, {b} {row['b']}, no preference {row['none']} of {row['n']}"
     if row["not_tested"]:
         return line_of(f"{row['label']}: nobody preferred either ({counts}).", "")
-    if row["p"] > 1 - row["confidence"]:
+    if row["verdict"] == "not_possible":
+        said = f"with so few who preferred either, no preference for {a} or {b} could be shown"
+    elif not is_shown(row):
         said = f"no preference for {a} or {b} was shown"
     else:
-        said = f"more preferred {a if row['a'] > row['b'] else b}"
+        said = f"more preferred {a if row['verdict'] == 'higher' else b}"
     share = row["share_of_a"]
     percent = f"{100 * row['confidence']:g}\u00a0% CI"
     return line_of(
         f"{row['label']}: {said} ({counts}).",
         f"Sign test without those who had none: {p_equals(row['p'])}; share of {a}\u00a0=\u00a0"
-        f"{fraction(share['estimate'])}, {percent} {interval(share, bounded=True)}.",
+        f"{fraction(share['estimate'])}, {percent} {interval(share, bounded=True, null=0.5)}"
+        f"{disagreement(row, share, 0.5)}.",
     )
 
 
@@ -151,14 +179,16 @@ def correlation_answer(row: Row, words: Vocabulary) -> Line:
     if row["not_tested"]:
         return line_of(f"{x} and {y} could not be correlated ({row['not_tested']}).", "")
     title, symbol = METHODS[row["method"]]
-    if row["p"] > 1 - row["confidence"]:
+    if row["verdict"] == "not_possible":
+        said = "with so few values, no correlation could be shown"
+    elif not is_shown(row):
         said = "no correlation was shown"
     else:
-        said = (
-            "more of one went with " + ("more" if row["estimate"] > 0 else "less") + " of the other"
-        )
+        more = "more" if row["verdict"] == "higher" else "less"
+        said = f"more of one went with {more} of the other"
     percent = f"{100 * row['confidence']:g}\u00a0% CI"
-    ends = "" if row["low"] is None else f", {percent} {interval(row, bounded=True)}"
+    ends = f", {percent} {interval(row, bounded=True)}{disagreement(row, row)}"
+    ends = "" if row["low"] is None else ends
     n = f"n\u00a0=\u00a0{row['n']}"
     if row["method"] == "repeated_measures":
         n = f"{row['n']} exposures of {row['people']} people"

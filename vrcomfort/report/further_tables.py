@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 Row = dict[str, Any]
-PEOPLE = " × "
-"""Between the names of people in one cell, as ``reproduce.R`` reads it."""
 _LISTS = ("participants", "sides", "values", "bounds", "shares")
 
 
@@ -15,13 +13,10 @@ def further_tables(results: Row) -> dict[str, list[Row]]:
     return {
         "comparisons": [_comparison(row) for row in results["comparisons"]],
         "correlations": [
-            _plain(row) | {"people_in_it": PEOPLE.join(row["participants"])}
-            for row in results["correlations"]
+            _plain(row) | {"people_in_it": row["participants"]} for row in results["correlations"]
         ],
         "equivalence": [
-            _plain(row)
-            | {side: PEOPLE.join(row[side]) for side in ("people_a", "people_b")}
-            | dict(zip(("bound_low", "bound_high"), row["bounds"], strict=True))
+            _plain(row) | dict(zip(("bound_low", "bound_high"), row["bounds"], strict=True))
             for row in results["equivalence"]
         ],
         "preferences": [_preference(row) for row in results["preferences"]],
@@ -59,12 +54,12 @@ def _plain(row: Row) -> Row:
 
 
 def _comparison(row: Row) -> Row:
-    inner = {"difference", "effect", "descriptives"}
+    inner = {"difference", "effect", "descriptives", "simultaneous"}
     flat = {key: value for key, value in _plain(row).items() if key not in inner}
     n = row["n_a"]
     sides = (row["participants"][:n], row["participants"][-row["n_b"] :] if row["n_b"] else [])
     for side, people, where in zip("ab", sides, row["sides"], strict=True):
-        flat |= {f"people_{side}": PEOPLE.join(people)}
+        flat |= {f"people_{side}": people}
         flat |= {f"{key}_{side}": where[key] for key in ("condition", "timepoint")}
     for side in ("a", "b"):
         described = row.get("descriptives", {}).get(side, {})
@@ -72,6 +67,8 @@ def _comparison(row: Row) -> Row:
     for part in ("difference", "effect"):
         found = row.get(part) or {}
         flat |= {f"{part}_{key}": found.get(key) for key in ("what", "estimate", "low", "high")}
+        holm = (row["simultaneous"] or {}).get(part) or {}
+        flat |= {f"{part}_holm_{key}": holm.get(key) for key in ("low", "high")}
     flat["confidence"] = (row.get("difference") or {}).get("confidence")
     return flat
 
@@ -84,12 +81,15 @@ def _preference(row: Row) -> Row:
 
 def _agreement(row: Row) -> list[Row]:
     keys = {key: row[key] for key in ("outcome", "over", "condition", "not_tested")}
-    return [{**keys, "n": row["n"], **form} for form in row.get("forms", ())] or [keys]
+    sizes = {"n": row.get("n"), "people_in_it": row.get("participants")}
+    return [{**keys, **sizes, **form} for form in row.get("forms", ())] or [keys]
 
 
 def _kruskal_wallis(row: Row) -> Row:
     sizes = dict(zip(row.get("levels", ()), row.get("sizes", ()), strict=True))
-    flat = {key: value for key, value in row.items() if key not in {"levels", "sizes"}}
+    inner = {"levels", "sizes", "participants"}
+    flat = {key: value for key, value in row.items() if key not in inner}
+    flat["people_in_it"] = row.get("participants")
     return flat | {"groups": "; ".join(f"{name}: {n}" for name, n in sizes.items())}
 
 

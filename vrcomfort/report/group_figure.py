@@ -12,6 +12,7 @@ import numpy as np
 
 from vrcomfort.report.canvas import Drawing, canvas, lines
 from vrcomfort.report.estimation import difference_label
+from vrcomfort.report.families import reported
 from vrcomfort.report.pairs import Side, groups_of, pair_up
 from vrcomfort.report.sides import draw_difference, draw_people, draw_side, draw_zero
 
@@ -74,7 +75,7 @@ def _in_points(steps: NDArray[np.int64], unit: float) -> Floats:
 
 
 def _draw_difference(axes: Axes, row: Row, words: Vocabulary) -> None:
-    found = row["difference"]
+    found = reported(row, "difference")
     ends = [found["estimate"] if found[end] is None else found[end] for end in ("low", "high")]
     draw_difference(axes, 0, found["estimate"], *ends)
     draw_zero(axes)

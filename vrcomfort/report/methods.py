@@ -207,8 +207,8 @@ def _shift(plan: Mapping[str, Any]) -> Method:
     if plan["shift_interval"] == "inverted_test":
         how = (
             f"Its {percent} interval is the hull of the shifts that the same test, ranked anew "
-            "after each shift is taken off, does not reject before adjustment; a round bracket is "
-            "an end that is itself rejected."
+            "after each shift is taken off, does not reject at its level; a round bracket is an "
+            f"end that is itself rejected.{_of_holm(plan)}"
         )
     else:
         how = (
@@ -223,6 +223,16 @@ def _shift(plan: Mapping[str, Any]) -> Method:
         f"{'two' if _sides(plan) == 2 else 'one'}-sided p."
     )
     return Method("Differences", text, ("hodges_1963", "hollander_2014"))
+
+
+def _of_holm(plan: Mapping[str, Any]) -> str:
+    """Say of which level intervals are where p values are adjusted."""
+    if not any(each["method"] == "holm" for each in plan["families"]):
+        return ""
+    return (
+        " In a family of m tests it is of the level at which Holm’s method decides: α/(m − i + 1) "
+        "of the i-th smallest p while they are rejected, α over their number of the others."
+    )
 
 
 def _rank_biserial(plan: Mapping[str, Any]) -> Method:
@@ -257,9 +267,10 @@ def _rank_biserial(plan: Mapping[str, Any]) -> Method:
 def _describing() -> Method:
     return Method(
         "Descriptives",
-        "An interval of a mean has at each end the farther of those of t and of bootstrap-t "
-        f"({RESAMPLES} resamples of n − 1, seed {SEED}; Efron & Tibshirani, 1993; Rao & Wu, "
-        "1988). Standard deviations have n − 1; medians and quartiles are those of "
+        "An interval of the mean of a condition has at each end the farther of those of t and of "
+        f"bootstrap-t ({RESAMPLES} resamples of n − 1, seed {SEED}; Efron & Tibshirani, 1993; Rao "
+        "& Wu, 1988), that of a mean difference is of the paired t test. Standard deviations have "
+        "n − 1; medians and quartiles are those of "
         "definition 7 of Hyndman & Fan (1996).",
         ("efron_1993", "rao_1988", "hyndman_1996"),
     )
@@ -284,11 +295,11 @@ def _anova(results: Results, *, drawn: bool) -> Method | None:
     return Method(
         "Analysis of variance",
         f"The ANOVA uses type {results['plan']['sums_of_squares']} sums of squares (Maxwell et "
-        "al., 2018) and participants with a score in every cell. Sphericity: Mauchly’s (1940) "
-        "test, and ε after Greenhouse & Geisser (1959, GG) and Huynh & Feldt (1976, HF). Effect "
-        "sizes: generalised η² (Olejnik & Algina, 2003) and partial η² with its 90 % interval "
-        "from the noncentral F distribution (Steiger, 2004). Residuals were tested after Shapiro "
-        f"& Wilk (1965){plotted}.",
+        "al., 2018) and participants with every planned score in every cell. Sphericity: Mauchly’s "
+        "(1940) test, and ε after Greenhouse & Geisser (1959, GG) and Huynh & Feldt (1976, HF). "
+        "Effect sizes: generalised η² (Olejnik & Algina, 2003) and partial η² with its 90 % "
+        "interval from the noncentral F distribution (Steiger, 2004). Residuals were tested after "
+        f"Shapiro & Wilk (1965){plotted}.",
         ("maxwell_2018", "mauchly_1940", "greenhouse_1959", "huynh_1976", "olejnik_2003",
          "steiger_2004", "shapiro_1965", *(("blom_1958",) if drawn else ())),
     )  # fmt: skip

@@ -13,7 +13,7 @@ from vrcomfort.csv_table import number_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.report.exposures import COLUMNS, column_of
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.pairs import Side, side_sums
+from vrcomfort.report.pairs import Side, side_sums, with_every_score
 from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.aligned_ranks import aligned_ranks
 from vrcomfort.stats.anova import AnovaEffect, anova
@@ -66,6 +66,8 @@ def _anova(scored: Exposures, plan: Plan, outcome: str) -> Result:
     within = [f.name for f, _ in made if not is_between(f)]
     names = [f.name for f, _ in made]
     whole = long.dropna(subset=names)
+    if plan.needs_every_score:
+        whole = _with_every_score(scored, outcome, whole, [factor for factor, _ in made])
     cells = whole.groupby(["participant", *names])["score"].mean().reset_index()
     ranked: tuple[AnovaEffect, ...] = ()
     if plan.aligned_ranks:
@@ -78,19 +80,38 @@ def _anova(scored: Exposures, plan: Plan, outcome: str) -> Result:
             cells, value="score", participant="participant", within=within, between=between,
             sums_of_squares=plan.sums_of_squares,
         )  # fmt: skip
-    without = set(long["participant"]) - set(whole["participant"])
+    people = set(cells["participant"]) - set(result.excluded)
     return {
         "factors": {n: sorted(map(str, cells[n].unique())) for n in names},
         "between": between,
         "sums_of_squares": plan.sums_of_squares,
         "n": result.n,
-        "excluded": sorted({*result.excluded, *without}, key=natural),
+        "participants": sorted(people, key=natural),
+        "excluded": sorted(set(long["participant"]) - people, key=natural),
         "effects": [
             {**asdict(effect), "family": None, "p_holm": None} for effect in result.effects
         ],
         "aligned_ranks": [asdict(effect) for effect in ranked],
         "residuals": _residual_check(result.residuals),
     }
+
+
+def _with_every_score(
+    scored: Exposures, outcome: str, rows: pd.DataFrame, factors: list[Factor]
+) -> pd.DataFrame:
+    """Return the rows of who has every planned score, in each cell of an ANOVA.
+
+    How many are planned is known of conditions; where scenes, say, divide them, and where nothing
+    tells conditions apart, it is the most frequent number.
+    """
+    of_conditions = [factor.name for factor in factors if factor.column == "condition"]
+    divided = [f for f in factors if f.column != "condition" and not is_between(f)]
+    if divided or not of_conditions:
+        return with_every_score(rows, [factor.name for factor in factors])
+    planned = scored.planned_of[outcome]
+    levels = rows.groupby(of_conditions)["condition"].unique()
+    wanted = {level: sum(planned.get(name, 1) for name in found) for level, found in levels.items()}
+    return with_every_score(rows, of_conditions, wanted)
 
 
 def level_of(scored: Exposures, table: pd.DataFrame, factor: Factor) -> pd.Series:
@@ -164,21 +185,23 @@ def _residual_check(residuals: np.ndarray[Any, np.dtype[np.float64]]) -> Result 
     return {"shapiro_w": float(found.statistic), "p": float(found.pvalue), "n": int(flat.size)}
 
 
-def run_friedman(scored: Exposures, conditions: list[str], outcome: str) -> Result:
-    """Friedman's test over more than two conditions, on integer sums of complete people."""
-    return guarded(outcome, lambda: _friedman(scored, conditions, outcome))
+def run_friedman(scored: Exposures, plan: Plan, conditions: list[str], outcome: str) -> Result:
+    """Friedman's test over more than two conditions, on integer sums of the planned scores."""
+    return guarded(outcome, lambda: _friedman(scored, plan, conditions, outcome))
 
 
-def _friedman(scored: Exposures, conditions: list[str], outcome: str) -> Result:
+def _friedman(scored: Exposures, plan: Plan, conditions: list[str], outcome: str) -> Result:
     sides = [Side(condition) for condition in conditions]
-    _, sums, _ = side_sums(scored, outcome, sides, complete=True)
-    return asdict(friedman(sums))
+    people, sums, _ = side_sums(scored, outcome, sides, complete=plan.needs_every_score)
+    return {"participants": people, **asdict(friedman(sums))}
 
 
-def run_crossover(scored: Exposures, a: str, b: str, outcome: str) -> Result:
+def run_crossover(scored: Exposures, plan: Plan, a: str, b: str, outcome: str) -> Result:
     """Condition, position and sequence effects where everybody keeps one order of a and b."""
     table = points(scored.table, scored, outcome)
     planned = scored.planned_of[outcome]
+    if not plan.needs_every_score:
+        planned = dict.fromkeys(planned, 1)
     done = guarded(outcome, lambda: _crossover(table, a, b, planned))
     return {"a": a, "b": b, **done}
 

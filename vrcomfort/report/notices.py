@@ -9,7 +9,8 @@ from vrcomfort.importing.suspects import alike
 from vrcomfort.questionnaire import never_zero
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.orders import in_words
-from vrcomfort.report.withdrawals import early_endings, everybody
+from vrcomfort.report.study_data import short_forms
+from vrcomfort.report.withdrawals import early_endings, everybody, find_withdrawals
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 TOLERATED_LOSS = 0.1
 """Share of the people of a comparison who may be missing from its test without a notice."""
 MOST_NAMED = 8
+FEWEST_LEFT = 2
+ONE_SIDED = 0.75
+"""Share of those who left, from which on a condition is named under which they did."""
 
 
 def notices(
@@ -35,6 +39,8 @@ def notices(
     `of_choices` are questionnaires whose answers say which of two, and are no score.
     """
     return [
+        *_short_forms(study),
+        *_left_under_one(study, tests),
         *_losses(study, tests, exclusions),
         *_ended_early(study),
         *_screened(study),
@@ -67,6 +73,25 @@ def names(people: list[str]) -> str:
     return f"{shown} and {len(people) - MOST_NAMED} more" if people[MOST_NAMED:] else shown
 
 
+def _short_forms(study: StudyData) -> list[str]:
+    """Say which questionnaires are short forms, and which of their scores there are."""
+    found = []
+    for instrument in short_forms(study):
+        titles = {each.name: each.title for each in instrument.scales}
+        said = f"the {instrument.short} is a short form, without {', '.join(instrument.not_asked)}"
+        if instrument.shortened:
+            made = ", ".join(titles[name] for name in instrument.shortened)
+            said += (
+                f": {made} are of the items that were asked, which compares conditions "
+                "of this study, and not with scores or norms of the whole questionnaire"
+            )
+        said += "".join(
+            f"; {titles[name]} cannot be scored: {why}" for name, why in instrument.unscored.items()
+        )
+        found.append(said)
+    return found
+
+
 def _losses(
     study: StudyData, tests: list[dict[str, Any]], exclusions: list[dict[str, str]]
 ) -> list[str]:
@@ -89,6 +114,23 @@ def _losses(
                 f"which a score of every planned exposure{of_each} is needed: {names(lost)}"
             )
     return found
+
+
+def _left_under_one(study: StudyData, tests: list[dict[str, Any]]) -> list[str]:
+    """Say that all or most who left did so under one condition: who stayed is a choice of it."""
+    left = find_withdrawals(study)
+    conditions = {trial["condition"] for trial in study.trials} - {""}
+    under = Counter(each.condition for each in left if each.condition)
+    if len(left) < FEWEST_LEFT or len(conditions) < 2 or not under:
+        return []
+    condition, count = under.most_common(1)[0]
+    if count < ONE_SIDED * len(left):
+        return []
+    share = f"all {count}" if count == len(left) else f"{count} of {len(left)}"
+    label = study.labels.get(condition, condition)
+    ranked = any(test["ranked_worst"] for test in tests)
+    of_whom = "they are ranked as worst" if ranked else "the comparison is of those who stayed"
+    return [f"{share} participants who left, left under {label}: {of_whom}"]
 
 
 def _of_both(study: StudyData, sides: list[set[str]]) -> set[str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort.errors import InputError
 from vrcomfort.report.exposures import column_of
 from vrcomfort.report.models import guarded
-from vrcomfort.report.words import number, p_equals
+from vrcomfort.report.words import interval, number, p_equals
 from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.ordinal import ordinal_model
 
@@ -96,7 +96,7 @@ def ordinal_lines(row: Row, words: Vocabulary) -> list[tuple[str, str]]:
     for term, odds in row["terms"].items():
         shown = odds["p"] <= 1 - row["confidence"]
         said = ("higher" if odds["estimate"] > 0 else "lower") if shown else "no difference shown"
-        ends = f"[{number(odds['odds_low'])}, {number(odds['odds_high'])}]"
+        ends = interval({"low": odds["odds_low"], "high": odds["odds_high"]}, null=1.0)
         claim = (
             f"{title}, {words.term(term)}: {said}; odds ratio of a higher answer\u00a0=\u00a0"
             f"{number(odds['odds_ratio'])}, {percent} {ends}, {n}."

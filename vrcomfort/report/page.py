@@ -12,10 +12,12 @@ from vrcomfort.report import methods, palette, words
 from vrcomfort.report.answers import answers
 from vrcomfort.report.courses.summaries import MEANINGS, TITLES
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT
+from vrcomfort.report.families import disagreement, reported
 from vrcomfort.report.further_answers import DIGITS, METHODS, TESTS
 from vrcomfort.report.ordinal import ordinal_title
 from vrcomfort.report.references import entries
 from vrcomfort.report.withdrawals import with_labels
+from vrcomfort.stats.marginal_means import MOST_LEVELS
 from vrcomfort.web_page import inline_svg, page_templates
 
 if TYPE_CHECKING:
@@ -58,7 +60,7 @@ def render_page(
             forms=[form.upper() for form in forms],
             words=vocabulary,
             tests=TESTS,
-            shown_above=_shown_above(results, figures),
+            shown_above="" if results["without_primary"] else _shown_above(results, figures),
             digits=DIGITS,
             correlations=METHODS,
             ordinal_title=ordinal_title,
@@ -75,6 +77,7 @@ def render_page(
             disagreements=_disagreements(results),
             rating_titles=TITLES,
             rating_ways=MEANINGS,
+            most_levels=MOST_LEVELS,
             fewest=methods.fewest_for_shift(results["plan"]),
             colours_light=palette.css_variables(dark=False),
             colours_dark=palette.css_variables(dark=True),
@@ -87,6 +90,7 @@ def _templates() -> Environment:
     """Return the templates, compiled once: that takes longer than to fill them."""
     environment = page_templates()
     environment.filters |= {
+        "reported": reported,
         "number": words.number,
         "fraction": words.fraction,
         "p": words.p_value,
@@ -117,11 +121,10 @@ def _variable(colour: re.Match[str]) -> str:
 
 def _disagreements(results: dict[str, Any]) -> int:
     """Count the tests whose p and whose interval of r say different things of 0."""
-    level = 1 - results["plan"]["confidence"]
     return sum(
-        (test["p"] <= level) == (test["effect"]["low"] <= 0 <= test["effect"]["high"])
+        bool(disagreement(test, reported(test, "effect")))
         for test in results["tests"]
-        if not test["not_tested"] and test["effect"] and test["effect"]["low"] is not None
+        if not test["not_tested"]
     )
 
 

@@ -8,12 +8,14 @@ from math import lcm
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 
 from vrcomfort.report.exposures import column_of
 from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
-    import pandas as pd
+    from collections.abc import Iterable, Mapping, Sequence
+
     from numpy.typing import NDArray
 
     from vrcomfort.report.exposures import Exposures
@@ -198,5 +200,36 @@ def needed_of(scored: Exposures, outcome: str, side: Side) -> int:
     """Return how many scores of a side a participant is to have."""
     if not side.timepoint and side.condition:
         return scored.planned_of.get(outcome, {}).get(side.condition, 1)
-    usual = Counter(Counter(side.rows(scored).dropna(subset=[outcome])["participant"]).values())
-    return max(usual, key=lambda count: (usual[count], count), default=1)
+    return usual(Counter(side.rows(scored).dropna(subset=[outcome])["participant"]).values())
+
+
+def usual(counts: Iterable[int]) -> int:
+    """Return the most frequent number; of two, the larger: a score is lost more easily than won."""
+    found = Counter(counts)
+    return max(found, key=lambda count: (found[count], count), default=1)
+
+
+def with_every_score(
+    rows: pd.DataFrame, cells: Sequence[str], planned: Mapping[Any, int] | None = None
+) -> pd.DataFrame:
+    """Return the rows of participants and cells with every planned score: the rule of `needed_of`.
+
+    Parameters
+    ----------
+    rows
+        One score each, with the participant and the columns of `cells`.
+    cells
+        Columns whose levels make a cell.
+    planned
+        Cell (a level, or a tuple of them) → scores that a participant is to have in it; the most
+        frequent number in each cell without it.
+    """
+    by = ["participant", *cells]
+    counts = rows.groupby(by).size()
+    needed = (
+        counts.groupby(list(cells)).transform(usual)
+        if planned is None
+        else counts.droplevel("participant").index.map(planned)
+    )
+    whole = counts.index[counts >= needed]
+    return rows[pd.MultiIndex.from_frame(rows[by]).isin(whole)]

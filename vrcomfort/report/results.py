@@ -9,8 +9,13 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort import __version__
 from vrcomfort.json_text import json_of
 from vrcomfort.report.asked import unused_timepoints
-from vrcomfort.report.comparisons import check_groups, run_comparisons
-from vrcomfort.report.contrasts import conditions_of, contrasts_of, run_tests
+from vrcomfort.report.comparisons import add_intervals_of_comparisons, check_groups, run_comparisons
+from vrcomfort.report.contrasts import (
+    add_intervals_of_tests,
+    conditions_of,
+    contrasts_of,
+    run_tests,
+)
 from vrcomfort.report.descriptives import describe_all, describe_recovery
 from vrcomfort.report.deviations import deviations
 from vrcomfort.report.exclusions import apply_rules, rules_in_words
@@ -88,6 +93,8 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     more = further(scored, plan, study)
     compared = [*tests, *comparisons]
     families = adjust(plan, compared, models["anova"])
+    add_intervals_of_tests(scored, plan, contrasts, tests)
+    add_intervals_of_comparisons(scored, plan, others, comparisons)
     of_others = [row for key in ("correlations", "preferences") for row in more[key]]
     made = compared or of_others
     analysed = _analysed(made, scored.table)
@@ -100,6 +107,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     )
     named = [*conditions, *_unfinished(every, conditions)]
     results = {
+        "without_primary": scored.without_primary or None,
         "schema": SCHEMA,
         "software": {"vrcomfort": __version__, **{name: version(name) for name in SOFTWARE}},
         "study": {"title": study.title, "protocol": study.protocol},
@@ -223,8 +231,8 @@ def _models(
     mixed = outcomes if plan.mixed_model or plan.covariates else ()
     return {
         "anova": [run_anova(scored, plan, o) for o in (outcomes if plan.anova else ())],
-        "friedman": [run_friedman(scored, conditions, o) for o in several],
-        "crossover": [run_crossover(scored, a, b, o) for a, b in pairs for o in outcomes],
+        "friedman": [run_friedman(scored, plan, conditions, o) for o in several],
+        "crossover": [run_crossover(scored, plan, a, b, o) for a, b in pairs for o in outcomes],
         "mixed_models": [run_mixed(scored, plan, reference, o) for o in mixed],
     }
 

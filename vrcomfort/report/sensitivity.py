@@ -39,9 +39,8 @@ def sensitivity(
     whole, any_number = (
         pair_up(scored, outcome, a, b, complete=complete) for complete in (True, False)
     )
-    primary = any_number if plan.withdrawals == "available_pairs" else whole
-    other, what = (
-        (whole, COMPLETE) if plan.withdrawals == "available_pairs" else (any_number, AVAILABLE)
+    primary, other, what = (
+        (whole, any_number, AVAILABLE) if plan.needs_every_score else (any_number, whole, COMPLETE)
     )
     found = {what: signed_rank(other.differences, **chosen, intervals=False)}
     gone = [sign for person, sign in lost.items() if person not in primary.participants]

@@ -21,6 +21,7 @@ from vrcomfort.questionnaire import (
     instruments_in,
     read_long,
     shipped_instruments,
+    short_form,
 )
 from vrcomfort.recordings import ExposureFrames, Memory, frame_measures
 from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
@@ -56,6 +57,11 @@ _NUMBERS = (
     "start_s", "end_s", "frames", "dropped", "missed", "missed_refreshes",
     "live_s", "frozen_s", "hidden_s", "unfocused_s",
 )  # fmt: skip
+
+
+_CUT_SHORT = frozenset(["withdrawn", "stopped", "skipped", "aborted"])
+_WHOLE = frozenset(["", "task", "adjustment"])
+"""What may have ended an exposure that was done."""
 
 
 @dataclass(frozen=True)
@@ -114,6 +120,12 @@ class StudyData:
         return {who: next(iter(those)) for who, those in values.items() if len(those) == 1}
 
 
+def short_forms(study: StudyData) -> list[Instrument]:
+    """Return the instruments that were answered without some of their items, by design."""
+    answered = dict.fromkeys(sheet.keys["instrument"] for sheet in study.sheets)
+    return [study.instruments[name] for name in answered if study.instruments[name].not_asked]
+
+
 def conditions_in(study: StudyData, timepoint: str) -> list[str]:
     """Return the conditions asked about at a timepoint, in the protocol's order."""
     order = {name: place for place, name in enumerate(study.labels)}
@@ -140,17 +152,19 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
         raise InputError("there is no questionnaires.csv in this folder", file=source)
     if source.is_file() and not source.stat().st_size:
         raise InputError("there is nothing in this file", file=source)
+    description = _description(source, warnings)
     known = _known_instruments(source)
     only = None if instrument is None else find_instrument(instrument, known=known)
     if only is not None:
         known[only.name] = only
+    known = _as_asked(known, description.get("not_asked", {}))
+    only = None if only is None else known[only.name]
     sheets = [sheet for file in files for sheet in _sheets(file, source, known, only, warnings)]
     if not sheets and only is not None:
         raise InputError(f"no {only.short} is answered in this table", file=source)
     instead = (_table(source, name, []) for name in ("tasks.csv", "dials.csv"))
     if files and not sheets and not any(instead):
         raise InputError("no known questionnaire is answered in this table", file=source)
-    description = _description(source, warnings)
     participants = _table(source, "participants.csv", warnings)
     manifests = _manifests(source, warnings)
     warnings += gaps(source, description, participants, manifests)
@@ -269,6 +283,15 @@ def trial_s(trial: dict[str, str]) -> float | None:
     return None if start is None or end is None else end - start
 
 
+def cut_short(trial: Mapping[str, str]) -> bool:
+    """Return whether an exposure ended before its time: what was done in it had less time.
+
+    One that a task or a confirmed adjustment ended was whole.
+    """
+    ended_by = trial.get("abort_code", "")
+    return trial["status"] in _CUT_SHORT or ended_by not in _WHOLE
+
+
 def _files(source: Path, name: str) -> list[Path]:
     if source.is_file():
         return [source] if name == "questionnaires.csv" else []
@@ -385,6 +408,16 @@ def _known_instruments(source: Path) -> dict[str, Instrument]:
     files = folder.rglob(f"{FOLDER}/*.toml") if source.is_dir() else folder.glob(f"{FOLDER}/*.toml")
     own = instruments_in(sorted({file.parent.parent for file in files}))
     return {**shipped_instruments(), **own}
+
+
+def _as_asked(
+    known: dict[str, Instrument], not_asked: Mapping[str, list[str]]
+) -> dict[str, Instrument]:
+    """Return the instruments, short forms of those of which a study left out items by design."""
+    return {
+        name: short_form(each, not_asked[name]) if name in not_asked else each
+        for name, each in known.items()
+    }
 
 
 def _sheets(

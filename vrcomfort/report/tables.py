@@ -19,8 +19,9 @@ from vrcomfort.report.gaze_and_head import Looked
 Row = dict[str, Any]
 
 DESCRIBED = ("mean", "mean_low", "mean_high", "sd", "median", "q1", "q3")
-_FORMULA = re.compile(r"[=+\-@\t\r\n]")
-"""How a text begins that a spreadsheet would compute, or might once it has cut the blank off."""
+_FORMULA = re.compile(r"'*[=+\-@\t\r\n]")
+"""How a text begins that a spreadsheet would compute, or might once it has cut the blank off; and,
+so that one apostrophe can be taken off again, a text that begins with apostrophes before that."""
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
 
 
@@ -126,11 +127,16 @@ def _points(value: float | None, unit: float) -> float | None:
 def to_csv(rows: list[Row]) -> str:
     """Write rows with the columns of all of them, in the order of appearance; None is blank.
 
-    Texts that a spreadsheet would take for a formula begin with an apostrophe.
+    Texts that a spreadsheet would take for a formula begin with an apostrophe. A list of names is
+    a line of CSV in its cell.
     """
     columns = list(dict.fromkeys(key for row in rows for key in row))
     table: list[list[Any]] = [columns, *([row.get(column) for column in columns] for row in rows)]
-    return "".join(_line(map(inert, cells)) for cells in table)
+    return "".join(_line(map(_cell, cells)) for cells in table)
+
+
+def _cell(cell: Any) -> Any:
+    return inert(_line(cell).removesuffix("\n") if isinstance(cell, list) else cell)
 
 
 def _line(cells: Iterable[Any]) -> str:
@@ -140,7 +146,10 @@ def _line(cells: Iterable[Any]) -> str:
 
 
 def inert(cell: Any) -> Any:
-    """Return a cell of which no spreadsheet computes anything; numbers stay what they are."""
+    """Return a cell of which no spreadsheet computes anything; numbers stay what they are.
+
+    ``reproduce.R`` takes the apostrophe off again: to it, names are data.
+    """
     if not isinstance(cell, str) or not _FORMULA.match(cell) or _NUMBER.fullmatch(cell):
         return cell
     return f"'{cell}"
@@ -169,6 +178,10 @@ def _flat_test(test: Row, plan: Row) -> Row:
     ends = ("low_closed", "high_closed", "holds_rejected_zero")
     row |= {f"hodges_lehmann_{end}": (test.get("shift") or {}).get(end) for end in ends}
     row |= _interval("rank_biserial", test.get("effect"))
+    row |= {key: test[key] for key in ("verdict", "smallest_p", "level")}
+    holm = test["simultaneous"] or {}
+    row |= _ends("hodges_lehmann_holm", holm.get("shift"))
+    row |= _ends("rank_biserial_holm", holm.get("effect"))
     for name, found in (test.get("descriptives") or {}).items():
         row |= {f"{stat}_{name}": found[stat] for stat in DESCRIBED if stat in found}
     planned = test["exposures_per_condition"]
@@ -188,9 +201,12 @@ def _flat_test(test: Row, plan: Row) -> Row:
 
 
 def _interval(name: str, found: Row | None) -> Row:
+    return {name: (found or {}).get("estimate"), **_ends(name, found)}
+
+
+def _ends(name: str, found: Row | None) -> Row:
     found = found or {}
-    low, high = f"{name}_low", f"{name}_high"
-    return {name: found.get("estimate"), low: found.get("low"), high: found.get("high")}
+    return {f"{name}_low": found.get("low"), f"{name}_high": found.get("high")}
 
 
 def _flat_anova(found: Row) -> list[Row]:
@@ -201,7 +217,8 @@ def _flat_anova(found: Row) -> list[Row]:
         row = {
             "outcome": found["outcome"],
             "n": found["n"],
-            "between": " × ".join(found["between"]),
+            "people_in_it": found["participants"],
+            "between": found["between"],
             "type": found["sums_of_squares"],
             **effect,
         }

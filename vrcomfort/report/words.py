@@ -6,6 +6,8 @@ from typing import Any
 
 MINUS = "−"
 NONE = "–"
+ROUNDING = 1e-9
+"""Two values that differ by less are one."""
 
 
 def number(value: float | None, digits: int = 2) -> str:
@@ -23,10 +25,12 @@ def fraction(value: float | None, digits: int = 2) -> str:
 
 
 def p_value(value: float | None) -> str:
-    """Write p with three digits after the point."""
+    """Write p with three digits after the point, or four where three would say .050 of others."""
     if value is None:
         return NONE
-    return "<\u00a0.001" if value < 0.001 else fraction(value, 3)
+    if value < 0.001:
+        return "<\u00a0.001"
+    return fraction(value, 4 if fraction(value, 3) == ".050" and value != 0.05 else 3)
 
 
 def p_equals(value: float | None) -> str:
@@ -35,18 +39,29 @@ def p_equals(value: float | None) -> str:
     return f"p\u00a0{text}" if text.startswith("<") else f"p\u00a0=\u00a0{text}"
 
 
-def interval(found: dict[str, Any] | None, digits: int = 2, *, bounded: bool = False) -> str:
-    """Write [low, high], with a round bracket where the end itself is not in the interval."""
+def interval(
+    found: dict[str, Any] | None, digits: int = 2, *, bounded: bool = False, null: float = 0.0
+) -> str:
+    """Write [low, high], with a round bracket where the end itself is not in the interval.
+
+    An end beside the value of no difference, `null`, is not rounded to it.
+    """
     if not found or (found.get("low") is None and found.get("high") is None):
         return NONE
     write = fraction if bounded else number
     low, high = found["low"], found["high"]
-    first = "−∞" if low is None else write(low, digits)
-    last = "∞" if high is None else write(high, digits)
+    first = "−∞" if low is None else write(low, _digits(low, digits, null))
+    last = "∞" if high is None else write(high, _digits(high, digits, null))
     left = "[" if low is not None and found.get("low_closed", True) else "("
     right = "]" if high is not None and found.get("high_closed", True) else ")"
     hole = " without 0" if found.get("holds_rejected_zero") else ""
     return f"{left}{first},\u00a0{last}{right}{hole}"
+
+
+def _digits(end: float, digits: int, null: float) -> int:
+    while abs(end - null) > ROUNDING and round(end, digits) == null:
+        digits += 1
+    return digits
 
 
 def degrees(value: float) -> str:

@@ -82,11 +82,11 @@ class DialRun(ABC):
     @property
     @abstractmethod
     def value(self) -> float:
-        """Return what it says now."""
+        """Return the current value."""
 
     @property
     def ended(self) -> bool:
-        """Return whether nobody can turn it any more."""
+        """Return whether the dial is locked."""
         return False
 
     @property
@@ -100,11 +100,11 @@ class DialRun(ABC):
 
     @abstractmethod
     def turned(self, turn: Turn, elapsed_s: float, passed_s: float) -> None:
-        """Take what was done to it in a frame, and in how much time."""
+        """Apply a frame's turn, and the time that it took."""
 
     @abstractmethod
     def simulated(self, elapsed_s: float) -> Turn | None:
-        """Return what a simulated participant does to it; None of others."""
+        """Return a simulated participant's turn; None for others."""
 
     def demand(self, frame: Frame) -> None:
         """Return nothing: one may look anywhere."""
@@ -137,18 +137,18 @@ class DialRun(ABC):
             self._keyboard.arrows_turn = False
 
     def moved(self, turn: Turn, passed_s: float, steps: int) -> float:
-        """Return where it stands after a turn: pushed at a rate, and so many steps on."""
+        """Return the dial's place after a turn, by stick and by steps."""
         at = self.at + turn.stick * passed_s / self.dial.sweep_s + turn.steps / steps
         return min(max(at, 0.0), 1.0)
 
     def random(self, trial: int) -> np.random.Generator:
-        """Return what is drawn from: the same at each attempt at a trial."""
+        """Return the trial's random generator, the same at each attempt."""
         context = self.context
         session = self.events.session
         return task_random(context.seed, context.participant, session, trial, _STREAM)
 
     def write(self, kind: str) -> None:
-        """Keep where it stands."""
+        """Record the dial's place."""
         row = DialRow(
             participant=self.context.participant,
             session=self.events.session,
@@ -175,7 +175,7 @@ class DialRun(ABC):
 
 
 def turn_of(inputs: Inputs) -> Turn:
-    """Return what hands and keys do to a dial in a frame."""
+    """Return the turn by hands and keys in a frame."""
     push = inputs.right.thumbstick[1]
     beyond = max(abs(push) - LEAST_PUSH, 0.0) / (1 - LEAST_PUSH)
     right, down = inputs.keys.arrow
@@ -202,7 +202,7 @@ class AdjustmentRun(DialRun):
 
     @property
     def built_for(self) -> Condition:
-        """Return the condition whose passes can show every value: at 0 there may be none."""
+        """Return the condition at the dial's maximum: its passes can show every value."""
         return self._with(self.dial.range[1])
 
     @property
@@ -225,7 +225,7 @@ class AdjustmentRun(DialRun):
             self.context.respondent.start_adjustment(self.place.trial or 0, self.dial)
 
     def simulated(self, elapsed_s: float) -> Turn | None:
-        """Return what a simulated participant does to it; None of others."""
+        """Return a simulated participant's turn; None for others."""
         respondent = self.context.respondent
         return (
             respondent.turn(self.at, elapsed_s)
@@ -234,7 +234,7 @@ class AdjustmentRun(DialRun):
         )
 
     def turned(self, turn: Turn, elapsed_s: float, passed_s: float) -> None:
-        """Draw by what the dial says from this frame on, and keep it."""
+        """Draw with the new value from this frame on, and record it."""
         del elapsed_s
         self.at = self.moved(turn, passed_s, self.dial.steps or KEY_STEPS)
         value = self.dial.value_at(self.at)
@@ -251,7 +251,7 @@ class AdjustmentRun(DialRun):
         return adjusted(self._condition, self.dial.setting, value)
 
     def _first_place(self) -> float:
-        """Return where the dial stands when the exposure begins: the same at each attempt."""
+        """Return the dial's place at the start of the exposure, the same at each attempt."""
         start = self.dial.start
         if start == "setting":
             own = value_of(self._condition, self.dial.setting)
@@ -264,7 +264,7 @@ class AdjustmentRun(DialRun):
         return float(start == "descending")
 
     def _before(self) -> int:
-        """Return how many exposures of the session before this one have the same adjustment."""
+        """Count the earlier exposures of the session with the same adjustment."""
         trials = self.context.sequence.sessions[self.events.session - 1]
         before = trials[: (self.place.trial or 1) - 1]
         known = [self.context.protocol.adjustment_in(trial.condition) for trial in before]
@@ -296,7 +296,7 @@ class SliderRun(DialRun):
             self.context.respondent.start_slider(self.place.trial or 0)
 
     def simulated(self, elapsed_s: float) -> Turn | None:
-        """Return that nobody turns it: a simulated participant puts it somewhere."""
+        """Return no turn: a simulated participant sets the place itself."""
         del elapsed_s
         respondent = self.context.respondent
         if not isinstance(respondent, SimulatedRespondent):
@@ -313,7 +313,7 @@ class SliderRun(DialRun):
             headset.tick(RIGHT_HAND)
 
     def turned(self, turn: Turn, elapsed_s: float, passed_s: float) -> None:
-        """Move the slider, and keep where it is when it is time."""
+        """Move the slider, and record its place at the sampling rate."""
         if self.dial.stick == "rate":
             self.at = self.moved(turn, passed_s, SLIDER_KEY_STEPS)
         else:
@@ -339,7 +339,7 @@ class Several:
         return any(part.done for part in self.parts)
 
     def demand(self, frame: Frame) -> Demand | None:
-        """Return what is to be looked at for the first that wants something."""
+        """Return the first demand of the parts."""
         return next((found for part in self.parts if (found := part.demand(frame))), None)
 
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:

@@ -81,7 +81,7 @@ class SessionSettings:
 
 @dataclass(frozen=True, kw_only=True)
 class SessionContext(SessionSettings):
-    """The settings, and the participant whose sessions are run with them.
+    """The settings, and the participant of the sessions.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ class SessionContext(SessionSettings):
 
     @property
     def panel_stands(self) -> bool:
-        """Return whether what is pressed answers a question in the headset."""
+        """Return whether button presses answer a question in the headset."""
         return self.screen is not None and self.screen.quad is not None
 
     def shown_s(self, scene: str) -> float:

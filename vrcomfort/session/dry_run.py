@@ -23,7 +23,7 @@ from vrcomfort.tasks.exploration import Exploration
 
 @dataclass(frozen=True)
 class SessionLength:
-    """How long one session of a protocol takes somebody who does not stop.
+    """The length of one session without dropout.
 
     Parameters
     ----------

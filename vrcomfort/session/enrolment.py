@@ -95,7 +95,7 @@ def require_rest(protocol: Protocol, study: Path, participant: str, chosen: Chos
 
 
 def _changed_media(manifest: Mapping[str, Any], protocol: Protocol) -> str | None:
-    """Return a picture or sound that is not what it was, if its language is the same."""
+    """Return a changed picture or sound, if the language is the same."""
     then = manifest["protocol"].get("media") or {}
     if manifest.get("language") != protocol.language:
         return None
@@ -122,7 +122,7 @@ class InterruptedSessions:
         self._manifests = {n: read_manifest(folder) for n, folder in self._folders.items()}
 
     def check(self, protocol: Protocol, *, seed: int, sequence: str, respondent: str) -> None:
-        """Raise `InputError` where a continuation would not be of the same session."""
+        """Raise `InputError` where protocol, seed, order, respondent or language have changed."""
         for number, manifest in self._manifests.items():
             if manifest["protocol"]["sha256"] != protocol.sha256:
                 what = "with another text of this protocol; resume it with the same"
@@ -181,7 +181,7 @@ class InterruptedSessions:
 
 @dataclass(frozen=True, kw_only=True)
 class OpenEnrolment:
-    """A participant whose sessions nobody else can run meanwhile; see `open_enrolment`.
+    """A participant locked for this program; see `open_enrolment`.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vrcomfort.frame import HeadsetEvent
-from vrcomfort.operator_interface import Progress, ProgressKind
+from vrcomfort.operator_interface import ProgressKind, SessionProgress
 from vrcomfort.protocol.timeline import WHOLE_SESSION, TrialPlace
 from vrcomfort.records import EventRow, Recorder
 from vrcomfort.session.context import SessionContext
@@ -26,7 +26,7 @@ class EventLog:
         self.recorder.write(row)
 
     def note(self, happened: HeadsetEvent) -> None:
-        """Write, between two frames, what happened; tell what an operator must know at once."""
+        """Write a headset event between two frames; show the operator the urgent ones."""
         self.event_soon(happened.name, detail=happened.detail)
         if happened.name == "unfocused":
             self.tell("notice", WHOLE_SESSION, 0, 0, happened.detail)
@@ -53,7 +53,7 @@ class EventLog:
         self.context.operators.come(done, total)  # a notice has no total
         trial, condition = place.trial or 0, place.condition or ""
         self.context.progress(
-            Progress(
+            SessionProgress(
                 step,
                 self.context.participant,
                 self.session,

@@ -15,12 +15,13 @@ from vrcomfort.geometry import Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.records import RatingRow
 from vrcomfort.render.photodiode import PatchLight
+from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.session.clocks import ClockBridge
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.interfaces import Doing, Looks
+from vrcomfort.session.interfaces import Doing
 from vrcomfort.session.operator_control import Redone, Skipped
 from vrcomfort.session.ratings import Rated, RatingSchedule, RatingSchedules
 from vrcomfort.session.timing import seen_between_ns
@@ -298,7 +299,7 @@ class FrameLoop:
     def _with_eyes(self, frame: Frame) -> Frame:
         """Return a frame with the gaze of a simulated participant, where there is none."""
         respondent = self.context.respondent
-        if frame.gaze is not None or not isinstance(respondent, Looks):
+        if frame.gaze is not None or not isinstance(respondent, SimulatedRespondent):
             return frame
         demand = self._task.demand(frame) if self._task else None
         point = (

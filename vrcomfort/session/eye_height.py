@@ -112,7 +112,7 @@ class EyeHeight:
         self._apply(float(np.median(heights_m)), start_s)
 
     def _steady(self, headset: Any) -> list[float]:
-        """Return heights of somebody who holds still; the last ones where nobody does."""
+        """Return the heights of a steady head, or those of the last attempt."""
         heights_m: list[float] = []
         for attempt in range(1, ATTEMPTS + 1):
             heights_m = self._attempt(headset, attempt)

@@ -132,7 +132,7 @@ class SessionFlow:
         return status
 
     def give_up(self, abort_code: str) -> None:
-        """Write what is known of the exposure under way, while its own thread hangs."""
+        """Write the row of the exposure under way, while its own thread hangs."""
         self._trials.give_up(abort_code)
         self._events.event(abort_code)
 
@@ -245,7 +245,7 @@ class SessionFlow:
             self._end_after([each for each in later if each.place == step.place], ending.reason)
 
     def _end_if_ended_before(self) -> None:
-        """End a session whose last exposure had ended it before it was interrupted.
+        """End a session that had ended with its last exposure, before the interruption.
 
         Raises
         ------

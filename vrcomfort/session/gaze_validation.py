@@ -35,7 +35,7 @@ _GREY = (0.15, 0.15, 0.15)
 
 @dataclass
 class _Seen:
-    """What an eye (or both) did on a point: unit vectors in the stage, from where that eye is."""
+    """The gaze of an eye (or both) on a point: unit vectors in the stage, from the eye."""
 
     told: bool = False
     directions: list[Array] = field(default_factory=list)
@@ -54,7 +54,7 @@ class _Seen:
 
 @dataclass
 class _Shown:
-    """One point in the stage, and what the gaze did on it."""
+    """One point in the stage, and the gaze on it."""
 
     at: Point
     since_s: float
@@ -98,7 +98,7 @@ class PointsRun:
         return False
 
     def demand(self, frame: Frame) -> Demand | None:
-        """Return what is to be looked at."""
+        """Return the current point as a demand."""
         if not self.shown:
             return None
         point = self.shown[-1]

@@ -1,4 +1,4 @@
-"""Tells participants what they are to know: words, a picture, a sound, one file each."""
+"""Presents instructions: text, picture, sound."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SLICE_S = 0.1
 
 @dataclass(frozen=True)
 class Media:
-    """What an instruction brings beside its words."""
+    """The media of an instruction."""
 
     picture: Picture | None = None
     sound: Sound | None = None
@@ -52,7 +52,7 @@ def read_media(protocol: Protocol, instruction: Instruction) -> Media:
 
 
 def instruction_faults(protocol: Protocol) -> Iterator[InputError]:
-    """Yield what cannot be told, in any language: files, and texts that do not fit."""
+    """Yield faults of instructions in any language: files, and texts that do not fit."""
     spoken = [protocol.spoken(language) for language in protocol.languages] or [protocol]
     seen = set()
     for each in [told for one in spoken for told in one.told]:
@@ -94,7 +94,7 @@ class Instructor:
             pass
 
     def _tell(self, step: InstructionStep, media: Media) -> str:
-        """Tell something once; return by whom, or what, it ended."""
+        """Present an instruction once; return the cause of its end."""
         instruction = step.instruction
         speaker = self._context.speaker if media.sound else None
         telling = _telling(instruction, media, plays=speaker is not None)
@@ -149,13 +149,13 @@ class Instructor:
             self._clear()
 
     def _clear(self) -> None:
-        """Take away what was shown beside a respondent who does not show it."""
+        """Clear the panel that was shown beside the respondent."""
         if self._shown is not None and self._context.screen is not None:
             self._context.screen.show(None)
         self._shown = None
 
     def _words(self, step: InstructionStep) -> str:
-        """Return what operators read: the text as well, where they must say it."""
+        """Return the step's name for operators, with the text where they read it aloud."""
         words, text = step.words, step.instruction.text
         aloud = self._context.screen is None and text
         return f"{words}: {' '.join(text.split())}" if aloud else words
@@ -191,7 +191,7 @@ class Instructor:
             clock.wait(min(duration_s, SLICE_S) if clock.is_real else duration_s)
 
     def _show_beside(self, telling: Telling) -> None:
-        """Show in the headset what somebody else than the panel's respondent is asked about."""
+        """Show the instruction in the headset for respondents without the panel."""
         screen = self._context.screen
         if screen is None or isinstance(self._respondent, PanelRespondent):
             return
@@ -202,14 +202,14 @@ class Instructor:
 
 
 def _telling(instruction: Instruction, media: Media, *, plays: bool) -> Telling:
-    """Return what is to be read, seen and heard: a text may stand in for a sound."""
+    """Return the content to present: a text may stand in for a sound."""
     hides = instruction.show_text == "without_sound" and plays
     sound_s = media.sound.duration_s if media.sound and plays else None
     return Telling(instruction.name, "" if hides else instruction.text, media.picture, sound_s)
 
 
 def _told(instruction: Instruction, telling: Telling, media: Media, passed_s: float) -> str:
-    """Say what was shown, and how much of a sound was played."""
+    """Describe the presented media, with the played part of a sound."""
     told = ["text"] if telling.text else []
     told += [] if telling.picture is None else [f"picture {instruction.picture}"]
     if media.sound is not None and telling.sound_s is None:

@@ -1,12 +1,11 @@
-"""What a session needs from others, by shape: a renderer, scenes, headsets; and what it tells."""
+"""Interfaces of a session to its renderer, tasks and other devices."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, TypeAlias, runtime_checkable
+from typing import Any, Protocol, TypeAlias
 
 from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash, RenderResult
-from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Condition
 from vrcomfort.records import EventRow, RatingRow
@@ -53,14 +52,14 @@ Called once per exposure: a playback headset is made anew, a real one is led to 
 
 
 class Doing(Protocol):
-    """What is done during frames that count: a task, an adjustment, or a validation of the gaze."""
+    """An activity during frames: a task, an adjustment, or a validation of the gaze."""
 
     @property
     def done(self) -> bool:
         """Return whether the exposure ends with it, before its time."""
 
     def demand(self, frame: Frame) -> Demand | None:
-        """Return what is to be looked at, and perhaps pointed at, now."""
+        """Return the current target of gaze, and perhaps of pointing."""
 
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
         """Take a frame before it is drawn."""
@@ -72,16 +71,8 @@ class Doing(Protocol):
         """End with the exposure, however it ended."""
 
 
-@runtime_checkable
-class Looks(Protocol):
-    """A respondent whose eyes are simulated where no tracker sees any."""
-
-    def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze | None:
-        """Return the gaze in the stage; `point` (3,) is what is to be looked at."""
-
-
 class Relay(Protocol):
-    """Passes on what happens to other devices, such as LabStreamingLayer; never waits."""
+    """Outlet to other devices, such as LabStreamingLayer; never waits."""
 
     def now_s(self) -> float | None:
         """Return its own clock, if it has one."""

@@ -1,4 +1,4 @@
-"""Asks questionnaires and free texts, keeps every answer, and resumes an interrupted one."""
+"""Asks questionnaires and free texts, records every answer, and resumes interrupted ones."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class Interview:
 
     @property
     def answers(self) -> dict[str, int | None]:
-        """Return item → answer, of what was asked here."""
+        """Return item → answer."""
         return {item: row.response for item, row in self._rows.items()}
 
     def _compared(self) -> tuple[str, ...]:

@@ -106,7 +106,7 @@ class ManifestWriter:
 
 
 def headset_facts(headset: Headset) -> dict[str, Any]:
-    """Return what a headset says of itself."""
+    """Return the headset's facts for the manifest."""
     return {
         "name": headset.name,
         "refresh_hz": headset.refresh_hz,

@@ -73,7 +73,7 @@ class EventLoop(FrameLoop):
 
 
 def scenes_for(protocol: StudyProtocol) -> LoadScene:
-    """Return what loads as much of a scene as a session without frames needs."""
+    """Return a loader for the parts of a scene that a session without frames needs."""
     if protocol.tasks:
         return load_scene
     return without_meshes if protocol.views else lambda _source: None
@@ -81,7 +81,7 @@ def scenes_for(protocol: StudyProtocol) -> LoadScene:
 
 @dataclass
 class StillHeadset:
-    """A headset whose head stands still and that shows nothing."""
+    """A headset with a fixed head pose and no display."""
 
     refresh_hz: float = STEPS_HZ
     name: str = "none"

@@ -57,7 +57,7 @@ class Events(Protocol):
 
 
 def nothing_asked(command: Command) -> str:
-    """Refuse an answer where nobody waits for one from a console."""
+    """Refuse an answer where no question is open."""
     return f"nothing is asked that is answered on a console; {command.action} has no meaning now"
 
 
@@ -133,7 +133,7 @@ class OperatorControl:
         self._headset = headset
 
     def begin(self, kind: StepKind, words: str) -> None:
-        """Take note that a step begins: what was meant for the one before is stale now."""
+        """Begin a step; commands for the one before are stale from now on."""
         self._end_pause()
         self.entries.clear()
         ended_by, self._ended_by = self._ended_by, ""
@@ -176,7 +176,7 @@ class OperatorControl:
             time.sleep(IDLE_S)
 
     def look(self) -> None:
-        """Do what was asked for since the last call; returns at once.
+        """Carry out the commands since the last call; returns at once.
 
         Raises
         ------
@@ -238,7 +238,7 @@ class OperatorControl:
             self._events.event_soon(name, start_s, detail=detail)
 
     def _do(self, command: Command) -> None:
-        """Do what an operator wants, which has been found to have a meaning."""
+        """Carry out a command that was not refused."""
         said = f": {command.text}" if command.text else ""
         match command.action:
             case "start":

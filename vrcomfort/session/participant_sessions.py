@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass, field
 
 from vrcomfort.errors import InputError
-from vrcomfort.operator_interface import Progress
+from vrcomfort.operator_interface import SessionProgress
 from vrcomfort.records import (
     Interrupted,
     Manifest,
@@ -97,7 +97,7 @@ class ParticipantSessions:
 
     def _session(self, number: int) -> tuple[SessionStatus, str]:
         context = self.context
-        context.progress(Progress("session", context.participant, number))
+        context.progress(SessionProgress("session", context.participant, number))
         before = self.interrupted.get(number)
         study, participant, resumed = context.study, context.participant, before is not None
         access, durability = access_of(study), context.durability
@@ -118,7 +118,7 @@ class ParticipantSessions:
             finally:
                 self._look_at(number, manifest, before)
         self._seal(number, recorder)
-        context.progress(Progress("end", context.participant, number, text=status))
+        context.progress(SessionProgress("end", context.participant, number, text=status))
         return status, note
 
     def _guarded(
@@ -178,7 +178,7 @@ class ParticipantSessions:
         )
 
     def _look_at(self, number: int, manifest: Manifest, before: Interrupted | None) -> None:
-        """Tell what was cut off, and write into the participant's note what was flagged."""
+        """Collect warnings, and write timing flags into the participant's note."""
         flags = manifest.timing_flags[len(before.manifest["timing_flags"]) if before else 0 :]
         cut = before.warnings if before else ()
         self.notices.extend([*cut, *flags, *manifest.clock_set_back, *manifest.missed_questions])
@@ -194,7 +194,7 @@ STOPPED = "stopped by the operator"
 def _kept(
     flow: SessionFlow, writer: ManifestWriter, recorder: Recorder
 ) -> tuple[SessionStatus, str]:
-    """Run a session and write into its manifest how it ended, whatever ended it."""
+    """Run a session and write its end into the manifest, in any case."""
     status: SessionStatus = "aborted"
     note = ""
     try:

@@ -37,7 +37,7 @@ _STREAMS = 2_000_000
 
 @dataclass
 class _Block:
-    """One repetition of a block: what it shows, and what came of it."""
+    """One repetition of a block, with its trials and rows."""
 
     step: PracticeStep
     repetition: int
@@ -106,7 +106,7 @@ class PracticeRunner:
                 return
 
     def _give_up(self, practice: Practice, repetitions: int) -> None:
-        """Tell that a criterion was never met; end what the protocol says."""
+        """Report an unmet criterion; end what the protocol says."""
         reason = f"practice {practice.name} was not good enough in {repetitions} repetitions"
         self._events.event("practice_not_met", detail=reason)
         self._events.tell("notice", WHOLE_SESSION, 0, 0, reason)
@@ -114,7 +114,7 @@ class PracticeRunner:
             raise StopRule(reason, practice.otherwise, "practice")
 
     def _shown(self, practice: Practice, repetition: int) -> Sequence[Trial]:
-        """Return what a repetition shows; what is drawn, is drawn anew for each."""
+        """Return the trials of a repetition; `draw` draws anew for each."""
         if practice.draw is None:
             return practice.trials
         context, number = self._context, self._events.session
@@ -164,7 +164,7 @@ class PracticeRunner:
         self._events.recorder.write(row)
 
     def _expose(self, block: _Block, number: int, trial: Trial, results: list[Result]) -> None:
-        """Show one exposure; `results` gets what comes of its task."""
+        """Show one exposure; add its task's results to `results`."""
         context = self._context
         protocol, practice = context.protocol, block.step.practice
         place = TrialPlace(condition=trial.condition, scene=trial.scene)

@@ -1,4 +1,4 @@
-"""Questions during exposure: when they are asked, and what their answers end."""
+"""Ratings during exposure: their schedule, and the stop rule."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ class Rehearsal:
         self.fed.append(self._head)
 
     def watch(self, page: Page) -> None:
-        """Decide what to choose on a page that opens; give this to the `PanelRespondent`.
+        """Choose the next target on a page that opens; give this to the `PanelRespondent`.
 
         Raises
         ------

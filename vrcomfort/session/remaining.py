@@ -1,4 +1,4 @@
-"""How much time a session will still take: as it was planned, corrected by what its steps took."""
+"""Estimates the remaining time of a session: the plan, corrected by the steps so far."""
 
 from __future__ import annotations
 

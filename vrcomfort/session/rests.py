@@ -38,7 +38,7 @@ class Rests:
         self._began_s = interrupted.session_s if interrupted else 0.0
 
     def rest(self, duration_s: float) -> None:
-        """Rest for so long; an operator may cut it short.
+        """Rest for a fixed time; an operator may cut it short.
 
         Raises
         ------
@@ -82,7 +82,7 @@ class Rests:
             self._events.event("rest", start_s, detail=f"{words}; ended by {ended}")
 
     def _until_over(self, settings: Breaks, words: str, began_s: float) -> str:
-        """Let a break pass; return who ended it."""
+        """Let a break pass; return the cause of its end."""
         clock = self._context.clock
         try:
             self._wait(settings.min_s - (clock.now_s() - began_s))

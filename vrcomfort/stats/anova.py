@@ -213,36 +213,32 @@ def _fit(
     """Regress the contrasts `z` (n, p) on the between design; test each of its terms."""
     design = np.column_stack(list(terms.values()))
     residuals = _left(z, design)
-    explained = _type_iii(z, terms) if sums_of_squares == "III" else _type_ii(z, terms)
     hypotheses = {
-        " × ".join(term): (squares, terms[term].shape[1] * z.shape[1])
-        for term, squares in explained.items()
+        " × ".join(term): (
+            _explained(z, columns, _given(term, terms, sums_of_squares)),
+            columns.shape[1] * z.shape[1],
+        )
+        for term, columns in terms.items()
     }
     return _Fit(name, residuals.T @ residuals, z.shape[0] - design.shape[1], scale, hypotheses)
 
 
-def _type_iii(z: Floats, terms: dict[tuple[str, ...], Floats]) -> dict[tuple[str, ...], float]:
-    """Return the sum of squares of each term given all others."""
-    design = np.column_stack(list(terms.values()))
-    coefficients = np.linalg.lstsq(design, z, rcond=None)[0]
-    inverse = np.linalg.inv(design.T @ design)
-    found, start = {}, 0
-    for term, columns in terms.items():
-        rows = slice(start, start := start + columns.shape[1])
-        b = coefficients[rows]
-        found[term] = float(np.trace(b.T @ np.linalg.solve(inverse[rows, rows], b)))
-    return found
+def _given(
+    term: tuple[str, ...], terms: dict[tuple[str, ...], Floats], sums_of_squares: SumsOfSquares
+) -> list[Floats]:
+    """Return the columns that a term is adjusted for: all others, or those not containing it."""
+    if sums_of_squares == "III":
+        return [columns for name, columns in terms.items() if name != term]
+    return [columns for name, columns in terms.items() if not set(term) <= set(name)]
 
 
-def _type_ii(z: Floats, terms: dict[tuple[str, ...], Floats]) -> dict[tuple[str, ...], float]:
-    """Return the sum of squares of each term given those that do not contain it."""
-    found = {}
-    for term, columns in terms.items():
-        others = [part for name, part in terms.items() if not set(term) <= set(name)]
-        without = _left(z, np.column_stack(others)) if others else z
-        left = _left(z, np.column_stack([*others, columns]))
-        found[term] = float(np.sum(without**2) - np.sum(left**2))
-    return found
+def _explained(z: Floats, columns: Floats, given: list[Floats]) -> float:
+    """Return the sum of squares of a term's columns after adjustment for the columns given.
+
+    It is that of a projection, and so never below 0; a difference of two residual sums may be.
+    """
+    own = _left(columns, np.column_stack(given)) if given else columns
+    return float(np.sum((np.linalg.qr(own)[0].T @ z) ** 2))
 
 
 def _left(z: Floats, design: Floats) -> Floats:

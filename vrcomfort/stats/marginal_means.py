@@ -52,6 +52,8 @@ def marginal_means(
 ) -> tuple[dict[str, dict[str, Estimate]], dict[str, dict[str, Pairwise]]]:
     """Return means and pairwise differences by factor.
 
+    A factor with more than `MOST_LEVELS` levels has no pairwise differences.
+
     Parameters
     ----------
     fit
@@ -66,12 +68,11 @@ def marginal_means(
     for name, levels in factors.items():
         rows = {level: _row(factors, name, level, covariates) for level in levels}
         means[name] = {level: _estimate(fit, row, confidence) for level, row in rows.items()}
-        if 1 < len(levels) <= MOST_LEVELS:
-            count = len(levels) * (len(levels) - 1) // 2
-            pairs[name] = {
-                f"{one} − {two}": _difference(fit, rows[one] - rows[two], count, confidence)
-                for one, two in combinations(levels, 2)
-            }
+        compared = [*combinations(levels, 2)] if len(levels) <= MOST_LEVELS else []
+        pairs[name] = {
+            f"{one} − {two}": _difference(fit, rows[one] - rows[two], len(compared), confidence)
+            for one, two in compared
+        }
     return means, pairs
 
 

@@ -14,6 +14,7 @@ from vrcomfort.report.measures.model import Measure, Quantity, Source, Value, in
 from vrcomfort.report.measures.ratings import Course, Ratings, courses_of
 from vrcomfort.report.measures.settings import Limit, Measured
 from vrcomfort.report.measures.tables import Participants, Tasks, Trials
+from vrcomfort.report.study_data import cut_short
 from vrcomfort.settings import did_you_mean
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ SOURCES: dict[str, Source] = {
     "frames": Frames(),
 }
 """Name → where measures are read from. A further kind of measure is one more entry."""
+CUT_SHORT = "the exposure was cut short"
 _OPEN = ("trials", "tasks", "dials", "participants")
 """Sources of which any column with numbers, or any dial, may be named."""
 
@@ -82,18 +84,30 @@ def measure_of(name: str, said: Measured | None = None) -> Measure:
 
 def definition_of(measure: Measure) -> str:
     """Return what it is, as a clause of a methods section."""
-    known: Quantity | None = SOURCES[measure.source].quantities.get(measure.quantity)
+    source = SOURCES[measure.source]
+    known: Quantity | None = source.quantities.get(measure.quantity)
     if known is None and measure.source == "dials":
         return f"the value of the dial {measure.quantity} that was confirmed"
-    return known.definition if known else f"column {measure.quantity} of {measure.source}.csv"
+    found = known.definition if known else f"column {measure.quantity} of {measure.source}.csv"
+    return f"{found}, of exposures that were not cut short" if source.of_whole_exposures else found
 
 
 def values_of(study: StudyData, measure: Measure) -> list[Value]:
     """Return the values of a measure, to a common step.
+
+    An exposure that was cut short has none of a measure of whole exposures.
 
     Raises
     ------
     InputError
         If the study does not have what is measured.
     """
-    return in_steps(list(SOURCES[measure.source].values(study, measure)))
+    source = SOURCES[measure.source]
+    values = list(source.values(study, measure))
+    if source.of_whole_exposures:
+        short = {(t["participant"], t["session"], t["trial"]) for t in study.trials if cut_short(t)}
+        values = [
+            each._replace(number=None, reason=CUT_SHORT) if each[:3] in short else each
+            for each in values
+        ]
+    return in_steps(values)

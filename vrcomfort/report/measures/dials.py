@@ -19,6 +19,7 @@ class Dials:
     """``dials.csv``: any dial by its name."""
 
     quantities: ClassVar[dict[str, Quantity]] = {}
+    of_whole_exposures: ClassVar[bool] = False
 
     def values(self, study: StudyData, measure: Measure) -> Iterator[Value]:
         """Yield the confirmed value of each exposure that had the dial."""

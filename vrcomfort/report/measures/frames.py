@@ -41,6 +41,7 @@ class Frames:
     """``frames.csv``, as `study_data.with_frames` has summed it."""
 
     quantities: ClassVar[dict[str, Quantity]] = QUANTITIES
+    of_whole_exposures: ClassVar[bool] = True
 
     def values(self, study: StudyData, measure: Measure) -> Iterator[Value]:
         """Yield the value of each exposure of which there are frames."""

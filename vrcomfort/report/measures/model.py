@@ -83,6 +83,8 @@ class Source(Protocol):
 
     quantities: ClassVar[dict[str, Quantity]]
     """The quantities with a name; empty where any column may be named."""
+    of_whole_exposures: ClassVar[bool]
+    """Whether an exposure that was cut short has no value: there was less time for it."""
 
     def values(self, study: StudyData, measure: Measure) -> Iterable[Value]:
         """Return the values of a study.

@@ -49,6 +49,7 @@ class Ratings:
     """``ratings.csv``."""
 
     quantities: ClassVar[dict[str, Quantity]] = QUANTITIES
+    of_whole_exposures: ClassVar[bool] = False
 
     def values(self, study: StudyData, measure: Measure) -> Iterator[Value]:
         """Yield the value of each exposure that was rated, or was to be."""

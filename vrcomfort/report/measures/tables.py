@@ -34,6 +34,7 @@ class Trials:
     """``trials.csv``: what every trial has, and any other column with numbers."""
 
     quantities: ClassVar[dict[str, Quantity]] = TRIAL_QUANTITIES
+    of_whole_exposures: ClassVar[bool] = False
 
     def values(self, study: StudyData, measure: Measure) -> Iterator[Value]:
         """Yield the value of each exposure."""
@@ -73,6 +74,7 @@ class Tasks:
     """
 
     quantities: ClassVar[dict[str, Quantity]] = TASK_QUANTITIES
+    of_whole_exposures: ClassVar[bool] = True
 
     def values(self, study: StudyData, measure: Measure) -> Iterator[Value]:
         """Yield the value of each exposure, or of each person under each condition."""
@@ -98,6 +100,7 @@ class Participants:
     """``participants.csv``: any column with numbers, such as age or a score of susceptibility."""
 
     quantities: ClassVar[dict[str, Quantity]] = {}
+    of_whole_exposures: ClassVar[bool] = False
 
     def values(self, study: StudyData, measure: Measure) -> Iterator[Value]:
         """Yield the value of each person."""

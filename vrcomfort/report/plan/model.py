@@ -201,6 +201,11 @@ class Plan(Settings):
         return frozenset(each.item.partition(".")[0] for each in self.preferences)
 
     @property
+    def needs_every_score(self) -> bool:
+        """Return whether an analysis takes those alone who have every planned score."""
+        return self.withdrawals != "available_pairs"
+
+    @property
     def text(self) -> str:
         """Return the TOML text that this was read from."""
         return self._text

@@ -1,0 +1,262 @@
+"""What a sentence says and the interval beside it agree, and a mean difference has one interval."""
+
+import random
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.support.report import Study, answers, build_report, foreign, write_csv
+from tests.test_report_study import report
+from vrcomfort.report.answers import answer
+from vrcomfort.report.families import disagreement, holds, is_shown, reported
+from vrcomfort.report.further_answers import further_answers
+from vrcomfort.report.plan import load_plan, plan_of
+from vrcomfort.report.results import analyse
+from vrcomfort.report.study_data import read_study
+from vrcomfort.report.vocabulary import Vocabulary
+from vrcomfort.report.words import interval, p_value
+from vrcomfort.stats.multiplicity import holm, holm_levels
+
+SHOWN = re.compile(r"higher (?:under|in) |lower (?:under|in) |more preferred|more of one went")
+NOT_SHOWN = re.compile(r"no (?:difference|preference|correlation)\b.* (?:was|could be) shown")
+INTERVAL = re.compile(
+    r"(?P<left>[\[(])(?P<low>[−\d.∞]+),\u00a0(?P<high>[−\d.∞]+)(?P<right>[\])])"
+    r"(?P<hole> without 0)?(?P<said> \(which (?:in|ex)cludes [.\d]+, though the test)?"
+)
+PLAN = """\
+name = "p"
+title = "P"
+outcomes = ["T", "N", "D"]
+mixed_model = []
+anova = []
+{choices}
+[[families]]
+name = "all"
+outcomes = ["T", "N", "D"]
+"""
+DESIGNS = (
+    '[[contrasts]]\na = "a"\nb = "b"\n[[contrasts]]\na = "a"\nb = "c"\n',
+    '[[contrasts]]\na = "b"\nb = "c"\ntest = "sign"\n'
+    '[[contrasts]]\na = "a"\nb = "c"\ntest = "paired_t"\n[[contrasts]]\na = "a"\nb = "c"\n',
+    '[[contrasts]]\na = "x"\nb = "y"\nbetween = "group"\n'
+    '[[contrasts]]\na = "x"\nb = "y"\nbetween = "group"\ntest = "welch_t"\n',
+    '[[correlations]]\nx = "T"\ny = "N"\n[[correlations]]\nx = "T"\ny = "D"\nmethod = "kendall"\n'
+    '[[preferences]]\nname = "liked"\ncolumn = "liked"\na = "x"\nb = "y"\n',
+)
+CHOICES = (
+    "", 'zeros = "wilcox"\n', 'alternative = "greater"\n', 'alternative = "less"\n',
+    'p_value = "asymptotic"\n', 'shift_interval = "order_statistics"\n', "confidence = 0.9\n",
+    'rank_biserial_interval = "effectsize"\n',
+)  # fmt: skip
+
+
+def random_study(folder: Path, seed: int) -> Path:
+    """Three conditions, few people, scores with zeros and ties, and an effect or none."""
+    chance = random.Random(seed)  # noqa: S311 - no secret
+    people = [f"P{i}" for i in range(chance.randint(4, 14))]
+    effect = chance.choice((0, 0, 3, 6))
+    scores = {
+        who: {
+            name: max(0, chance.choice((0, 0, 1, 2, 5, 11)) + effect * place)
+            for place, name in enumerate("abc")
+        }
+        for who in people
+    }
+    rows = [
+        {"participant": who, "status": "completed", "group": chance.choice("xy"),
+         "liked": chance.choice(("x", "x", "y", ""))}
+        for who in people
+    ]  # fmt: skip
+    write_csv(folder / "participants.csv", ("participant", "status", "group", "liked"), rows)
+    return foreign(folder / "questionnaires.csv", scores).parent
+
+
+def analysed(folder: Path, text: str) -> dict[str, Any]:
+    """Return the results of a study, without a page."""
+    study = read_study(folder)
+    file = folder / "plan.toml"
+    file.write_text(text, "utf-8")
+    return analyse(study, load_plan(file, study.instruments.values()))[0]
+
+
+def contradictions(line: str, claim: str) -> list[str]:
+    """Return the intervals of a sentence that say another thing of the null value than it."""
+    null = {"share of": 0.5, "share above": 0.5}
+    of = next((value for words, value in null.items() if words in line), 0.0)
+    wrong = []
+    for found in INTERVAL.finditer(line):
+        low, high = (float(found[end].replace("−", "-").replace("∞", "inf")) for end in (2, 3))
+        share = "share" in line[: found.start()].rpartition(";")[2]
+        value = of if share else 0.0
+        above = low < value or (low == value and found["left"] == "[")
+        below = high > value or (high == value and found["right"] == "]")
+        held = above and below and not found["hole"]
+        if held == bool(SHOWN.search(claim)) and not found["said"]:
+            wrong.append(found[0])
+    return wrong
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_no_sentence_contradicts_an_interval_beside_it(tmp_path, seed):
+    choices = CHOICES[seed // 2] + 'withdrawals = "complete_pairs"\n'
+    design = DESIGNS[seed % len(DESIGNS)]
+    if "preferences" in design:
+        choices = choices.replace('alternative = "less"\n', "")
+    results = analysed(random_study(tmp_path, seed), PLAN.format(choices=choices) + design)
+    words = Vocabulary.of(results)
+    tests = [*results["tests"], *results["comparisons"]]
+    said = [answer(test, words) for test in tests] + further_answers(results, words)
+    assert said
+    for line in said:
+        if "could not be" in line["claim"] or "nobody" in line["claim"]:
+            continue
+        assert bool(SHOWN.search(line["claim"])) != bool(NOT_SHOWN.search(line["claim"])), line
+        assert not contradictions(line["text"], line["claim"]), line["text"]
+
+
+@pytest.mark.parametrize("seed", range(9))
+def test_the_default_intervals_agree_with_the_decision_by_construction(tmp_path, seed):
+    """Of the differences in points: those of r may not, and say so."""
+    design = DESIGNS[seed % 3]
+    results = analysed(random_study(tmp_path, seed), PLAN.format(choices="") + design)
+    for row in (*results["tests"], *results["comparisons"]):
+        if row["not_tested"]:
+            assert row["verdict"] is None
+            continue
+        p = row["p"] if row["p_holm"] is None else row["p_holm"]
+        assert is_shown(row) == (p <= 0.05) == (row["p"] <= row["level"])
+        found = reported(row, "shift" if "shift" in row else "difference")
+        if found and (found["low"], found["high"]) != (None, None):
+            assert is_shown(row) != holds(found, 0.0)
+            assert not disagreement(row, found)
+        assert (row["simultaneous"] is None) == (row["level"] >= 1 - 0.95)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_mean_difference_has_one_interval(tmp_path, seed):
+    """In the table of means, of t tests, and where the plan asks for a t test of the pairs."""
+    plan = PLAN.partition("[[families]]")[0] + "families = []\n" + DESIGNS[1]
+    results = analysed(random_study(tmp_path, seed), plan.format(choices=""))
+    ends: dict[tuple[str, ...], set[tuple[float | None, ...]]] = {}
+    for test in results["tests"]:
+        pair = test["outcome"], test["a"], test["b"]
+        found = ends.setdefault(pair, set())
+        described, t_test = test["descriptives"]["difference"], test["t_test"]
+        found.add((described["mean"], described["mean_low"], described["mean_high"]))
+        if t_test:
+            found.add((t_test["mean"], t_test["low"], t_test["high"]))
+    for row in results["comparisons"]:
+        if row["test"] == "paired_t" and not row["not_tested"]:
+            found = row["difference"]
+            pair = row["outcome"], row["a"], row["b"]
+            ends[pair].add((found["estimate"], found["low"], found["high"]))
+    assert all(len(found) == 1 for found in ends.values()), ends
+    assert any(None not in next(iter(found)) for found in ends.values())
+
+
+def test_holm_decides_on_each_test_at_its_own_level():
+    """At or below it exactly where the adjusted p is at most .05."""
+    chance = random.Random(1)  # noqa: S311 - no secret
+    for _ in range(300):
+        p = [
+            None if chance.random() < 0.1 else chance.choice((0.001, 0.01, 0.02, chance.random()))
+            for _ in range(chance.randint(1, 7))
+        ]
+        for each, adjusted, level in zip(p, holm(p), holm_levels(p), strict=True):
+            if each is None:
+                assert level is None
+            else:
+                assert adjusted is not None
+                assert (each <= level) == (adjusted <= 0.05)
+                assert 0.05 / len(p) <= level <= 0.05
+
+
+def crossed(folder: Path, differences: list[int]) -> Path:
+    scores = {f"P{i}": {"a": 8 + d, "b": 8} for i, d in enumerate(differences)}
+    return foreign(folder / "questionnaires.csv", scores)
+
+
+@pytest.mark.parametrize(
+    ("differences", "verdict", "words"),
+    [
+        ([4, 3, 2, 5, 1], "not_possible", "with so few people, no difference could be shown"),
+        ([4, 3, 2, 5, 1, 6], "higher", "higher under a"),
+        ([4, 3, 2, 5, 1, -6], "not_shown", "no difference was shown"),
+        ([4, 3, 2, 5, 1, 0, 0, 0], "not_possible", "so few people whose scores differ"),
+    ],
+)
+def test_so_few_people_that_p_cannot_be_small_are_told(tmp_path, differences, verdict, words):
+    plan = tmp_path / "plan.toml"
+    plan.write_text('name = "p"\ntitle = "P"\noutcomes = ["T"]\nzeros = "wilcox"\n')
+    results = report(crossed(tmp_path, differences), tmp_path / "o", plan)
+    (test,) = results["tests"]
+    assert test["verdict"] == verdict
+    page = (tmp_path / "o" / "index.html").read_text("utf-8")
+    assert words in page
+    assert ("of so few at least .062" in page) == (verdict == "not_possible")
+
+
+def test_so_many_tests_that_no_p_is_small_enough_are_told(tmp_path):
+    """Six pairs: p is .031 at least, and .094 after adjustment over the three subscales."""
+    answered = [answers(5 + k) for k in range(6)]
+    rows = [
+        {"participant": f"P{k}", "condition": c, "item": item, "response": value * (c == "a")}
+        for k, given in enumerate(answered)
+        for c in "ab"
+        for item, value in given.items()
+    ]
+    write_csv(tmp_path / "q.csv", ("participant", "condition", "item", "response"), rows)
+    summary = build_report(tmp_path / "q.csv", out=tmp_path / "o")
+    total, nausea, *_ = summary.headlines
+    assert total.startswith("Total severity: higher under a")
+    assert "with so few people for so many tests, no difference could be shown" in nausea
+
+
+def test_who_left_and_is_ranked_worst_is_not_in_the_interval_of_who_stayed(tmp_path):
+    """All six who stayed are higher under a, and the five who left under b rank below."""
+    study = Study(tmp_path / "s")
+    for i in range(6):
+        study.session(f"P{i}", 1, 0, [("a", "x", 9 + i), ("b", "x", 2)])
+        study.person(f"P{i}", "a")
+    for i in range(6, 11):
+        study.session(f"P{i}", 1, 0, [("a", "x", 4), ("b", "x", None)], "withdrawn")
+        study.person(f"P{i}", "a", "withdrawn")
+    plan = tmp_path / "plan.toml"
+    plan.write_text('name = "p"\ntitle = "P"\noutcomes = ["T"]\nwithdrawals = "worst_rank"\n')
+    summary = build_report(study.folder, plan=plan, out=tmp_path / "o")
+    (line,) = summary.headlines
+    assert "no difference was shown" in line
+    assert "difference of the 6 who stayed (the test ranks those who left as worst)" in line
+    assert "(which excludes 0, though the test does not reject it)" in line
+
+
+@pytest.mark.parametrize(
+    ("found", "written"),
+    [
+        ({"low": 0.004, "high": 12.0}, "[0.004,\u00a012.00]"),
+        ({"low": -3.0, "high": -0.0002}, "[−3.00,\u00a0−0.0002]"),
+        ({"low": 0.0, "high": 1e-13}, "[0.00,\u00a00.00]"),
+    ],
+)
+def test_an_end_that_is_not_zero_is_not_printed_as_zero(found, written):
+    assert interval(found) == written
+    assert interval({"low": 0.2, "high": 0.9996}, null=1.0) == "[0.20,\u00a00.9996]"
+
+
+@pytest.mark.parametrize(
+    ("p", "written"), [(0.0496, ".0496"), (0.0504, ".0504"), (0.05, ".050"), (0.0512, ".051")]
+)
+def test_a_p_beside_the_usual_level_is_not_rounded_to_it(p, written):
+    assert p_value(p) == written
+
+
+def test_the_derived_plan_of_many_conditions_has_no_contradiction_either(tmp_path):
+    chance = random.Random(7)  # noqa: S311 - no secret
+    scores = {f"P{i}": {c: chance.choice((0, 1, 4, 9)) for c in "abcd"} for i in range(10)}
+    study = read_study(foreign(tmp_path / "q.csv", scores))
+    results = analyse(study, plan_of(study))[0]
+    words = Vocabulary.of(results)
+    for line in (answer(test, words) for test in results["tests"]):
+        assert not contradictions(line["text"], line["claim"]), line["text"]
