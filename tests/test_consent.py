@@ -14,7 +14,8 @@ from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
-from vrcomfort.records.consents import ConsentRow, Given, read_consents
+from vrcomfort.records.consents import Given, read_consents
+from vrcomfort.records.session_rows import ConsentRow
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.session import SessionSettings, open_enrolment, run
 

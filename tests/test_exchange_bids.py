@@ -6,13 +6,11 @@ import csv
 import gzip
 import json
 import math
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from tests.support.exchange import PRACTICE, cell, with_gaze
+from tests.support.exchange import PRACTICE, cell, errors_of, with_gaze
 from tests.support.resume import go
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
@@ -175,18 +173,6 @@ def test_what_cannot_be_exported_is_refused_in_a_sentence(run, study, tmp_path) 
     code, _, err = run("export", study, "--format", "bits", "--out", tmp_path / "out")
     assert (code, err.count("\n")) == (2, 1)
     assert not (tmp_path / "out").exists()
-
-
-def errors_of(dataset: Path) -> list[dict[str, str]]:
-    """Return what BIDS' own validator finds wrong."""
-    validator = Path(sys.executable).with_name("bids-validator-deno")
-    said = subprocess.run(
-        [validator, "--format", "json", "--max-rows", "-1", dataset],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    found = json.loads(said.stdout)
-    assert found["summary"]["totalFiles"] > 10
-    return [each for each in found["issues"]["issues"] if each["severity"] == "error"]
 
 
 @pytest.mark.slow

@@ -9,37 +9,33 @@ import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import NoneType
+from typing import Annotated, get_args, get_origin, get_type_hints
 
 import pytest
 
 import vrcomfort
-from tests.support.exchange import PRACTICE, with_gaze
+from tests.support.exchange import PRACTICE, errors_of, with_gaze
 from tests.support.report import build_report
 from tests.support.study import read_rows
 from vrcomfort.exchange.anonymising import Wishes, anonymise
-from vrcomfort.exchange.bids import export_bids, practice
-from vrcomfort.exchange.meanings import MEANINGS
+from vrcomfort.exchange.bids import export_bids
+from vrcomfort.exchange.psych_ds import export_psych_ds
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.operator_interface import ALLOWED
-from vrcomfort.records import schema
-from vrcomfort.records.consents import ConsentRow
+from vrcomfort.recordings.columns import kinds
+from vrcomfort.records import rows, schema
+from vrcomfort.records.data_dictionary import data_dictionary
 from vrcomfort.records.disk import OWNER
-from vrcomfort.records.events import EVENTS
-from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
+from vrcomfort.records.events import EVENTS, EventKind
 from vrcomfort.records.mend import mend
-from vrcomfort.records.privacy import ALWAYS, BOTH, GAZE, MOTION, SHARED
-from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
-from vrcomfort.records.session_rows import (
-    FACTS,
-    ParticipantRow,
-    QuestionnaireRow,
-    ScreeningRow,
-    TextRow,
-)
+from vrcomfort.records.rows import ALWAYS, BOTH, GAZE, MOTION, Column, Row, declared
+from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS, TABLES, SharedFile
+from vrcomfort.records.session_rows import FACTS, QuestionnaireRow
 from vrcomfort.replay.recorded import read_session
+from vrcomfort.report.study_data import _NEEDED_ELSEWHERE, _NUMBERS, NEEDED
 
 ROOT = Path(__file__).resolve().parent.parent
-ALL = (*SESSION_ROWS, *OPTIONAL_ROWS, ParticipantRow, ConsentRow)
 NOT_WRITTEN_OUT = {
     "headset/openxr/lifecycle.py": {"focused", "unfocused", "headset_on", "headset_off"},
     "headset/openxr/messages.py": {"openxr_error", "openxr_warning"},
@@ -83,28 +79,29 @@ def test_every_event_is_declared_with_what_becomes_of_its_detail():
     assert EVENTS.keys() - named == set(), "nothing writes these"
 
 
-def test_the_page_of_events_has_each():
-    text = (ROOT / "docs" / "events.md").read_text("utf-8")
-    rows = [
-        f"| `{name}` | {kind.meaning} | {kind.private or 'kept'} |"
-        for name, kind in sorted(EVENTS.items())
-    ]
-    assert re.findall(r"^\| `.*$", text, re.MULTILINE) == rows
+def test_the_data_dictionary_is_up_to_date():
+    page = ROOT / "docs" / "data_dictionary.md"
+    assert page.read_text("utf-8") == data_dictionary(), "run python scripts/data_dictionary.py"
 
 
-def test_every_file_and_column_is_declared_with_what_a_copy_has_to_keep_for_it():
-    assert {each.FILE for each in ALL} == SHARED.keys()
-    for row_type in ALL:
-        more = ("group", *FACTS) if row_type is ParticipantRow else ()
-        declared = SHARED[row_type.FILE].columns
-        assert set(declared) == {*row_type.columns(), *more}, row_type.FILE
+def test_every_column_is_declared_whole():
+    for name, table in TABLES.items():
+        hints = get_type_hints(table, include_extras=True)
+        for column in (*declared(table), *table.FURTHER):
+            assert re.fullmatch(r".+[^.\s]", column.meaning), (name, column.name)
+            hint = hints.get(column.name)
+            if get_origin(hint) is Annotated and NoneType in get_args(get_args(hint)[0]):
+                assert column.blank, f"{name}: say what a blank {column.name} means"
+        assert len(set(table.columns())) == len(table.columns()), name
 
 
-def test_every_column_of_exported_tables_is_described():
-    tables = (
-        TrialRow, QuestionnaireRow, RatingRow, TaskRow, DialRow, TextRow, ScreeningRow, PracticeRow,
-    )  # fmt: skip
-    assert {name for each in tables for name in each.columns()} <= MEANINGS.keys()
+def test_what_the_report_needs_are_columns_of_the_schema():
+    """A report reads tables of others, too, so its needs are its own; its words are these."""
+    for name, needed in _NEEDED_ELSEWHERE.items():
+        assert set(needed) <= set(TABLES[name].columns()), name
+    known = {column.name: column for table in TABLES.values() for column in declared(table)}
+    assert all(known[name].type is not str for name in _NUMBERS)
+    assert {*NEEDED} <= set(QuestionnaireRow.columns())
 
 
 OF_THE_GAZE = re.compile("gaze|pupil|accuracy|precision")
@@ -112,7 +109,8 @@ OF_THE_FOCUS = re.compile("^(focus|ray)")
 
 
 def test_what_tells_of_gaze_or_focus_needs_them_to_be_kept():
-    for name, file in SHARED.items():
+    for name, table in TABLES.items():
+        file = SharedFile.of(table)
         for column, needs in file.columns.items():
             if OF_THE_GAZE.search(f"{name} {column}"):
                 assert "gaze" in needs | file.needs, (name, column)
@@ -163,7 +161,7 @@ def test_a_copy_has_what_is_declared_and_says_so(study, tmp_path, wishes, kept):
     said = record["still_there"]["columns"]
     for row_type in (*SESSION_ROWS, *OPTIONAL_ROWS):
         name, file = row_type.FILE, session / row_type.FILE
-        assert file.exists() == (SHARED[name].needs <= kept) == (name in said), name
+        assert file.exists() == (kept >= TABLES[name].NEEDS) == (name in said), name
         assert (name in record["files_left_out"]) != (name in said)
         if not file.exists():
             continue
@@ -178,13 +176,7 @@ def test_a_copy_has_what_is_declared_and_says_so(study, tmp_path, wishes, kept):
 
 
 def test_an_event_that_is_not_known_is_told_and_not_silently_blank(study, tmp_path, run):
-    session = study / "sub-P01/ses-1"
-    lines = (session / "events.csv").read_text().splitlines(keepends=True)
-    place = next(n for n, line in enumerate(lines) if ",exposure," in line)
-    onset_s = lines[place].split(",")[0]
-    lines.insert(place + 1, f"{onset_s},0.0,of_the_future,a secret,0\n")
-    (session / "events.csv").write_text("".join(lines))
-    (session / "checksums.sha256").unlink()
+    add_event(study / "sub-P01/ses-1", "of_the_future", "a secret")
     code, _, err = run("anonymise", study, "--out", tmp_path / "out")
     assert code == 0
     assert "details of events `of_the_future` are left out" in " ".join(err.split())
@@ -195,29 +187,53 @@ def test_an_event_that_is_not_known_is_told_and_not_silently_blank(study, tmp_pa
     assert not any("a secret" in file.read_text() for file in written)
 
 
-NOVEL = "novel_m"
+NOVEL = "novel_ms"
+NOVEL_EVENT = "bell_rang"
+
+
+def add_event(session: Path, name: str, detail: str) -> None:
+    """Add an event at the beginning of the first exposure."""
+    file = session / "events.csv"
+    header, *lines = file.read_text().splitlines(keepends=True)
+    place = next(n for n, line in enumerate(lines) if ",exposure," in line)
+    cells = {"onset_s": lines[place].split(",")[0], "duration_s": "0.0", "name": name}
+    cells |= {"detail": detail, "resumed": "0"}
+    lines.insert(place + 1, ",".join(cells.get(c, "") for c in header.strip().split(",")) + "\n")
+    file.write_text("".join([header, *lines]))
+    (session / "checksums.sha256").unlink()
+
+
+def all_text(folder: Path) -> str:
+    return "".join(
+        f.read_text() for f in folder.rglob("*") if f.suffix in {".tsv", ".csv", ".json"}
+    )
+
+
+def declare(monkeypatch: pytest.MonkeyPatch, table: type[Row], column: Column) -> None:
+    """Declare a column of a table, as one more line in the class of its rows does it."""
+    new = {**table.__annotations__, NOVEL: Annotated[float | None, column]}
+    monkeypatch.setattr(table, "__annotations__", new)
+    monkeypatch.setattr(table, NOVEL, 1.5, raising=False)
+    monkeypatch.setattr(rows, "_LAYOUTS", {})
 
 
 @pytest.fixture
 def _a_column_more(monkeypatch):
     """A version to come, in which each file of a session has another column."""
     version = schema.SCHEMA_VERSION + 1
-    files = {each.FILE: (NOVEL,) for each in (*SESSION_ROWS, *OPTIONAL_ROWS)}
-    monkeypatch.setattr(schema, "ADDED_COLUMNS", {**schema.ADDED_COLUMNS, version: files})
+    column = Column(
+        "Something new", blank="not recorded", since=version, needs=MOTION, channel="MISC"
+    )
+    for row_type in (*SESSION_ROWS, *OPTIONAL_ROWS):
+        declare(monkeypatch, row_type, column)
     for name, module in list(sys.modules.items()):
         if name.startswith("vrcomfort") and hasattr(module, "SCHEMA_VERSION"):
             monkeypatch.setattr(module, "SCHEMA_VERSION", version)
-    for row_type in (*SESSION_ROWS, *OPTIONAL_ROWS):
-        columns = (*row_type.columns(), NOVEL)
-        monkeypatch.setattr(row_type, "columns", classmethod(lambda _, c=columns: c))
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("_a_column_more")
-def test_an_older_study_is_whole_without_a_column_that_came_later(
-    study, tmp_path, run, monkeypatch
-):
-    monkeypatch.setattr(practice, "MEANINGS", {**MEANINGS, NOVEL: "Something new"})
+def test_an_older_study_is_whole_without_a_column_that_came_later(study, tmp_path, run):
     session = study / "sub-P01/ses-1"
     assert NOVEL not in (session / "trials.csv").read_text()
     found = verify_study(study)
@@ -239,6 +255,42 @@ def test_an_older_study_is_whole_without_a_column_that_came_later(
     assert NOVEL in (session / "trials.csv").read_text().splitlines()[0]
 
 
+@pytest.mark.slow
+@pytest.mark.usefixtures("_a_column_more")
+def test_a_column_and_an_event_are_declared_in_one_place_each(tmp_path, monkeypatch):
+    kind = EventKind("A bell rang", private="it may tell where people were")
+    monkeypatch.setitem(EVENTS, NOVEL_EVENT, kind)
+    study = with_gaze(tmp_path, PRACTICE)
+    session = study / "sub-P01/ses-1"
+    assert {row[NOVEL] for row in read_rows(session / "frames.csv")} == {"1.5"}
+    assert kinds((NOVEL,)) == {NOVEL: "DOUBLE"}
+    add_event(session, NOVEL_EVENT, "in the tower")
+    assert verify_study(study).faults == []
+    assert f"| `{NOVEL}` | number, ms | Something new |" in data_dictionary()
+    assert f"| `{NOVEL_EVENT}` | A bell rang |" in data_dictionary()
+
+    assert export_bids(study, tmp_path / "bids") == []
+    assert errors_of(tmp_path / "bids") == []
+    channels = next((tmp_path / "bids").rglob("*tracksys-head*_channels.tsv")).read_text()
+    (line,) = (line for line in channels.splitlines() if line.startswith(f"{NOVEL}\t"))
+    assert line.split("\t")[2:5] == ["MISC", "n/a", "ms"]
+    events = [json.loads(f.read_text()) for f in (tmp_path / "bids").rglob("*_events.json")]
+    assert "A bell rang" in {e["trial_type"]["Levels"].get(NOVEL_EVENT) for e in events}
+    assert "in the tower" not in all_text(tmp_path / "bids")
+
+    export_psych_ds(study, tmp_path / "psych")
+    description = json.loads((tmp_path / "psych" / "dataset_description.json").read_text())
+    (variable,) = (v for v in description["variableMeasured"] if v["name"] == NOVEL)
+    assert variable["description"] == "Something new; blank: not recorded"
+    assert variable["unitText"] == "ms"
+
+    anonymise(study, tmp_path / "out", Wishes())
+    copy = tmp_path / "out/sub-P01/ses-1"
+    assert {row[NOVEL] for row in read_rows(copy / "frames.csv")} == {""}
+    assert "in the tower" not in all_text(tmp_path / "out")
+    assert verify_study(tmp_path / "out").faults == []
+
+
 SNAPSHOTS = ROOT / "tests" / "data" / "columns_of_schema"
 
 
@@ -251,5 +303,5 @@ def test_the_columns_of_a_version_stay_what_they_are(version):
         for each in (*SESSION_ROWS, *OPTIONAL_ROWS)
     }
     then = json.loads(file.read_text("utf-8"))
-    hint = "declare new columns in ADDED_COLUMNS, in a new version"
+    hint = "declare new columns with `since`, in a new version"
     assert {name: now[name] for name in then} == then, hint

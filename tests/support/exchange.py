@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -63,3 +66,15 @@ def cell(file: Path, line: int, column: str, value: str) -> None:
         return ",".join(cells) + "\n"
 
     edit(file, line, changed)
+
+
+def errors_of(dataset: Path) -> list[dict[str, str]]:
+    """Return what BIDS' own validator finds wrong."""
+    validator = Path(sys.executable).with_name("bids-validator-deno")
+    said = subprocess.run(
+        [validator, "--format", "json", "--max-rows", "-1", dataset],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    found = json.loads(said.stdout)
+    assert found["summary"]["totalFiles"] > 10
+    return [each for each in found["issues"]["issues"] if each["severity"] == "error"]

@@ -28,10 +28,9 @@ from vrcomfort.records.disk import Access, make_folders, replace_text
 from vrcomfort.records.events import EVENTS, shared_detail
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.privacy import ALWAYS, GAZE, MOTION, SHARED, Needs, Trait
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
-from vrcomfort.records.rows import csv_line
+from vrcomfort.records.rows import ALWAYS, GAZE, MOTION, Needs, Trait, csv_line
+from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS, TABLES, SharedFile
 from vrcomfort.records.session_rows import IPD_RULE, EventRow, ParticipantRow, ScreeningRow
 from vrcomfort.records.study import DESCRIPTION, access_of, read_participants, recorded_sessions
 
@@ -117,7 +116,7 @@ def _write(
     replace_text(out / DESCRIPTION, text, access)
     _copy_instruments(study, out, access)
     rows = {row.participant: row for row in read_participants(study)}
-    of_gaze = (name for name, each in SHARED.items() if each.needs == GAZE)
+    of_gaze = (name for name, table in TABLES.items() if table.NEEDS == GAZE)
     kept = wishes.kept(gaze_recorded=any(any(study.rglob(name)) for name in of_gaze))
     unknown: set[str] = set()
     for old in sorted(names, key=lambda each: names[each]):
@@ -166,7 +165,7 @@ def _write_participants(
         replace(row, participant=names[old], enrolled_at=enrolled, note="")
         for old, row in rows.items()
     ]
-    private = SHARED[ParticipantRow.FILE].blank(kept)
+    private = SharedFile.of(ParticipantRow).blank(kept)
     others = dict.fromkeys(name for row in blank for name, _ in row.others if name not in private)
     lines = [csv_line((*ParticipantRow.columns(), *others))]
     for row in sorted(blank, key=lambda each: each.participant):
@@ -201,7 +200,7 @@ class _Session:
         begin_ns = _begin_ns(source)
         for row_type in (*SESSION_ROWS, *OPTIONAL_ROWS):
             name = row_type.FILE
-            if (source / name).exists() and not SHARED[name].lacking(self.kept):
+            if (source / name).exists() and not SharedFile.of(row_type).lacking(self.kept):
                 change = self._change(name, begin_ns)
                 _rewrite(source / name, folder / name, change, self.access)
         if manifest["status"] != "running":
@@ -213,7 +212,7 @@ class _Session:
         The runtime's clock begins at 0 with the session's first frame: else it would tell in which
         order participants of one day came.
         """
-        private = SHARED[name].blank(self.kept)
+        private = SharedFile.of(TABLES[name]).blank(self.kept)
 
         def change(row: dict[str, str]) -> dict[str, str]:
             row.update((column, "") for column in private if column in row)
@@ -268,9 +267,9 @@ def _record(
         "remove": f"every moment is {EPOCH.date()}",
     }
     recognised = {"head and hand motion": wishes.keep_motion, "gaze": wishes.keep_gaze}
-    there = [name for name in SHARED if any(study.rglob(name))]
-    left_out = {name: lacking for name in there if (lacking := SHARED[name].lacking(kept))}
-    stays = {name: SHARED[name] for name in there if name not in left_out}
+    there = {name: SharedFile.of(t) for name, t in TABLES.items() if any(study.rglob(name))}
+    left_out = {name: lacking for name, f in there.items() if (lacking := f.lacking(kept))}
+    stays = {name: f for name, f in there.items() if name not in left_out}
     return {
         "made_with": f"vrcomfort {__version__}",
         "participants": "named anew, in random order; the list is in the order of the new names",

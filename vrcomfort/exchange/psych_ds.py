@@ -14,12 +14,12 @@ from pathlib import Path
 
 from vrcomfort import __version__
 from vrcomfort.csv_table import CsvTable
-from vrcomfort.exchange.meanings import MEANINGS
 from vrcomfort.exchange.room import new_folder, require_whole
 from vrcomfort.json_text import json_of
 from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.rows import Row
+from vrcomfort.records.schema import described, unit_of
 from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow, ScreeningRow, TextRow
 from vrcomfort.records.study import (
     DESCRIPTION,
@@ -52,6 +52,7 @@ _OPTIONAL: Mapping[type[Row], str] = {
     DialRow: "- `{dials}`: a row for each turn of a dial, and each sample of a slider.\n",
 }
 """What not every study has, and what is said of it."""
+_TABLES = (ParticipantRow, TrialRow, QuestionnaireRow, RatingRow, *_OPTIONAL)
 
 
 @dataclass(frozen=True)
@@ -156,8 +157,9 @@ def _description(
             {
                 "@type": "PropertyValue",
                 "name": column,
-                "description": MEANINGS.get(column, f"{column}, as entered at the enrolment"),
-                **({"unitText": "s"} if column.endswith("_s") else {}),
+                "description": described(column, _TABLES)
+                or f"{column}, as entered at the enrolment",
+                **({"unitText": unit} if (unit := unit_of(column, _TABLES)) else {}),
             }
             for column in columns
         ],

@@ -1,4 +1,4 @@
-"""What the columns of recorded frames and gazes hold."""
+"""DuckDB types of the columns of frames and gaze."""
 
 from __future__ import annotations
 
@@ -6,14 +6,11 @@ from collections.abc import Iterable, Mapping
 from typing import Literal
 
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, gaze_columns
+from vrcomfort.records.rows import declared
 
 Kind = Literal["BIGINT", "DOUBLE", "VARCHAR"]
 
-_WHOLE = {
-    "xr_time_ns", "period_ns", "trial", "should_render", "head_valid", "head_tracked", "dropped",
-    "missed_refreshes", "discontinuity", "resumed", "valid", "left_valid", "right_valid",
-}  # fmt: skip
-_TEXT = {"session_state", "rays_used", "hit_node", "effect_centre"}
+_KINDS: Mapping[type, Kind] = {int: "BIGINT", float: "DOUBLE", str: "VARCHAR"}
 NEEDED: Mapping[str, tuple[str, ...]] = {
     FrameRow.FILE: (
         "session_s", "xr_time_ns", "period_ns", "trial", "dropped", "discontinuity",
@@ -26,11 +23,5 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
 
 def kinds(header: Iterable[str]) -> dict[str, Kind]:
     """Return column → what it holds; columns that are not recorded here are text."""
-    known = {*FrameRow.columns(), *GazeRow.columns()}
-    return {name: _kind(name) if name in known else "VARCHAR" for name in header}
-
-
-def _kind(name: str) -> Kind:
-    if name in _WHOLE:
-        return "BIGINT"
-    return "VARCHAR" if name in _TEXT else "DOUBLE"
+    known = {each.name: _KINDS[each.type] for each in (*declared(FrameRow), *declared(GazeRow))}
+    return {name: known.get(name, "VARCHAR") for name in header}

@@ -19,7 +19,7 @@ import duckdb
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.frame import DROPPED_INTERVAL_PERIODS
-from vrcomfort.recordings.columns import Kind
+from vrcomfort.recordings.columns import Kind, kinds
 from vrcomfort.recordings.memory import Memory
 from vrcomfort.recordings.source import Source, damage_of, find_source, rows_of, told_with_its_place
 from vrcomfort.records.frame_rows import CUT
@@ -29,12 +29,10 @@ _LENGTH, _ANGLE = 1e9, 1e12
 _ROUNDING_S = 1e-6
 """Of session times in files."""
 
-_OPTIONAL: dict[str, Kind] = {
-    "should_render": "BIGINT", "head_valid": "BIGINT", "head_tracked": "BIGINT",
-    "session_state": "VARCHAR", "missed_refreshes": "BIGINT",
-    "focus_m": "DOUBLE", "focus_raw_m": "DOUBLE",
-    "max_blur_px": "DOUBLE", "avatar_x_m": "DOUBLE", "avatar_y_m": "DOUBLE", "avatar_z_m": "DOUBLE",
-}  # fmt: skip
+_OPTIONAL: dict[str, Kind] = kinds((
+    "should_render", "head_valid", "head_tracked", "session_state", "missed_refreshes", "focus_m",
+    "focus_raw_m", "max_blur_px", "avatar_x_m", "avatar_y_m", "avatar_z_m",
+))  # fmt: skip
 """What a recording may lack, or leave blank."""
 _PLAIN = ("session_s", "xr_time_ns", "period_ns", "trial", "dropped", "discontinuity")
 _HEAD = ("head_x_m", "head_y_m", "head_z_m", "head_qx", "head_qy", "head_qz", "head_qw")

@@ -8,38 +8,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, date, datetime
 from pathlib import Path
-from typing import ClassVar
 
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.records.disk import replace_text
-from vrcomfort.records.rows import FlatRow, csv_line
+from vrcomfort.records.rows import csv_line
+from vrcomfort.records.session_rows import ConsentRow
 from vrcomfort.records.study import access_of, changing_participants, now
-
-
-@dataclass(frozen=True)
-class ConsentRow(FlatRow):
-    """One consent.
-
-    Parameters
-    ----------
-    version
-        Of the text, as the protocol calls it.
-    given_on
-        The day, ISO 8601.
-    text_sha256
-        Of the text's file; blank where the protocol names none.
-    recorded_at
-        When it was entered.
-    """
-
-    FILE: ClassVar[str] = "consents.csv"
-    participant: str
-    version: str
-    given_on: str
-    text_sha256: str
-    recorded_at: str
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """The events that sessions record: their meanings, and whether copies for others keep details.
 
-``vrcomfort anonymise``, the export to BIDS and docs/events.md derive from this declaration.
+``vrcomfort anonymise``, the export to BIDS and docs/data_dictionary.md derive from it.
 """
 
 from __future__ import annotations

@@ -1,15 +1,16 @@
-"""What is written of frames: the rows of ``frames.csv``, ``gaze.csv`` and ``images.csv``."""
+"""Rows of frames: of ``frames.csv``, ``gaze.csv`` and ``images.csv``."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import ClassVar
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
 
 from vrcomfort.geometry import EyeGaze, Gaze, Pose, View
 from vrcomfort.records.exposure_rows import BallRow
-from vrcomfort.records.pose_columns import HANDS, POSE_COLUMNS
-from vrcomfort.records.rows import Cell, FlatRow
+from vrcomfort.records.pose_columns import Body, fov_columns, pose_columns
+from vrcomfort.records.rows import BOTH, GAZE, MOTION, Cell, Column, Columns, Needs, Row
+from vrcomfort.records.shared_columns import FrameS, FrameTimeNs, FrameTrial, Resumed
 
 CUT, SNAP_TURN = 1, 2
 """Of `discontinuity`: nothing of the frame before counts; or all but the avatar's heading."""
@@ -17,6 +18,9 @@ CUT, SNAP_TURN = 1, 2
 _UNKNOWN = (None,) * 7
 
 _UNSEEN_RAY = (None,) * 6
+
+_NOT_RECORDED = "it was not recorded"
+_AXES = ("to the right", "upwards", "backwards")
 
 RAYS = tuple(f"ray_{number}_m" for number in range(1, 10))
 
@@ -32,55 +36,43 @@ def eye_columns(eye: str) -> tuple[str, ...]:
     return (f"{eye}valid", *gaze_columns(eye), f"{eye}pupil_mm")
 
 
-EYE_GAZES = (*eye_columns("left_"), *eye_columns("right_"))
+def _sight(eye: str = "") -> tuple[Column, ...]:
+    """Declare the columns of a line of sight."""
+    whose = f"{eye.rstrip('_')} eye's " if eye else ""
+    parts = [
+        *(f"Begin of the {whose}line of sight in the stage, {axis}" for axis in _AXES),
+        *(
+            f"Direction of the {whose}line of sight in the stage (length 1), {axis}"
+            for axis in _AXES
+        ),
+    ]
+    return tuple(
+        Column(meaning, blank="the eyes were not seen", signed=True, name=name)
+        for name, meaning in zip(gaze_columns(eye), parts, strict=True)
+    )
 
 
-@dataclass(frozen=True)
-class GazeRow:
-    """Where the participant looked in one frame, predicted for its display time.
+def _eye_columns(eye: str) -> tuple[Column, ...]:
+    """Declare the columns of one eye."""
+    alone = "the eye tracker does not tell the eyes apart"
+    whose = eye.rstrip("_")
+    valid, *_, pupil = eye_columns(eye)
+    columns = (
+        Column(f"1 where the eye tracker saw the {whose} eye", blank=alone, name=valid, of=int),
+        *_sight(eye),
+        Column(
+            f"Diameter of the {whose} eye's pupil", blank="the tracker does not tell", name=pupil
+        ),
+    )
+    return tuple(replace(each, since=4) for each in columns)
 
-    Parameters
-    ----------
-    gaze
-        In the stage; blank where it is not valid.
-    hit_m, hit_node
-        How far away what the line of sight meets is, measured as the focus is, and the name of the
-        node that it belongs to; both blank where nothing is told, the name alone where that is sky.
-    effect_centre
-        What effects that are centred on the gaze were centred on: ``gaze``, ``held`` or ``head``;
-        blank where the condition has none.
-    """
 
-    FILE: ClassVar[str] = "gaze.csv"
-    session_s: float
-    xr_time_ns: int
-    gaze: Gaze
-    hit_m: float | None = None
-    hit_node: str | None = None
-    effect_centre: str | None = None
-    resumed: int = 0
+def _sight_cells(row: GazeRow) -> Iterable[Cell]:
+    return _ray(row.gaze.pose) if row.gaze.valid else _UNSEEN_RAY
 
-    @classmethod
-    def columns(cls) -> tuple[str, ...]:
-        """Return the header."""
-        hit = ("hit_m", "hit_node", "effect_centre")
-        when = ("session_s", "xr_time_ns", "valid")
-        return (*when, *gaze_columns(), *hit, *EYE_GAZES, "resumed")
 
-    def cells(self) -> Sequence[Cell]:
-        """Return the values in the order of the header."""
-        valid = self.gaze.valid
-        hit = (self.hit_m, self.hit_node) if valid else (None, None)
-        return [
-            self.session_s,
-            self.xr_time_ns,
-            int(valid),
-            *(_ray(self.gaze.pose) if valid else _UNSEEN_RAY),
-            *hit,
-            self.effect_centre,
-            *(cell for eye in self.gaze.eyes for cell in _eye(eye)),
-            self.resumed,
-        ]
+def _eye_cells(row: GazeRow) -> Iterable[Cell]:
+    return [cell for eye in row.gaze.eyes for cell in _eye(eye)]
 
 
 def _ray(pose: Pose) -> tuple[Cell, ...]:
@@ -93,54 +85,158 @@ def _eye(eye: EyeGaze | None) -> tuple[Cell, ...]:
     return (int(eye.valid), *(_ray(eye.pose) if eye.valid else _UNSEEN_RAY), eye.pupil_mm)
 
 
+_SIGHT = Columns(_sight(), _sight_cells)
+_EACH_EYE = Columns((*_eye_columns("left_"), *_eye_columns("right_")), _eye_cells)
+EYE_GAZES = tuple(each.name for each in _EACH_EYE.each)
+
+
 @dataclass(frozen=True)
-class ImageRow(FlatRow):
-    """What both eyes' images of a frame were, for some of the frames: hashes of their pixels.
+class GazeRow(Row):
+    """The gaze of one frame, predicted for its display time.
 
     Parameters
     ----------
-    trial
-        0 in training.
-    left_hash, right_hash
-        16 hexadecimal digits each; see `vrcomfort.render.image_hash`.
+    gaze
+        In the stage.
     """
 
-    FILE: ClassVar[str] = "images.csv"
-    session_s: float
-    xr_time_ns: int
-    trial: int
-    left_hash: str
-    right_hash: str
-    resumed: int = 0
+    FILE: ClassVar[str] = "gaze.csv"
+    NEEDS: ClassVar[Needs] = GAZE
+    session_s: FrameS
+    xr_time_ns: FrameTimeNs
+    gaze: Annotated[
+        Gaze,
+        Column(
+            "0 where the eye tracker did not see the eyes",
+            name="valid",
+            of=int,
+            cell=lambda row: int(row.gaze.valid),
+        ),
+        _SIGHT,
+    ]
+    hit_m: Annotated[
+        float | None,
+        Column(
+            "Distance of what the line of sight meets, measured as focus is; before version 4 "
+            "`focus_raw_m`, where focus followed the gaze",
+            blank="nothing was met, the eyes were not seen, or the frame was not drawn",
+            cell=lambda row: row.hit_m if row.gaze.valid else None,
+        ),
+    ] = None
+    hit_node: Annotated[
+        str | None,
+        Column(
+            "Name of the node that the line of sight meets",
+            blank="as `hit_m`, or the sky",
+            since=4,
+            cell=lambda row: row.hit_node if row.gaze.valid else None,
+        ),
+    ] = None
+    effect_centre: Annotated[
+        str | None,
+        Column(
+            "Centre of gaze-contingent effects: gaze, held (its last direction) or head",
+            blank="the condition has none",
+            since=4,
+        ),
+        _EACH_EYE,
+    ] = None
+    resumed: Resumed = 0
 
 
 @dataclass(frozen=True)
-class FrameRow:
+class ImageRow(Row):
+    """Hashes of both eyes' images of a frame, of every 30th drawn frame of an exposure."""
+
+    FILE: ClassVar[str] = "images.csv"
+    NEEDS: ClassVar[Needs] = BOTH
+    session_s: FrameS
+    xr_time_ns: FrameTimeNs
+    trial: FrameTrial
+    left_hash: Annotated[
+        str, Column("Hash of the left eye's image, 16 hexadecimal digits (`render.image_hash`)")
+    ]
+    right_hash: Annotated[str, Column("Hash of the right eye's image, likewise")]
+    resumed: Resumed = 0
+
+
+def _pose(body: Body, meaning: str, *, blank: str = "", since: int = 1) -> tuple[Column, ...]:
+    """Declare the columns of a pose: position, then quaternion."""
+    parts = [*(f"position, {axis}" for axis in _AXES), *(f"quaternion, {part}" for part in "xyzw")]
+    return tuple(
+        Column(
+            f"{meaning}: {part}",
+            blank=blank,
+            since=since,
+            needs=MOTION,
+            signed=True,
+            channel="POS" if part.startswith("position") else "ORNT",
+            name=name,
+        )
+        for name, part in zip(pose_columns(body), parts, strict=True)
+    )
+
+
+_HEAD = Columns(_pose("head", "Head in the stage"), lambda row: row.head.numbers)
+_LEFT = Columns(_pose("left", "Left eye in the stage"), lambda row: row.left.pose.numbers)
+_RIGHT = Columns(_pose("right", "Right eye in the stage"), lambda row: row.right.pose.numbers)
+_FOVS = Columns(
+    tuple(
+        Column(f"Half angle of the {eye} eye's frustum, {side}", signed=True, name=name)
+        for eye in ("left", "right")
+        for name, side in zip(
+            fov_columns(eye), ("left (negative)", "right", "up", "down (negative)"), strict=True
+        )
+    ),
+    lambda row: (*_angles(row.left), *_angles(row.right)),
+)
+_AVATAR = Columns(
+    _pose("avatar", "Stage in the world (locomotion)"), lambda row: row.avatar.numbers
+)
+_FOCUS_RAYS = Columns(
+    tuple(
+        Column(
+            f"Focus distance along ray {number}"
+            + (", the centre (the line of sight with `gaze`)" if number == 1 else ""),
+            blank="no rays were used (`autofocus_zone`, or a gaze that was not valid)",
+            needs=BOTH,
+            name=name,
+        )
+        for number, name in enumerate(RAYS, start=1)
+    ),
+    lambda row: row.rays_m or (None,) * len(RAYS),
+)
+_HANDS = Columns(
+    tuple(
+        column
+        for body, which in (("left_hand", "Left"), ("right_hand", "Right"))
+        for column in _pose(
+            body,  # type: ignore[arg-type]  # mypy widens literals in a loop
+            f"{which} hand's aim in the stage (−Z along the ray)",
+            blank="the hand was not tracked",
+            since=3,
+        )
+    ),
+    lambda row: [cell for hand in row.hands for cell in (hand.numbers if hand else _UNKNOWN)],
+)
+
+
+def _angles(view: View) -> tuple[float, float, float, float]:
+    return view.fov.left, view.fov.right, view.fov.up, view.fov.down
+
+
+def _discontinuity(row: FrameRow) -> int:
+    return CUT if row.discontinuity else SNAP_TURN if row.snap_turn else 0
+
+
+@dataclass(frozen=True)
+class FrameRow(Row):
     """One frame as it was shown.
 
     Parameters
     ----------
-    trial
-        0 in training.
-    head, left, right
-        Poses in stage space, with the eyes' frusta.
-    avatar
-        world-from-stage.
-    hands
-        stage-from-aim of the left and the right hand; None, blank, where it is not known.
     rays_m
         Nine distances along the focus rays, the centre first; empty where no focus was computed.
-    rays_used
-        Nine characters, 1 = used. Read this column as text.
-    head_valid, head_tracked
-        Whether the headset knew the head's pose, and whether it measured it in this frame; None
-        where it does not say.
-    session_state
-        Of the OpenXR session, such as ``focused``; blank where there is none.
-    dropped
-        1 where the interval to the frame before exceeded 1.2 × the period.
-    missed_refreshes
-        Refreshes of the display that passed between the frame before and this one.
     discontinuity
         Whether the pose before has nothing to do with this one; a playback cuts there again.
     snap_turn
@@ -154,77 +250,90 @@ class FrameRow:
     """
 
     FILE: ClassVar[str] = "frames.csv"
-    session_s: float
-    xr_time_ns: int
-    period_ns: int
-    trial: int
-    should_render: bool
-    head: Pose
-    left: View
-    right: View
-    avatar: Pose
-    hands: tuple[Pose | None, Pose | None] = (None, None)
-    head_valid: bool | None = None
-    head_tracked: bool | None = None
-    session_state: str | None = None
-    focus_m: float | None = None
-    focus_raw_m: float | None = None
-    rays_m: tuple[float, ...] = ()
-    rays_used: str | None = None
-    max_blur_px: float | None = None
-    cpu_ms: float | None = None
-    gpu_ms: float | None = None
-    dropped: int = 0
-    missed_refreshes: int | None = None
-    discontinuity: bool = False
+    session_s: FrameS
+    xr_time_ns: FrameTimeNs
+    period_ns: Annotated[int, Column("Predicted period of the display")]
+    trial: FrameTrial
+    should_render: Annotated[bool, Column("1 where the runtime wanted the frame to be drawn")]
+    head: Annotated[Pose, _HEAD]
+    left: Annotated[View, _LEFT]
+    right: Annotated[View, _RIGHT, _FOVS]
+    avatar: Annotated[Pose, _AVATAR]
+    head_valid: Annotated[
+        bool | None,
+        Column("1 where the headset knew the head's pose", blank=_NOT_RECORDED, since=2),
+    ] = None
+    head_tracked: Annotated[
+        bool | None,
+        Column(
+            "1 where the headset measured the head's pose in this frame",
+            blank=_NOT_RECORDED,
+            since=2,
+        ),
+    ] = None
+    session_state: Annotated[
+        str | None,
+        Column(
+            "State of the OpenXR session, such as focused",
+            blank="there was none, or it was not recorded",
+            since=2,
+        ),
+    ] = None
+    focus_m: Annotated[
+        float | None,
+        Column("Focus distance after the refocus law", blank="no focus", needs=BOTH),
+    ] = None
+    focus_raw_m: Annotated[
+        float | None,
+        Column("Focus distance before the refocus law", blank="no focus", needs=BOTH),
+    ] = None
+    rays_m: Annotated[tuple[float, ...], _FOCUS_RAYS] = ()
+    rays_used: Annotated[
+        str | None,
+        Column("Nine characters, a ray each, 1 = used; text", blank="no rays", needs=BOTH),
+    ] = None
+    max_blur_px: Annotated[
+        float | None,
+        Column(
+            "Largest radius, of a circle of confusion or half a streak, that the condition allows "
+            "at this image size",
+            blank="there is no limit (views through the lens)",
+        ),
+    ] = None
+    cpu_ms: Annotated[
+        float | None, Column("CPU time of the frame", blank="it was not rendered")
+    ] = None
+    gpu_ms: Annotated[
+        float | None,
+        Column(
+            "GPU time of the frame's drawing, from timer queries",
+            blank="timer queries mean nothing (software rasterisers)",
+        ),
+    ] = None
+    dropped: Annotated[
+        int, Column("1 where the interval to the frame before exceeded 1.2 times the period")
+    ] = 0
+    missed_refreshes: Annotated[
+        int | None,
+        Column(
+            "Refreshes of the display between the frame before and this one",
+            blank=_NOT_RECORDED,
+            since=2,
+        ),
+    ] = None
+    discontinuity: Annotated[
+        bool,
+        Column(
+            "1 where the pose before has nothing to do with this one (start, loop, teleport): a "
+            "playback cuts there again; 2 at a snap turn: only the avatar's heading before has "
+            "nothing to do with it",
+            of=int,
+            cell=_discontinuity,
+        ),
+    ] = False
     snap_turn: bool = False
-    resumed: int = 0
+    hands: Annotated[tuple[Pose | None, Pose | None], _HANDS] = (None, None)
+    resumed: Resumed = 0
     gaze: GazeRow | None = None
     image: ImageRow | None = None
     balls: tuple[BallRow, ...] = ()
-
-    @classmethod
-    def columns(cls) -> tuple[str, ...]:
-        """Return the header."""
-        when = ("session_s", "xr_time_ns", "period_ns", "trial", "should_render")
-        state = ("head_valid", "head_tracked", "session_state")
-        focus = ("focus_m", "focus_raw_m", *RAYS, "rays_used")
-        costs = ("max_blur_px", "cpu_ms", "gpu_ms", "dropped", "missed_refreshes")
-        last = ("discontinuity", *HANDS, "resumed")
-        return (*when, *POSE_COLUMNS, *state, *focus, *costs, *last)
-
-    def cells(self) -> Sequence[Cell]:
-        """Return the values in the order of the header."""
-        rays = self.rays_m or (None,) * len(RAYS)
-        return [
-            self.session_s,
-            self.xr_time_ns,
-            self.period_ns,
-            self.trial,
-            int(self.should_render),
-            *self.head.numbers,
-            *self.left.pose.numbers,
-            *self.right.pose.numbers,
-            *_angles(self.left),
-            *_angles(self.right),
-            *self.avatar.numbers,
-            self.head_valid,
-            self.head_tracked,
-            self.session_state,
-            self.focus_m,
-            self.focus_raw_m,
-            *rays,
-            self.rays_used,
-            self.max_blur_px,
-            self.cpu_ms,
-            self.gpu_ms,
-            self.dropped,
-            self.missed_refreshes,
-            CUT if self.discontinuity else SNAP_TURN if self.snap_turn else 0,
-            *(cell for hand in self.hands for cell in (hand.numbers if hand else _UNKNOWN)),
-            self.resumed,
-        ]
-
-
-def _angles(view: View) -> tuple[float, float, float, float]:
-    return view.fov.left, view.fov.right, view.fov.up, view.fov.down

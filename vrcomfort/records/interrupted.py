@@ -19,8 +19,8 @@ from vrcomfort.records.json_file import damaged
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
 from vrcomfort.records.recorded_rows import RecordedRow, read_rows
-from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
 from vrcomfort.records.rows import Row, csv_line
+from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS
 from vrcomfort.records.session_rows import EventRow, QuestionnaireRow, ScreeningRow, TextRow
 from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undone_trials
 

@@ -13,8 +13,9 @@ from vrcomfort.records.background import CAPACITY, BackgroundWriter
 from vrcomfort.records.disk import OWNER, Access, make_folders, refused
 from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.frame_rows import FrameRow
-from vrcomfort.records.row_files import SESSION_ROWS, Durability, RowFiles
+from vrcomfort.records.row_files import Durability, RowFiles
 from vrcomfort.records.rows import Row, csv_line
+from vrcomfort.records.schema import SESSION_ROWS
 from vrcomfort.records.session_rows import EventRow
 
 

@@ -11,34 +11,11 @@ from typing import Literal, TypeAlias
 
 from vrcomfort.records.appended_file import AppendedFile
 from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
-from vrcomfort.records.exposure_rows import (
-    BallRow,
-    DialRow,
-    PracticeRow,
-    RatingRow,
-    TaskRow,
-    TimingRow,
-    TrialRow,
-)
-from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
+from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
+from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.rows import Row, csv_line
-from vrcomfort.records.session_rows import (
-    ClockRow,
-    EventRow,
-    GazeValidationRow,
-    QuestionnaireRow,
-    ScreeningRow,
-    TextRow,
-)
-
-SESSION_ROWS: tuple[type[Row], ...] = (
-    TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
-)  # fmt: skip
-OPTIONAL_ROWS: tuple[type[Row], ...] = (
-    GazeRow, ImageRow, BallRow, ClockRow, TaskRow, DialRow, TextRow, ScreeningRow,
-    GazeValidationRow, PracticeRow,
-)  # fmt: skip
-"""Their files appear with their first rows."""
+from vrcomfort.records.schema import SESSION_ROWS
+from vrcomfort.records.session_rows import EventRow, QuestionnaireRow, ScreeningRow, TextRow
 
 SYNC_EVERY_S = 0.5
 """So long may a row of a frame wait: less than the second that is promised, for slow disks."""
@@ -189,7 +166,7 @@ class RowFiles:
             self._files[each.FILE].append(self._line(each))
 
     def _line(self, row: Row) -> str:
-        cells = list(row.cells())
+        cells = row.cells()
         if self._resumed:
             cells[row.columns().index("resumed")] = 1
         return csv_line(cells)

@@ -1,14 +1,34 @@
-"""What a row of a CSV file is, and how it is written."""
+"""Rows of CSV files: their columns, declared beside the fields, and their text.
+
+A row type is a dataclass. The annotation of a field declares its column, or several:
+
+    latency_s: Annotated[float | None, Column("Time until the rating", blank="none came")]
+
+Its type, default and place in the class are the column's type and default and the place in the
+header. Readers, DuckDB types, `verify`, `anonymise`, exports and docs/data_dictionary.md derive
+from this declaration (`vrcomfort.records.schema`).
+"""
 
 from __future__ import annotations
 
 import csv
 import io
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import fields
-from functools import cache
-from typing import Any, ClassVar, Protocol, TypeAlias
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from operator import attrgetter
+from types import NoneType
+from typing import (
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    TypeAlias,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 from vrcomfort.escaping import escape_unprintable
 
@@ -16,38 +36,201 @@ LONGEST_CELL = 120_000
 """Characters; `csv` reads cells of up to 131,072."""
 
 Cell: TypeAlias = str | int | float | None
+CellType: TypeAlias = type[str] | type[int] | type[float]
+
+Trait: TypeAlias = Literal["motion", "gaze", "text", "date"]
+"""What people can be recognised by: motion and gaze may be kept on request, the others never."""
+Needs: TypeAlias = frozenset[Trait]
+
+ALWAYS: Needs = frozenset()
+MOTION: Needs = frozenset({"motion"})
+GAZE: Needs = frozenset({"gaze"})
+BOTH: Needs = frozenset({"motion", "gaze"})
+TEXT: Needs = frozenset({"text"})
+DATE: Needs = frozenset({"date"})
+
+_UNITS = {
+    "_percent": "%", "_deg": "deg", "_rad": "rad", "_ms": "ms", "_ns": "ns", "_mm": "mm",
+    "_px": "px", "_s": "s", "_m": "m",
+}  # fmt: skip
 
 
-class Row(Protocol):
-    """A row that knows its file."""
+@dataclass(frozen=True)
+class Column:
+    """A column of a CSV file.
+
+    Parameters
+    ----------
+    meaning
+        One phrase, for a reader of the table.
+    blank
+        What a blank cell means; empty where no recorder leaves it blank.
+    since
+        The schema version that introduced it. Older studies are whole without it.
+    needs
+        The traits that a copy for others has to keep for it; it is blank otherwise.
+    signed
+        Whether numbers may be negative.
+    channel
+        Type of its channel in Motion-BIDS; empty where the export has none.
+    name, of
+        Of columns that are not a field of their own: else those of the field.
+    cell
+        Returns the cell of a row; without it the cell is the field's value.
+    """
+
+    meaning: str
+    blank: str = ""
+    since: int = 1
+    needs: Needs = ALWAYS
+    signed: bool = False
+    channel: Literal["", "POS", "ORNT", "MISC"] = ""
+    name: str = ""
+    of: CellType | None = None
+    cell: Callable[[Any], Cell] | None = None
+
+    @property
+    def type(self) -> CellType:
+        """Return the type of its cells."""
+        return self.of or float
+
+    @property
+    def unit(self) -> str:
+        """Return the unit, which names of numbers end in; empty without one."""
+        units = (unit for suffix, unit in _UNITS.items() if self.name.endswith(suffix))
+        return "" if self.type is str else next(units, "")
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Several columns that are written together, such as those of a pose.
+
+    Parameters
+    ----------
+    each
+        With their names and types.
+    cells
+        Returns their cells of a row.
+    """
+
+    each: tuple[Column, ...]
+    cells: Callable[[Any], Iterable[Cell]]
+
+
+class Row:
+    """A row of a CSV file; subclasses are dataclasses whose annotations declare the columns."""
 
     FILE: ClassVar[str]
+    NEEDS: ClassVar[Needs] = ALWAYS
+    """The traits that a copy for others has to keep for the file; it is left out otherwise."""
+    FURTHER: ClassVar[tuple[Column, ...]] = ()
+    """Columns that follow in some studies."""
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:
         """Return the header."""
+        return _layout(cls).names
 
-    def cells(self) -> Sequence[Cell]:
+    def cells(self) -> list[Cell]:
         """Return the values in the order of the header; None is missing."""
+        cells: list[Cell] = []
+        for of in _layout(type(self)).cells:
+            cells += of(self)
+        return cells
 
 
-@cache
-def _names(row_type: Any) -> tuple[str, ...]:
-    """Return the names of a dataclass's fields: they are asked for with every row."""
-    return tuple(field.name for field in fields(row_type))
+@dataclass(frozen=True)
+class _Layout:
+    """A row type's declarations, collected once: they are asked for with every row."""
+
+    columns: tuple[Column, ...]
+    single: frozenset[str]
+    names: tuple[str, ...]
+    cells: tuple[Callable[[Any], Iterable[Cell]], ...]
 
 
-class FlatRow:
-    """A row whose dataclass fields are its columns."""
+_LAYOUTS: dict[type[Row], _Layout] = {}
 
-    @classmethod
-    def columns(cls) -> tuple[str, ...]:
-        """Return the header."""
-        return _names(cls)  # type: ignore[arg-type]
 
-    def cells(self) -> Sequence[Cell]:
-        """Return the values in the order of the header."""
-        return [getattr(self, name) for name in self.columns()]
+def _layout(row_type: type[Row]) -> _Layout:
+    if (known := _LAYOUTS.get(row_type)) is not None:
+        return known
+    declarations = list(_declarations(row_type))
+    columns: list[Column] = []
+    for each in declarations:
+        columns += [each] if isinstance(each, Column) else each.each
+    _LAYOUTS[row_type] = _Layout(
+        tuple(columns),
+        frozenset(each.name for each in declarations if isinstance(each, Column)),
+        tuple(each.name for each in columns),
+        tuple(_getters(declarations)),
+    )
+    return _LAYOUTS[row_type]
+
+
+def declared(row_type: type[Row]) -> tuple[Column, ...]:
+    """Return the columns of every file of a kind, in the order of the header."""
+    return _layout(row_type).columns
+
+
+def single(row_type: type[Row]) -> tuple[Column, ...]:
+    """Return those of the columns that stand alone: not those of poses, angles and rays."""
+    layout = _layout(row_type)
+    return tuple(each for each in layout.columns if each.name in layout.single)
+
+
+def _declarations(row_type: type[Row]) -> Iterator[Column | Columns]:
+    for name, hint in get_type_hints(row_type, include_extras=True).items():
+        if get_origin(hint) is not Annotated:
+            continue
+        of, *said = get_args(hint)
+        for each in said:
+            if isinstance(each, Column):
+                named = replace(each, name=each.name or name)
+                yield named if named.of else replace(named, of=_cell_type(of))
+            elif isinstance(each, Columns):
+                yield each
+
+
+def _cell_type(hint: Any) -> CellType:
+    """Return the type of a field's cells: what is written of True is 1."""
+    of = next((each for each in get_args(hint) if each is not NoneType), hint)
+    if of is bool:
+        return int
+    if of not in (str, int, float):
+        raise TypeError(f"a column of {hint} needs the type of its cells")
+    kind: CellType = of
+    return kind
+
+
+def _getters(declarations: Iterable[Column | Columns]) -> Iterator[Callable[[Any], Iterable[Cell]]]:
+    """Yield functions that return a row's cells: `attrgetter` takes a run of fields at once."""
+    run: list[str] = []
+    for each in declarations:
+        if isinstance(each, Columns):
+            written = each.cells
+        elif each.cell is not None:
+            written = partial(_one, each.cell)
+        else:
+            run.append(each.name)
+            continue
+        if run:
+            yield _fields(run)
+        run = []
+        yield written
+    if run:
+        yield _fields(run)
+
+
+def _fields(names: Sequence[str]) -> Callable[[Any], Iterable[Cell]]:
+    if len(names) == 1:
+        return partial(_one, attrgetter(names[0]))
+    several: Callable[[Any], tuple[Cell, ...]] = attrgetter(*names)
+    return several
+
+
+def _one(cell: Callable[[Any], Cell], row: Any) -> Iterable[Cell]:
+    return (cell(row),)
 
 
 def cell_text(value: Cell) -> str:
@@ -57,7 +240,7 @@ def cell_text(value: Cell) -> str:
     unprintable characters are escaped, and texts are cut at `LONGEST_CELL`.
     """
     if isinstance(value, float):  # most are
-        return repr(float(value)) if math.isfinite(value) else ""
+        return float.__repr__(value) if math.isfinite(value) else ""  # NumPy's names the type
     if value is None:
         return ""
     if not isinstance(value, str):

@@ -1,32 +1,56 @@
-"""The version of what a study folder holds, and what each version added."""
+"""The schema of a study folder: its tables, its version, and its columns that copies share.
+
+A column is declared beside the field of its row type (`vrcomfort.records.rows`), with the version
+that introduced it; `SCHEMA_VERSION` follows. Older studies stay whole without it. A folder of an
+older version that is continued gets it, blank.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from vrcomfort.errors import InputError
-from vrcomfort.records.frame_rows import EYE_GAZES
-from vrcomfort.records.pose_columns import HANDS
+from vrcomfort.records.exposure_rows import (
+    BallRow,
+    DialRow,
+    PracticeRow,
+    RatingRow,
+    TaskRow,
+    TimingRow,
+    TrialRow,
+)
+from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
+from vrcomfort.records.rows import ALWAYS, Column, Needs, Row, declared
+from vrcomfort.records.session_rows import (
+    ClockRow,
+    ConsentRow,
+    EventRow,
+    GazeValidationRow,
+    ParticipantRow,
+    QuestionnaireRow,
+    ScreeningRow,
+    TextRow,
+)
 
-ADDED_COLUMNS: Mapping[int, Mapping[str, tuple[str, ...]]] = {
-    2: {
-        "trials.csv": ("missed_refreshes", "live_s", "frozen_s", "hidden_s", "unfocused_s"),
-        "frames.csv": ("head_valid", "head_tracked", "session_state", "missed_refreshes"),
-    },
-    3: {"frames.csv": HANDS},
-    4: {
-        "gaze.csv": ("hit_node", "effect_centre", *EYE_GAZES),
-        "trials.csv": ("part",),
-        "questionnaires.csv": ("part",),
-    },
+STUDY_ROWS: tuple[type[Row], ...] = (ParticipantRow, ConsentRow)
+SESSION_ROWS: tuple[type[Row], ...] = (
+    TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
+)  # fmt: skip
+OPTIONAL_ROWS: tuple[type[Row], ...] = (
+    GazeRow, ImageRow, BallRow, ClockRow, TaskRow, DialRow, TextRow, ScreeningRow,
+    GazeValidationRow, PracticeRow,
+)  # fmt: skip
+"""Of sessions; their files appear with their first rows."""
+
+TABLES: Mapping[str, type[Row]] = {
+    each.FILE: each for each in (*STUDY_ROWS, *SESSION_ROWS, *OPTIONAL_ROWS)
 }
-"""What each version has and the one before has not: a new column is declared here, in a new
-version. Older studies stay whole without it. A folder of an older version that is continued gets
-them, blank: what they say was not recorded."""
+"""File name → row type."""
 
-SCHEMA_VERSION = max(ADDED_COLUMNS)
+SCHEMA_VERSION = max(column.since for table in TABLES.values() for column in declared(table))
 """Written into manifests and study descriptions. What has none is of version 1."""
 
 
@@ -38,12 +62,79 @@ def columns_of_version(version: int, file_name: str, columns: tuple[str, ...]) -
 
 def later_columns(version: int, files: Iterable[str]) -> dict[str, list[str]]:
     """Return file → the columns that it got after a version, of files that got any."""
-    later: dict[str, list[str]] = {name: [] for name in files}
-    for added, columns_of in ADDED_COLUMNS.items():
-        for name, columns in columns_of.items():
-            if added > version and name in later:
-                later[name] += columns
+    later = {
+        name: [each.name for each in declared(TABLES[name]) if each.since > version]
+        for name in files
+        if name in TABLES
+    }
     return {name: columns for name, columns in later.items() if columns}
+
+
+@dataclass(frozen=True)
+class SharedFile:
+    """A file's place in a copy for others.
+
+    Parameters
+    ----------
+    columns
+        Column → the traits that have to be kept for it; it is blank otherwise. Ids and times in
+        columns that stay are replaced, details of events are kept where `EVENTS` says so.
+    needs
+        The traits that have to be kept for the file.
+    """
+
+    columns: Mapping[str, Needs]
+    needs: Needs = ALWAYS
+
+    @classmethod
+    def of(cls, table: type[Row]) -> SharedFile:
+        """Return what is declared of a table. Covariates of participants stay, too."""
+        columns = (*declared(table), *table.FURTHER)
+        return cls({each.name: each.needs for each in columns}, table.NEEDS)
+
+    def lacking(self, kept: Needs) -> Needs:
+        """Return the traits that the file is left out for; none where it stays."""
+        return self.needs - kept
+
+    def blank(self, kept: Needs) -> list[str]:
+        """Return the columns that are blank in a copy with these traits."""
+        return [name for name, needs in self.columns.items() if not needs <= kept]
+
+
+def described(name: str, tables: Sequence[type[Row]]) -> str:
+    """Return the meaning of a column that may be in several tables; empty where it is in none.
+
+    What a blank cell means is said once for tables in which the column means the same.
+    """
+    named: dict[str, list[tuple[str, Column]]] = {}
+    for file, column in _named(name, tables):
+        named.setdefault(column.meaning, []).append((Path(file).stem, column))
+    meanings = {
+        full_meaning(max((column for _, column in found), key=lambda each: bool(each.blank))): [
+            place for place, _ in found
+        ]
+        for found in named.values()
+    }
+    if len(meanings) == 1:
+        return next(iter(meanings))
+    return ". ".join(f"In {', '.join(places)}: {text}" for text, places in meanings.items())
+
+
+def unit_of(name: str, tables: Sequence[type[Row]]) -> str:
+    """Return the unit of a column that is in one of the tables; empty without one."""
+    return next((column.unit for _, column in _named(name, tables)), "")
+
+
+def _named(name: str, tables: Sequence[type[Row]]) -> Iterator[tuple[str, Column]]:
+    for table in tables:
+        for column in (*declared(table), *table.FURTHER):
+            if column.name == name:
+                yield table.FILE, column
+
+
+def full_meaning(column: Column) -> str:
+    """Return a column's meaning, and that of a blank cell."""
+    return f"{column.meaning}; blank: {column.blank}" if column.blank else column.meaning
 
 
 def check_schema_version(content: Mapping[str, Any], file: Path) -> None:

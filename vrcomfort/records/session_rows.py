@@ -1,40 +1,63 @@
-"""Rows of people and of sessions; their fields are the columns of the files, in order."""
+"""Rows of people and of sessions."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from vrcomfort.escaping import escape_unprintable
-from vrcomfort.records.rows import FlatRow
+from vrcomfort.records.rows import DATE, GAZE, TEXT, Column, Needs, Row
+from vrcomfort.records.shared_columns import (
+    AnsweredS,
+    AskedS,
+    ConditionOfSession,
+    OnsetS,
+    ParticipantName,
+    PartOfStudy,
+    Resumed,
+    SessionNumber,
+    TrialOfSession,
+)
 
 FACTS = ("gaze_validation_error_deg",)
 """Columns of participants.csv that sessions fill in."""
 
 
 @dataclass(frozen=True)
-class ParticipantRow(FlatRow):
-    """One participant of the study; `status` is enrolled, completed, withdrawn or excluded.
+class ParticipantRow(Row):
+    """One participant of the study.
 
     Parameters
     ----------
     others
-        Further columns, which follow: `group` where the protocol has groups, and its covariates.
+        Further columns, which follow: `FURTHER`, and the covariates that the protocol names.
     """
 
     FILE: ClassVar[str] = "participants.csv"
-    participant: str
-    sequence: str
-    status: str
-    enrolled_at: str
-    note: str = ""
+    FURTHER: ClassVar[tuple[Column, ...]] = (
+        Column("Level of the between-subject factor", name="group", of=str),
+        Column(
+            "Mean error of the last validation of the gaze",
+            blank="the gaze was not validated",
+            needs=GAZE,
+            name=FACTS[0],
+        ),
+    )
+    participant: ParticipantName
+    sequence: Annotated[str, Column("The order of conditions and scenes, as the protocol names it")]
+    status: Annotated[
+        str,
+        Column(
+            "enrolled, completed, withdrawn (in analyses as far as they came) or excluded (in no "
+            "analysis)"
+        ),
+    ]
+    enrolled_at: Annotated[str, Column("When the participant was enrolled, ISO 8601")]
+    note: Annotated[
+        str, Column("Notes of experimenters and of sessions", blank="there are none", needs=TEXT)
+    ] = ""
     others: tuple[tuple[str, str], ...] = ()
-
-    @classmethod
-    def columns(cls) -> tuple[str, ...]:
-        """Return the columns that every study has."""
-        return super().columns()[:-1]
 
     @property
     def group(self) -> str | None:
@@ -48,35 +71,52 @@ class ParticipantRow(FlatRow):
 
 
 @dataclass(frozen=True)
-class QuestionnaireRow(FlatRow):
-    """One answer. `trial` and `condition` are blank where the whole session is meant.
+class ConsentRow(Row):
+    """One consent of a participant."""
 
-    Parameters
-    ----------
-    response
-        None where the participant would rather not say.
-    order
-        Place in the presentation, from 1.
-    part
-        Of the study, where it has parts and all exposures that are meant belong to one.
-    """
+    FILE: ClassVar[str] = "consents.csv"
+    NEEDS: ClassVar[Needs] = DATE
+    participant: ParticipantName
+    version: Annotated[str, Column("Version of the text, as the protocol calls it")]
+    given_on: Annotated[str, Column("Day of the consent, ISO 8601")]
+    text_sha256: Annotated[
+        str, Column("SHA-256 of the text's file", blank="the protocol names no file")
+    ]
+    recorded_at: Annotated[str, Column("When it was entered, ISO 8601")]
+
+
+@dataclass(frozen=True)
+class QuestionnaireRow(Row):
+    """One answer to a question of a questionnaire."""
 
     FILE: ClassVar[str] = "questionnaires.csv"
-    participant: str
-    session: int
-    period: int | None
-    block: int | None
-    trial: int | None
-    condition: str | None
-    timepoint: str
-    instrument: str
-    item: str
-    response: int | None
-    asked_s: float
-    answered_s: float
-    order: int
-    part: str | None = None
-    resumed: int = 0
+    participant: ParticipantName
+    session: SessionNumber
+    period: Annotated[
+        int | None,
+        Column(
+            "Place of the exposure among all of the participant's, from 1, over sessions",
+            blank="the whole session is meant",
+        ),
+    ]
+    block: Annotated[
+        int | None,
+        Column("Number of the block in the session, from 1", blank="the whole session is meant"),
+    ]
+    trial: TrialOfSession
+    condition: ConditionOfSession
+    timepoint: Annotated[str, Column("When in the session it was asked, as the protocol names it")]
+    instrument: Annotated[str, Column("Questionnaire")]
+    item: Annotated[str, Column("Question of the questionnaire")]
+    response: Annotated[
+        int | None,
+        Column("The answer, as the instrument codes it", blank="rather not say", signed=True),
+    ]
+    asked_s: AskedS
+    answered_s: AnsweredS
+    order: Annotated[int, Column("Place in the presentation, from 1")]
+    part: PartOfStudy = None
+    resumed: Resumed = 0
 
 
 LONGEST_TEXT = 20_000
@@ -84,25 +124,27 @@ LONGEST_TEXT = 20_000
 
 
 @dataclass(frozen=True)
-class TextRow(FlatRow):
-    """An answer in one's own words; `trial` and `condition` are blank where the session is meant.
-
-    Parameters
-    ----------
-    text
-        In one line (`one_line`); blank where nothing was said.
-    """
+class TextRow(Row):
+    """One answer in the participant's own words."""
 
     FILE: ClassVar[str] = "texts.csv"
-    participant: str
-    session: int
-    trial: int | None
-    condition: str | None
-    question: str
-    text: str
-    asked_s: float
-    answered_s: float
-    resumed: int = 0
+    NEEDS: ClassVar[Needs] = TEXT
+    participant: ParticipantName
+    session: SessionNumber
+    trial: TrialOfSession
+    condition: ConditionOfSession
+    question: Annotated[str, Column("The question, as the protocol names it")]
+    text: Annotated[
+        str,
+        Column(
+            "The answer in one line: `\\n` is a line end, `\\\\` a backslash, `\\uXXXX` a control "
+            "character",
+            blank="nothing was said",
+        ),
+    ]
+    asked_s: AskedS
+    answered_s: AnsweredS
+    resumed: Resumed = 0
 
 
 def one_line(text: str) -> str:
@@ -134,106 +176,115 @@ IPD_RULE = "distance between pupils in mm"
 
 
 @dataclass(frozen=True)
-class ScreeningRow(FlatRow):
-    """A number beyond a screening rule, and what the experimenter decided.
-
-    Parameters
-    ----------
-    rule
-        What was beyond which bound.
-    value
-        The number; blank in anonymous copies where it is of the body.
-    decision
-        go_on or stop.
-    """
+class ScreeningRow(Row):
+    """A number beyond a screening rule, and the experimenter's decision."""
 
     FILE: ClassVar[str] = "screening.csv"
-    participant: str
-    session: int
-    rule: str
-    value: float | None
-    decision: str
-    decided_s: float
-    resumed: int = 0
+    participant: ParticipantName
+    session: SessionNumber
+    rule: Annotated[str, Column("The number and the bound that it was beyond")]
+    value: Annotated[
+        float | None,
+        Column("The number", blank="of the body, in copies for others", signed=True),
+    ]
+    decision: Annotated[str, Column("The experimenter's decision: go_on or stop")]
+    decided_s: Annotated[float, Column("When it was decided on the session's clock")]
+    resumed: Resumed = 0
+
+
+_NO_SAMPLE = "no sample was valid"
 
 
 @dataclass(frozen=True)
-class GazeValidationRow(FlatRow):
-    """How good the gaze on one point was, or (point blank) the mean over all points.
-
-    Parameters
-    ----------
-    validation, attempt
-        Count from 1 in a session; an attempt is repeated where it was not good enough.
-    before_trial
-        The exposure that it was before.
-    eye
-        combined: the gaze that the runtime gives for both; left, right: where it tells them apart.
-    right_deg, up_deg, distance_m
-        Where the point was, seen from the head when it appeared.
-    samples, valid_percent
-        Frames that counted, and the share of them in which the eyes were seen.
-    accuracy_deg, precision_rms_deg, precision_sd_deg
-        See `vrcomfort.traces.gaze_quality`; blank without a valid sample.
-    good
-        Of the mean: 1 where it is within the protocol's limit, else 0.
-    """
+class GazeValidationRow(Row):
+    """Quality of the gaze on one point of a validation, or its mean over all points."""
 
     FILE: ClassVar[str] = "gaze_validation.csv"
-    participant: str
-    session: int
-    validation: int
-    attempt: int
-    before_trial: int
-    onset_s: float
-    point: int | None
-    eye: str
-    right_deg: float | None
-    up_deg: float | None
-    distance_m: float | None
-    samples: int
-    valid_percent: float
-    accuracy_deg: float | None
-    precision_rms_deg: float | None
-    precision_sd_deg: float | None
-    good: int | None = None
-    resumed: int = 0
+    NEEDS: ClassVar[Needs] = GAZE
+    participant: ParticipantName
+    session: SessionNumber
+    validation: Annotated[int, Column("Number of the validation in the session, from 1")]
+    attempt: Annotated[
+        int, Column("1, and one more each time that the validation was not good enough")
+    ]
+    before_trial: Annotated[int, Column("Trial of the session that the validation comes before")]
+    onset_s: OnsetS
+    point: Annotated[int | None, Column("Number of the point, from 1", blank="the mean over all")]
+    eye: Annotated[
+        str,
+        Column(
+            "combined (the runtime's gaze of both eyes), left or right (where it tells them apart)"
+        ),
+    ]
+    right_deg: Annotated[
+        float | None,
+        Column(
+            "Direction of the point to the right, from the head when it appeared",
+            blank="the mean over all",
+            signed=True,
+        ),
+    ]
+    up_deg: Annotated[
+        float | None,
+        Column(
+            "Direction of the point upwards, from the head when it appeared",
+            blank="the mean over all",
+            signed=True,
+        ),
+    ]
+    distance_m: Annotated[
+        float | None, Column("Distance of the point from the head", blank="the mean over all")
+    ]
+    samples: Annotated[int, Column("Frames that counted")]
+    valid_percent: Annotated[float, Column("Share of them in which the eyes were seen")]
+    accuracy_deg: Annotated[
+        float | None, Column("Mean angle between gaze and point", blank=_NO_SAMPLE)
+    ]
+    precision_rms_deg: Annotated[
+        float | None,
+        Column("Root mean square of the angles between successive samples", blank=_NO_SAMPLE),
+    ]
+    precision_sd_deg: Annotated[
+        float | None, Column("Standard deviation of the samples", blank=_NO_SAMPLE)
+    ]
+    good: Annotated[
+        int | None,
+        Column("Of the mean: 1 where it is within the protocol's limit, else 0", blank="a point"),
+    ] = None
+    resumed: Resumed = 0
 
 
 @dataclass(frozen=True)
-class EventRow(FlatRow):
-    """Something that happened; durations of moments are 0."""
+class EventRow(Row):
+    """One event."""
 
     FILE: ClassVar[str] = "events.csv"
-    onset_s: float
-    duration_s: float
-    name: str
-    detail: str = ""
-    resumed: int = 0
+    onset_s: OnsetS
+    duration_s: Annotated[float, Column("How long it lasted; 0 for a moment")]
+    name: Annotated[str, Column("Name of the event; see below")]
+    detail: Annotated[str, Column("Detail of the event", blank="it has none")] = ""
+    resumed: Resumed = 0
 
 
 @dataclass(frozen=True)
-class ClockRow(FlatRow):
-    """All clocks, read at one moment.
-
-    Parameters
-    ----------
-    xr_time_ns
-        The moment as a display time, as ``frames.csv`` has them; None where the headset does not
-        tell.
-    monotonic_ns, unix_ns
-        The system's monotonic clock, and its time since 1970.
-    lsl_s
-        The clock of LabStreamingLayer; None where it is not used.
-    took_ns
-        How long the reading took: they are of one moment to half of this.
-    """
+class ClockRow(Row):
+    """All clocks, read at one moment."""
 
     FILE: ClassVar[str] = "clocks.csv"
-    session_s: float
-    xr_time_ns: int | None
-    monotonic_ns: int
-    unix_ns: int
-    lsl_s: float | None
-    took_ns: int
-    resumed: int = 0
+    NEEDS: ClassVar[Needs] = DATE
+    session_s: Annotated[float, Column("The moment on the session's clock")]
+    xr_time_ns: Annotated[
+        int | None,
+        Column(
+            "The moment as a display time, as in frames.csv",
+            blank="the headset does not tell",
+            signed=True,
+        ),
+    ]
+    monotonic_ns: Annotated[int, Column("The system's monotonic clock")]
+    unix_ns: Annotated[int, Column("The system's time since 1970")]
+    lsl_s: Annotated[float | None, Column("The clock of LabStreamingLayer", blank="it is not used")]
+    took_ns: Annotated[
+        int, Column("Duration of the reading: the clocks are of one moment to half of this")
+    ]
+    resumed: Resumed = 0

@@ -27,7 +27,8 @@ from vrcomfort.records import (
     take_up,
     unfinished_sessions,
 )
-from vrcomfort.records.consents import ConsentRow, Given, required_consent
+from vrcomfort.records.consents import Given, required_consent
+from vrcomfort.records.session_rows import ConsentRow
 from vrcomfort.respondent import Respondent, SimulatedRespondent
 
 

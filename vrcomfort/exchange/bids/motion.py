@@ -9,7 +9,9 @@ from typing import Any
 
 from vrcomfort.exchange.bids.files import write_json, write_samples, write_tsv
 from vrcomfort.exchange.bids.runs import Cells, Run
+from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.pose_columns import Body, pose_columns
+from vrcomfort.records.rows import declared
 
 STAGE = "stage"
 _COMPONENTS = ("x", "y", "z", "quat_x", "quat_y", "quat_z", "quat_w")
@@ -37,15 +39,18 @@ class TrackingSystem:
         Of the entity `tracksys`.
     bodies
         Columns of ``frames.csv`` → tracked points.
+    others
+        Whether it has the columns of ``frames.csv`` that are declared as MISC channels, too.
     """
 
     label: str
     name: str
     bodies: tuple[tuple[Body, str], ...]
+    others: bool = False
 
 
 SYSTEMS = (
-    TrackingSystem("head", "headset", (("head", "head"),)),
+    TrackingSystem("head", "headset", (("head", "head"),), others=True),
     TrackingSystem(
         "hands", "controllers", (("left_hand", "left_hand"), ("right_hand", "right_hand"))
     ),
@@ -68,16 +73,23 @@ def write_motion(stem: Path, run: Run, system: TrackingSystem, facts: dict[str, 
     facts
         Of the sidecar that all tracking systems share.
     """
-    columns = [name for body, _ in system.bodies for name in pose_columns(body)]
+    declared_as = {each.name: each for each in declared(FrameRow)}
+    of_points = [
+        (point, component, declared_as[name])
+        for body, point in system.bodies
+        for component, name in zip(_COMPONENTS, pose_columns(body), strict=True)
+    ]
+    others = [each for each in declared_as.values() if each.channel == "MISC"]
+    others = [each for each in others if system.others and each.name in run.frames[0]]
+    columns = [*(column.name for _, _, column in of_points), *(each.name for each in others)]
     samples = stem.with_name(f"{stem.name}_motion.tsv")
     start_s = run.start_s
     write_samples(samples, (_sample(row, columns, start_s) for row in run.frames))
-    channels = [
-        (f"{point}_{component}", component, kind, point, unit, point, STAGE)
-        for _, point in system.bodies
-        for component in _COMPONENTS
-        for kind, unit in [("ORNT", "n/a") if component.startswith("quat") else ("POS", "m")]
+    channels: list[tuple[str, ...]] = [
+        (f"{point}_{component}", component, each.channel, point, each.unit, point, STAGE)
+        for point, component, each in of_points
     ]
+    channels += [(each.name, "n/a", "MISC", "n/a", each.unit, "n/a", "n/a") for each in others]
     channels.append(("latency", "n/a", "LATENCY", "n/a", "s", "n/a", "n/a"))
     header = ("name", "component", "type", "tracked_point", "units", "placement", "reference_frame")
     write_tsv(stem.with_name(f"{stem.name}_channels.tsv"), header, channels)
@@ -89,18 +101,19 @@ def write_motion(stem: Path, run: Run, system: TrackingSystem, facts: dict[str, 
             **facts,
             "TrackingSystemName": system.name,
             "TrackedPointsCount": points,
-            "MotionChannelCount": 7 * points + 1,
+            "MotionChannelCount": len(channels),
             "POSChannelCount": 3 * points,
             "ORNTChannelCount": 4 * points,
             "LATENCYChannelCount": 1,
-            **dict.fromkeys(
-                (
-                    "ACCELChannelCount", "ANGACCELChannelCount", "GYROChannelCount",
-                    "JNTANGChannelCount", "MAGNChannelCount", "MISCChannelCount", "VELChannelCount",
-                ), 0
-            ),
+            "ACCELChannelCount": 0,
+            "ANGACCELChannelCount": 0,
+            "GYROChannelCount": 0,
+            "JNTANGChannelCount": 0,
+            "MAGNChannelCount": 0,
+            "MISCChannelCount": len(others),
+            "VELChannelCount": 0,
         },
-    )  # fmt: skip
+    )
     return samples
 
 

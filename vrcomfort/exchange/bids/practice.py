@@ -6,8 +6,9 @@ from pathlib import Path
 
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.exchange.bids.files import write_json, write_tsv
-from vrcomfort.exchange.meanings import MEANINGS
 from vrcomfort.records.exposure_rows import PracticeRow
+from vrcomfort.records.rows import Column, declared
+from vrcomfort.records.schema import full_meaning
 
 _OF_THE_NAME = ("participant", "session")
 
@@ -34,7 +35,8 @@ def write_practice(source: Path, folder: Path, whose: str, task: str) -> None:
     if not rows:
         return
     label = f"{task}practice"
-    columns = [name for name in PracticeRow.columns() if name not in _OF_THE_NAME]
+    described = [each for each in declared(PracticeRow) if each.name not in _OF_THE_NAME]
+    columns = [each.name for each in described]
     stem = folder / "beh" / f"{whose}_task-{label}_beh"
     table = ([row.get(name, "") for name in columns] for row in rows)
     write_tsv(stem.with_suffix(".tsv"), columns, table)
@@ -43,13 +45,13 @@ def write_practice(source: Path, folder: Path, whose: str, task: str) -> None:
         {
             "TaskName": label,
             "TaskDescription": "Practice before the exposures of a session, of which it is none",
-            **{name: _described(name) for name in columns},
+            **{each.name: _described(each) for each in described},
         },
     )
 
 
-def _described(column: str) -> dict[str, str]:
+def _described(column: Column) -> dict[str, str]:
     return {
-        "Description": MEANINGS[column],
-        **({"Units": "s"} if column.endswith("_s") else {}),
+        "Description": full_meaning(column),
+        **({"Units": column.unit} if column.unit else {}),
     }

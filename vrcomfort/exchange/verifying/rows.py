@@ -9,12 +9,16 @@ from typing import Any
 from vrcomfort.csv_table import plain_digits
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
-from vrcomfort.records.recorded_rows import Kind, RecordedRow, cell_value, kinds_of, split_line
-from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
-from vrcomfort.records.rows import Row
-from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version, later_columns
+from vrcomfort.records.recorded_rows import RecordedRow, cell_value, columns_read, split_line
+from vrcomfort.records.rows import Column, Row, declared
+from vrcomfort.records.schema import (
+    OPTIONAL_ROWS,
+    SCHEMA_VERSION,
+    SESSION_ROWS,
+    columns_of_version,
+    later_columns,
+)
 
-_TEXT = {"session_state", "rays_used", "hit_node", "effect_centre"}
 HALF = "this row is half-written; `vrcomfort run … --resume` moves it aside, or remove the line"
 
 
@@ -47,10 +51,10 @@ def read(folder: Path, row_type: type[Row], version: int, found: Verified) -> It
         header = _header(file, stream.readline(), row_type, version, found)
         if header is None:
             return
-        kinds = {name: kind for name, kind in kinds_of(row_type).items() if name in header}
+        columns = {name: of for name, of in columns_read(row_type).items() if name in header}
         numbers = _further_numbers(header, row_type)
         for number, line in enumerate(stream, start=2):
-            values = _values(file, number, line, header, kinds, found)
+            values = _values(file, number, line, header, columns, found)
             if values is None:
                 continue
             cells, known = values
@@ -80,7 +84,7 @@ def _header(
         what = f"lacks {', '.join(lacking)}" if lacking else f"has {', '.join(others)} besides"
         what = what if lacking or others else "has its columns in another order"
         message = f"the header {what}, and schema version {version} wants the columns in "
-        found.fault(file, f"{message}CONVENTIONS.md; restore the file from a copy", 1)
+        found.fault(file, f"{message}docs/data_dictionary.md; restore the file from a copy", 1)
         return None
     return there
 
@@ -90,10 +94,10 @@ def _values(
     number: int,
     line: bytes,
     header: tuple[str, ...],
-    kinds: Mapping[str, Kind],
+    columns: Mapping[str, Column],
     found: Verified,
 ) -> tuple[dict[str, str], dict[str, Any]] | None:
-    """Return the cells of a line, and those that have a kind as values; None with a finding."""
+    """Return the cells of a line, and those of `columns` as values; None with a finding."""
     if not line.endswith(b"\n"):
         found.fault(file, HALF, number)
         return None
@@ -108,7 +112,7 @@ def _values(
         return None
     cells = dict(zip(header, row, strict=True))
     try:
-        return cells, {name: cell_value(cells[name], name, kind) for name, kind in kinds.items()}
+        return cells, {name: cell_value(cells[name], of) for name, of in columns.items()}
     except ValueError as error:
         column, message = error.args
         found.fault(file, f"column {column}: {message}; restore the file from a copy", number)
@@ -116,10 +120,11 @@ def _values(
 
 
 def _further_numbers(header: tuple[str, ...], row_type: type[Row]) -> tuple[str, ...]:
-    """Return the columns of frames and gaze that hold numbers or nothing, and have no kind."""
+    """Return the columns of frames and gaze that hold numbers or nothing."""
     if row_type not in (FrameRow, GazeRow):
         return ()
-    return tuple(name for name in header if name not in _TEXT)
+    numbers = {each.name for each in declared(row_type) if each.type is not str}
+    return tuple(name for name in header if name in numbers)
 
 
 def _check_numbers(

@@ -9,7 +9,7 @@ from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.recordings.source import find_source, parquet_of
 from vrcomfort.records.checksums import CHECKSUMS, read_checksums, sha256_of
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
-from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
+from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS
 
 _OWN = {*(each.FILE for each in (*SESSION_ROWS, *OPTIONAL_ROWS)), "manifest.json", CHECKSUMS}
 _PACKED = {parquet_of(Path(each.FILE)).name for each in (FrameRow, GazeRow)}

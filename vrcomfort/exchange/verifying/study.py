@@ -13,11 +13,11 @@ from vrcomfort.exchange.designs import design_of
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.session import check_order, verify_session
 from vrcomfort.records.checksums import sha256_of
-from vrcomfort.records.consents import ConsentRow, read_consents
+from vrcomfort.records.consents import read_consents
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
 from vrcomfort.records.json_file import read_json
 from vrcomfort.records.manifest_shape import DescribedShape, ImportShape
-from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow
+from vrcomfort.records.session_rows import ConsentRow, ParticipantRow, QuestionnaireRow
 from vrcomfort.records.study import DESCRIPTION, read_description, read_participants
 
 IMPORT = "import.json"
