@@ -16,6 +16,7 @@ from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.row_files import SESSION_ROWS, Durability, RowFiles
 from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.session_rows import EventRow
+from vrcomfort.stop_signals import uninterrupted
 
 
 def session_folder(study: Path, participant: str, session: int) -> Path:
@@ -190,11 +191,12 @@ class Recorder:
         if self._closed:
             return
         self._closed = True
-        try:
-            self._tell_gap()
-            self._background.close()
-        finally:
-            self._files.close()
+        with uninterrupted():
+            try:
+                self._tell_gap()
+                self._background.close()
+            finally:
+                self._files.close()
 
     def __enter__(self) -> Self:
         return self

@@ -24,6 +24,7 @@ from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.flow import SessionFlow, SessionStatus
 from vrcomfort.session.interfaces import Progress
 from vrcomfort.session.manifest_writer import ManifestWriter, limits
+from vrcomfort.stop_signals import listening, uninterrupted
 
 RUNTIME_HUNG = "runtime_hung"
 
@@ -68,7 +69,14 @@ class ParticipantSessions:
     notices: list[str] = field(default_factory=list)
 
     def run(self, numbers: Iterable[int]) -> Outcome:
-        """Run sessions until one is not completed."""
+        """Run sessions until one is not completed.
+
+        A signal stops one at once, and then all is written that belongs to it.
+        """
+        with uninterrupted():
+            return self._run(numbers)
+
+    def _run(self, numbers: Iterable[int]) -> Outcome:
         ran: list[int] = []
         for number in numbers:
             ran.append(number)
@@ -190,7 +198,8 @@ def _kept(
     status: SessionStatus = "aborted"
     note = ""
     try:
-        status, note = flow.run()
+        with listening():
+            status, note = flow.run()
         recorder.sync()  # first: a session that is completed has all of its rows
     except KeyboardInterrupt as stop:
         early = writer.ended_early
