@@ -294,8 +294,8 @@ def _record(rows: Sequence[ParticipantRow], wishes: Wishes) -> dict[str, Any]:
         "images": "hashes kept" if wishes.keep_motion else "hashes left out (images.csv)",
         "balls_of_tasks": "kept" if wishes.keep_motion else "left out (balls.csv)",
         "left_out": "distances between pupils; readings of clocks (clocks.csv); memory of "
-        "respondents; moved-aside rows (.cut, .schemaN), Parquet files, locks, files that are not "
-        "of vrcomfort's making",
+        "respondents; moved-aside rows (.cut, .schemaN, .replacedN), Parquet files, locks, files "
+        "that are not of vrcomfort's making",
         "still_there": {
             "people_are_recognised_by": kept,
             "covariates": known,

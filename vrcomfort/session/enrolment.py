@@ -9,7 +9,7 @@ from pathlib import Path
 
 from vrcomfort.design import Design, build_design
 from vrcomfort.protocol import Protocol
-from vrcomfort.records import enrolled, entered, note_withdrawal, only_run, open_study
+from vrcomfort.records import enrolled, entered, note_end, only_run, open_study
 from vrcomfort.records.consents import ConsentRow, Given, required_consent
 from vrcomfort.session.resume import InterruptedSessions, choose_sessions, require_rest
 
@@ -95,7 +95,7 @@ def open_enrolment(
     kept_seed = open_study(study, protocol, seed=seed, group_readable=group_readable)
     with only_run(study, participant):
         design = build_design(protocol, seed=kept_seed)
-        note_withdrawal(study, participant)
+        note_end(study, participant, design.sessions)
         row = enrolled(study, participant)
         known = entered(design, row, covariates or {})
         simulated = respondent == "simulated"

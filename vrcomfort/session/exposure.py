@@ -237,6 +237,7 @@ class FrameLoop:
     def _note_events(self) -> None:
         for event in self.headset.take_events():
             self.events.note(event)
+        self.events.look_at_files()
 
     def _scene_time_s(self, frame: Frame) -> float:
         """Return the time of the scene's animations, which begins with its first frame."""

@@ -44,6 +44,8 @@ class Outcome:
     warnings
         What somebody should look at: rows that a crash cut, trials with too many dropped
         frames, a clock that was set back.
+    lost
+        Rows that another program has taken out of the files, one sentence each.
     """
 
     participant: str
@@ -52,6 +54,7 @@ class Outcome:
     sessions: tuple[int, ...]
     note: str = ""
     warnings: tuple[str, ...] = ()
+    lost: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,7 @@ class ParticipantSessions:
     context: SessionContext
     interrupted: Mapping[int, Interrupted]
     notices: list[str] = field(default_factory=list)
+    lost: list[str] = field(default_factory=list)
 
     def run(self, numbers: Iterable[int]) -> Outcome:
         """Run sessions until one is not completed.
@@ -101,7 +105,8 @@ class ParticipantSessions:
 
     def _outcome(self, status: str, ran: list[int], note: str = "") -> Outcome:
         name, warnings = self.context.sequence.name, tuple(self.notices)
-        return Outcome(self.context.participant, name, status, tuple(ran), note, warnings)
+        who, lost = self.context.participant, tuple(self.lost)
+        return Outcome(who, name, status, tuple(ran), note, warnings, lost)
 
     def _session(self, number: int) -> tuple[SessionStatus, str]:
         context = self.context
@@ -122,8 +127,9 @@ class ParticipantSessions:
             manifest.write(recorder.folder, access)
             try:
                 with context.watchdog.guard(lambda: self._give_up(number, flow, writer, recorder)):
-                    status, note = _kept(flow, writer, recorder)
+                    status, note = _kept(flow, writer, events)
             finally:
+                self.lost.extend(each.sentence for each in recorder.meddling if each.lost)
                 self._look_at(number, manifest, before)
         self._seal(number, recorder)
         context.progress(Progress("end", context.participant, number, text=status))
@@ -191,16 +197,14 @@ class ParticipantSessions:
 STOPPED = "stopped by the operator"
 
 
-def _kept(
-    flow: SessionFlow, writer: ManifestWriter, recorder: Recorder
-) -> tuple[SessionStatus, str]:
+def _kept(flow: SessionFlow, writer: ManifestWriter, events: EventLog) -> tuple[SessionStatus, str]:
     """Run a session and write into its manifest how it ended, whatever ended it."""
     status: SessionStatus = "aborted"
     note = ""
     try:
         with listening():
             status, note = flow.run()
-        recorder.sync()  # first: a session that is completed has all of its rows
+        events.recorder.sync()  # first: a session that is completed has all of its rows
     except KeyboardInterrupt as stop:
         early = writer.ended_early
         status, note = ("aborted", str(stop) or STOPPED) if early is None else (early, "")
@@ -208,5 +212,9 @@ def _kept(
         with suppress(InputError):  # the first error is the one to tell
             writer.close(writer.ended_early or "aborted")
         raise
-    writer.close(status)
+    try:
+        events.recorder.sync()
+    finally:
+        events.look_at_files()
+        writer.close(status)
     return status, note
