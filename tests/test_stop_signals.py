@@ -9,9 +9,10 @@ import threading
 import pytest
 
 from tests.support.session import go, manifest, rows
-from tests.support.study import AheadHeadset, Scripted, frame
+from tests.support.study import AheadHeadset, LateFocus, Scripted, frame
+from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records import Recorder, TrialRow
-from vrcomfort.stop_signals import uninterrupted
+from vrcomfort.stop_signals import interruptible, uninterrupted
 
 
 @pytest.fixture(autouse=True)
@@ -39,7 +40,7 @@ def test_the_block_ends_before_control_c_is_heard():
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-def test_control_c_again_is_heard_at_once():
+def test_control_c_again_changes_nothing_and_the_third_is_heard_at_once():
     done = []
 
     @uninterrupted()
@@ -47,11 +48,56 @@ def test_control_c_again_is_heard_at_once():
         control_c()
         control_c()
         done.append("written")
+        control_c()
+        done.append("and more")
 
     with pytest.raises(KeyboardInterrupt):
         write()
-    assert done == []
+    assert done == ["written"]
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_shutdown_and_a_closed_terminal_are_one_wish():
+    heard = []
+    before = {
+        number: signal.signal(number, lambda number, _: heard.append(number))
+        for number in (signal.SIGTERM, signal.SIGHUP)
+    }
+    try:
+        with uninterrupted():
+            for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGHUP, signal.SIGTERM):
+                os.kill(os.getpid(), number)
+            assert heard == []
+        assert heard == [signal.SIGTERM]
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def test_a_signal_is_heard_where_the_block_waits_for_something():
+    done = []
+
+    def frames():
+        for number in range(5):
+            if number == 3:
+                control_c()
+            yield number
+
+    def show():
+        with uninterrupted():
+            try:
+                for number in interruptible(frames()):
+                    done.append(number)
+                    if number == 1:
+                        control_c()
+                    done.append("whole")
+            finally:
+                control_c()  # which the first does not let through
+                done.append("closed")
+
+    with pytest.raises(KeyboardInterrupt):
+        show()
+    assert done == [0, "whole", 1, "whole", "closed"]
 
 
 def test_an_error_in_the_block_does_not_hide_control_c():
@@ -109,3 +155,47 @@ def test_control_c_beside_a_trials_row_keeps_what_is_said_of_the_trial(tmp_path,
     assert rows(tmp_path, "timing.csv")[0]["flagged"] == "1"
     assert len(manifest(tmp_path)["timing_flags"]) == 1
     assert "timing_flag" in [row["name"] for row in rows(tmp_path, "events.csv")]
+
+
+class Late(LateFocus):
+    """A renderer in which frames wait; `again` says how often Ctrl-C comes meanwhile."""
+
+    again = 0
+
+    def drain(self):
+        for _ in range(self.again):
+            control_c()
+        return super().drain()
+
+
+def stopped_by(tmp_path, presses):
+    """Press Ctrl-C while the 20th frame is waited for, and again while frames are in flight.
+
+    Returns how the session ended, and how many frames were shown.
+    """
+    renderer = Late()
+
+    class Stopped(AheadHeadset):
+        def frames(self):
+            for each in super().frames():
+                if each.index == 20:
+                    renderer.again = presses - 1
+                    control_c()
+                yield each
+
+    headset = Stopped()
+    outcome = go(tmp_path, Scripted(), headset=lambda: headset, renderer=renderer)
+    return outcome.status, headset.submitted
+
+
+def test_two_ctrl_c_lose_no_frame_that_was_shown(tmp_path):
+    assert stopped_by(tmp_path, 2) == ("aborted", 20)
+    assert len(rows(tmp_path, "frames.csv")) == 20
+    trial = rows(tmp_path, "trials.csv")[-1]
+    assert (trial["abort_code"], manifest(tmp_path)["status"]) == ("operator", "aborted")
+    assert verify_study(tmp_path / "S").faults == []
+
+
+def test_a_third_ctrl_c_waits_for_nothing(tmp_path):
+    assert stopped_by(tmp_path, 3) == ("aborted", 20)
+    assert len(rows(tmp_path, "frames.csv")) < 20

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import signal
+import sys
 import threading
 from pathlib import Path
 
@@ -89,14 +91,18 @@ def full(recorder: Recorder, name: str) -> None:
 
 
 def test_a_disk_that_refused_a_frame_is_told_by_the_next_call_and_takes_other_rows(tmp_path):
+    """But for the trial's row, which would count a frame that is not there."""
     recorder = Recorder(tmp_path, "P1", 1)
     full(recorder, "frames.csv")
     recorder.write(frame_row(0))
     with pytest.raises(InputError, match=r"frames\.csv: cannot write: No space left"):
         recorder.write(TRIAL, EventRow(0.0, 0.0, "end"))
     recorder.close()
-    for name in ("trials", "events"):
-        assert len(read_rows(recorder.folder / f"{name}.csv")) == 1
+    rows = {
+        name: len(read_rows(recorder.folder / f"{name}.csv"))
+        for name in ("events", "gaze", "trials")
+    }
+    assert rows == {"events": 1, "gaze": 0, "trials": 0}
 
 
 def test_the_last_row_is_not_refused_in_silence(tmp_path):
@@ -128,3 +134,39 @@ def test_leaving_by_an_error_writes_what_waits(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         run()
     assert seconds(tmp_path / "sub-P1" / "ses-1") == [index / 10 for index in range(500)]
+
+
+class PressedLock:
+    """A lock in which Ctrl-C comes just when it is taken."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self.acquire, self.release, self.locked = (
+            self._lock.acquire, self._lock.release, self._lock.locked
+        )  # fmt: skip
+        self.presses = 1
+
+    def __enter__(self) -> None:
+        self._lock.acquire()
+        for _ in range(self.presses):
+            self.presses = 0
+            os.kill(os.getpid(), signal.SIGINT)
+
+    def __exit__(self, *_: object) -> None:
+        self._lock.release()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends itself no Ctrl-C")
+def test_ctrl_c_leaves_no_lock_behind_that_the_writing_thread_waits_for(tmp_path, monkeypatch):
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    recorder = Recorder(tmp_path, "P1", 1)
+    lock = PressedLock()
+    recorder.close()  # its thread waits for nothing any more
+    monkeypatch.setattr(recorder._background, "_changed", threading.Condition(lock))
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            recorder.write_soon(EventRow(0.0, 0.0, "focused"))
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert lock.presses == 0
+    assert not lock.locked()

@@ -15,7 +15,17 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from torture import damaged, disk_full, inputs, power_cut, runtime, scenes, signals, table
+from torture import (
+    damaged,
+    disk_full,
+    inputs,
+    power_cut,
+    resumed,
+    runtime,
+    scenes,
+    signals,
+    table,
+)
 from torture.case import Result, Rig
 from torture.session import kill_all
 from vrcomfort.errors import InputError
@@ -28,6 +38,7 @@ TORTURES: dict[str, Callable[[Rig], Result]] = {
     "signals": signals.torture,
     "power_cut": power_cut.torture,
     "disk_full": disk_full.torture,
+    "resumed": resumed.torture,
     "damaged": damaged.torture,
     "inputs": inputs.torture,
     "scenes": scenes.torture,

@@ -4,47 +4,134 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import TypeVar
 
 SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
 )
 """Ctrl-C, a shutdown, a closed terminal; Windows has no SIGHUP."""
 
+TOGETHER_S = 1.0
+"""SIGTERM and SIGHUP that come so close together are those of one shutdown: one wish, and files are
+closed meanwhile."""
+
+_AT_ONCE = 3
+"""The signal that is heard wherever it comes: nobody is kept waiting by a disk that hangs."""
+
+Item = TypeVar("Item")
+
+
+class _Signals:
+    """Passes signals on to the handlers that they had, when it is their time."""
+
+    def __init__(self) -> None:
+        self.depth = 1
+        """Of blocks that no signal interrupts."""
+        self._count = 0
+        self._last_s = -TOGETHER_S
+        self._waiting: Callable[[], object] | None = None
+        found = {number: signal.getsignal(number) for number in SIGNALS}
+        self._handlers = {number: each for number, each in found.items() if callable(each)}
+
+    def listen(self) -> None:
+        """Hear the signals in place of their handlers."""
+        for number in self._handlers:
+            signal.signal(number, self._hear)
+
+    def close(self) -> None:
+        """Give the signals back to their handlers."""
+        self.depth = 1  # or a signal in this loop would leave it in the middle
+        for number, handler in self._handlers.items():
+            signal.signal(number, handler)
+        self.depth = 0
+        self.raise_waiting()
+
+    def raise_waiting(self) -> None:
+        """Hear the signal that came in a block."""
+        heard, self._waiting = self._waiting, None
+        if heard is not None:
+            heard()
+
+    def _hear(self, number: int, frame: FrameType | None) -> None:
+        now_s = time.monotonic()
+        if number != signal.SIGINT and now_s - self._last_s < TOGETHER_S:
+            return
+        self._last_s = now_s
+        self._count += 1
+        if self._count == 1 and self.depth:
+            self._waiting = lambda: self._handlers[number](number, frame)
+        elif self._count == 1 or self._count >= _AT_ONCE:
+            self._waiting = None
+            self._handlers[number](number, frame)
+
+
+_signals: _Signals | None = None
+"""Of this process, whose main thread alone hears signals."""
+
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
     """Hold back the first signal that would stop the program until the block has ended.
 
-    A second one is heard at once, so that nobody is kept waiting by a disk that hangs. In another
-    thread than the main one, which hears no signals, the block simply runs.
+    A second one changes nothing: what it wants is under way. A third is heard at once. So it is in
+    the outermost block also after the first was heard, by `listening`. In another thread than the
+    main one, which hears no signals, the block simply runs.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
-        return
-    found = {number: signal.getsignal(number) for number in SIGNALS}
-    handlers = {number: handler for number, handler in found.items() if callable(handler)}
-    held: list[tuple[int, FrameType | None]] = []
+    elif _signals is None:
+        with _hearing():
+            yield
+    else:
+        held = _signals
+        held.depth += 1
+        try:
+            yield
+        finally:
+            held.depth -= 1
+            if not held.depth:
+                held.raise_waiting()
 
-    def release() -> None:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
 
-    def hold(number: int, frame: FrameType | None) -> None:
-        if not held:
-            held.append((number, frame))
-            return
-        held.clear()
-        release()
-        handlers[number](number, frame)
-
-    for number in handlers:
-        signal.signal(number, hold)
+@contextmanager
+def _hearing() -> Iterator[None]:
+    global _signals  # noqa: PLW0603 - a process is told of signals, and nothing smaller
+    ours = _Signals()
     try:
+        _signals = ours
+        ours.listen()
         yield
     finally:
-        release()
-        for number, frame in held:
-            handlers[number](number, frame)
+        _signals = None
+        ours.close()
+
+
+@contextmanager
+def listening() -> Iterator[None]:
+    """Hear the first signal at once, also in an `uninterrupted` block, or that which it held."""
+    held = _signals if threading.current_thread() is threading.main_thread() else None
+    if held is None:
+        yield
+        return
+    depth, held.depth = held.depth, 0
+    try:
+        held.raise_waiting()
+        yield
+    finally:
+        held.depth = depth
+
+
+def interruptible(items: Iterable[Item]) -> Iterator[Item]:
+    """Yield items; signals are heard while one is waited for."""
+    iterator = iter(items)
+    while True:
+        with listening():
+            try:
+                item = next(iterator)
+            except StopIteration:
+                return
+        yield item

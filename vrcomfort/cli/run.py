@@ -203,6 +203,8 @@ def run(
     if outcome.status == "aborted":
         warn(how_to_go_on(ctx))
         raise KeyboardInterrupt  # as the session has heard it, which then closed its files
+    if outcome.lost:
+        raise InputError("; ".join(outcome.lost))
 
 
 def _consent_of(version: str | None, day: str | None) -> Given | None:

@@ -81,6 +81,8 @@ def simulate(
     if outcomes[-1].status == "aborted":
         warn("the same command goes on where this was stopped")
         raise KeyboardInterrupt  # as the session has heard it, which then closed its files
+    if lost := [sentence for outcome in outcomes for sentence in outcome.lost]:
+        raise InputError("; ".join(lost))
 
 
 def simulate_study(
@@ -165,13 +167,9 @@ def _simulate_one(
 
 def _is_over(study: Path, name: str, ended: list[str], sessions: int) -> bool:
     """Return whether a participant has nothing left to simulate, and see that the study says so."""
-    from vrcomfort.records import read_participants, set_status
+    from vrcomfort.records import note_end, read_participants
 
+    note_end(study, name, sessions)
     known = {row.participant: row.status for row in read_participants(study)}.get(name)
-    if known in {"withdrawn", "excluded"}:
-        return True
-    withdrew = "withdrawn" in ended
-    over = withdrew or ended.count("completed") + ended.count("ended") == sessions
-    if over and known == "enrolled":  # the program was killed before it could write this
-        set_status(study, name, "withdrawn" if withdrew else "completed")
-    return over
+    over = ended.count("completed") + ended.count("ended") == sessions
+    return over or known in {"withdrawn", "excluded"}

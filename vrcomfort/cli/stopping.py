@@ -9,8 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from vrcomfort.headset.watchdog import TOGETHER_S
-from vrcomfort.stop_signals import SIGNALS
+from vrcomfort.stop_signals import SIGNALS, TOGETHER_S
 
 _last: tuple[int, float] = signal.SIGINT, -TOGETHER_S
 """The signal that came last, and when."""

@@ -281,8 +281,8 @@ def _record(
         "machine or its clock",
         "events_not_known": sorted(unknown),
         "left_out": "notes and reasons; distances between pupils, heights of eyes; memory of "
-        "respondents; moved-aside rows (.cut, .schemaN), Parquet files, locks, files that are not "
-        "of vrcomfort's making",
+        "respondents; moved-aside rows (.cut, .schemaN, .replacedN), Parquet files, locks, files "
+        "that are not of vrcomfort's making",
         "still_there": {
             "people_are_recognised_by": [name for name, stay in recognised.items() if stay],
             "covariates": known,

@@ -19,6 +19,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Self
 
+from vrcomfort.stop_signals import TOGETHER_S
+
 NOTICE_S = 5.0
 """A call that takes so long hangs: runtimes answer within a few refreshes."""
 
@@ -26,10 +28,6 @@ PATIENCE_S = 600.0
 """So long a hung runtime is waited for where nobody presses Ctrl-C."""
 
 EXIT_RUNTIME_LOST = 3
-
-TOGETHER_S = 1.0
-"""SIGTERM and SIGHUP that come so close together are those of one shutdown: one wish, and files are
-closed meanwhile."""
 
 POLL_S = 0.1
 DECIDES_S = 30.0

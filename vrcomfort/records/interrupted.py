@@ -11,19 +11,29 @@ from typing import Any, NamedTuple
 
 from vrcomfort.protocol import Trial
 from vrcomfort.records.appended_file import AppendedFile
+from vrcomfort.records.attempts import FramesOfAttempts
 from vrcomfort.records.checksums import unseal
 from vrcomfort.records.disk import OWNER, Access, refused
 from vrcomfort.records.exposure_rows import OVER, DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
+from vrcomfort.records.interruptions import OF_FRAMES
 from vrcomfort.records.json_file import damaged
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
 from vrcomfort.records.recorded_rows import RecordedRow, read_rows
 from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS
-from vrcomfort.records.session_rows import EventRow, QuestionnaireRow, ScreeningRow, TextRow
+from vrcomfort.records.session_rows import (
+    ClockRow,
+    EventRow,
+    QuestionnaireRow,
+    ScreeningRow,
+    TextRow,
+)
 from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undone_trials
 
+_DECIMALS = 9
+"""Of times on record; a sum of two may have more."""
 _TRIAL_STATUS = ("completed", "withdrawn", "stopped", "aborted", "skipped")
 
 
@@ -110,9 +120,9 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
     cuts = [mend(folder, row_type, access) for row_type in (*SESSION_ROWS, *there)]
     whose = {"participant": manifest["participant"], "session": manifest["session"]}
     trials = list(_checked_trials(folder, planned, whose))
-    frames = _Frames.read(folder, begun)
+    frames = _Frames.read(folder, trials, begun)
     end_s = max(_ends(folder, trials, whose), default=0.0)
-    end_s = max(end_s, frames.last_s)
+    end_s = round(max(end_s, frames.last_s), _DECIMALS)
     attempts: dict[int, int] = {}
     for row in trials:
         attempts[row["trial"]] = max(row["attempt"], attempts.get(row["trial"], 0))
@@ -256,15 +266,27 @@ class _Frames:
     dropped: int = 0
 
     @classmethod
-    def read(cls, folder: Path, begun: Mapping[str, Any] | None) -> _Frames:
+    def read(
+        cls, folder: Path, trials: Sequence[RecordedRow], begun: Mapping[str, Any] | None
+    ) -> _Frames:
         found = cls()
+        under_way = (begun["trial"], begun["attempt"]) if begun else None
+        of_attempts = FramesOfAttempts([*trials, *([begun] if begun else [])])
         for row in read_rows(folder, FrameRow):
-            if begun and row["trial"] == begun["trial"] and row["session_s"] >= begun["start_s"]:
+            attempt = of_attempts.add(row)
+            if attempt is not None and attempt == under_way:
                 found.shown += 1
                 found.dropped += row["dropped"]
-            found.last_ns = row["xr_time_ns"]
-            found.last_s = max(found.last_s, row["session_s"])
+            found._meet(row)
+        for row_type in OF_FRAMES:  # a power cut may have left them without their frame
+            if (folder / row_type.FILE).exists():
+                for row in read_rows(folder, row_type):
+                    found._meet(row)
         return found
+
+    def _meet(self, row: RecordedRow) -> None:
+        self.last_ns = max(row["xr_time_ns"], self.last_ns or row["xr_time_ns"])
+        self.last_s = max(self.last_s, row["session_s"])
 
 
 def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any]) -> Iterator[float]:
@@ -282,6 +304,7 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
         TextRow: ("answered_s",),
         ScreeningRow: ("decided_s",),
         PracticeRow: ("end_s",),
+        ClockRow: ("session_s",),
     }
     there = {each: parts for each, parts in optional.items() if (folder / each.FILE).exists()}
     columns = {**columns, **there}
@@ -310,7 +333,8 @@ def _write_killed(
     )
     file = folder / TrialRow.FILE
     try:
-        trials = AppendedFile(file, access, fresh=False)
+        header = csv_line(TrialRow.columns())
+        trials = AppendedFile(file, access, fresh=False, header=header)
     except OSError as error:
         raise refused(file, error) from error
     try:

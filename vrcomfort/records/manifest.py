@@ -62,6 +62,8 @@ class Manifest:
         Trials that dropped more frames than the protocol allows, one sentence each.
     frames_not_recorded
         Frames of this run without a row in ``frames.csv``: the disk was too slow.
+    changed_while_recorded
+        What other programs have done to the files of this run, one sentence each.
     under_way
         Trial, attempt and start of the exposure that has begun and not ended.
     ipd_measured_m
@@ -102,6 +104,7 @@ class Manifest:
     earlier_runs: list[dict[str, Any]] = field(default_factory=list)
     timing_flags: list[str] = field(default_factory=list)
     frames_not_recorded: int = 0
+    changed_while_recorded: list[str] = field(default_factory=list)
     ipd_measured_m: float | None = None
     clock_set_back: list[str] = field(default_factory=list)
     under_way: dict[str, Any] | None = None
@@ -145,6 +148,7 @@ class Manifest:
             "clamps": self.clamps,
             "timing_flags": self.timing_flags,
             "frames_not_recorded": self.frames_not_recorded,
+            "changed_while_recorded": self.changed_while_recorded,
             "clock_set_back": self.clock_set_back,
             **asdict(self.machine),
             "versions": versions(),

@@ -196,6 +196,7 @@ class ManifestShape(_File):
     timing_flags: list[str]
     clock_set_back: list[str] = []
     frames_not_recorded: Count = 0
+    changed_while_recorded: list[str] = []
     gpu: str = ""
     driver: str = ""
     runtime: str = ""

@@ -55,9 +55,8 @@ def mend(folder: Path, row_type: type[Row], access: Access) -> str | None:
 
 
 def _begin(file: Path, columns: tuple[str, ...], access: Access) -> None:
-    again = AppendedFile(file, access, fresh=True)
+    again = AppendedFile(file, access, fresh=True, header=csv_line(columns))
     try:
-        again.append(csv_line(columns))
         again.sync()
         sync_folder(file.parent)
     finally:

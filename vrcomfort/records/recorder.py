@@ -9,6 +9,7 @@ from types import TracebackType
 from typing import Self
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.appended_file import Meddling
 from vrcomfort.records.background import CAPACITY, BackgroundWriter
 from vrcomfort.records.disk import OWNER, Access, make_folders, refused
 from vrcomfort.records.exposure_rows import TrialRow
@@ -17,6 +18,7 @@ from vrcomfort.records.row_files import Durability, RowFiles
 from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import SESSION_ROWS
 from vrcomfort.records.session_rows import EventRow
+from vrcomfort.stop_signals import uninterrupted
 
 
 def session_folder(study: Path, participant: str, session: int) -> Path:
@@ -49,7 +51,7 @@ class Recorder:
     loses them); but it never waits for a row of a frame, nor does `write_soon` for any row: rows
     of frames and of timing are on the disk `SYNC_EVERY_S` later. Where the disk is so slow that
     `capacity` rows wait, rows of frames (and only these) are left out, counted, and told in
-    ``events.csv``.
+    ``events.csv``. No signal cuts a call short: it could leave the thread's lock behind.
 
     Parameters
     ----------
@@ -66,6 +68,8 @@ class Recorder:
     ----------
     frames_not_recorded
         Frames that were left out.
+    meddling
+        What other programs have done to the files, as far as `take_meddling` has told.
 
     Raises
     ------
@@ -88,6 +92,7 @@ class Recorder:
         self.folder = session_folder(study, participant, session)
         self.access = access
         self.frames_not_recorded = 0
+        self.meddling: list[Meddling] = []
         self.durability = durability
         self._gap: _Gap | None = None
         self._closed = False
@@ -118,6 +123,7 @@ class Recorder:
         if waited_for:
             self.flush()
 
+    @uninterrupted()
     def replace(self, old: Row, new: Row) -> None:
         """Put a row in the place of one that was written before; it is on the disk at return.
 
@@ -131,6 +137,7 @@ class Recorder:
         self.flush()
         self._files.replace(old, new)
 
+    @uninterrupted()
     def write_soon(self, *rows: Row) -> None:
         """Append rows without waiting: what happens between two frames."""
         for row in rows:
@@ -140,6 +147,13 @@ class Recorder:
                 self._background.put(row)
         self._background.check()  # not before: no row may be lost to the fault of another
 
+    def take_meddling(self) -> list[Meddling]:
+        """Return what other programs have done to the files since the last call."""
+        found = [self._files.meddling.popleft() for _ in range(len(self._files.meddling))]
+        self.meddling.extend(found)
+        return found
+
+    @uninterrupted()
     def flush(self) -> None:
         """Wait until everything is in its file.
 
@@ -151,6 +165,7 @@ class Recorder:
         self._tell_gap()
         self._background.finish()
 
+    @uninterrupted()
     def sync(self) -> None:
         """Wait until everything is on the disk.
 
@@ -180,6 +195,7 @@ class Recorder:
             length_s = round(gap.end_s - gap.start_s, 9)
             self._background.put(EventRow(gap.start_s, length_s, "frames_not_recorded", detail))
 
+    @uninterrupted()
     def close(self) -> None:
         """Write what waits, sync and close all files.
 

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections import deque
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from threading import RLock
 from typing import Literal, TypeAlias
 
-from vrcomfort.records.appended_file import AppendedFile
+from vrcomfort.records.appended_file import AppendedFile, Meddling
 from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
 from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
+from vrcomfort.records.interruptions import RELIES_ON, SYNC_EVERY_S, WRITTEN_IN_ORDER
 from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import SESSION_ROWS
 from vrcomfort.records.session_rows import EventRow, QuestionnaireRow, ScreeningRow, TextRow
-
-SYNC_EVERY_S = 0.5
-"""So long may a row of a frame wait: less than the second that is promised, for slow disks."""
 
 Durability: TypeAlias = Literal["each_row", "session_end"]
 
@@ -58,6 +57,8 @@ class RowFiles:
         self._files: dict[str, AppendedFile] = {}
         self._lock = RLock()
         self._fault: Exception | None = None
+        self.meddling: deque[Meddling] = deque()
+        """What other programs have done to the files, and has not been told."""
         self._told: set[str] = set()
         """Files whose refusal has been told, and that no row has come for since."""
         try:
@@ -74,10 +75,10 @@ class RowFiles:
 
     def _open(self, row_type: type[Row], *, fresh: bool = False) -> None:
         file = self._folder / row_type.FILE
-        self._files[row_type.FILE] = opened = AppendedFile(file, self._access, fresh=fresh)
-        if not file.stat().st_size:
-            opened.append(csv_line(row_type.columns()))
-            opened.flush()
+        header = csv_line(row_type.columns())
+        opened = AppendedFile(file, self._access, fresh=fresh, header=header)
+        self._files[row_type.FILE] = opened
+        opened.flush()
 
     def write(self, rows: Sequence[Row]) -> None:
         """Append rows that came together; they share the syncs that they need.
@@ -91,12 +92,9 @@ class RowFiles:
         """
         with self._lock:
             for row in rows:
-                if self._each_row and isinstance(row, TrialRow):
-                    self._sync_all()  # a trial is done once all that belongs to it is safe
                 self._told.discard(row.FILE)
                 self._try(row.FILE, partial(self._append, row))
-            for name, file in self._files.items():
-                self._try(name, file.flush)
+            self._flush_all()
             if self._each_row:
                 self._sync_due({row.FILE for row in rows if isinstance(row, _SYNCED_AT_ONCE)})
             self._raise_fault()
@@ -120,8 +118,7 @@ class RowFiles:
         """
         with self._lock:
             self._told.clear()  # whoever asks wants to know
-            self._sync_all()
-            self._raise_fault()
+            self._guard_and_sync()
 
     def replace(self, old: Row, new: Row) -> None:
         """Put a row in the place of one that was written before; it is on the disk at return.
@@ -133,12 +130,18 @@ class RowFiles:
         """
         file = self._folder / old.FILE
         with self._lock:
-            if old.FILE in self._files:  # not so just after another correction
-                self._files[old.FILE].flush()
-            before, _, after = _read(file).rpartition(self._line(old))
-            if opened := self._files.pop(old.FILE, None):
-                opened.close()  # Windows replaces no open file; the next row opens it again
-            replace_text(file, before + self._line(new) + after, self._access)
+            opened = self._opened(type(old))
+            self._guard(opened)
+            opened.flush()
+            text = _read(file)
+            before, found, after = text.rpartition(self._line(old))
+            if not found:  # another program has cut it off
+                before, after = text, ""
+            self._files.pop(old.FILE).close()  # Windows replaces no open file
+            try:
+                replace_text(file, before + self._line(new) + after, self._access)
+            finally:
+                self._opened(type(old))
 
     def close(self) -> None:
         """Sync and close all files.
@@ -150,20 +153,24 @@ class RowFiles:
         """
         with self._lock:
             try:
-                self._sync_all()
-                self._raise_fault()
+                self._guard_and_sync()
             finally:
                 self._close_descriptors()
 
     def _append(self, row: Row) -> None:
         for each in _with_others(row):
-            try:
-                if each.FILE not in self._files:  # a file that not every session has
-                    self._open(type(each))
-                    sync_folder(self._folder)
-            except OSError as error:
-                raise refused(self._folder / each.FILE, error) from error
-            self._files[each.FILE].append(self._line(each))
+            self._opened(type(each)).append(self._line(each))
+
+    def _opened(self, row_type: type[Row]) -> AppendedFile:
+        """Return a file; one that not every session has is opened now."""
+        name = row_type.FILE
+        try:
+            if name not in self._files:
+                self._open(row_type)
+                sync_folder(self._folder)
+        except OSError as error:
+            raise refused(self._folder / name, error) from error
+        return self._files[name]
 
     def _line(self, row: Row) -> str:
         cells = row.cells()
@@ -171,17 +178,52 @@ class RowFiles:
             cells[row.columns().index("resumed")] = 1
         return csv_line(cells)
 
+    def _flush_all(self) -> None:
+        for name, file in self._in_order():
+            if not (self._each_row and name == TrialRow.FILE):  # which waits until all is synced
+                self._look_at(name, file)
+                self._try(name, file.flush)
+
     def _sync_due(self, at_once: set[str]) -> None:
-        now_s = time.monotonic()
-        for name, file in self._files.items():
-            since_s = file.unsynced_since_s
-            if since_s is not None and (name in at_once or now_s - since_s >= SYNC_EVERY_S):
+        due_s = time.monotonic() - SYNC_EVERY_S
+        due = at_once | {
+            name
+            for name, file in self._files.items()
+            if file.unsynced_since_s is not None and file.unsynced_since_s <= due_s
+        }
+        self._sync_all(due.union(*(RELIES_ON.get(name, ()) for name in due)))
+
+    def _sync_all(self, names: Collection[str] = WRITTEN_IN_ORDER) -> None:
+        for name, file in self._in_order():
+            if name in names and file.unsynced_since_s is not None:
+                self._look_at(name, file)
                 self._try(name, file.sync)
 
-    def _sync_all(self) -> None:
+    def _guard_and_sync(self) -> None:
         for name, file in self._files.items():
-            if file.unsynced_since_s is not None:
-                self._try(name, file.sync)
+            self._try(name, partial(self._guard, file))  # also where no row has come since
+        self._sync_all()
+        self._raise_fault()
+
+    def _look_at(self, name: str, file: AppendedFile) -> None:
+        if file.waits:  # before its rows are written to where nobody finds them
+            self._try(name, partial(self._guard, file))
+
+    def _guard(self, file: AppendedFile) -> None:
+        if found := file.guard():
+            self.meddling.append(found)
+
+    def _in_order(self) -> Iterator[tuple[str, AppendedFile]]:
+        """Yield the open files, but for those that rely on one that the disk has refused."""
+        refused_files: set[str] = set()
+        for name in WRITTEN_IN_ORDER:
+            file = self._files.get(name)
+            if file is None:
+                continue
+            if refused_files.isdisjoint(RELIES_ON.get(name, ())):
+                yield name, file
+            if file.waits:
+                refused_files.add(name)
 
     def _try(self, name: str, step: Callable[[], None]) -> None:
         """Keep the first fault, and go on: no row may be lost to the fault of another."""

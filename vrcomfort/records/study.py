@@ -271,15 +271,23 @@ def _gone(study: Path, participant: str, status: str) -> str:
     return f"participant {participant} is {status} from this study; {remedy}"
 
 
-def note_withdrawal(study: Path, participant: str) -> None:
-    """See that the list of participants says of somebody who has withdrawn that they have.
+def note_end(study: Path, participant: str, sessions: int) -> None:
+    """See that the list of participants says of somebody whose study is over that it is.
 
     A program that was ended just then could write it into the session's manifest alone.
+
+    Parameters
+    ----------
+    sessions
+        How many the study has.
     """
-    ended = withdrawn_sessions(study, participant)
     known = {row.participant: row.status for row in read_participants(study)}
-    if ended and known.get(participant) == "enrolled":
+    if known.get(participant) != "enrolled":
+        return
+    if ended := withdrawn_sessions(study, participant):
         set_status(study, participant, "withdrawn", f"session {ended[-1]}")
+    elif len(completed_sessions(study, participant)) == sessions:
+        set_status(study, participant, "completed")
 
 
 def enrol(

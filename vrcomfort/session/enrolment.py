@@ -17,7 +17,7 @@ from vrcomfort.records import (
     access_of,
     enrolled,
     entered,
-    note_withdrawal,
+    note_end,
     only_run,
     open_study,
     overwriting,
@@ -260,7 +260,7 @@ def open_enrolment(
     kept_seed = open_study(study, protocol, seed=seed, group_readable=group_readable)
     with only_run(study, participant):
         design = build_design(protocol, seed=kept_seed)
-        note_withdrawal(study, participant)
+        note_end(study, participant, design.sessions)
         row = enrolled(study, participant)
         known = entered(design, row, covariates or {})
         simulated = respondent == "simulated"

@@ -21,6 +21,7 @@ class EventLog:
 
     def event(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
         """Write an event that ends now; without a start it is a moment."""
+        self.look_at_files()
         row = self._event(name, start_s, detail)
         self.context.relay.mark(row)
         self.recorder.write(row)
@@ -36,6 +37,13 @@ class EventLog:
         row = self._event(name, start_s, detail)
         self.context.relay.mark(row)
         self.recorder.write_soon(row)
+
+    def look_at_files(self) -> None:
+        """Write, and tell at once, what other programs have done to the session's files."""
+        for each in self.recorder.take_meddling():
+            name = "rows_lost" if each.lost else "file_put_back"
+            self.event_soon(name, detail=each.sentence)
+            self.tell("notice", TrialPlace(), 0, 0, each.sentence)
 
     def now_s(self) -> float:
         """Return the session clock."""

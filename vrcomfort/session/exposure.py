@@ -25,6 +25,7 @@ from vrcomfort.session.interfaces import Doing
 from vrcomfort.session.operator_control import Redone, Skipped
 from vrcomfort.session.ratings import Rated, RatingSchedule, RatingSchedules
 from vrcomfort.session.timing import seen_between_ns
+from vrcomfort.stop_signals import interruptible, uninterrupted
 
 
 @contextmanager
@@ -123,19 +124,24 @@ class FrameLoop:
         self._light = PatchLight(photodiode) if photodiode and stimulus.trial else None
         self._light_told = False
         self._task = task
-        try:
-            with collector_at_rest():
-                return self._run(stimulus, schedule, progress)
-        finally:
+        with uninterrupted():  # but for the wait for a frame: what was shown is recorded
             try:
-                renderer = self.context.renderer
-                hashes = renderer.drain_hashes()
-                hits = renderer.drain_gaze_hits()
-                self.log.finish(renderer.drain(), self._late_times(), hashes, hits)
-            finally:  # a disk that refuses a frame may yet take a rating
-                self._close_rating()
-                self._finish_task()
-                self._end_relay(stimulus)
+                with collector_at_rest():
+                    return self._run(stimulus, schedule, progress)
+            finally:
+                self._finish(stimulus)
+
+    def _finish(self, stimulus: Stimulus) -> None:
+        """Write everything that waits."""
+        try:
+            renderer = self.context.renderer
+            hashes = renderer.drain_hashes()
+            hits = renderer.drain_gaze_hits()
+            self.log.finish(renderer.drain(), self._late_times(), hashes, hits)
+        finally:  # a disk that refuses a frame may yet take a rating
+            self._close_rating()
+            self._finish_task()
+            self._end_relay(stimulus)
 
     def _end_relay(self, stimulus: Stimulus) -> None:
         relay = self.context.relay
@@ -167,7 +173,7 @@ class FrameLoop:
         progress: Callable[[float], None],
     ) -> Ending:
         shown_ns, before = 0, None
-        for unsteered in self._frames:
+        for unsteered in interruptible(self._frames):
             self._note_events()
             frame = self._steered(unsteered)
             if not self._counts(frame, stimulus):
@@ -233,6 +239,7 @@ class FrameLoop:
     def _note_events(self) -> None:
         for event in self.headset.take_events():
             self.events.note(event)
+        self.events.look_at_files()
 
     def _scene_time_s(self, frame: Frame) -> float:
         """Return the time of the scene's animations, which begins with its first frame."""

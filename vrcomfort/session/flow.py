@@ -25,6 +25,7 @@ from vrcomfort.protocol.timeline import (
     trial_places,
 )
 from vrcomfort.records import Interrupted
+from vrcomfort.records.interruptions import RESUMED
 from vrcomfort.respondent import Withdrew
 from vrcomfort.scene.data import Scene
 from vrcomfort.session.context import SessionContext
@@ -141,7 +142,7 @@ class SessionFlow:
         self._context.floor.offset_m = 0.0
         self._context.clock.start(before.session_s if before else 0.0)
         if before:
-            self._events.event("session_resumed", detail=f"after exposure {before.done}")
+            self._events.event(RESUMED, detail=f"after exposure {before.done}")
             for undone in _undone_since(before.manifest):
                 self._events.event("withdrawal_undone", detail=str(undone["reason"]))
             for warning in before.warnings:

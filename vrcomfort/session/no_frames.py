@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from vrcomfort.session.exposure import Ending, FrameLoop, Stimulus
 from vrcomfort.session.interfaces import LoadScene
 from vrcomfort.session.ratings import RatingSchedules
 from vrcomfort.session.standing import without_meshes
+from vrcomfort.stop_signals import interruptible
 
 STEPS_HZ = 20.0
 """So often something happens in tasks and in validations of the gaze, which go step by step."""
@@ -48,7 +50,9 @@ class EventLoop(FrameLoop):
         if self._task is not None:
             return super()._run(stimulus, schedule, progress)
         duration_s = stimulus.duration_s * stimulus.stretch
+        listening = interruptible(repeat(None))
         while True:
+            next(listening)
             self.context.operators.look()
             self._pass(min(self._next_s(schedule), duration_s), stimulus)
             if self.felt_s >= duration_s:

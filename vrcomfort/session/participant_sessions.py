@@ -24,6 +24,7 @@ from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.flow import SessionFlow, SessionStatus
 from vrcomfort.session.manifest_writer import ManifestWriter, limits
+from vrcomfort.stop_signals import listening, uninterrupted
 
 RUNTIME_HUNG = "runtime_hung"
 
@@ -43,6 +44,8 @@ class RunOutcome:
     warnings
         What somebody should look at: rows that a crash cut, trials with too many dropped
         frames, a clock that was set back.
+    lost
+        Rows that another program has taken out of the files, one sentence each.
     """
 
     participant: str
@@ -51,6 +54,7 @@ class RunOutcome:
     sessions: tuple[int, ...]
     note: str = ""
     warnings: tuple[str, ...] = ()
+    lost: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -66,9 +70,17 @@ class ParticipantSessions:
     context: SessionContext
     interrupted: Mapping[int, Interrupted]
     notices: list[str] = field(default_factory=list)
+    lost: list[str] = field(default_factory=list)
 
     def run(self, numbers: Iterable[int]) -> RunOutcome:
-        """Run sessions until one is not completed."""
+        """Run sessions until one is not completed.
+
+        A signal stops one at once, and then all is written that belongs to it.
+        """
+        with uninterrupted():
+            return self._run(numbers)
+
+    def _run(self, numbers: Iterable[int]) -> RunOutcome:
         ran: list[int] = []
         for number in numbers:
             ran.append(number)
@@ -93,7 +105,8 @@ class ParticipantSessions:
 
     def _outcome(self, status: str, ran: list[int], note: str = "") -> RunOutcome:
         name, warnings = self.context.sequence.name, tuple(self.notices)
-        return RunOutcome(self.context.participant, name, status, tuple(ran), note, warnings)
+        who, lost = self.context.participant, tuple(self.lost)
+        return RunOutcome(who, name, status, tuple(ran), note, warnings, lost)
 
     def _session(self, number: int) -> tuple[SessionStatus, str]:
         context = self.context
@@ -114,8 +127,9 @@ class ParticipantSessions:
             manifest.write(recorder.folder, access)
             try:
                 with self._guarded(number, flow, writer, recorder):
-                    status, note = _kept(flow, writer, recorder)
+                    status, note = _kept(flow, writer, events)
             finally:
+                self.lost.extend(each.sentence for each in recorder.meddling if each.lost)
                 self._look_at(number, manifest, before)
         self._seal(number, recorder)
         context.progress(SessionProgress("end", context.participant, number, text=status))
@@ -191,15 +205,14 @@ class ParticipantSessions:
 STOPPED = "stopped by the operator"
 
 
-def _kept(
-    flow: SessionFlow, writer: ManifestWriter, recorder: Recorder
-) -> tuple[SessionStatus, str]:
+def _kept(flow: SessionFlow, writer: ManifestWriter, events: EventLog) -> tuple[SessionStatus, str]:
     """Run a session and write its end into the manifest, in any case."""
     status: SessionStatus = "aborted"
     note = ""
     try:
-        status, note = flow.run()
-        recorder.sync()  # first: a session that is completed has all of its rows
+        with listening():
+            status, note = flow.run()
+        events.recorder.sync()  # first: a session that is completed has all of its rows
     except KeyboardInterrupt as stop:
         early = writer.ended_early
         status, note = ("aborted", str(stop) or STOPPED) if early is None else (early, "")
@@ -207,5 +220,9 @@ def _kept(
         with suppress(InputError):  # the first error is the one to tell
             writer.close(writer.ended_early or "aborted")
         raise
-    writer.close(status)
+    try:
+        events.recorder.sync()
+    finally:
+        events.look_at_files()
+        writer.close(status)
     return status, note

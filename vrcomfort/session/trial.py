@@ -333,8 +333,8 @@ class TrialRunner:
         self._events.recorder.write(timing_row(trial, self._log.timing, flags), trial)
         if flags:
             text = f"trial {trial.trial}, attempt {trial.attempt}: {'; '.join(flags)}"
+            self._manifest.flag(text)  # first: the event says that it is there
             self._events.event("timing_flag", detail=text)
-            self._manifest.flag(text)
 
 
 def _ended_by(error: BaseException, protocol: Protocol) -> tuple[str, str] | None:

@@ -8,11 +8,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from vrcomfort.csv_table import CsvTable
+from vrcomfort.records.attempts import Attempt, FramesOfAttempts
 from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.session_rows import EventRow
+from vrcomfort.records.times import within
 
-_EPSILON_S = 1e-6
+_WHOLE = "trial", "attempt", "frames", "resumed"
+_TIMES = "session_s", "start_s", "end_s"
 Cells = dict[str, str]
 
 
@@ -42,10 +45,14 @@ class Run:
         """Return where the run's time begins: its first frame, or the exposure's start."""
         return float(self.frames[0]["session_s"] if self.frames else self.trial["start_s"])
 
+    @property
+    def attempt(self) -> Attempt:
+        """Return which it is."""
+        return int(self.trial["trial"]), int(self.trial["attempt"])
+
     def holds(self, time_s: float) -> bool:
         """Return whether a moment of the session lies in the exposure."""
-        start_s, end_s = float(self.trial["start_s"]), float(self.trial["end_s"])
-        return start_s - _EPSILON_S <= time_s <= end_s + _EPSILON_S
+        return within(time_s, float(self.trial["start_s"]), float(self.trial["end_s"]))
 
 
 def read_runs(folder: Path) -> list[Run]:
@@ -60,11 +67,12 @@ def read_runs(folder: Path) -> list[Run]:
         Run(number, trial) for number, trial in enumerate(_rows(folder / TrialRow.FILE), start=1)
     ]
     times: dict[str, Run] = {}
+    of_attempt = {run.attempt: run for run in runs}
+    attempts = FramesOfAttempts(_numbers(run.trial) for run in runs)
     for row in _stream(folder / FrameRow.FILE):
-        run = _of(runs, row["trial"], float(row["session_s"]))
-        if run is not None:
-            run.frames.append(row)
-            times[row["xr_time_ns"]] = run
+        if (attempt := attempts.add(_numbers(row))) is not None:
+            of_attempt[attempt].frames.append(row)
+            times[row["xr_time_ns"]] = of_attempt[attempt]
     if (folder / GazeRow.FILE).exists():
         for row in _stream(folder / GazeRow.FILE):
             if (run := times.get(row["xr_time_ns"])) is not None:
@@ -75,7 +83,7 @@ def read_runs(folder: Path) -> list[Run]:
             run.ratings.append(row)
     for kind in (TaskRow, DialRow):
         for row in _rows(folder / kind.FILE) if (folder / kind.FILE).exists() else ():
-            run = _of(runs, row["trial"], float(row["onset_s"]))
+            run = of_attempt.get((int(row["trial"]), int(row["attempt"])))
             if run is not None:
                 (run.tasks if kind is TaskRow else run.dials).append(row)
     for row in _rows(folder / EventRow.FILE):
@@ -87,6 +95,12 @@ def read_runs(folder: Path) -> list[Run]:
 
 def _of(runs: list[Run], trial: str, time_s: float) -> Run | None:
     return next((r for r in runs if r.trial["trial"] == trial and r.holds(time_s)), None)
+
+
+def _numbers(row: Cells) -> dict[str, float]:
+    """Return what tells which attempt a row is of."""
+    whole = {name: int(row[name]) for name in _WHOLE if name in row}
+    return {**whole, **{name: float(row[name]) for name in _TIMES if name in row}}
 
 
 def _rows(file: Path) -> Iterator[Cells]:

@@ -7,10 +7,9 @@ from collections.abc import Mapping, Sequence
 
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.records.recorded_rows import RecordedRow
+from vrcomfort.records.times import TOLERANCE_S, before
 
 _REFUSED = "rather not say"
-_EPSILON_S = 1e-6
-"""Times are written with nine decimals."""
 
 
 def check_answers(
@@ -55,8 +54,9 @@ def _match(
     """Match the rows and the events of one item at one timepoint, over all exposures."""
     times = [event["onset_s"] for event in events]
     taken: set[int] = set()
+    later_s: list[float] = []
     for row in rows:
-        at = bisect_left(times, row["answered_s"] - _EPSILON_S)
+        at = bisect_left(times, row["answered_s"] - TOLERANCE_S)
         if at < len(events) and _place(times[at], exposed_s) == _place(
             row["answered_s"], exposed_s
         ):
@@ -65,10 +65,14 @@ def _match(
         elif whole:
             message = "events.csv has no such answer; restore both files from a copy"
             found.fault(row.file, message, row.line)
+        else:  # the program was stopped between the row and its event
+            later_s.append(row["answered_s"])
+    later_s += [times[index] for index in taken]
     for index, event in enumerate(events):
         place = _place(times[index], exposed_s)
         corrected = any(
-            _place(times[later], exposed_s) == place for later in taken if later > index
+            before(times[index], each_s) and _place(each_s, exposed_s) == place
+            for each_s in later_s
         )
         if index not in taken and not corrected:
             message = f"questionnaires.csv has no row of this answer ({event['detail']})"
@@ -77,7 +81,7 @@ def _match(
 
 def _place(time_s: float, exposed_s: Sequence[float]) -> int:
     """Return after how many exposures something was."""
-    return bisect_right(exposed_s, time_s + _EPSILON_S)
+    return bisect_right(exposed_s, time_s + TOLERANCE_S)
 
 
 def _compare(row: RecordedRow, event: RecordedRow, found: Verified) -> None:
@@ -102,7 +106,7 @@ def check_places(
         if ask.get("when") == "after_trial"
     }
     for row in answers:
-        if row["answered_s"] + _EPSILON_S < row["asked_s"]:
+        if before(row["answered_s"], row["asked_s"]):
             found.fault(row.file, "was answered before it was asked; restore the file", row.line)
         if row["trial"] is None:
             continue
@@ -115,7 +119,7 @@ def check_places(
         if row["timepoint"] in after and not attempts:
             message = f"is the answer to exposure {row['trial']}, which trials.csv does not have"
             found.fault(row.file, f"{message}; restore that file from a copy", row.line)
-        elif row["timepoint"] in after and row["answered_s"] + _EPSILON_S < attempts[0]["end_s"]:
+        elif row["timepoint"] in after and before(row["answered_s"], attempts[0]["end_s"]):
             message = f"was answered before exposure {row['trial']} ended"
             found.fault(row.file, f"{message}; restore the file that was changed", row.line)
 
@@ -127,7 +131,7 @@ def check_texts(
 ) -> None:
     """Check that answers in one's own words tell of an exposure that was, with its condition."""
     for row in texts:
-        if row["answered_s"] + _EPSILON_S < row["asked_s"]:
+        if before(row["answered_s"], row["asked_s"]):
             found.fault(row.file, "was answered before it was asked; restore the file", row.line)
         attempts = trials.get(row["trial"], ()) if row["trial"] is not None else ()
         if attempts and row["condition"] != attempts[0]["condition"]:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from vrcomfort.exchange.verifying.findings import Verified
+from vrcomfort.records.attempts import Attempt, FramesOfAttempts
+from vrcomfort.records.interruptions import SAFE_AFTER_S, Interruption
 from vrcomfort.records.recorded_rows import RecordedRow
+from vrcomfort.records.times import TOLERANCE_S, before, within
 
-_EPSILON_S = 1e-6
 _BACKWARDS = "; the file was changed or mixed with another: restore it from a copy"
 
 
@@ -19,27 +24,27 @@ class Frames:
 
     times: list[tuple[int, float]] = field(default_factory=list)
     """`xr_time_ns` and `session_s` of each."""
-    of_attempt: Counter[tuple[int, int]] = field(default_factory=Counter)
-    dropped: Counter[tuple[int, int]] = field(default_factory=Counter)
+    of_attempt: Counter[Attempt] = field(default_factory=Counter)
+    dropped: Counter[Attempt] = field(default_factory=Counter)
 
 
 def read_frames(
     rows: Iterable[RecordedRow],
-    trials: Mapping[int, Sequence[RecordedRow]],
+    trials: Sequence[RecordedRow],
     under_way: Mapping[str, object] | None,
     found: Verified,
 ) -> Frames:
     """Read the frames, and check their order and that each belongs to an exposure on record."""
-    frames = Frames()
+    of_attempts = FramesOfAttempts(trials)
+    frames = Frames(of_attempt=of_attempts.counts)
     homeless: set[int] = set()
     for row in rows:
         _check_order(row, frames, found)
         frames.times.append((row["xr_time_ns"], row["session_s"]))
         if not row["trial"]:
             continue
-        attempt = _attempt(row, trials.get(row["trial"], ()))
+        attempt = of_attempts.add(row)
         if attempt is not None:
-            frames.of_attempt[attempt] += 1
             frames.dropped[attempt] += row["dropped"]
         elif row["trial"] not in homeless and not _is_under_way(row, under_way):
             homeless.add(row["trial"])
@@ -56,16 +61,9 @@ def _check_order(row: RecordedRow, frames: Frames, found: Verified) -> None:
     if row["xr_time_ns"] <= before_ns:
         message = f"xr_time_ns {row['xr_time_ns']} is not after {before_ns} in the row before"
         found.fault(row.file, message + _BACKWARDS, row.line)
-    elif row["session_s"] < before_s - _EPSILON_S:
+    elif before(row["session_s"], before_s):
         message = f"session_s {row['session_s']} is before {before_s} in the row before"
         found.fault(row.file, message + _BACKWARDS, row.line)
-
-
-def _attempt(row: RecordedRow, attempts: Sequence[RecordedRow]) -> tuple[int, int] | None:
-    for each in reversed(attempts):  # one that was redone ends when the next begins
-        if each["start_s"] - _EPSILON_S <= row["session_s"] <= each["end_s"] + _EPSILON_S:
-            return each["trial"], each["attempt"]
-    return None
 
 
 def _is_under_way(row: RecordedRow, under_way: Mapping[str, object] | None) -> bool:
@@ -82,12 +80,13 @@ def check_counts(
     not_recorded
         Frames that the events say have no row: so many may be missing.
     """
-    missing = 0
+    left = not_recorded
     for trial in trials:
         key = trial["trial"], trial["attempt"]
         lacking = trial["frames"] - frames.of_attempt[key]
-        missing += max(lacking, 0)
-        if lacking < 0 or missing > not_recorded:
+        told = min(max(lacking, 0), left)
+        left -= told
+        if lacking != told:
             message = f"trial {key[0]}, attempt {key[1]} had {trial['frames']} frames"
             message = f"{message}, and frames.csv has {frames.of_attempt[key]} rows of it"
             found.fault(trial.file, f"{message}; restore frames.csv from a copy", trial.line)
@@ -104,6 +103,7 @@ def check_times(
     *,
     every_frame: bool = False,
     gaps: bool = False,
+    cut: Sequence[Cut] = (),
 ) -> None:
     """Check that gaze, hashes of images, or balls have the times of frames, in order.
 
@@ -113,6 +113,8 @@ def check_times(
         One headset showed the whole session: a row for each frame.
     gaps
         Frames may be missing: those for which the disk was too slow.
+    cut
+        Where others may be missing.
     """
     at = count = 0
     last: RecordedRow | None = None
@@ -122,7 +124,7 @@ def check_times(
             at += 1
         if gaps:
             continue
-        if at == len(frames.times) or frames.times[at] != (row["xr_time_ns"], row["session_s"]):
+        if not _has_frame(row, frames, at) and not any(each.has(row) for each in cut):
             message = "frames.csv has no row of this time; restore the file that was changed"
             found.fault(row.file, message, row.line)
             return
@@ -131,13 +133,63 @@ def check_times(
         found.fault(last.file, f"{message}; restore the shorter one from a copy", last.line)
 
 
-def check_clocks(rows: Iterable[RecordedRow], found: Verified) -> None:
-    """Check that the session's clock and the system's go forwards together."""
-    before: RecordedRow | None = None
+def _has_frame(row: RecordedRow, frames: Frames, at: int) -> bool:
+    if at == len(frames.times):
+        return False
+    time_ns, time_s = frames.times[at]
+    return time_ns == row["xr_time_ns"] and within(row["session_s"], time_s, time_s)
+
+
+class Cut(NamedTuple):
+    """The time at the end of a run that was killed, of which no frames are left."""
+
+    after_s: float
+    until_s: float
+
+    def has(self, row: RecordedRow) -> bool:
+        """Return whether the frame of a row may be missing."""
+        return before(self.after_s, row["session_s"]) and not before(self.until_s, row["session_s"])
+
+
+def cuts(frames: Frames, interruptions: Iterable[Interruption], *, real_time: bool) -> list[Cut]:
+    """Return where frames may be missing.
+
+    Parameters
+    ----------
+    real_time
+        The session's clock is the machine's: then no more is missing than what may wait to be
+        synced. In `simulate` time runs as fast as it can, and nothing is synced before the end.
+    """
+    found = []
+    times_s = [time_s for _, time_s in frames.times]
+    for each in interruptions:
+        if each.killed:
+            at = bisect_left(times_s, each.session_s - TOLERANCE_S)
+            after_s = times_s[at - 1] if at else -1.0
+            if real_time and math.isfinite(each.session_s):
+                after_s = max(after_s, each.session_s - SAFE_AFTER_S)
+            found.append(Cut(after_s, each.session_s))
+    return found
+
+
+def check_clocks(
+    rows: Iterable[RecordedRow], interruptions: Sequence[Interruption], found: Verified
+) -> None:
+    """Check that the session's clock and the system's go forwards together, in each run."""
+    began_s = [each.session_s - TOLERANCE_S for each in interruptions]
+    last: RecordedRow | None = None
     for row in rows:
-        if before is not None and row["resumed"] == before["resumed"]:
-            for column in ("session_s", "monotonic_ns"):
-                if row[column] < before[column]:
-                    message = f"{column} {row[column]} is before {before[column]} in the row before"
+        if last is not None and _run(row, began_s) == _run(last, began_s):
+            for column, backwards in (
+                ("session_s", before(row["session_s"], last["session_s"])),
+                ("monotonic_ns", row["monotonic_ns"] < last["monotonic_ns"]),
+            ):
+                if backwards:
+                    message = f"{column} {row[column]} is before {last[column]} in the row before"
                     found.fault(row.file, message + _BACKWARDS, row.line)
-        before = row
+        last = row
+
+
+def _run(row: RecordedRow, began_s: Sequence[float]) -> tuple[int, int]:
+    """Return the run that a row is of."""
+    return row["resumed"], bisect_right(began_s, row["session_s"])

@@ -7,6 +7,7 @@ from typing import Any
 
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.records.recorded_rows import RecordedRow
+from vrcomfort.records.times import before
 
 _STATUS = ("completed", "skipped", "redone", "withdrawn", "aborted")
 _RESTORE = "restore the file"
@@ -44,6 +45,6 @@ def _faults(row: RecordedRow, manifest: Mapping[str, Any], known: set[str]) -> l
         faults.append(f"the protocol has no practice {row['practice']!r}")
     if row["status"] not in _STATUS:
         faults.append(f"{row['status']!r} is no status of practice")
-    if row["end_s"] < row["start_s"]:
+    if before(row["end_s"], row["start_s"]):
         faults.append("ended before it began")
     return faults

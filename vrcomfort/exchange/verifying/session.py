@@ -17,7 +17,14 @@ from vrcomfort.exchange.verifying.answers import (
     check_texts,
 )
 from vrcomfort.exchange.verifying.findings import Verified
-from vrcomfort.exchange.verifying.frames import check_clocks, check_counts, check_times, read_frames
+from vrcomfort.exchange.verifying.frames import (
+    Frames,
+    check_clocks,
+    check_counts,
+    check_times,
+    cuts,
+    read_frames,
+)
 from vrcomfort.exchange.verifying.practice import check_practice
 from vrcomfort.exchange.verifying.rows import note_version, read
 from vrcomfort.exchange.verifying.session_files import check_checksums, check_files
@@ -32,7 +39,8 @@ from vrcomfort.records.exposure_rows import (
     TimingRow,
     TrialRow,
 )
-from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
+from vrcomfort.records.frame_rows import FrameRow, GazeRow
+from vrcomfort.records.interruptions import OF_FRAMES, Interruption, interruptions
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.recorded_rows import RecordedRow
 from vrcomfort.records.rows import Row
@@ -43,8 +51,8 @@ from vrcomfort.records.session_rows import (
     ScreeningRow,
     TextRow,
 )
+from vrcomfort.records.times import before, within
 
-_EPSILON_S = 1e-6
 _RESTORE = "restore the file that was changed"
 
 
@@ -57,13 +65,14 @@ class Recorded:
     answers: Sequence[RecordedRow]
     ratings: Sequence[RecordedRow]
     events: Sequence[RecordedRow]
-    doings: Sequence[RecordedRow] = ()
-    """Rows of tasks and of dials."""
+    tasks: Sequence[RecordedRow] = ()
+    dials: Sequence[RecordedRow] = ()
     attempts: Mapping[int, Sequence[RecordedRow]] = field(default_factory=dict)
 
     def all(self) -> Iterable[Sequence[RecordedRow]]:
         """Return the rows of each file."""
-        return self.trials, self.timing, self.answers, self.ratings, self.events, self.doings
+        rated = self.answers, self.ratings, self.tasks, self.dials
+        return self.trials, self.timing, *rated, self.events
 
 
 def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
@@ -95,25 +104,41 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
         check_practice(list(read(folder, PracticeRow, version, found)), manifest, found)
     check_places(recorded.answers, recorded.attempts, manifest.get("settings") or {}, found)
     rows = read(folder, FrameRow, version, found)
-    frames = read_frames(rows, recorded.attempts, manifest.get("under_way"), found)
+    frames = read_frames(rows, recorded.trials, manifest.get("under_way"), found)
     check_counts(recorded.trials, frames, found, not_recorded=_not_recorded(recorded.events))
-    if (folder / GazeRow.FILE).exists():
-        alone = not manifest.get("earlier_runs")
-        check_times(read(folder, GazeRow, version, found), frames, found, every_frame=alone)
-    if (folder / ImageRow.FILE).exists():
-        check_times(read(folder, ImageRow, version, found), frames, found)
-    if (folder / BallRow.FILE).exists():
-        gaps = _not_recorded(recorded.events) > 0
-        check_times(read(folder, BallRow, version, found), frames, found, gaps=gaps)
+    stopped = interruptions(manifest, recorded.events)
+    _check_of_frames(folder, manifest, recorded, frames, stopped, found)
     if (folder / ClockRow.FILE).exists():
-        check_clocks(read(folder, ClockRow, version, found), found)
+        check_clocks(read(folder, ClockRow, version, found), stopped, found)
     check_checksums(folder, found, ended=manifest["status"] != "running")
     return manifest
+
+
+def _check_of_frames(
+    folder: Path,
+    manifest: Mapping[str, Any],
+    recorded: Recorded,
+    frames: Frames,
+    stopped: Sequence[Interruption],
+    found: Verified,
+) -> None:
+    """Check the files whose rows have the times of frames."""
+    version = manifest.get("schema_version", 1)
+    cut = cuts(frames, stopped, real_time=manifest["respondent"] != "simulated")
+    for row_type in OF_FRAMES:
+        if (folder / row_type.FILE).exists():
+            rows = read(folder, row_type, version, found)
+            every = row_type is GazeRow and not stopped
+            gaps = row_type is BallRow and _not_recorded(recorded.events) > 0
+            check_times(rows, frames, found, every_frame=every, gaps=gaps, cut=cut)
 
 
 def _read(folder: Path, version: int, found: Verified) -> Recorded:
     def rows(row_type: type[Row]) -> list[RecordedRow]:
         return list(read(folder, row_type, version, found))
+
+    def there(row_type: type[Row]) -> list[RecordedRow]:
+        return rows(row_type) if (folder / row_type.FILE).exists() else []
 
     trials = rows(TrialRow)
     attempts: dict[int, list[RecordedRow]] = {}
@@ -125,7 +150,8 @@ def _read(folder: Path, version: int, found: Verified) -> Recorded:
         rows(QuestionnaireRow),
         rows(RatingRow),
         rows(EventRow),
-        [row for each in (TaskRow, DialRow) if (folder / each.FILE).exists() for row in rows(each)],
+        there(TaskRow),
+        there(DialRow),
         attempts,
     )
 
@@ -192,7 +218,7 @@ def _check_trials(recorded: Recorded, manifest: Mapping[str, Any], found: Verifi
                 message = f"attempt {row['attempt']} at trial {number} stands in place {count}"
                 found.fault(row.file, f"{message}; {_RESTORE}", row.line)
     for row in recorded.trials:
-        if row["end_s"] < row["start_s"] or row["start_s"] < before_s - _EPSILON_S:
+        if before(row["end_s"], row["start_s"]) or before(row["start_s"], before_s):
             message = f"goes from {row['start_s']} s to {row['end_s']} s after {before_s} s"
             found.fault(row.file, f"{message}; {_RESTORE}", row.line)
         before_s = row["end_s"]
@@ -214,7 +240,7 @@ def _check_trials(recorded: Recorded, manifest: Mapping[str, Any], found: Verifi
 def _shows(event: RecordedRow, trial: RecordedRow) -> bool:
     return bool(
         event["detail"] == f"{trial['condition']} in {trial['scene']}"
-        and trial["start_s"] - _EPSILON_S <= event["onset_s"] <= trial["end_s"] + _EPSILON_S
+        and within(event["onset_s"], trial["start_s"], trial["end_s"])
     )
 
 
@@ -234,10 +260,7 @@ def _check_ratings(recorded: Recorded, manifest: Mapping[str, Any], found: Verif
     open_trial = (manifest.get("under_way") or {}).get("trial")
     for row in recorded.ratings:
         attempts = recorded.attempts.get(row["trial"], ())
-        inside = any(
-            each["start_s"] - _EPSILON_S <= row["onset_s"] <= each["end_s"] + _EPSILON_S
-            for each in attempts
-        )
+        inside = any(within(row["onset_s"], each["start_s"], each["end_s"]) for each in attempts)
         if attempts and attempts[0]["condition"] != row["condition"]:
             message = f"condition is {row['condition']}, and trials.csv, line {attempts[0].line}"
             message = f"{message}, says {attempts[0]['condition']}"
@@ -254,7 +277,7 @@ def _check_doings(recorded: Recorded, manifest: Mapping[str, Any], found: Verifi
     """Check that each row of a task or dial is of an attempt that was shown, and lies in it."""
     begun = manifest.get("under_way") or {}
     attempts = {(row["trial"], row["attempt"]): row for row in recorded.trials}
-    for row in recorded.doings:
+    for row in (*recorded.tasks, *recorded.dials):
         trial = attempts.get((row["trial"], row["attempt"]))
         if trial is None:
             if (row["trial"], row["attempt"]) != (begun.get("trial"), begun.get("attempt")):
@@ -263,7 +286,7 @@ def _check_doings(recorded: Recorded, manifest: Mapping[str, Any], found: Verifi
         elif row["condition"] != trial["condition"]:
             message = f"condition is {row['condition']}, and trials.csv, line {trial.line}, says"
             found.fault(row.file, f"{message} {trial['condition']}; {_RESTORE}", row.line)
-        elif not trial["start_s"] - _EPSILON_S <= row["onset_s"] <= trial["end_s"] + _EPSILON_S:
+        elif not within(row["onset_s"], trial["start_s"], trial["end_s"]):
             message = f"began at {row['onset_s']} s, when trial {row['trial']} was not shown"
             found.fault(row.file, f"{message}; {_RESTORE}", row.line)
 

@@ -15,6 +15,8 @@ _OWN = {*(each.FILE for each in (*SESSION_ROWS, *OPTIONAL_ROWS)), "manifest.json
 _PACKED = {parquet_of(Path(each.FILE)).name for each in (FrameRow, GazeRow)}
 _BESIDE = {
     "cut": "half-written rows that a resumed session moved aside; nothing to do",
+    "replaced": "what another program had put in the place of the recorded file; look at it, and "
+    "move it out of the study",
     "schema": "the file as it was before it got the columns of a newer version; nothing to do",
 }
 

@@ -12,7 +12,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.session import check_order, verify_session
-from vrcomfort.records.checksums import sha256_of
+from vrcomfort.records.checksums import CHECKSUMS, sha256_of
 from vrcomfort.records.consents import read_consents
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
 from vrcomfort.records.json_file import read_json
@@ -222,7 +222,12 @@ def _check_status(
         message = f"{who} is enrolled, and has withdrawn in session {withdrew[0]}"
         found.fault(file, f"{message}; write withdrawn, or take it back: vrcomfort undo-withdrawal")
     elif row.status == "enrolled" and planned is not None and len(completed) == planned:
-        found.fault(file, f"{who} is enrolled, and all sessions are completed; write completed")
+        message = f"{who} is enrolled, and all sessions are completed; write completed"
+        folder = file.parent / f"sub-{who}" / f"ses-{completed[-1]}"
+        if (folder / CHECKSUMS).exists():
+            found.fault(file, message)
+        else:  # which come last
+            found.note(file, f"{message}, for the program was killed before it did")
 
 
 def _check_session_order(

@@ -1,0 +1,186 @@
+"""Sessions that are interrupted once or twice and go on: nothing of them is called damaged."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+from collections.abc import Mapping
+from functools import cache, partial
+from pathlib import Path
+
+import numpy as np
+
+from torture import steps
+from torture.case import OTHER, Result, Rig
+from torture.steps import Fate
+from torture.worker import named, workers
+from vrcomfort.exchange.bids import export_bids
+from vrcomfort.exchange.psych_ds import export_psych_ds
+from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.protocol import Protocol, load_protocol
+from vrcomfort.respondent import Form, Heard, SimulatedRespondent
+from vrcomfort.scene.load import load_scene
+from vrcomfort.session import NoPictures, StillHeadset, VirtualClock, open_enrolment
+from vrcomfort.session import run as run_session
+
+STUDY = Path(__file__).with_name("resumed.toml")
+WHO = "P01"
+FATES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGINT twice", "SIGKILL", "power cut", "full disk")
+SMALLEST_BYTES = 4096
+"""Of the full disk; the largest takes the whole session."""
+RATE_HZ = 72.0
+CASE_S = 120.0
+
+
+def torture(rig: Rig) -> Result:
+    """Interrupt sessions in every way, and verify what they are when they have gone on."""
+    folder = rig.place("resumed")
+    count, limit_s = rig.count(140, 7), rig.count(300, 60)
+    with workers("torture.resumed", folder, name=_fate, gigabytes=0, case_s=CASE_S) as found:
+        outcomes = list(rig.all("resumed", count, found.run, limit_s=limit_s))
+    how = (
+        f"{', '.join(FATES)} in turn, at a random line of the code that records a session without "
+        "pictures (tasks, dials, gaze, practice, corrected answers); in half of the cases the "
+        "session that goes on is interrupted again. When it is over, `verify` finds nothing, and "
+        "both exports are written."
+    )
+    return Result("resumed", outcomes, how, count)
+
+
+def case(folder: Path, number: int, seed: int) -> dict[str, str]:
+    """Judge one case, for a worker."""
+    with named(_fate(number)):
+        name, faults = judge(folder, seed, _fate(number))
+    return {"name": name, "fault": OTHER if faults else "", "detail": "; ".join(faults[:3])}
+
+
+def _fate(number: int) -> str:
+    return FATES[number % len(FATES)]
+
+
+class Corrects(SimulatedRespondent):
+    """Takes every fourth answer back."""
+
+    def ask(self, form: Form, heard: Heard) -> None:
+        """Answer, and every fourth item once more."""
+        given = iter(range(10**9))
+
+        def twice(item: str, response: int | None, took_s: float) -> None:
+            heard(item, response, took_s)
+            if next(given) % 4 == 3:
+                heard(item, response or 1, took_s)
+
+        super().ask(form, twice)
+
+
+def work(study: Path, *, resume: bool) -> None:
+    """Run the session, or what is left of it."""
+    known = protocol()
+    respondent = Corrects(known.simulation, participant=WHO, seed=0)
+    with open_enrolment(
+        known, WHO, study=study, respondent=respondent.name, resume=resume
+    ) as enrolment:
+        outcome = run_session(
+            enrolment,
+            respondent=respondent,
+            headset_for=lambda *_: StillHeadset(RATE_HZ),
+            load_scene=room,
+            renderer=NoPictures(),
+            clock=VirtualClock(),
+        )
+    if outcome.status == "aborted":
+        raise KeyboardInterrupt
+
+
+@cache
+def protocol() -> Protocol:
+    """Return the study's protocol, read once for all children."""
+    return load_protocol(STUDY)
+
+
+room = cache(load_scene)
+
+
+@cache
+def length(folder: Path, name: str) -> int:
+    """Return how many steps, or bytes, a session takes that meets its fate too late."""
+    study = folder / "whole" / "study"
+    shutil.rmtree(study.parent, ignore_errors=True)
+    study.parent.mkdir(parents=True)
+    room(protocol().scene_source("room.gltf"))
+    never = Fate(name, sys.maxsize)
+    code, count = steps.run(partial(work, study, resume=False), never, study.parent)
+    if code:
+        raise RuntimeError((study.parent / "fell.txt").read_text())
+    size_bytes = sum(each.stat().st_size for each in study.rglob("*.csv"))
+    return size_bytes if name == "full disk" else count
+
+
+def judge(folder: Path, seed: int, first: str) -> tuple[str, list[str]]:
+    """Interrupt a session, at first by `first`; return what was done, and what is wrong now."""
+    random = np.random.default_rng(seed)
+    fates = [first, str(random.choice(FATES)), "none"] if random.random() < 0.5 else [first, "none"]
+    case = folder / str(seed)
+    study = case / "study"
+    shutil.rmtree(case, ignore_errors=True)
+    case.mkdir(parents=True)
+    names = []
+    for name in fates:
+        fate = _meet(folder, name, random)
+        before = {each.stat().st_ino: each.stat().st_size for each in study.rglob("*.csv")}
+        resume = (study / f"sub-{WHO}" / "ses-1" / "manifest.json").exists()
+        code, _ = steps.run(partial(work, study, resume=resume), fate, case)
+        names.append("to the end" if name == "none" else f"{name} at {fate.step}")
+        if code == steps.FELL:
+            return ", ".join(names), [(case / "fell.txt").read_text()[-600:]]
+        if code == steps.HUNG:
+            return ", ".join(names), [f"still running after {steps.LIMIT_S} s"]
+        if name == "power cut" and code < 0:
+            cut(case, before, random)
+        if not code:
+            break
+    faults = _not_over(study, case) or called_damaged(study, case)
+    if not faults:
+        shutil.rmtree(case)
+    return ", ".join(names), faults
+
+
+def _not_over(study: Path, case: Path) -> list[str]:
+    """Return what a session said that cannot go on."""
+    file = study / f"sub-{WHO}" / "ses-1" / "manifest.json"
+    if json.loads(file.read_text())["status"] == "completed":
+        return []
+    said = case / "said.txt"
+    return [f"is not over; said: {said.read_text() if said.exists() else 'nothing'}"]
+
+
+def _meet(folder: Path, name: str, random: np.random.Generator) -> Fate:
+    if name == "none":
+        return Fate(name)
+    low, alike = (SMALLEST_BYTES, name) if name == "full disk" else (1, "SIGINT")
+    longest = length(folder, "SIGKILL" if name in steps.NOT_HEARD else alike)
+    return Fate(name, int(random.integers(low, longest)), random.uniform(0.0, 0.02))
+
+
+def cut(case: Path, before: Mapping[int, int], random: np.random.Generator) -> None:
+    """Take from each table some of what was not synced; a file system may leave zeros instead."""
+    synced = json.loads((case / steps.SYNCED).read_text())
+    for file in sorted((case / "study").rglob("*.csv")):
+        found = file.stat()
+        known = synced.get(str(found.st_ino), before.get(found.st_ino, 0))
+        safe = min(known, found.st_size)
+        kept = int(random.choice([safe, found.st_size, random.integers(safe, found.st_size + 1)]))
+        content = file.read_bytes()[:kept]
+        zeros = found.st_size - kept if random.random() < 0.3 else 0
+        file.write_bytes(content + bytes(zeros))
+
+
+def called_damaged(study: Path, case: Path) -> list[str]:
+    """Return what `verify` and the exports hold against a session that is whole."""
+    faults = [str(each) for each in verify_study(study).faults]
+    if faults:
+        return faults
+    export_bids(study, case / "bids")
+    export_psych_ds(study, case / "psych_ds")
+    return []
