@@ -16,7 +16,7 @@ import io
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from operator import attrgetter
 from types import NoneType
 from typing import (
@@ -89,12 +89,12 @@ class Column:
     of: CellType | None = None
     cell: Callable[[Any], Cell] | None = None
 
-    @property
+    @cached_property
     def type(self) -> CellType:
         """Return the type of its cells."""
         return self.of or float
 
-    @property
+    @cached_property
     def unit(self) -> str:
         """Return the unit, which names of numbers end in; empty without one."""
         units = (unit for suffix, unit in _UNITS.items() if self.name.endswith(suffix))
@@ -240,7 +240,9 @@ def cell_text(value: Cell) -> str:
     unprintable characters are escaped, and texts are cut at `LONGEST_CELL`.
     """
     if isinstance(value, float):  # most are
-        return float.__repr__(value) if math.isfinite(value) else ""  # NumPy's names the type
+        # NumPy's own repr names the type; most floats are plain, and need no conversion
+        exact = value if type(value) is float else float(value)
+        return repr(exact) if math.isfinite(exact) else ""
     if value is None:
         return ""
     if not isinstance(value, str):
