@@ -200,7 +200,8 @@ def test_a_figure_has_a_file_name_that_every_system_takes():
     assert not any(sign in name for name in names for sign in '/\\:*?"<>|\n\r\t\x1b\x07')
 
 
-def test_a_condition_that_would_hide_a_column_of_the_tables_is_refused(tmp_path):
-    source = foreign(tmp_path / "questionnaires.csv", {"P1": {"item": 3, "b": 2}})
-    with pytest.raises(InputError, match="called `item`"):
+@pytest.mark.parametrize("name", ["item", "difference"])
+def test_a_condition_that_would_hide_a_column_of_the_tables_is_refused(tmp_path, name):
+    source = foreign(tmp_path / "questionnaires.csv", {"P1": {name: 3, "b": 2}})
+    with pytest.raises(InputError, match=f"called `{name}`"):
         build_report(source, out=tmp_path / "o")

@@ -214,19 +214,30 @@ def test_so_many_tests_that_no_p_is_small_enough_are_told(tmp_path):
     assert "with so few people for so many tests, no difference could be shown" in nausea
 
 
-def test_who_left_and_is_ranked_worst_is_not_in_the_interval_of_who_stayed(tmp_path):
-    """All six who stayed are higher under a, and the five who left under b rank below."""
+def worst_ranked(tmp_path: Path, stayed: list[int], left: int) -> tuple[str, ...]:
+    """Return the answers of a study in which some left under b; the others have 2 under b."""
     study = Study(tmp_path / "s")
-    for i in range(6):
-        study.session(f"P{i}", 1, 0, [("a", "x", 9 + i), ("b", "x", 2)])
+    for i, total in enumerate(stayed):
+        study.session(f"P{i}", 1, 0, [("a", "x", total), ("b", "x", 2)])
         study.person(f"P{i}", "a")
-    for i in range(6, 11):
-        study.session(f"P{i}", 1, 0, [("a", "x", 4), ("b", "x", None)], "withdrawn")
-        study.person(f"P{i}", "a", "withdrawn")
+    for i in range(left):
+        study.session(f"Q{i}", 1, 0, [("a", "x", 4), ("b", "x", None)], "withdrawn")
+        study.person(f"Q{i}", "a", "withdrawn")
     plan = tmp_path / "plan.toml"
     plan.write_text('name = "p"\ntitle = "P"\noutcomes = ["T"]\nwithdrawals = "worst_rank"\n')
-    summary = build_report(study.folder, plan=plan, out=tmp_path / "o")
-    (line,) = summary.headlines
+    return build_report(study.folder, plan=plan, out=tmp_path / "o").headlines
+
+
+def test_people_who_left_may_show_a_difference_that_nobody_who_stayed_has(tmp_path):
+    (line,) = worst_ranked(tmp_path, [2, 2, 2], 7)
+    assert "lower under a" in line
+    assert "difference of the 3 who stayed (the test ranks those who left as worst) 0.00" in line
+    assert "r\u00a0=\u00a0– (nobody’s score differed)" in line
+
+
+def test_who_left_and_is_ranked_worst_is_not_in_the_interval_of_who_stayed(tmp_path):
+    """All six who stayed are higher under a, and the five who left under b rank below."""
+    (line,) = worst_ranked(tmp_path, [9, 10, 11, 12, 13, 14], 5)
     assert "no difference was shown" in line
     assert "difference of the 6 who stayed (the test ranks those who left as worst)" in line
     assert "(which excludes 0, though the test does not reject it)" in line

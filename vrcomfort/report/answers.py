@@ -68,7 +68,7 @@ def _claim(test: Test, words: Vocabulary) -> str:
     name = words.outcome(test["outcome"])
     if test["not_tested"]:
         return f"{name}: {a} and {b} could not be compared ({test['not_tested']})."
-    if test["effect"] is None:
+    if test["effect"] is None and not test["ranked_worst"]:
         return f"{name}: nobody’s score differed between {a} and {b} (n = {test['n']})."
     size = test["descriptives"]
     of_a, of_b = f"{a} ({mean_and_sd(size[test['a']])})", f"{b} ({mean_and_sd(size[test['b']])})"
@@ -77,7 +77,7 @@ def _claim(test: Test, words: Vocabulary) -> str:
 
 
 def _evidence(test: Test, words: Vocabulary) -> str:
-    if test["not_tested"] or test["effect"] is None:
+    if test["not_tested"] or (test["effect"] is None and not test["ranked_worst"]):
         return ""
     return (
         f"{test['method'].capitalize()} {p_in_words(test)}; Z\u00a0=\u00a0"
@@ -107,6 +107,8 @@ def _shift(test: Test, words: Vocabulary) -> str:
 
 def _rank_biserial(test: Test, words: Vocabulary) -> str:
     effect = reported(test, "effect")
+    if effect is None:
+        return f"{NONE} (nobody’s score differed)"
     r = fraction(effect["estimate"])
     if effect["low"] is not None:
         return f"{r} {interval(effect, bounded=True)}{disagreement(test, effect)}"

@@ -22,7 +22,7 @@ Verdict = Literal["higher", "lower", "not_shown", "not_possible"]
 whatever they answer."""
 UNDECIDED: Row = {
     "family": None, "p_holm": None, "level": None, "verdict": None, "smallest_p": None,
-    "simultaneous": None,
+    "higher": None, "simultaneous": None,
 }  # fmt: skip
 """What is decided of a test once all are made; it stays so where there is no test."""
 INTERVALS = ("shift", "difference", "effect")
