@@ -102,7 +102,7 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Columns:
+class ColumnGroup:
     """Several columns that are written together, such as those of a pose.
 
     Parameters
@@ -124,7 +124,7 @@ class Row:
     NEEDS: ClassVar[Needs] = ALWAYS
     """The traits that a copy for others has to keep for the file; it is left out otherwise."""
     FURTHER: ClassVar[tuple[Column, ...]] = ()
-    """Columns that follow in some studies."""
+    """ColumnGroup that follow in some studies."""
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:
@@ -179,7 +179,7 @@ def single(row_type: type[Row]) -> tuple[Column, ...]:
     return tuple(each for each in layout.columns if each.name in layout.single)
 
 
-def _declarations(row_type: type[Row]) -> Iterator[Column | Columns]:
+def _declarations(row_type: type[Row]) -> Iterator[Column | ColumnGroup]:
     for name, hint in get_type_hints(row_type, include_extras=True).items():
         if get_origin(hint) is not Annotated:
             continue
@@ -188,7 +188,7 @@ def _declarations(row_type: type[Row]) -> Iterator[Column | Columns]:
             if isinstance(each, Column):
                 named = replace(each, name=each.name or name)
                 yield named if named.of else replace(named, of=_cell_type(of))
-            elif isinstance(each, Columns):
+            elif isinstance(each, ColumnGroup):
                 yield each
 
 
@@ -203,11 +203,13 @@ def _cell_type(hint: Any) -> CellType:
     return kind
 
 
-def _getters(declarations: Iterable[Column | Columns]) -> Iterator[Callable[[Any], Iterable[Cell]]]:
+def _getters(
+    declarations: Iterable[Column | ColumnGroup],
+) -> Iterator[Callable[[Any], Iterable[Cell]]]:
     """Yield functions that return a row's cells: `attrgetter` takes a run of fields at once."""
     run: list[str] = []
     for each in declarations:
-        if isinstance(each, Columns):
+        if isinstance(each, ColumnGroup):
             written = each.cells
         elif each.cell is not None:
             written = partial(_one, each.cell)
