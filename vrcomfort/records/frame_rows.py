@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 from vrcomfort.geometry import EyeGaze, Gaze, Pose, View
 from vrcomfort.records.exposure_rows import BallRow
 from vrcomfort.records.pose_columns import Body, fov_columns, pose_columns
-from vrcomfort.records.rows import BOTH, GAZE, MOTION, Cell, Column, Columns, Needs, Row
+from vrcomfort.records.rows import BOTH, GAZE, MOTION, Cell, Column, ColumnGroup, Needs, Row
 from vrcomfort.records.shared_columns import FrameS, FrameTimeNs, FrameTrial, Resumed
 
 CUT, SNAP_TURN = 1, 2
@@ -85,8 +85,8 @@ def _eye(eye: EyeGaze | None) -> tuple[Cell, ...]:
     return (int(eye.valid), *(_ray(eye.pose) if eye.valid else _UNSEEN_RAY), eye.pupil_mm)
 
 
-_SIGHT = Columns(_sight(), _sight_cells)
-_EACH_EYE = Columns((*_eye_columns("left_"), *_eye_columns("right_")), _eye_cells)
+_SIGHT = ColumnGroup(_sight(), _sight_cells)
+_EACH_EYE = ColumnGroup((*_eye_columns("left_"), *_eye_columns("right_")), _eye_cells)
 EYE_GAZES = tuple(each.name for each in _EACH_EYE.each)
 
 
@@ -177,10 +177,10 @@ def _pose(body: Body, meaning: str, *, blank: str = "", since: int = 1) -> tuple
     )
 
 
-_HEAD = Columns(_pose("head", "Head in the stage"), lambda row: row.head.numbers)
-_LEFT = Columns(_pose("left", "Left eye in the stage"), lambda row: row.left.pose.numbers)
-_RIGHT = Columns(_pose("right", "Right eye in the stage"), lambda row: row.right.pose.numbers)
-_FOVS = Columns(
+_HEAD = ColumnGroup(_pose("head", "Head in the stage"), lambda row: row.head.numbers)
+_LEFT = ColumnGroup(_pose("left", "Left eye in the stage"), lambda row: row.left.pose.numbers)
+_RIGHT = ColumnGroup(_pose("right", "Right eye in the stage"), lambda row: row.right.pose.numbers)
+_FOVS = ColumnGroup(
     tuple(
         Column(f"Half angle of the {eye} eye's frustum, {side}", signed=True, name=name)
         for eye in ("left", "right")
@@ -190,10 +190,10 @@ _FOVS = Columns(
     ),
     lambda row: (*_angles(row.left), *_angles(row.right)),
 )
-_AVATAR = Columns(
+_AVATAR = ColumnGroup(
     _pose("avatar", "Stage in the world (locomotion)"), lambda row: row.avatar.numbers
 )
-_FOCUS_RAYS = Columns(
+_FOCUS_RAYS = ColumnGroup(
     tuple(
         Column(
             f"Focus distance along ray {number}"
@@ -206,7 +206,7 @@ _FOCUS_RAYS = Columns(
     ),
     lambda row: row.rays_m or (None,) * len(RAYS),
 )
-_HANDS = Columns(
+_HANDS = ColumnGroup(
     tuple(
         column
         for body, which in (("left_hand", "Left"), ("right_hand", "Right"))

@@ -16,7 +16,7 @@ import io
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from operator import attrgetter
 from types import NoneType
 from typing import (
@@ -89,12 +89,12 @@ class Column:
     of: CellType | None = None
     cell: Callable[[Any], Cell] | None = None
 
-    @property
+    @cached_property
     def type(self) -> CellType:
         """Return the type of its cells."""
         return self.of or float
 
-    @property
+    @cached_property
     def unit(self) -> str:
         """Return the unit, which names of numbers end in; empty without one."""
         units = (unit for suffix, unit in _UNITS.items() if self.name.endswith(suffix))
@@ -102,7 +102,7 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Columns:
+class ColumnGroup:
     """Several columns that are written together, such as those of a pose.
 
     Parameters
@@ -124,7 +124,7 @@ class Row:
     NEEDS: ClassVar[Needs] = ALWAYS
     """The traits that a copy for others has to keep for the file; it is left out otherwise."""
     FURTHER: ClassVar[tuple[Column, ...]] = ()
-    """Columns that follow in some studies."""
+    """ColumnGroup that follow in some studies."""
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:
@@ -179,7 +179,7 @@ def single(row_type: type[Row]) -> tuple[Column, ...]:
     return tuple(each for each in layout.columns if each.name in layout.single)
 
 
-def _declarations(row_type: type[Row]) -> Iterator[Column | Columns]:
+def _declarations(row_type: type[Row]) -> Iterator[Column | ColumnGroup]:
     for name, hint in get_type_hints(row_type, include_extras=True).items():
         if get_origin(hint) is not Annotated:
             continue
@@ -188,7 +188,7 @@ def _declarations(row_type: type[Row]) -> Iterator[Column | Columns]:
             if isinstance(each, Column):
                 named = replace(each, name=each.name or name)
                 yield named if named.of else replace(named, of=_cell_type(of))
-            elif isinstance(each, Columns):
+            elif isinstance(each, ColumnGroup):
                 yield each
 
 
@@ -203,11 +203,13 @@ def _cell_type(hint: Any) -> CellType:
     return kind
 
 
-def _getters(declarations: Iterable[Column | Columns]) -> Iterator[Callable[[Any], Iterable[Cell]]]:
+def _getters(
+    declarations: Iterable[Column | ColumnGroup],
+) -> Iterator[Callable[[Any], Iterable[Cell]]]:
     """Yield functions that return a row's cells: `attrgetter` takes a run of fields at once."""
     run: list[str] = []
     for each in declarations:
-        if isinstance(each, Columns):
+        if isinstance(each, ColumnGroup):
             written = each.cells
         elif each.cell is not None:
             written = partial(_one, each.cell)
@@ -240,7 +242,9 @@ def cell_text(value: Cell) -> str:
     unprintable characters are escaped, and texts are cut at `LONGEST_CELL`.
     """
     if isinstance(value, float):  # most are
-        return float.__repr__(value) if math.isfinite(value) else ""  # NumPy's names the type
+        # NumPy's own repr names the type; most floats are plain, and need no conversion
+        exact = value if type(value) is float else float(value)
+        return repr(exact) if math.isfinite(exact) else ""
     if value is None:
         return ""
     if not isinstance(value, str):
