@@ -43,7 +43,7 @@ NOT_WRITTEN_OUT = {
     "headset/openxr/tracking.py": {"tracking_found", "tracking_lost"},
     "session/event_log.py": set(),  # names that it is given
     "session/eye_height.py": {"eye_height"},
-    "session/flow.py": {"ended", "withdrawn", "runtime_hung"},
+    "session/flow.py": {"ended", "withdrawn", "runtime_hung", "session_resumed"},
     "session/gaze_validation.py": {"gaze_validation"},
     "session/operator_control.py": {
         f"operator_{each}" for step in ALLOWED.values() for each in step

@@ -12,8 +12,8 @@ from tests.support.session import go, manifest, rows
 from tests.support.study import AheadHeadset, Scripted, read_rows
 from tests.test_study_power_cut import frame_row
 from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.operator_interface import SessionProgress
 from vrcomfort.records import EventRow, QuestionnaireRow, Recorder, TrialRow
-from vrcomfort.session import Progress
 
 pytestmark = pytest.mark.skipif(
     sys.platform == "win32", reason="Windows lets nobody remove or replace a file that is open"
@@ -113,7 +113,7 @@ def run_and_change(tmp_path: Path, change: Change) -> tuple[list[str], tuple[str
 
     changes = [change]
 
-    def tell(progress: Progress) -> None:
+    def tell(progress: SessionProgress) -> None:
         if progress.step == "notice":
             told.append(progress.text)
 
