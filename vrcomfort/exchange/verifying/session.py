@@ -124,11 +124,12 @@ def _check_of_frames(
 ) -> None:
     """Check the files whose rows have the times of frames."""
     version = manifest.get("schema_version", 1)
+    whole = not stopped and not manifest.get("earlier_runs")
     cut = cuts(frames, stopped, real_time=manifest["respondent"] != "simulated")
     for row_type in OF_FRAMES:
         if (folder / row_type.FILE).exists():
             rows = read(folder, row_type, version, found)
-            every = row_type is GazeRow and not stopped
+            every = row_type is GazeRow and whole
             gaps = row_type is BallRow and _not_recorded(recorded.events) > 0
             check_times(rows, frames, found, every_frame=every, gaps=gaps, cut=cut)
 
