@@ -180,8 +180,8 @@ def _notes(frames: int, against: str | None) -> list[str]:
         "renderer, and the rows of frames.csv as a session writes them.",
         "CPU time of the thread that runs the loop; what is inside moderngl and inside OpenGL "
         "functions is taken away. A p99 is that of a round, the median of the rounds is shown.",
-        "Counted in one frame: calls of Python functions of any kind, OpenGL calls among them, "
-        "draw calls of the scene and in all, textures bound.",
+        "Counted in one frame: calls of Python functions of any kind, moderngl's methods among "
+        "them, and draw calls of the scene and in all.",
     ]
     if against is not None:
         notes.append(

@@ -43,7 +43,6 @@ def test_a_side_of_the_comparison_draws_records_and_counts():
     )
     assert shown.returncode == 0, shown.stderr
     counts, laps = map(json.loads, shown.stdout.splitlines())
-    assert 0 < counts["texture binds"] < counts["OpenGL calls"] < counts["calls"]
-    assert 0 < counts["scene draws"] < counts["draws"]
+    assert 0 < counts["scene draws"] < counts["draws"] < counts["calls"]
     assert len(laps) == 2
     assert all(0 < lap["loop_s"] < 1 and lap["opengl_s"] > 0 for lap in laps)

@@ -101,8 +101,12 @@ def _next_level(a: Draw, b: Draw) -> bool:
     """Return whether the second draw goes on with a mip chain: the same shader, half the size."""
     if a.shader != b.shader or not a.targets or not b.targets:
         return False
-    sides = zip(a.targets[0].size_px, b.targets[0].size_px, strict=True)
-    return all(half in {ceil(whole / 2), max(whole // 2, 1)} for whole, half in sides)
+    before, after = a.targets[0].size_px, b.targets[0].size_px
+    sides = zip(before, after, strict=True)
+    # A texel halved is a texel: two images of 1×1 are no chain.
+    return before != after and all(
+        half in {ceil(whole / 2), max(whole // 2, 1)} for whole, half in sides
+    )
 
 
 class Recorder:

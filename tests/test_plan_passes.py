@@ -1,0 +1,115 @@
+"""The passes and draws that `plan` prints of an effect are those that a frame has."""
+
+from __future__ import annotations
+
+import ctypes
+from contextlib import contextmanager, nullcontext
+from itertools import groupby
+from typing import get_args
+
+import moderngl
+import pytest
+
+from tests.support.render import still_life
+from vrcomfort.geometry import Pose
+from vrcomfort.gpu import gl
+from vrcomfort.protocol.conditions import EFFECTS, Condition, Kernel
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.plan import plan_passes
+from vrcomfort.tradeoff.traffic import a_step, by_effect, traffic_of
+from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
+
+SIZE_PX = (96, 80)
+LENS = {"law": "dioptre", "max_radius_percent": 10.0}
+SHUTTER = {"mode": "full", "shutter_fraction": 1.0}
+MOVING = {"from_m_s": 0.01, "to_m_s": 0.1}
+CASES = {
+    **{kernel: {"depth_of_field": {**LENS, "kernel": kernel}} for kernel in get_args(Kernel)},
+    "reconstruction": {"motion_blur": SHUTTER},
+    "averaged": {"motion_blur": {**SHUTTER, "samples": 32}},
+    "per_pixel": {"motion_blur": {**SHUTTER, "method": "per_pixel"}},
+    "speed_blur": {"speed_blur": {"moving": MOVING}},
+    "relocation_blur": {"relocation_blur": {}},
+    "vignette": {"vignette": {"open_deg": 20.0, "restricted_deg": 10.0}},
+    "vignette_scene": {"vignette": {"open_deg": 20.0, "restricted_deg": 10.0, "colour": "scene"}},
+    "all": {
+        "depth_of_field": LENS,
+        "motion_blur": SHUTTER,
+        "speed_blur": {"moving": MOVING},
+        "relocation_blur": {},
+        "vignette": {"open_deg": 20.0, "restricted_deg": 10.0},
+    },
+}
+MIP_CHAINS = ("common/mip_downsample.frag", "depth_of_field/layers.frag")
+"""Shaders whose draws one after the other make the levels of one image: one pass."""
+
+_DRAW_FRAMEBUFFER, _COLOR_ATTACHMENT0, _OBJECT_NAME = 0x8CA9, 0x8CE0, 0x8CD1
+
+
+@contextmanager
+def watched(ctx):
+    """Yield a list that gets (shader, first texture that it draws into) of each draw."""
+    asks = "glGetFramebufferAttachmentParameteriv"
+    get = gl.function(ctx, asks, *[ctypes.c_uint] * 3, ctypes.c_void_p)
+    where = _DRAW_FRAMEBUFFER, _COLOR_ATTACHMENT0, _OBJECT_NAME
+    seen, target = [], ctypes.c_int()
+
+    def watching(draw):
+        def render(array, *arguments, **options):
+            scope, array.scope = array.scope, None  # entered here, so that it can be asked for
+            try:
+                with scope or nullcontext():
+                    get(*where, ctypes.byref(target))
+                    seen.append((str(array.program.extra), target.value))
+                    draw(array, *arguments, **options)
+            finally:
+                array.scope = scope
+
+        return render
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("render", "render_indirect"):
+            patch.setattr(moderngl.VertexArray, name, watching(getattr(moderngl.VertexArray, name)))
+        yield seen
+
+
+def passes(seen):
+    """Count runs of draws into the same texture, a mip chain as one."""
+    runs = [next(draws)[0] for _, draws in groupby(seen, key=lambda each: each[1])]
+    chained = sum(a == b and a in MIP_CHAINS for a, b in zip(runs, runs[1:], strict=False))
+    return len(runs) - chained
+
+
+def drawn(ctx, scene, condition):
+    """Return effect → (passes, draws) of the left eye, counted at the draws themselves."""
+    renderer = StereoRenderer(ctx, SIZE_PX, eyes=1)
+    renderer.build(scene, condition)
+    before, frame = a_step(Pose(), SIZE_PX)
+    renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
+    effects = {name: part for name, part in renderer.parts() if name in EFFECTS}
+    counted = {}
+    with watched(ctx) as seen:
+        for name, part in effects.items():
+
+            def render(eye, name=name, whole=part.render):
+                first = len(seen)
+                whole(eye)
+                counted[name] = passes(seen[first:]), len(seen) - first
+
+            part.render = render
+        renderer.render(frame, time_s(frame))
+    for part in effects.values():
+        del part.render
+    renderer.release()
+    return counted
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_what_is_planned_is_what_is_drawn(ctx, case):
+    scene, condition = still_life(), Condition.model_validate({"name": "c", **CASES[case]})
+    counted = drawn(ctx, scene, condition)
+    planned = [each.name for each in plan_passes(scene, condition) if each.needed]
+    assert list(counted) == [name for name in planned if name in EFFECTS]
+    assert all(draws for _, draws in counted.values())
+    told = by_effect(traffic_of(ctx, scene, condition, a_step(Pose(), SIZE_PX), SIZE_PX))
+    assert {name: (each.passes, each.draws) for name, each in told.items()} == counted
