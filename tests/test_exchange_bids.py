@@ -190,6 +190,7 @@ def errors_of(dataset: Path) -> list[dict[str, str]]:
 
 
 @pytest.mark.slow
+@pytest.mark.smoke
 def test_a_dataset_with_gaze_and_hands_is_valid(dataset: Path) -> None:
     assert errors_of(dataset) == []
 
