@@ -2,9 +2,10 @@
 # scripts/in_runtime.sh COMMAND...: runs COMMAND where Monado 25 is (see scripts/runtime.sh).
 # Monado's client library must come from the same system as its service, so the command itself
 # runs in the folder too: same checkout, same working directory, same /tmp, and a venv made there.
-# Mounts and stray processes end with the command: both live in namespaces of their own.
+# Mounts and stray processes end with the command (see scripts/debian.sh).
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
+source "$here/debian.sh"
 checkout=$(dirname "$here")
 root=$("$here/runtime.sh")
 
@@ -49,10 +50,8 @@ inside() { # inside VENV CHECKOUT FOLDER COMMAND...
 enter() { # enter ROOT CHECKOUT FOLDER COMMAND...: as root in the new namespaces
     local root=$1 checkout=$2 folder=$3 place
     shift
-    mount --rbind /dev "$root/dev"
-    mount --rbind /sys "$root/sys"
-    mount -t proc proc "$root/proc"
-    mount -t tmpfs tmpfs "$root/run"
+    in_use "$root"
+    mount_devices "$root"
     for place in /tmp "$checkout" "$folder"; do
         mkdir -p "$root$place"
         mountpoint -q "$root$place" || mount --bind "$place" "$root$place"
@@ -61,8 +60,4 @@ enter() { # enter ROOT CHECKOUT FOLDER COMMAND...: as root in the new namespaces
         "$(declare -f prepare_venv inside); inside \"\$@\"" inside /opt/venv "$@"
 }
 
-as_root=()
-[ "$(id -u)" -eq 0 ] || as_root=(sudo --preserve-env)
-exec "${as_root[@]}" unshare --mount --pid --fork --kill-child --propagation private \
-    bash -euo pipefail -c "$(declare -f enter prepare_venv inside); enter \"\$@\"" \
-    enter "$root" "$checkout" "$PWD" "$@"
+isolated enter "$root" "$checkout" "$PWD" "$@"

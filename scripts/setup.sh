@@ -72,9 +72,12 @@ can_draw || {
     exit 2
 }
 
-# Tests of windows need a screen; `--tests` asks for one that needs no monitor.
-if [ "${1:-}" = --tests ] && ! { command -v Xvfb && command -v xdotool; } >/dev/null; then
-    require "Xvfb or xdotool (for the tests)" xvfb xdotool libglx-mesa0
+# Tests of windows need a screen, here one without a monitor; those of a report's R script need R.
+if [ "${1:-}" = --tests ]; then
+    for program in Xvfb xdotool Rscript; do
+        command -v "$program" >/dev/null ||
+            require "$program (for the tests)" xvfb xdotool libglx-mesa0 r-base-core
+    done
 fi
 
 # Tests of pages need a browser; CI has one, elsewhere they are skipped without it.

@@ -88,6 +88,7 @@ def test_random_orders_balance_with_any_number():
     assert cannot_balance(build_design(generated("random", 5)), 7) is None
 
 
+@pytest.mark.smoke
 def test_a_good_protocol_has_no_fault(run):
     code, out, _ = run("check", "smoke", "--no-draw")
     assert code == 0
@@ -150,7 +151,7 @@ def test_unknown_conditions_of_visibility_are_told(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHIPPED)
 def test_no_shipped_stimulus_is_invisible_and_none_is_like_another(run, name):
-    code, out, err = run("check", name, "--json", "--moments", 12)
+    code, out, err = run("check", name, "--json", "--moments", 6)
     assert code == 0, err
     rows = json.loads(out)[name]["stimuli"]
     protocol = load_protocol(name)

@@ -66,6 +66,7 @@ def test_every_command_has_help_with_an_example(run: Run, command: str) -> None:
     assert f"vrcomfort {command}" in out
 
 
+@pytest.mark.smoke
 def test_design_of_carnegie_is_balanced_for_twenty(run: Run) -> None:
     code, out, _ = run("design", "carnegie_2015", "--participants", 20, "--json")
     design = json.loads(out)
@@ -168,6 +169,7 @@ def test_plan_says_where_a_level_would_change_the_stimulus(run: Run, tmp_path: P
     assert json.loads(out)["no_limit"] == []
 
 
+@pytest.mark.smoke
 def test_score_gives_a_table_that_reads_back(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "answers.csv"
     file.write_text(f"who,{SSQ_ITEMS}\nA,{','.join('3' * 16)}\n", encoding="utf-8")

@@ -107,6 +107,7 @@ def test_ctrl_c_is_answered_in_one_sentence(tmp_path: Path, name: str, words: tu
 
 
 @pytest.mark.slow
+@pytest.mark.smoke
 def test_ctrl_c_in_a_session_is_answered_after_the_session(tmp_path: Path):
     study = tmp_path / "study"
     words = ("simulate", "smoke", "-n", 1, "--size", "16x16", "--out", study)
@@ -162,6 +163,37 @@ def test_a_session_whose_terminal_goes_away_is_closed(tmp_path: Path):
     assert process.wait(WAIT_S) == 129
     manifest = json.loads((study / "sub-P01" / "ses-1" / "manifest.json").read_text())
     assert manifest["status"] == "aborted"
+
+
+SHUT = """
+import signal, sys
+from vrcomfort.cli import app, stopping
+
+def command(**_):
+    sys.stdin.read()
+    try:
+        with stopping.heard():
+            signal.raise_signal(signal.SIGHUP)
+    finally:
+        print("Withdrawn? ", end="")
+
+app.app = command
+app.main()
+"""
+"""Asks something when its terminal has gone away, which it has when its input ends."""
+
+
+def test_what_a_closed_terminal_does_not_show_leaves_the_exit_code_alone():
+    ours, theirs = pty.openpty()
+    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    process = subprocess.Popen(
+        [sys.executable, "-c", SHUT],
+        stdin=subprocess.PIPE, stdout=theirs, stderr=theirs, env=buffered,
+    )  # fmt: skip
+    os.close(theirs)
+    os.close(ours)
+    process.stdin.close()
+    assert process.wait(WAIT_S) == 129
 
 
 @pytest.mark.slow

@@ -25,7 +25,7 @@ pytestmark = [
 ]
 
 
-LONG = PROTOCOL.partition("\n[[ratings]]")[0].replace("exposure_s = 4.0", "exposure_s = 20.0")
+LONG = PROTOCOL.partition("\n[[ratings]]")[0].replace("exposure_s = 4.0", "exposure_s = 10.0")
 """Long enough for all that is done in an exposure; no rating takes the focus meanwhile."""
 
 
@@ -34,13 +34,13 @@ def steered(tmp_path_factory: pytest.TempPathFactory, browser: str) -> RunningSe
     """Return a session that two operators have taken somebody through, to a withdrawal."""
     folder = tmp_path_factory.mktemp("steered")
     with (
-        running_session(folder, protocol=LONG) as session,
+        running_session(folder, "--refresh-hz", "20", protocol=LONG) as session,
         operator_page(browser) as first,
         operator_page(browser) as second,
     ):
         first.open(session.next_address(1))
         first.until_step("waiting for the start")
-        # 3 × 16 items of 4 s, two exposures of 20 s, a training of 0.5 s
+        # 3 × 16 items of 4 s, two exposures of 10 s, a training of 0.5 s
         assert first.text("session-left") == "About 4 min left of the session (an estimate)."
         first.press_button("Start")
         first.until_step("questionnaire ssq (baseline)")

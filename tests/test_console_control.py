@@ -66,6 +66,7 @@ def test_nothing_is_rendered_while_paused_and_the_desk_goes_on_seeing(tmp_path):
     assert [response for _, response in desk.ratings] == [4, 4, 4, 4]
 
 
+@pytest.mark.smoke
 def test_a_redone_exposure_is_shown_again_as_the_next_attempt(tmp_path):
     steered(tmp_path, Wanted("exposure", "redo", after=40))
     assert attempts(tmp_path) == [

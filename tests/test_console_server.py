@@ -33,6 +33,7 @@ def console():
         yield found
 
 
+@pytest.mark.smoke
 def test_a_token_works_once_and_becomes_a_cookie_that_scripts_and_other_sites_never_get(console):
     token, known = console.token(), len(console.addresses)
     status, headers, _ = console.get(f"/?token={token}")

@@ -189,6 +189,7 @@ def test_explicit_sequences_name_their_groups(tmp_path):
         tiny_protocol(tmp_path, named)
 
 
+@pytest.mark.smoke
 def test_every_shipped_protocol_has_a_design():
     for path in data_folder("protocols").glob("*.toml"):
         protocol = load_protocol(path)

@@ -25,6 +25,7 @@ def columns(width=128, height=96):
 
 
 @METHODS
+@pytest.mark.smoke
 def test_what_does_not_move_is_copied_exactly(ctx, rng, method):
     rgb = np.exp(rng.uniform(-9, 11, (37, 61, 3))).astype("f2")
     blurred = motion_blur(ctx, rgb, rng.uniform(0.1, 50, (37, 61)), 0.0, method=method, **WHOLE)

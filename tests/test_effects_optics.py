@@ -162,6 +162,7 @@ def test_shader_radius_is_the_twin(ctx, law, near_m, rng):
         np.testing.assert_allclose(shader, twin, rtol=1e-5, atol=1e-3)
 
 
+@pytest.mark.smoke
 def test_shader_radius_survives_a_focus_that_is_no_number(ctx):
     x = [[0.0, 0, 0, 0], [0.02, 0, 0, 0], [1.0, 0, 0, 0]]
     constants = [[0.02, np.nan, 0, 3e4], [5.6, 11.2, 0, 0]]

@@ -89,6 +89,7 @@ def test_a_session_is_never_overwritten(studies: list[Path]) -> None:
     assert fingerprint(studies[1]) == before
 
 
+@pytest.mark.smoke
 def test_a_study_becomes_a_report(studies: list[Path], tmp_path: Path) -> None:
     vrcomfort("report", studies[0], "--out", tmp_path, "--quiet")
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
@@ -131,6 +132,7 @@ def test_a_recorded_frame_log_plays_back_as_the_same_pictures(
         ).read_bytes()
 
 
+@pytest.mark.smoke
 def test_a_picture_comes_with_its_numbers_and_its_error(tmp_path: Path) -> None:
     import numpy as np
 

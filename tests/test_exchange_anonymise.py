@@ -77,6 +77,7 @@ def test_the_copy_is_whole(study: Path, tmp_path: Path, wishes: Wishes) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.smoke
 def test_the_copy_is_reported_with_the_same_answers(study: Path, tmp_path: Path) -> None:
     anonymise(study, tmp_path / "out", Wishes())
     for source in (study, tmp_path / "out"):

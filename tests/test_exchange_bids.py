@@ -176,6 +176,7 @@ def test_what_cannot_be_exported_is_refused_in_a_sentence(run, study, tmp_path) 
 
 
 @pytest.mark.slow
+@pytest.mark.smoke
 def test_a_dataset_with_gaze_and_hands_is_valid(dataset: Path) -> None:
     assert errors_of(dataset) == []
 

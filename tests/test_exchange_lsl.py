@@ -134,6 +134,7 @@ def received(tmp_path_factory: pytest.TempPathFactory, loopback: None) -> tuple[
     return recorded, content
 
 
+@pytest.mark.smoke
 def test_another_process_gets_each_event_and_the_clocks_agree(received: tuple[Path, Any]) -> None:
     folder, content = received
     markers = [json.loads(value[0]) for value, _, _ in content["samples"]["markers"]]

@@ -113,6 +113,7 @@ def test_each_rule_finds_a_dataset_that_breaks_it(dataset: Path, tmp_path: Path,
     assert errors(broken) == {code}
 
 
+@pytest.mark.smoke
 def test_the_tables_are_those_of_the_study(study: Path, dataset: Path) -> None:
     for name in ("trials", "questionnaires", "ratings", "practice"):
         header, rows = table(dataset / "data" / f"study-tiny_description-{name}_data.csv")

@@ -45,6 +45,7 @@ def test_work_that_fails_is_counted_and_the_rest_is_done() -> None:
 
 
 @needs_a_terminal
+@pytest.mark.smoke
 def test_a_serial_port_gets_a_byte_as_an_exposure_begins_and_ends() -> None:
     pytest.importorskip("serial")
     ours, theirs = os.openpty()

@@ -48,6 +48,7 @@ def sealed(study: Path) -> list[str]:
     return told(study)
 
 
+@pytest.mark.smoke
 def test_a_whole_study_passes_with_counts(whole: Path) -> None:
     found = verify_study(whole)
     assert found.findings == []

@@ -84,6 +84,7 @@ def test_a_wall_before_the_head_is_at_its_distance_on_all_rays(ctx, distance_m):
     assert sample.focus_m == pytest.approx(distance_m, rel=2e-6)
 
 
+@pytest.mark.smoke
 def test_the_sky_is_at_infinity(ctx):
     (sample,) = samples_of(ctx, scene_of([]))
     assert sample.rays_m.tolist() == [30_000.0] * 9

@@ -1,19 +1,14 @@
 """The ready studies after Hillaire et al. 2008 and Mantiuk et al. 2011: the papers' numbers."""
 
-import subprocess
-import sys
 from itertools import pairwise
 
 import pytest
 
 from tests.support.render import still_life
-from vrcomfort.design import build_design
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.conditions import Condition, Focus
 from vrcomfort.render import plan
 from vrcomfort.session.manifest_writer import limits
-
-STUDIES = ["hillaire_2008", "mantiuk_2011"]
 
 
 def test_hillaire_in_numbers():
@@ -79,20 +74,3 @@ def test_the_manifest_says_whether_there_is_a_largest_radius(level, limited):
     (said,) = limits(study.model_copy(update={"conditions": (Condition.model_validate(lens),)}))
     assert ("circle of confusion at most 1.75 %" in said) == limited
     assert ("have no largest radius" in said) != limited
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", STUDIES)
-def test_simulated_participants_go_through_it(name, tmp_path):
-    out = tmp_path / "study"
-    size = ["--size", "32x40", "--refresh-hz", "20", "--exposure-s", "0.1"]
-    command = ["simulate", name, "-n", "1", *size, "--out", str(out), "--quiet"]
-    main = "from vrcomfort.cli import main; main()"
-    answer = subprocess.run(
-        [sys.executable, "-c", main, *command], capture_output=True, text=True, check=False
-    )
-    assert answer.returncode == 0, answer.stderr
-    rows = (out / "sub-P01" / "ses-1" / "trials.csv").read_text(encoding="utf-8").splitlines()
-    (person,) = build_design(load_protocol(name), seed=0).plan(1)
-    assert len(rows) == 1 + len(person.trials)
-    assert all(",completed," in row for row in rows[1:])

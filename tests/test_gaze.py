@@ -91,6 +91,7 @@ def test_a_headset_without_an_eye_tracker_leaves_no_file(tmp_path):
     assert not (record(tmp_path, AheadHeadset()) / "gaze.csv").exists()
 
 
+@pytest.mark.smoke
 def test_a_session_writes_one_row_per_frame(tmp_path):
     folder = record(tmp_path, TrackedHeadset())
     lines = (folder / "gaze.csv").read_text().splitlines()

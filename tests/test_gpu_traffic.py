@@ -54,6 +54,7 @@ def test_loops_and_filters_are_counted_by_call(ctx):
     assert second.bytes == PIXELS * 8 + 4 * 2
 
 
+@pytest.mark.smoke
 def test_pictures_are_the_same_with_counting(ctx):
     source = gl.color_texture(ctx, SIZE)
     source.write(np.random.default_rng(1).uniform(0, 9, (10, 12, 4)).astype("f2").tobytes())

@@ -202,6 +202,7 @@ def shows(screen: np.ndarray, columns: int) -> bool:
 
 
 @pytest.mark.slow
+@pytest.mark.smoke
 def test_without_a_display_one_sentence_says_what_to_do(tmp_path: Path) -> None:
     server = XServer(":4242", tmp_path)
     protocol = tmp_path / "window.toml"

@@ -39,6 +39,7 @@ def test_an_image_of_the_box_s_size_is_copied(ctx: moderngl.Context) -> None:
     assert np.array_equal(shown, noise)
 
 
+@pytest.mark.smoke
 def test_an_image_is_scaled_into_its_box(ctx: moderngl.Context) -> None:
     shown = painted(ctx, ctx.texture((4, 4), 4, bytes(RED * 16)), [], (16, 0, 32, 48))
     lit = np.argwhere(shown[..., 0] > 0)

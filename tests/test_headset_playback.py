@@ -64,6 +64,7 @@ def test_the_traces_own_rate_gives_its_samples():
     assert [f.discontinuity for f in frames] == [True] + [False] * 9
 
 
+@pytest.mark.smoke
 def test_another_rate_interpolates_at_its_display_times():
     frames = play(TEN_MS, 12, refresh_hz=120)
     for k, frame in enumerate(frames[:11]):

@@ -28,6 +28,7 @@ def refusal(path, reader=read_trace):
     return caught.value
 
 
+@pytest.mark.smoke
 def test_a_minimal_trace_has_times_and_head_poses(write):
     trace = read_trace(write(HEADER, *ROWS))
     assert trace.time_ns.tolist() == [1000, 2000, 3000]

@@ -193,6 +193,7 @@ def test_every_column_is_mapped_or_ignored(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.smoke
 def test_command_line_from_files_to_report(tmp_path: Path) -> None:
     files, truth = LAYOUTS["spss_wide"](tmp_path)
     run = CliRunner()

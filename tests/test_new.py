@@ -133,6 +133,7 @@ def test_what_cannot_be_is_refused_and_nothing_is_written(tmp_path, words, told)
     assert (tmp_path / "there.toml").read_text(encoding="utf-8") == "kept"
 
 
+@pytest.mark.smoke
 def test_ratings_that_end_exposures_are_on_their_scales():
     for name, high in HIGH.items():
         answers = find_instrument(name).items[0].answers

@@ -56,6 +56,7 @@ def python(text: str, names: str, *words: str) -> subprocess.CompletedProcess[st
 
 
 @pytest.mark.slow
+@pytest.mark.smoke
 def test_everything_is_imported_without_egl_and_without_windows() -> None:
     pytest.importorskip("xr", reason="pyopenxr is not installed")
     done = python(IMPORT_ALL, "'OpenGL.EGL', 'glfw', 'xr.utils'")

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.openxr import needs_monado
-from tests.support.shortened import SHIPPED, assert_whole, first_person, shortened
+from tests.support.shortened import EXPOSURE_S, SHIPPED, assert_whole, first_person, shortened
 from tests.support.waiting import SESSION_S
 from vrcomfort.protocol import load_protocol
 from vrcomfort.resources import data_folder
@@ -34,9 +34,9 @@ def run(*words: object) -> None:
 def test_every_shipped_protocol_is_shown_whole_through_the_runtime(
     name: str, tmp_path: Path
 ) -> None:
-    file, exposure_s = shortened(name, tmp_path)
+    file = shortened(name, tmp_path)
     protocol, study, rehearsed = load_protocol(file), tmp_path / "study", tmp_path / "rehearsed"
-    short = ("--exposure-s", exposure_s)
+    short = ("--exposure-s", EXPOSURE_S)
     headset = ("--headset", "openxr", "--monado-trace", TRACE, "--size", "48x60")
     person = ("--participant", "P01", "--respondent", "simulated", *first_person(protocol))
     run("run", file, *person, *headset, *short, "--out", study)

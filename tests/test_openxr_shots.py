@@ -93,9 +93,12 @@ def test_targets_are_shot_with_the_trigger(
             shooter.task = task
             step(task, *frame)
 
-        monkeypatch.setattr(TaskRun, "step", watched)
         settings = OpenXrSettings(image_size_px=(16, 16))
-        with OpenXrHeadset(ctx, settings, before_wait=shooter.before_frame) as headset:
+        with (
+            monkeypatch.context() as patch,  # over before `ctx` looks for objects that stayed
+            OpenXrHeadset(ctx, settings, before_wait=shooter.before_frame) as headset,
+        ):
+            patch.setattr(TaskRun, "step", watched)
             outcome = run(
                 load_protocol(str(file)),
                 "P01",

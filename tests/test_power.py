@@ -84,6 +84,7 @@ def test_the_test_is_that_of_the_plan():
 
 
 @pytest.mark.slow
+@pytest.mark.smoke
 def test_the_same_seed_gives_the_same_power_in_any_order_of_work():
     question = question_of("carnegie_2015", Effect(0.5, standardised=True))
 

@@ -111,12 +111,13 @@ def test_hillaires_situations_have_their_lengths_and_tasks():
 @pytest.mark.parametrize("name", sorted(p.stem for p in data_folder("protocols").glob("*.toml")))
 def test_every_shipped_protocol_is_gone_through_whole(run, name, tmp_path):
     """In its own length: no frames are drawn, and time jumps."""
-    code, _, err = run("simulate", name, "-n", 2, "--no-frames", "--out", tmp_path / "s")
+    code, _, err = run("simulate", name, "-n", 1, "--no-frames", "--out", tmp_path / "s")
     assert code == 0, err
     protocol = load_protocol(name)
     planned = [len(session) for session in build_design(protocol).plan(1)[0].sessions]
-    for folder in sorted((tmp_path / "s").glob("sub-*/ses-*")):
+    folders = sorted((tmp_path / "s").glob("sub-P01/ses-*"))
+    assert folders
+    for folder in folders:
         rows = list(CsvTable.read(folder / "trials.csv", appended=True).dicts())
         left = any(row["status"] == "stopped" for row in rows)  # some feel too ill to go on
         assert left or len(rows) == planned[int(folder.name[4:]) - 1]
-    assert sorted((tmp_path / "s").glob("sub-P01/ses-*"))

@@ -141,6 +141,7 @@ def test_times_are_those_that_the_session_wrote_for_its_trial(tmp_path, hidden):
 
 
 @pytest.mark.slow
+@pytest.mark.smoke
 def test_parquet_gives_the_same_numbers_to_the_last_digit(tmp_path):
     files = [
         session(tmp_path / f"sub-P{n}" / "ses-1", frames(500, seed=n), participant=f"P{n}")

@@ -20,6 +20,7 @@ from vrcomfort.traces.trace import read_trace
 SIZE = (160, 120)
 
 
+@pytest.mark.smoke
 def test_still_life(ctx, request, tmp_path):
     """Sun, shadow, lamp, fog, clouds, metal, normal map, mask, blend and velocity in one view."""
     scene_pass = ScenePass(ctx, still_life(), SIZE, velocity=True)

@@ -17,6 +17,7 @@ def picture(size_px, seed):
 
 
 @pytest.mark.parametrize("size_px", [(1, 1), (7, 3), (130, 5), (128, 2)])
+@pytest.mark.smoke
 def test_the_hash_of_a_texture_is_that_of_its_picture_in_a_file(ctx, size_px):
     textures = tuple(ctx.texture(size_px, 4, picture(size_px, seed).tobytes()) for seed in (1, 2))
     hasher = ImageHasher(ctx)

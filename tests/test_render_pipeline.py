@@ -83,6 +83,7 @@ def test_an_effect_of_zero_strength_has_no_pass(condition):
     assert needed(scene([], [], []), condition) == ["scene", "tone_map"]
 
 
+@pytest.mark.smoke
 def test_disabled_effects_own_nothing_on_the_gpu(ctx, count_objects):
     content = still_life()
     counts = {}

@@ -241,6 +241,7 @@ def test_the_patch_for_a_photodiode_is_part_of_the_images_and_its_onset_is_on_re
 
 
 @pytest.mark.slow
+@pytest.mark.smoke
 def test_times_in_the_video_are_those_that_frames_stood(place: Path) -> None:
     """Dropped and undrawn frames leave the picture standing; exposures follow without a gap."""
     frames, _ = drawn_again(place, ReplaySelection(trial=1))

@@ -42,6 +42,7 @@ def test_a_page_without_figures_has_the_same_numbers_and_speaks_of_none(tmp_path
 
 
 @pytest.mark.slow
+@pytest.mark.smoke
 def test_the_command_writes_the_forms_that_are_asked_for(run, tmp_path, source):
     words = ("report", source, "--plan", tmp_path / "plan.toml", "--out", tmp_path / "o")
     assert run(*words, "--figures", "pdf, svg")[0] == 0

@@ -11,6 +11,7 @@ from vrcomfort.report.fonts import FAMILY, WHOLE, load_fonts
 
 
 @pytest.mark.parametrize("name", ["DejaVuSans.ttf", "DejaVuSans-Bold.ttf"])
+@pytest.mark.smoke
 def test_the_copy_has_every_letter_in_its_width(name):
     source = Path(get_data_path()) / "fonts" / "ttf" / name
     with TTFont(source) as whole, TTFont(load_fonts() / name) as copy:

@@ -42,15 +42,21 @@ needs_r = pytest.mark.skipif(RSCRIPT is None, reason="there is no Rscript here")
 
 
 PLANS = [
-    'alternative = "greater"\n',
-    'zeros = "wilcox"\nalternative = "less"\n',
-    'shift_interval = "order_statistics"\np_value = "asymptotic"\n',
-    'withdrawals = "available_pairs"\n',
+    pytest.param("", marks=pytest.mark.smoke),
+    *(
+        pytest.param(plan, marks=pytest.mark.slow)
+        for plan in (
+            'alternative = "greater"\n',
+            'zeros = "wilcox"\nalternative = "less"\n',
+            'shift_interval = "order_statistics"\np_value = "asymptotic"\n',
+            'withdrawals = "available_pairs"\n',
+        )
+    ),
 ]
 
 
 @needs_r
-@pytest.mark.parametrize("plan", ["", *(pytest.param(p, marks=pytest.mark.slow) for p in PLANS)])
+@pytest.mark.parametrize("plan", PLANS)
 def test_r_finds_the_same_numbers(tmp_path, plan):
     file = tmp_path / "plan.toml"
     file.write_text(f'name = "p"\ntitle = "P"\n{plan}', "utf-8")

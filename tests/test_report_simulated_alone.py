@@ -17,7 +17,7 @@ PROTOCOL = """\
 name = "alone"
 title = "Nothing but this is asked"
 exposure_s = {exposure_s}
-scenes = ["temple"]
+scenes = ["depths"]
 
 [[conditions]]
 name = "plain"
@@ -65,8 +65,11 @@ def simulated(folder: Path, protocol: str, people: int) -> Path:
     """Simulate a study of small pictures and return its folder."""
     file, study = folder / "alone.toml", folder / "study"
     file.write_text(protocol, encoding="utf-8")
-    options = ["-n", str(people), "--size", "32x40", "--seed", "3", "--quiet", "--out", str(study)]
-    app(["simulate", str(file), *options], standalone_mode=False)
+    small = ["--size", "32x40", "--refresh-hz", "20", "--seed", "3", "--quiet"]
+    app(
+        ["simulate", str(file), "-n", str(people), *small, "--out", str(study)],
+        standalone_mode=False,
+    )
     return study
 
 
@@ -77,7 +80,7 @@ def reported(study: Path, plan: str, out: Path) -> tuple[dict[str, Any], str]:
 
 
 def test_tasks_alone_from_simulate_to_page(tmp_path: Path) -> None:
-    text = TASK + PROTOCOL.format(exposure_s=2.0) + AIMING
+    text = TASK + PROTOCOL.format(exposure_s=1.5) + AIMING
     study = simulated(tmp_path, text, 6)
     results, page = reported(study, "aiming_only", tmp_path / "report")
     (slower, *_) = results["tests"]

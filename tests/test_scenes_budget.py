@@ -254,9 +254,9 @@ def test_the_work_of_loading_is_in_proportion_to_nodes(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_hundred_thousand_nodes_and_primitives_load(tmp_path):
-    scene = load_scene(grid(tmp_path / "scene.gltf", 100_000))
-    assert len(scene.nodes) == len(scene.primitives) == 100_000
+def test_thirty_thousand_nodes_and_primitives_load(tmp_path):
+    scene = load_scene(grid(tmp_path / "scene.gltf", 30_000))
+    assert len(scene.nodes) == len(scene.primitives) == 30_000
 
 
 AWAY = ["../data.bin", "a/../../data.bin", "%2e%2e/data.bin", "/etc/hostname", "//host/data.bin",

@@ -28,6 +28,7 @@ def world_positions(scene, time_s=0.0):
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".gltf"])
+@pytest.mark.smoke
 def test_agrees_with_another_writer(tmp_path, suffix):
     shape = trimesh.Scene()
     turn = trimesh.transformations.rotation_matrix(0.7, [1, 2, 3], [0.5, 0, 0])

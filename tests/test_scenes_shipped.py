@@ -69,6 +69,7 @@ def test_small_enough_and_without_a_warning(scene):
     assert scene.warnings == ()
 
 
+@pytest.mark.smoke
 def test_something_moves(scene):
     moving = [node for node in scene.nodes if node.moving and node.mesh]
     assert moving

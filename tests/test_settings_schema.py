@@ -110,6 +110,7 @@ def test_descriptions_are_in_the_schema_also_of_what_is_inherited():
     )
 
 
+@pytest.mark.smoke
 def test_the_reference_page_is_that_of_these_models():
     page = data_folder("protocols").parent / "docs" / "protocol_reference.md"
     assert page.read_text(encoding="utf-8") == protocol_reference(), (

@@ -65,6 +65,7 @@ def small_letters(leading: float) -> pd.DataFrame:
     return table([[round(leading + p + o, 1) for p in pattern] for o in offsets])
 
 
+@pytest.mark.smoke
 def test_mixed_design_is_that_of_afex(obk):
     means = obk.groupby(["id", "treatment", "phase"], as_index=False)["value"].mean()
     result = anova(means, value="value", participant="id", within=["phase"], between="treatment")

@@ -40,6 +40,7 @@ def test_crossover_is_the_pair_of_t_tests():
     assert (result.n_ab, result.n_ba, result.condition.df) == (5, 4, 7)
 
 
+@pytest.mark.smoke
 def test_mixed_model_of_complete_crossover_data_is_the_closed_form():
     closed = crossover(FIRST, SECOND, A_FIRST)
     model = mixed_model(

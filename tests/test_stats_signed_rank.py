@@ -24,6 +24,7 @@ SLEEP = as_integers(DRUG_1, 0.1) - as_integers(DRUG_2, 0.1)
 differences = st.lists(st.integers(-12, 12), min_size=1, max_size=25)
 
 
+@pytest.mark.smoke
 def test_sleep_pratt_is_that_of_r_coin():
     test = signed_rank(SLEEP, 0.1)
     assert test.z == pytest.approx(-2.7575, abs=5e-5)

@@ -145,6 +145,7 @@ def test_an_event_under_one_condition_alone_has_no_hazard_ratio():
         cox(times, events, {"x": [1, 0, 1, 0, 1, 0], "y": [0, 1, 0, 1, 0, 1]})
 
 
+@pytest.mark.smoke
 def test_one_group_and_one_course():
     with pytest.raises(InputError, match="one group only"):
         log_rank([3, 5], [1, 1], ["a", "a"])

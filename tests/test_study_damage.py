@@ -118,13 +118,14 @@ SOME_OR_ALL = pytest.mark.parametrize("every", [23, pytest.param(1, marks=pytest
 
 
 @pytest.mark.slow
-@SOME_OR_ALL
-def test_every_damaged_value_is_refused_in_a_sentence_or_does_no_harm(damaged, killed, every):
-    cases = islice(damages(killed), 0, None, every)
+def test_every_damaged_value_is_refused_in_a_sentence_or_does_no_harm(damaged, killed):
+    # Five divides neither 23 (values of a key) nor 19 and 6 (of a cell): every place is damaged,
+    # and every value comes to a fifth of them.
+    cases = islice(damages(killed), 0, None, 5)
     said = [(damage[0], damaged(damage, inside)) for inside, damage in cases]
     refused = [(what, sentence) for what, sentence in said if sentence]
-    assert len(said) > 2000 / every
-    assert len(refused) > 1000 / every
+    assert len(said) > 400
+    assert len(refused) > 200
     for what, sentence in refused:
         assert "\n" not in sentence
         file = what.split()[0].rstrip(":")

@@ -86,6 +86,7 @@ def events(tmp_path: Path, name: str = "instruction") -> list[tuple[float, str]]
     return [(float(row["duration_s"]), row["detail"]) for row in found]
 
 
+@pytest.mark.smoke
 def test_what_was_told_and_how_long_is_recorded(tmp_path):
     person = Scripted()
     go(tmp_path, person, protocol=told(tmp_path), speaker=NobodyHears())

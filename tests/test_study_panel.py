@@ -82,6 +82,7 @@ def ask(*choices: Callable[[Page], Pointing]) -> list[tuple[str, int | None]]:
     return heard
 
 
+@pytest.mark.smoke
 def test_every_item_is_asked_and_answers_can_be_corrected() -> None:
     answers = [choose(Act.ANSWER, index % 4) for index in range(16)]
     heard = ask(*answers, choose(Act.CORRECT, 2), choose(Act.ANSWER, 0), choose(Act.CONFIRM))

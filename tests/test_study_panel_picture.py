@@ -46,6 +46,7 @@ def test_a_cell_knows_its_middle() -> None:
     assert cell.center == (0.5, 0.25)
 
 
+@pytest.mark.smoke
 def test_the_pointed_cell_is_seen() -> None:
     cells = question_cells(SSQ.answers, first=True)
     page = Page("1 of 16", "Nausea", cells)

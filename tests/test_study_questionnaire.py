@@ -51,6 +51,7 @@ def score_ssq(file):
     return score_file(file, SSQ).rows
 
 
+@pytest.mark.smoke
 def test_the_published_loadings_and_maxima():
     assert [scale.name for scale in SSQ.scales] == ["N", "O", "D", "T"]
     assert [len(loads) for loads in LOADINGS.values()] == [7, 7, 7]

@@ -17,6 +17,7 @@ from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.traces.trace import read_trace
 
 
+@pytest.mark.smoke
 def test_a_whole_participant(tmp_path):
     renderer, respondent = LateFocus(), Scripted()
     outcome = go(tmp_path, respondent, renderer=renderer)
@@ -185,6 +186,7 @@ def test_a_study_keeps_its_seed_and_so_everybody_their_order(tmp_path):
     assert [manifest(tmp_path, session)["seed"] for session in (1, 2)] == [3, 3]
 
 
+@pytest.mark.smoke
 def test_the_same_seed_gives_the_same_bytes(tmp_path):
     protocol = tiny_protocol(tmp_path)
     for study in ("A", "B"):

@@ -242,6 +242,7 @@ def study(tmp_path_factory):
     return folder / "S"
 
 
+@pytest.mark.smoke
 def test_simulated_participants_do_a_task_and_every_shot_is_kept(study):
     rows = rows_of(study)
     trials = [row for row in rows if row["kind"] == "trial"]

@@ -165,9 +165,7 @@ def test_pictures_of_an_earlier_run_do_not_stay_and_other_files_do(run, tmp_path
     for folder in ("figures", "sheets"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "mine.png").touch()
-    motion = (*SMALL, "--quick", "--scenes", "temple", "--effects", "motion_blur")
-    motion = (*motion, "--methods", "ours 8 samples")
-    for chosen in (motion, FEW):
+    for chosen in ((*FEW, "--lens", 7), FEW):
         assert run(*chosen, "--cache", cache, "--out", tmp_path)[0] == 0
     there = {str(file.relative_to(tmp_path)) for file in tmp_path.glob("*/*")}
     assert there == {
@@ -225,6 +223,7 @@ def test_what_is_not_there_is_named(run, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.smoke
 def test_a_method_needs_only_one_effect_that_has_it(run, tmp_path, cache):
     """Without --effects there is motion blur as well, which has no `ours 36 samples`."""
     chosen = ("--scenes", "temple", "--quick", "--methods", "ours 36 samples")

@@ -80,7 +80,8 @@ def openness(
     while distance < far_m and len(alive):
         distance += voxels.cell_m * (0.9 if distance < reach_m else 1.5)
         place = start[alive] + directions[alive] * distance
-        inside = (place >= 0).all(axis=1) & (place < shape).all(axis=1)
+        x, y, z = ((place >= 0) & (place < shape)).T  # three columns are faster than `all`
+        inside = x & y & z
         index = np.where(inside[:, None], place, 0).astype(np.int32)
         solid = flat[(index[:, 0] * shape[1] + index[:, 1]) * shape[2] + index[:, 2]] & inside
         free[alive[solid]] = distance

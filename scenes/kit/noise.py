@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
@@ -47,19 +48,43 @@ def _hash(x: NDArray[np.int64], z: NDArray[np.int64], seed: int) -> NDArray[np.u
         return h ^ (h >> np.uint64(31))
 
 
+def _gradients(x: Array, z: Array, seed: int) -> tuple[Array, Array]:
+    """Return the unit gradients at whole coordinates of any shape."""
+    h = _hash(x.astype(np.int64), z.astype(np.int64), seed)
+    angle = (h >> np.uint64(40)).astype(np.float64) * (2 * np.pi / 2**24)
+    return np.cos(angle), np.sin(angle)
+
+
 def gradient_noise(x: Array, z: Array, seed: int) -> Array:
     """Return Perlin's gradient noise, about −0.7 to 0.7, at places of any shape."""
     x0, z0 = np.floor(x), np.floor(z)
     fx, fz = x - x0, z - z0
     ux, uz = (f * f * f * (f * (f * 6 - 15) + 10) for f in (fx, fz))
     total = np.zeros_like(fx)
+    corner = _corners(x0, z0, seed)
     for dx in (0, 1):
         for dz in (0, 1):
-            h = _hash((x0 + dx).astype(np.int64), (z0 + dz).astype(np.int64), seed)
-            angle = (h >> np.uint64(40)).astype(np.float64) * (2 * np.pi / 2**24)
-            dot = np.cos(angle) * (fx - dx) + np.sin(angle) * (fz - dz)
+            cos, sin = corner(dx, dz)
+            dot = cos * (fx - dx) + sin * (fz - dz)
             total += dot * (ux if dx else 1 - ux) * (uz if dz else 1 - uz)
     return total
+
+
+def _corners(x0: Array, z0: Array, seed: int) -> Callable[[int, int], tuple[Array, Array]]:
+    """Return the gradients at a corner of each place's cell; made once where cells are shared."""
+    low, high = ((int(x0.min()), int(z0.min())), (int(x0.max()), int(z0.max())))
+    columns, rows = high[0] - low[0] + 2, high[1] - low[1] + 2
+    if columns * rows > x0.size:
+        return lambda dx, dz: _gradients(x0 + dx, z0 + dz, seed)
+    along, across = np.arange(columns) + low[0], np.arange(rows)[:, None] + low[1]
+    cos, sin = _gradients(*np.broadcast_arrays(along, across), seed)
+    cell = (z0 - low[1]).astype(np.intp) * columns + (x0 - low[0]).astype(np.intp)
+
+    def shared(dx: int, dz: int) -> tuple[Array, Array]:
+        at = cell + (dz * columns + dx)
+        return cos.ravel()[at], sin.ravel()[at]
+
+    return shared
 
 
 def fractal(x: Array, z: Array, seed: int, *, octaves: int, gain: float = 0.5) -> Array:

@@ -135,6 +135,18 @@ def _options(
 def main() -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
     try:
+        _run()
+    except OSError as error:
+        if error.errno != errno.EIO or not stopping.terminal_closed():
+            raise
+        sys.exit(stopping.exit_code())  # nobody to say it to
+    finally:
+        if stopping.terminal_closed():
+            _drop_unwritten()
+
+
+def _run() -> None:
+    try:
         app(prog_name="vrcomfort")
     except InputError as error:
         for each in (error.alone, *error.others):
@@ -142,16 +154,23 @@ def main() -> None:
         sys.exit(EXIT_BAD_INPUT)
     except BrokenPipeError:
         # The reader (`| head`) has gone: nothing to say, and nobody to say it to.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_unwritten()
         sys.exit(1)
     except KeyboardInterrupt:  # before a command began
         complain(STOPPED)
         sys.exit(stopping.exit_code())
     except OSError as error:
-        if error.errno == errno.EIO and stopping.terminal_closed():  # nobody to say it to
-            sys.exit(stopping.exit_code())
         if error.errno not in FAULTS_OF_THE_MACHINE:
             raise
         place = f"{error.filename}: " if error.filename else ""
         complain(f"{place}{FAULTS_OF_THE_MACHINE[error.errno]}")
         sys.exit(EXIT_BAD_INPUT)
+
+
+def _drop_unwritten() -> None:
+    """Send to nowhere what a stream cannot write; Python would try once more, and exit with 120."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
