@@ -225,11 +225,7 @@ def test_a_replay_drawn_with_another_condition_has_not_the_recorded_images(place
 def test_the_patch_for_a_photodiode_is_part_of_the_images_and_its_onset_is_on_record(
     place: Path,
 ) -> None:
-    session = read_session(place / SESSION)
-    settings = {**session.manifest["settings"], "photodiode": None}
-    manifest = {**session.manifest, "settings": settings}
-
-    _, comparison = drawn_again(place, ReplaySelection(trial=2), manifest=manifest)
+    _, comparison = drawn_again(place, ReplaySelection(trial=2), photodiode=None)
 
     assert comparison.compared > 3
     assert comparison.equal == 0

@@ -22,7 +22,7 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.inputs import HandInput, Inputs
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.protocol import load_protocol
+from vrcomfort.protocol import load_protocol, with_task_code
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.replay import Comparison, ReplaySelection, read_session, replay
 from vrcomfort.scene.data import Scene
@@ -136,7 +136,7 @@ TASK = Juggle
 """
 UNSEEN = {21, 22}
 """Frames that the runtime did not want drawn."""
-SHOTS = {8, 30}
+SHOTS = {8, 32}
 """Frames in which a button goes down."""
 
 
@@ -175,7 +175,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("busy")
     (folder / "busy.toml").write_text(PROTOCOL)
     (folder / "juggle.py").write_text(OWN)
-    protocol = load_protocol(folder / "busy.toml")
+    protocol = with_task_code(load_protocol(folder / "busy.toml"))
     scene = temple()
     headset = Busy(shipped_walk("temple"), image_size_px=SIZE_PX, refresh_hz=36)
     renderer = make_renderer(SIZE_PX, hash_every=3)

@@ -132,8 +132,9 @@ def statuses(study: Path) -> dict[str, str]:
 def test_simulate_goes_on_where_it_was_stopped(study, monkeypatch, capsys):
     simulate = ("simulate", smoke_of(study), "--out", study, "--exposure-s", SHOWN_S, "-n")
     first = (study / "sub-P01" / "ses-1" / "frames.csv").read_text()
-    code, said = call(monkeypatch, capsys, *simulate, 2)
-    assert (code, said) == (0, "")
+    code, shortened = call(monkeypatch, capsys, *simulate, 2)
+    assert (code, shortened.count("\n")) == (0, 1)
+    assert shortened.startswith("note: exposures of 0.5 s are shortened to 0.2 s")
     assert statuses(study) == {"P01": "completed", "P02": "completed"}
     recorded = {file: file.read_bytes() for file in study.glob("sub-*/ses-1/*")}
     assert recorded[study / "sub-P01" / "ses-1" / "frames.csv"].decode().startswith(first)
@@ -151,7 +152,7 @@ def test_simulate_goes_on_where_it_was_stopped(study, monkeypatch, capsys):
     file.write_text(file.read_text().replace("P01,s1,completed", "P01,s1,enrolled"))
     assert statuses(study)["P01"] == "enrolled"
     code, said = call(monkeypatch, capsys, *simulate, 3)
-    assert (code, said) == (0, "")
+    assert (code, said) == (0, shortened)
     assert statuses(study) == dict.fromkeys(("P01", "P02", "P03"), "completed")
     assert {file: file.read_bytes() for file in recorded} == recorded
 
