@@ -21,7 +21,13 @@ from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.protocol import Protocol, load_protocol
 from vrcomfort.respondent import Form, Heard, SimulatedRespondent
 from vrcomfort.scene.load import load_scene
-from vrcomfort.session import NoPictures, StillHeadset, VirtualClock, open_enrolment
+from vrcomfort.session import (
+    NoPictures,
+    SessionSettings,
+    StillHeadset,
+    VirtualClock,
+    open_enrolment,
+)
 from vrcomfort.session import run as run_session
 
 STUDY = Path(__file__).with_name("resumed.toml")
@@ -81,14 +87,14 @@ def work(study: Path, *, resume: bool) -> None:
     with open_enrolment(
         known, WHO, study=study, respondent=respondent.name, resume=resume
     ) as enrolment:
-        outcome = run_session(
-            enrolment,
+        settings = SessionSettings(
             respondent=respondent,
             headset_for=lambda *_: StillHeadset(RATE_HZ),
             load_scene=room,
             renderer=NoPictures(),
             clock=VirtualClock(),
         )
+        outcome = run_session(enrolment, settings)
     if outcome.status == "aborted":
         raise KeyboardInterrupt
 
