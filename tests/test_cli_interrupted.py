@@ -189,6 +189,7 @@ def test_what_a_closed_terminal_does_not_show_leaves_the_exit_code_alone():
     process = subprocess.Popen(
         [sys.executable, "-c", SHUT],
         stdin=subprocess.PIPE, stdout=theirs, stderr=theirs, env=buffered,
+        preexec_fn=hear_all,  # noqa: PLW1509 - no threads here
     )  # fmt: skip
     os.close(theirs)
     os.close(ours)
