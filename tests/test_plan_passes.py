@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from contextlib import contextmanager, nullcontext
-from itertools import groupby
+from itertools import groupby, pairwise
 from typing import get_args
 
 import moderngl
@@ -76,7 +76,7 @@ def watched(ctx):
 def passes(seen):
     """Count runs of draws into the same texture, a mip chain as one."""
     runs = [next(draws)[0] for _, draws in groupby(seen, key=lambda each: each[1])]
-    chained = sum(a == b and a in MIP_CHAINS for a, b in zip(runs, runs[1:], strict=False))
+    chained = sum(a == b and a in MIP_CHAINS for a, b in pairwise(runs))
     return len(runs) - chained
 
 

@@ -101,7 +101,7 @@ def _check(
     try:
         found.faults += _of_design(protocol)
         found.faults += wording_faults(protocol)
-        found.notes += shortened_turns(protocol)
+        found.notes += dict.fromkeys(shortened_turns(protocol))  # views may share a path
         if not_to_be_had := [*_of_places(protocol), *_of_instructions(protocol)]:
             found.faults += not_to_be_had
             return found  # neither rehearsed nor drawn: nobody can stand there, or be told
