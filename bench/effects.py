@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 
 import moderngl
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from bench.table import Result
 from vrcomfort.frame import Frame
+from vrcomfort.gpu.timer import Stopwatch
 from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Scene
@@ -48,7 +48,8 @@ def measure(ctx: moderngl.Context, *, rounds: int) -> Result:
             )
     notes = [
         f"{SIZE_PX[0]}×{SIZE_PX[1]} per eye, {rounds} frames of the shipped walk, the conditions "
-        "in turn on each frame; wall clock between two finish().",
+        "in turn on each frame; processor time of all threads on a software rasteriser, else the "
+        "GPU's own time.",
         "`plain_again` is the A/A interval: the same work as `plain`.",
         f"Renderer: {ctx.info['GL_RENDERER']}.",
     ]
@@ -69,21 +70,18 @@ def frame_seconds(
         renderer = StereoRenderer(ctx, size_px)
         renderer.begin(scene, condition)
         renderers.append(renderer)
+    stopwatch = Stopwatch(ctx)
     times = [
-        [_frame_seconds(ctx, renderer, pair) for renderer in renderers]
+        [_frame_seconds(stopwatch, renderer, pair) for renderer in renderers]
         for pair in pairs(scene, size_px, rounds + 1)
     ]
     return np.array(times[1:])  # the first frame compiles shaders
 
 
 def _frame_seconds(
-    ctx: moderngl.Context, renderer: StereoRenderer, pair: tuple[Frame, Frame]
+    stopwatch: Stopwatch, renderer: StereoRenderer, pair: tuple[Frame, Frame]
 ) -> float:
     before, frame = pair
     scene_time_s = frame.index / REFRESH_HZ
     renderer.render(before, scene_time_s - 1 / REFRESH_HZ)
-    ctx.finish()
-    start_s = time.perf_counter()
-    renderer.render(frame, scene_time_s)
-    ctx.finish()
-    return time.perf_counter() - start_s
+    return stopwatch.seconds(lambda: renderer.render(frame, scene_time_s))

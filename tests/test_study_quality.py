@@ -10,6 +10,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.protocol import quality as dial
 from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
 from vrcomfort.protocol.quality_levels import (
+    Effects,
     Figure,
     Level,
     Measured,
@@ -44,11 +45,25 @@ def test_every_level_gives_valid_settings(level, law):
 
 def test_levels_rise_in_what_they_sample():
     settings = [with_level(level, depth_of_field={}, motion_blur={}) for level in LEVELS]
-    samples = [each.depth_of_field.samples for each in settings]
-    samples = [each.motion_blur.samples for each in settings]
-    assert samples == sorted(samples)
-    assert samples == sorted(samples)
-    assert samples[0] < samples[1] < samples[2]
+    for effect in DIALLED:
+        samples = [getattr(each, effect).samples for each in settings]
+        assert samples == sorted(samples)
+        assert samples[0] < samples[1] < samples[2]
+
+
+@pytest.mark.parametrize("effects", get_args(Effects))
+@pytest.mark.parametrize("scene", ["temple", "mountain"])
+def test_fast_was_measured_cheaper_than_balanced_and_no_closer(effects, scene):
+    found = {
+        each.level: each
+        for each in quality_table().figures
+        if (each.effects, each.scene) == (effects, scene)
+    }
+    fast, balanced = found["fast"], found["balanced"]
+    assert fast.cost_ratio < balanced.cost_ratio
+    assert fast.reads_per_pixel < balanced.reads_per_pixel
+    assert fast.psnr_db <= balanced.psnr_db
+    assert fast.flip >= balanced.flip
 
 
 def test_balanced_is_what_is_taken_without_a_level():

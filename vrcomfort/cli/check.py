@@ -102,7 +102,7 @@ def _check(
         found.faults += _of_design(protocol)
         found.faults += _undrawable(protocol)
         found.faults += missing_wording(protocol)
-        found.notes += shortened_turns(protocol)
+        found.notes += dict.fromkeys(shortened_turns(protocol))  # views may share a path
         if not_to_be_had := [*_of_places(protocol), *_of_instructions(protocol)]:
             found.faults += not_to_be_had
             return found  # neither rehearsed nor drawn: nobody can stand there, or be told

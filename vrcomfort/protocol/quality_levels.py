@@ -66,8 +66,11 @@ class Figure(_Table):
     effects: Effects
     scene: str
     cost_ratio: float
-    """Time of a stereo frame over that of the same frame without effects, in the same run."""
+    """Time of a stereo frame over that of the same frame without effects, in the same run: the
+    processor's on a software rasteriser."""
     psnr_db: float | None = None
+    reads_per_pixel: float | None = None
+    """Texture reads of the effects for each pixel of an eye's image."""
     flip: float | None = None
     """Mean HDR-FLIP against the reference; 0 is equal."""
 
