@@ -14,6 +14,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 from typing import Any, NamedTuple
@@ -105,6 +106,8 @@ def _live(work: Callable[[], object], fate: Fate, beside: Path, writing: int) ->
         finally:
             sys.settrace(None)
             threading.settrace(None)
+        with suppress(KeyboardInterrupt):  # the work was over before the second signal came
+            steps.await_signals()
     with os.fdopen(writing, "w") as telling:  # past the small disk
         telling.write(str(steps.count))
     return code
@@ -117,6 +120,12 @@ class _Steps:
         self.count = 0
         self._fate, self._synced, self._beside = fate, synced, beside
         self._at = -1 if fate.name in {"none", "full disk"} else fate.step
+        self._second: threading.Timer | None = None
+
+    def await_signals(self) -> None:
+        """Return when no further signal comes."""
+        if self._second is not None:
+            self._second.join()
 
     def trace(self, frame: FrameType, event: str, _: Any) -> Any:
         if event == "line":
@@ -134,7 +143,8 @@ class _Steps:
         if name in {"power cut", "SIGKILL"}:
             os.kill(me, signal.SIGKILL)
         if name == "SIGINT twice":  # Python stops to count where a signal is heard
-            threading.Timer(self._fate.again_s, os.kill, (me, signal.SIGINT)).start()
+            self._second = threading.Timer(self._fate.again_s, os.kill, (me, signal.SIGINT))
+            self._second.start()
         os.kill(me, getattr(signal, name.split()[0]))
 
 
