@@ -58,9 +58,8 @@ explore:
 runtime:
 	@scripts/runtime.sh
 
-# They mostly wait, for a runtime that shows 20 frames a second: more of them than cores at once.
 test-openxr:
-	@scripts/in_runtime.sh pytest -q -n 4 --dist worksteal -m monado
+	@scripts/in_runtime.sh pytest -q -n 2 --dist loadfile -m monado
 
 check: setup
 	@$(BIN)/ruff check .
