@@ -26,7 +26,7 @@ from bench.table import Result, write
 from vrcomfort.console import OperatorConsole, ServerProcess
 from vrcomfort.frame import Frame
 from vrcomfort.gpu.gl import create_context
-from vrcomfort.headset.eye_pictures import EyePictures
+from vrcomfort.headset.eye_painter import EyePictures
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.operator_interface import NoOperator, SessionProgress
 from vrcomfort.protocol import load_protocol

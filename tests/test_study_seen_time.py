@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.support.resume import attempts, go, rows
 from tests.support.study import AheadHeadset, frame
 from vrcomfort.frame import HeadsetEvent
-from vrcomfort.headset.refresh_period import RefreshPeriod
+from vrcomfort.headset.timing import RefreshPeriod
 from vrcomfort.protocol import Ratings
 from vrcomfort.questionnaire import find_instrument
 from vrcomfort.session.interfaces import NoRelay

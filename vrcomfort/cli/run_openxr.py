@@ -18,8 +18,8 @@ from vrcomfort.protocol.viewing import Answering
 if TYPE_CHECKING:
     import moderngl
 
-    from vrcomfort.headset.mirror import Mirror
     from vrcomfort.headset.watchdog import Watchdog
+    from vrcomfort.headset.window import Mirror
     from vrcomfort.respondent.dwell import LookDown
     from vrcomfort.respondent.panel import PanelRespondent
     from vrcomfort.session.panel_screen import PanelScreen
@@ -117,7 +117,7 @@ def open_mirror(owned: ExitStack) -> tuple[Mirror, moderngl.Context]:
     """Open an operator's window; its context is to draw the frames."""
     title = "vrcomfort: what the participant sees"
     window, ctx = open_window(owned, title, (480, 600), participant=False)
-    from vrcomfort.headset.mirror import Mirror
+    from vrcomfort.headset.window import Mirror
 
     return Mirror(ctx, window), ctx
 
