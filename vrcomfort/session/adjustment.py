@@ -18,7 +18,7 @@ from vrcomfort.protocol.timeline import TrialPlace
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.records import DialRow
 from vrcomfort.respondent import SimulatedRespondent
-from vrcomfort.respondent.turning import Turn
+from vrcomfort.respondent.simulated_hands import Turn
 from vrcomfort.scene.markers import Shown
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog

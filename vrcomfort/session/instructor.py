@@ -14,8 +14,13 @@ from vrcomfort.protocol.instructions import Instruction
 from vrcomfort.protocol.timeline import InstructionStep, TrialPlace
 from vrcomfort.respondent import Telling
 from vrcomfort.respondent.panel import PanelRespondent
-from vrcomfort.respondent.panel_picture import Painter, Picture, room_for_picture, telling_page
-from vrcomfort.respondent.picture_file import read_picture
+from vrcomfort.respondent.panel_picture import (
+    Painter,
+    Picture,
+    read_picture,
+    room_for_picture,
+    telling_page,
+)
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.operator_control import Redone, Skipped
