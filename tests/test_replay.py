@@ -26,7 +26,7 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Gaze, Pose, axis_angle
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import load_protocol
-from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.viewing import Photodiode
 from vrcomfort.records import Machine
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.replay import Comparison, ReplaySelection, read_session, replay

@@ -7,7 +7,7 @@ from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import Allocation, Covariate, Group, Order, Sequence, Trial
 from vrcomfort.protocol.simulation import Simulation
 from vrcomfort.protocol.tasks import with_task_code
-from vrcomfort.protocol.views import View
+from vrcomfort.protocol.viewing import View
 
 __all__ = [
     "Allocation",

@@ -8,8 +8,8 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.adjustment_check import adjusted_conditions
 from vrcomfort.protocol.check import folder_of, problems
+from vrcomfort.protocol.condition_check import adjusted_conditions
 from vrcomfort.protocol.factors import crossed, factor_problems
 from vrcomfort.protocol.instruments import find_instruments, instrument_problems
 from vrcomfort.protocol.model import Protocol
@@ -18,8 +18,8 @@ from vrcomfort.protocol.texts import text_problems, translated
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import Problem, in_words, read_text
-from vrcomfort.settings.hints import did_you_mean
 from vrcomfort.settings.include import Source
+from vrcomfort.settings.reading import did_you_mean
 from vrcomfort.tasks import TaskSettings
 
 

@@ -9,8 +9,7 @@ from pydantic import ValidationError
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.model import Protocol
-from vrcomfort.protocol.order import NO_TASK
-from vrcomfort.protocol.parts import written_orders
+from vrcomfort.protocol.order import NO_TASK, written_orders
 from vrcomfort.settings import KeyPath, Problem, did_you_mean, problems_of, repeated
 from vrcomfort.tasks import OwnTask, TaskSettings, own_task_file, run_task_file
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import moderngl
 
 from vrcomfort.geometry import Fov
-from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.viewing import Photodiode
 
 Rectangle = tuple[int, int, int, int]
 """Left, bottom, width and height in px; rows count from the bottom, as on the GPU."""

@@ -25,7 +25,7 @@ from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
 from vrcomfort.optics.gaze_centre import Centre
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.viewing import Photodiode
 from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import hand_poses, previous_eye_pose, turned_like
 from vrcomfort.render.condition_passes import ConditionPasses, Drawn

@@ -12,8 +12,7 @@ import numpy as np
 from vrcomfort.frame import Frame
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.protocol import Condition
-from vrcomfort.protocol.adjustments import Adjustment, adjusted, value_of
-from vrcomfort.protocol.sliders import Dial, Slider
+from vrcomfort.protocol.adjustments import Adjustment, Dial, Slider, adjusted, value_of
 from vrcomfort.protocol.timeline import TrialPlace
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.records import DialRow
