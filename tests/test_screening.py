@@ -18,7 +18,7 @@ from tests.support.tasks import doing_protocol, in_the_room
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
-from vrcomfort.protocol.screening import Screening
+from vrcomfort.protocol.questions import Screening
 from vrcomfort.records import read_participants, undo_withdrawal
 from vrcomfort.respondent import SimulatedRespondent, keyboard
 from vrcomfort.respondent.panel import PanelRespondent

@@ -23,7 +23,7 @@ from vrcomfort.cli.terminal import (
 )
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
-from vrcomfort.protocol.instruments import missing_wording
+from vrcomfort.protocol.load import missing_wording
 from vrcomfort.tasks import OwnTask
 
 if TYPE_CHECKING:

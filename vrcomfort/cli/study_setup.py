@@ -14,7 +14,7 @@ from vrcomfort.cli.renderer import describe_machine, make_renderer
 from vrcomfort.cli.terminal import dialogue, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, with_task_code
-from vrcomfort.protocol.instruments import missing_wording
+from vrcomfort.protocol.load import missing_wording
 
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup

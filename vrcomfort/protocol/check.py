@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from pathlib import Path as FilePath
 
-from vrcomfort.protocol.breaks import break_problems
 from vrcomfort.protocol.condition_check import adjustment_problems, without_effect
-from vrcomfort.protocol.free_texts import free_text_problems
-from vrcomfort.protocol.instructions import instruction_problems
 from vrcomfort.protocol.levels import trial_counts
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order_check import (
@@ -18,6 +15,8 @@ from vrcomfort.protocol.order_check import (
     practice_problems,
     unknown_name,
 )
+from vrcomfort.protocol.questions import free_text_problems
+from vrcomfort.protocol.session_steps import break_problems, instruction_problems
 from vrcomfort.protocol.viewing import View
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import KeyPath, Problem, repeated, reserved

@@ -12,8 +12,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.frame import FocusSample, Frame, GazeHit
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.optics.gaze_centre import Centre, GazeCentre
-from vrcomfort.protocol.conditions import Condition
-from vrcomfort.protocol.gaze_centre import CentredEffect
+from vrcomfort.protocol.conditions import CentredEffect, Condition
 from vrcomfort.render.camera import Lens, PreviousCamera
 from vrcomfort.render.effects.depth_of_field.lens_views import LensViews
 from vrcomfort.render.effects.effect import Adjustable, Effect, EffectInputs, EffectKind, EyeFrame

@@ -8,7 +8,7 @@ import numpy as np
 
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.geometry import Array, EyeGaze, Gaze, Pose, normalize, turn_to, yaw_pitch_roll
-from vrcomfort.protocol.gaze_validation import SimulatedEyes
+from vrcomfort.protocol.simulation import SimulatedEyes
 from vrcomfort.traces.gaze_quality import angles_deg
 
 _PUPIL_NOISE_MM = 0.05

@@ -11,7 +11,7 @@ import numpy as np
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Array, EyeGaze, Gaze, Pose, normalize, yaw_pitch_roll
 from vrcomfort.protocol import Condition
-from vrcomfort.protocol.gaze_validation import GazeValidation, Point
+from vrcomfort.protocol.session_steps import GazeValidation, Point
 from vrcomfort.protocol.timeline import GazeValidationStep, TrialPlace
 from vrcomfort.records import FACTS, GazeValidationRow, set_fact
 from vrcomfort.scene.data import Environment, Scene

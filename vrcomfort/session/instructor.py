@@ -10,7 +10,7 @@ from pathlib import Path
 from vrcomfort.errors import InputError
 from vrcomfort.headset.sound import Sound, read_sound
 from vrcomfort.protocol import Protocol
-from vrcomfort.protocol.instructions import Instruction
+from vrcomfort.protocol.session_steps import Instruction
 from vrcomfort.protocol.timeline import InstructionStep, TrialPlace
 from vrcomfort.respondent import Telling
 from vrcomfort.respondent.panel import PanelRespondent

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Ask, Sequence
-from vrcomfort.protocol.free_texts import FreeText
+from vrcomfort.protocol.questions import FreeText
 from vrcomfort.protocol.timeline import FreeTextStep, QuestionnaireStep, TrialPlace
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.records import Interrupted, QuestionnaireRow, TextRow

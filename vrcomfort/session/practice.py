@@ -10,7 +10,7 @@ import numpy as np
 
 from vrcomfort.errors import headset_ended
 from vrcomfort.protocol import Trial
-from vrcomfort.protocol.practice import Practice
+from vrcomfort.protocol.session_steps import Practice
 from vrcomfort.protocol.timeline import WHOLE_SESSION, PracticeStep, TrialPlace
 from vrcomfort.records import Interrupted, PracticeRow
 from vrcomfort.records.interrupted import Practised

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vrcomfort.protocol.breaks import Breaks
+from vrcomfort.protocol.session_steps import Breaks
 from vrcomfort.protocol.timeline import WHOLE_SESSION, BreakStep
 from vrcomfort.records import Interrupted
 from vrcomfort.respondent import Telling

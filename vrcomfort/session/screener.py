@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from vrcomfort.protocol import Ask
-from vrcomfort.protocol.screening import Screening
+from vrcomfort.protocol.questions import Screening
 from vrcomfort.questionnaire import score
 from vrcomfort.questionnaire.answers import Answer
 from vrcomfort.records import ScreeningRow, enrolled
