@@ -35,8 +35,8 @@ from vrcomfort.resources import data_folder
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.scene.load import load_scene
 from vrcomfort.session import SessionSettings, open_enrolment, run
+from vrcomfort.session.frame_log import TrialTiming
 from vrcomfort.session.operator_control import ALLOWED, OperatorControl
-from vrcomfort.session.timing import TrialTiming
 from vrcomfort.traces.trace import read_trace
 
 PAGES = 50

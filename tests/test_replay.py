@@ -32,7 +32,7 @@ from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.replay import Comparison, ReplaySelection, read_session, replay
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
-from vrcomfort.session.standing import without_meshes
+from vrcomfort.session.start_pose import without_meshes
 
 Run = Callable[..., tuple[int, str, str]]
 SIZE_PX = 64, 80

@@ -14,9 +14,9 @@ from vrcomfort.frame import HeadsetEvent
 from vrcomfort.headset.timing import RefreshPeriod
 from vrcomfort.protocol import Ratings
 from vrcomfort.questionnaire import find_instrument
+from vrcomfort.session.frame_log import SeenTime, missed_refreshes
 from vrcomfort.session.interfaces import NoRelay
 from vrcomfort.session.ratings import RatingSchedule, RatingSchedules
-from vrcomfort.session.timing import SeenTime, missed_refreshes
 
 PERIOD_NS = 100_000_000
 

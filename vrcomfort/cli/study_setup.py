@@ -200,7 +200,7 @@ class StudySetup:
 
 def _require_places(protocol: Protocol) -> None:
     """Raise `InputError` where a view names a place that its scene does not have."""
-    from vrcomfort.session.standing import place_faults
+    from vrcomfort.session.start_pose import place_faults
 
     for fault in place_faults(protocol):
         raise fault

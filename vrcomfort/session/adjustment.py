@@ -19,8 +19,7 @@ from vrcomfort.records import DialRow
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.respondent.simulated_hands import Turn
 from vrcomfort.scene.markers import Shown
-from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog
+from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.interfaces import Doing
 from vrcomfort.session.task_run import HasInputs, task_random
 from vrcomfort.tasks import Demand

@@ -21,8 +21,7 @@ from vrcomfort.respondent.panel_picture import (
     room_for_picture,
     telling_page,
 )
-from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog
+from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.operator_control import Redone, Skipped
 
 SLICE_S = 0.1
