@@ -1,28 +1,29 @@
-"""`exclude`, `undo-exclusion`, `note`: what an experimenter says of a participant."""
+"""`exclude`, `undo-exclusion`, `undo-withdrawal`, `note`: decisions on a participant."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from vrcomfort.cli.options import Quiet
+from vrcomfort.cli.options import Quiet, StudyArgument
 from vrcomfort.cli.terminal import console
 
-Study = Annotated[Path, typer.Argument(metavar="STUDY", help="The study folder.")]
 Participant = Annotated[str, typer.Argument(metavar="PARTICIPANT", help="Such as P01.")]
 Reason = Annotated[str, typer.Option(help="Why; it is kept with the date.")]
 
 
 def register(app: typer.Typer) -> None:
     """Add the commands."""
-    app.command("exclude")(exclude)
+    app.command()(exclude)
     app.command("undo-exclusion")(undo_exclusion)
-    app.command("note")(note)
+    app.command("undo-withdrawal")(undo_withdrawal)
+    app.command()(note)
 
 
-def exclude(study: Study, participant: Participant, reason: Reason, quiet: Quiet = False) -> None:
+def exclude(
+    study: StudyArgument, participant: Participant, reason: Reason, quiet: Quiet = False
+) -> None:
     """Keep a participant out of all analyses.
 
     What was recorded stays; reports count them among those who were excluded. The reason stands in
@@ -37,7 +38,7 @@ def exclude(study: Study, participant: Participant, reason: Reason, quiet: Quiet
 
 
 def undo_exclusion(
-    study: Study, participant: Participant, reason: Reason, quiet: Quiet = False
+    study: StudyArgument, participant: Participant, reason: Reason, quiet: Quiet = False
 ) -> None:
     """Take the exclusion of a participant back.
 
@@ -50,7 +51,7 @@ def undo_exclusion(
 
 
 def note(
-    study: Study,
+    study: StudyArgument,
     participant: Participant,
     text: Annotated[str, typer.Argument(metavar="TEXT", help="What is to be noted.")],
     quiet: Quiet = False,
@@ -63,3 +64,22 @@ def note(
 
     add_note(study, participant, text)
     console(quiet).print(f"noted of {participant}")
+
+
+def undo_withdrawal(
+    study: StudyArgument, participant: Participant, reason: Reason, quiet: Quiet = False
+) -> None:
+    """Let a participant go on who was withdrawn by mistake.
+
+    They are enrolled again, and the session that ended so can be resumed. Rows and events stay as
+    they are; the reason stands in participants.csv and in the session's manifest.
+
+    - `vrcomfort undo-withdrawal my_study P01 --reason "pressed q instead of 1"`
+    """
+    from vrcomfort.records import undo_withdrawal as undo
+
+    ended = undo(study, participant, reason)
+    then = "the next session can be run"
+    if ended is not None:
+        then = f"session {ended} can be continued: vrcomfort run ... --resume"
+    console(quiet).print(f"{participant} is enrolled again; {then}")
