@@ -73,7 +73,7 @@ def plan(
 
 
 @dataclass(frozen=True)
-class ConditionPasses:
+class PlannedPasses:
     """One condition in one scene.
 
     Parameters
@@ -111,7 +111,7 @@ class StudyPasses:
     """
 
     size_px: tuple[int, int]
-    rows: list[ConditionPasses]
+    rows: list[PlannedPasses]
     no_opengl: str | None
     beyond: dict[str, Unlimited]
 
@@ -131,7 +131,7 @@ class StudyPasses:
             "measured": measured.model_dump() if measured else None,
         }
 
-    def _cost(self, row: ConditionPasses) -> dict[str, Any]:
+    def _cost(self, row: PlannedPasses) -> dict[str, Any]:
         figure = row.figure
         return {
             "quality": row.quality if row.draws_effects else None,
@@ -194,7 +194,7 @@ def _renderer(size_px: tuple[int, int]) -> tuple[StereoRenderer | None, str | No
 
 def _condition_passes(
     name: str, scene: Scene, condition: Condition, renderer: StereoRenderer | None, *, draw: bool
-) -> ConditionPasses:
+) -> PlannedPasses:
     from vrcomfort.gpu.memory import megabytes
     from vrcomfort.render.plan import plan_passes
 
@@ -206,7 +206,7 @@ def _condition_passes(
     traffic = _traffic(scene, condition, renderer) if renderer is not None and draw else None
     passes = plan_passes(scene, condition)
     drawn = _drawn(passes)
-    return ConditionPasses(
+    return PlannedPasses(
         scene=name,
         condition=condition.name,
         quality=_quality(condition, drawn),
@@ -256,7 +256,7 @@ def show(found: StudyPasses, study: Protocol) -> None:
         console(wrap=True).print(note, style="dim")
 
 
-def _passes_table(condition: Condition, rows: list[ConditionPasses]) -> Table:
+def _passes_table(condition: Condition, rows: list[PlannedPasses]) -> Table:
     table = _table(f"{condition.name}: {condition.label}" if condition.label else condition.name)
     table.add_column("pass", no_wrap=True)
     for row in rows:
@@ -315,7 +315,7 @@ def _traffic_table(found: StudyPasses) -> Table:
     return table
 
 
-def _expected(row: ConditionPasses) -> tuple[str, str, str]:
+def _expected(row: PlannedPasses) -> tuple[str, str, str]:
     if not row.draws_effects:
         return "1", "-", "-"
     if row.figure is None:

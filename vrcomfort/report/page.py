@@ -17,7 +17,7 @@ from vrcomfort.report.further_answers import DIGITS, METHODS, TESTS
 from vrcomfort.report.ordinal import ordinal_title
 from vrcomfort.report.references import entries
 from vrcomfort.report.withdrawals import with_labels
-from vrcomfort.stats.marginal_means import MOST_LEVELS
+from vrcomfort.stats.mixed import MOST_LEVELS
 from vrcomfort.web_page import inline_svg, page_templates
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vrcomfort.report.courses.summaries import planned_s
-from vrcomfort.stats.mean_curves import MeanCurves, mean_curves
+from vrcomfort.stats.means import MeanCurves, mean_curves
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.cox import NoHazardRatioError, cox
-from vrcomfort.stats.survival import KaplanMeier, kaplan_meier, log_rank
+from vrcomfort.stats.survival import KaplanMeier, NoHazardRatioError, cox, kaplan_meier, log_rank
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
-    from vrcomfort.stats.mean_curves import MeanCurves
+    from vrcomfort.stats.means import MeanCurves
 
 Row = dict[str, Any]
 

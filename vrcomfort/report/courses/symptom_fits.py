@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.symptom_model import Constants, SymptomFit, fit_symptoms
+from vrcomfort.stats.rating_courses import Constants, SymptomFit, fit_symptoms
 from vrcomfort.stats.t_tests import paired_t
 
 if TYPE_CHECKING:

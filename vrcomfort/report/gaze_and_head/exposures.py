@@ -8,16 +8,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.report.gaze_and_head.nodes import node_shares
-from vrcomfort.stats.gaze import (
-    Fixation,
+from vrcomfort.stats.gaze_and_head import (
+    GazeFixation,
     Map,
+    Spectrum,
+    band_power,
     fixations,
+    head_spectrum,
     saliency_map,
     zone_holding,
     zone_ratios,
     zone_shares,
 )
-from vrcomfort.stats.head_spectrum import Spectrum, band_power, head_spectrum
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -62,7 +64,7 @@ class Seen:
     shares: dict[str, list[float]] = field(default_factory=dict)
     nodes: dict[str, float] = field(default_factory=dict)
     head_map: Map | None = None
-    fixations: list[Fixation] = field(default_factory=list)
+    fixations: list[GazeFixation] = field(default_factory=list)
     viewpoint_m: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.nan))
     reach_m: float = np.nan
     forward: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.nan))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.report.gaze_and_head.results import Looked
     from vrcomfort.report.vocabulary import Vocabulary
-    from vrcomfort.stats.gaze import Map
+    from vrcomfort.stats.gaze_and_head import Map
 
 _DASHES = ("-", "--", ":", "-.")
 _SHOWN = ("yaw_deg", "head_z_m")

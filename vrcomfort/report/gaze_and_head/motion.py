@@ -11,7 +11,7 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.records.frame_rows import CUT
 from vrcomfort.records.recording import Categories, Memory, Recording
 from vrcomfort.rotations import rotate
-from vrcomfort.stats.gaze import angles_deg
+from vrcomfort.stats.gaze_and_head import angles_deg
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.plan.gaze_and_head import GazeAndHead
     from vrcomfort.report.study_data import StudyData
-    from vrcomfort.stats.gaze import Map
+    from vrcomfort.stats.gaze_and_head import Map
 
 EVERYBODY = ""
 """The situation of all exposures together."""

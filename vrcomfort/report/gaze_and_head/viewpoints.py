@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.report.ordering import natural
-from vrcomfort.stats.gaze import Map, angles_deg, saliency_map, unit_vectors
+from vrcomfort.stats.gaze_and_head import Map, angles_deg, saliency_map, unit_vectors
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
