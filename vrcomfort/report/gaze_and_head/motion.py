@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vrcomfort.csv_table import CsvTable
-from vrcomfort.recordings import Memory, Words, find_source, read_columns, read_words
 from vrcomfort.records.frame_rows import CUT
+from vrcomfort.records.recording import Categories, Memory, Recording
 from vrcomfort.rotations import rotate
 from vrcomfort.stats.gaze_and_head import angles_deg
 
@@ -68,7 +68,7 @@ class Motion:
     in_head: Floats | None
     in_world: Floats | None
     drawn: NDArray[np.bool_]
-    nodes: Words | None = None
+    nodes: Categories | None = None
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -89,18 +89,18 @@ def read_motion(
         If a recording is damaged, with its place.
     """
     memory = memory or Memory()
-    table = read_columns(find_source(frames), _FRAMES, memory)
+    table = Recording.find(frames).columns(_FRAMES, memory)
     gaze_file = frames.with_name("gaze.csv")
     if not gaze_file.is_file():
         return [_motion(table, None, None, trial) for trial in trials]
-    source = find_source(gaze_file)
-    samples = read_columns(source, _GAZE, memory)
+    recording = Recording.find(gaze_file)
+    samples = recording.columns(_GAZE, memory)
     rows = _aligned(table["xr_time_ns"], samples)
     ways = np.column_stack([samples[f"direction_{axis}"] for axis in "xyz"])
     gaze = np.where(rows[:, None] < 0, np.nan, ways[rows])
-    nodes = read_words(source, "hit_node", memory)
+    nodes = recording.categories("hit_node", memory)
     if nodes is not None:
-        nodes = nodes._replace(places=np.where(rows < 0, -1, nodes.places[rows]))
+        nodes = nodes._replace(codes=np.where(rows < 0, -1, nodes.codes[rows]))
     return [_motion(table, gaze, nodes, trial) for trial in trials]
 
 
@@ -116,7 +116,7 @@ def _aligned(time_ns: Floats, gaze: dict[str, Floats]) -> NDArray[np.int64]:
 
 
 def _motion(
-    table: dict[str, Floats], gaze: Floats | None, nodes: Words | None, trial: dict[str, str]
+    table: dict[str, Floats], gaze: Floats | None, nodes: Categories | None, trial: dict[str, str]
 ) -> Motion | None:
     start, end = float(trial["start_s"]) - _ROUNDING_S, float(trial["end_s"]) + _ROUNDING_S
     at = table["session_s"]
@@ -146,7 +146,7 @@ def _motion(
         in_head=None if directions is None else rotate(back, directions),
         in_world=None if directions is None else rotate(carrying, directions),
         drawn=part["should_render"] != 0,
-        nodes=None if nodes is None else nodes._replace(places=nodes.places[mine]),
+        nodes=None if nodes is None else nodes._replace(codes=nodes.codes[mine]),
     )
 
 

@@ -28,12 +28,12 @@ def node_shares(motion: Motion) -> dict[str, float]:
     if motion.nodes is None:
         return {}
     known = motion.valid & motion.drawn
-    places, seconds = motion.nodes.places[known], motion.seconds[known]
+    places, seconds = motion.nodes.codes[known], motion.seconds[known]
     if not (places >= 0).any():
         return {}
     # Blank cells are −1: the first of the sums is that of nothing.
-    sums = np.bincount(places + 1, weights=seconds, minlength=1 + len(motion.nodes.words))
-    names = (NOTHING, *motion.nodes.words)
+    sums = np.bincount(places + 1, weights=seconds, minlength=1 + len(motion.nodes.names))
+    names = (NOTHING, *motion.nodes.names)
     return {
         name: share
         for name, share in zip(names, (sums / sums.sum()).tolist(), strict=True)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vrcomfort.recordings import Memory
+    from vrcomfort.records.recording import Memory
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.plan.gaze_and_head import GazeAndHead
     from vrcomfort.report.study_data import StudyData
