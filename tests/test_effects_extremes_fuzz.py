@@ -40,7 +40,7 @@ from vrcomfort.protocol.conditions import (
     RefocusLawName,
 )
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
-from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
+from vrcomfort.render.effects.motion_blur import MotionBlurPass
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.tone_map import TONE_CURVE

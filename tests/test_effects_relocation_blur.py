@@ -12,7 +12,7 @@ from tests.oracles.mip_level import at_level
 from tests.support.effects import rgb_of, seen, textures
 from tests.support.render import still_life
 from vrcomfort.geometry import Pose
-from vrcomfort.optics.relocation_blur import level_after
+from vrcomfort.optics.motion import level_after
 from vrcomfort.protocol.conditions import Condition, RelocationBlur
 from vrcomfort.render.effects.relocation_blur import RelocationBlurPass
 from vrcomfort.render.head_step import HeadStep

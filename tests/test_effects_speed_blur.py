@@ -9,8 +9,7 @@ from pydantic import ValidationError
 from tests.oracles.gaussian import gaussian_weights
 from tests.support.effects import rgb_of, seen, square_pixels, textures
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
-from vrcomfort.optics.gaussian import sigma_px
-from vrcomfort.optics.motion import ramp, speed_m_s, turn_deg_s
+from vrcomfort.optics.motion import ramp, sigma_px, speed_m_s, turn_deg_s
 from vrcomfort.protocol.conditions import MoveRamp, SpeedBlur, TurnRamp
 from vrcomfort.render.effects.speed_blur import SpeedBlurPass
 from vrcomfort.render.head_step import HeadStep, speed_share

@@ -13,7 +13,7 @@ from tests.oracles.vignette import angles_rad, cover
 from tests.support.effects import rgb_of, seen, textures
 from tests.support.render import still_life
 from vrcomfort.geometry import Fov, Pose, axis_angle
-from vrcomfort.optics.vignette import clear_deg, moved_towards, widest_angle_deg
+from vrcomfort.optics.motion import clear_deg, moved_towards, widest_angle_deg
 from vrcomfort.protocol.conditions import EFFECTS, Condition, MoveRamp, TurnRamp, Vignette
 from vrcomfort.render.effects.vignette import VignettePass
 from vrcomfort.render.head_step import HeadStep

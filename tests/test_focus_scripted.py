@@ -13,7 +13,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, View
 from vrcomfort.headset.playback import default_fovs
-from vrcomfort.optics.scripted_focus import scripted_focus_m
+from vrcomfort.optics.focus import scripted_focus_m
 from vrcomfort.protocol import Condition, DepthOfField, Focus
 from vrcomfort.protocol.conditions import MotionBlur
 from vrcomfort.render.pipeline import StereoRenderer

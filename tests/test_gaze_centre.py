@@ -18,7 +18,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, axis_angle, focal_length_px, yaw_pitch_roll
 from vrcomfort.optics import autofocus_zone as zone
-from vrcomfort.optics.gaze_centre import AHEAD, GazeCentre
+from vrcomfort.optics.focus import AHEAD, GazeCentre
 from vrcomfort.protocol import Condition, DepthOfField
 from vrcomfort.protocol.conditions import Focus, Peripheral, Vignette
 from vrcomfort.render.effects.vignette import VignettePass

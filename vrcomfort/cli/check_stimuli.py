@@ -12,7 +12,7 @@ import numpy as np
 from vrcomfort.cli.playback import PlaybackSetup
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, focal_length_px, yaw_pitch_roll
-from vrcomfort.optics.vignette import clear_deg, moved_towards, widest_angle_deg
+from vrcomfort.optics.motion import clear_deg, moved_towards, widest_angle_deg
 from vrcomfort.protocol import Condition, Protocol
 from vrcomfort.render.head_step import HeadStep, speed_share
 

@@ -11,11 +11,11 @@ import moderngl
 from vrcomfort.errors import InputError
 from vrcomfort.frame import FocusSample, Frame, GazeHit
 from vrcomfort.geometry import Array, Pose
-from vrcomfort.optics.gaze_centre import Centre, GazeCentre
+from vrcomfort.optics.focus import Centre, GazeCentre
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.gaze_centre import CentredEffect
 from vrcomfort.render.camera import Lens, PreviousCamera
-from vrcomfort.render.effects.depth_of_field.lens_views import LensViews
+from vrcomfort.render.effects.depth_of_field.effect import LensViews
 from vrcomfort.render.effects.effect import Adjustable, Effect, EffectInputs, EffectKind, EyeFrame
 from vrcomfort.render.effects.kinds import in_order
 from vrcomfort.render.focus.autofocus_zone import screen_tangents

@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 import moderngl
 
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.gpu.mip_chain import MipChain
-from vrcomfort.optics.relocation_blur import levels
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MipChain
+from vrcomfort.optics.motion import halvings
 
 
 class _Level(NamedTuple):
@@ -35,7 +34,7 @@ class MipLevelPass:
         size_px: tuple[int, int],
         target: moderngl.Texture | None = None,
     ) -> None:
-        self._chain = MipChain(ctx, colour, levels(most_level), size_px)
+        self._chain = MipChain(ctx, colour, halvings(most_level), size_px)
         self._pass = FullscreenPass(
             ctx,
             "common/mip_level.frag",
@@ -49,5 +48,5 @@ class MipLevelPass:
 
     def render(self, level: float) -> None:
         """Draw the present image at a level above 0."""
-        self._chain.render(levels(level))
+        self._chain.render(halvings(level))
         self._pass.render(_Level(level))

@@ -23,7 +23,7 @@ from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl
 from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
-from vrcomfort.optics.gaze_centre import Centre
+from vrcomfort.optics.focus import Centre
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera

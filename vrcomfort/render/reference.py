@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose, focal_length_px
-from vrcomfort.optics.sampling import lens_and_shutter
+from vrcomfort.optics.lens_sampling import lens_and_shutter
 from vrcomfort.protocol.conditions import EFFECTS, Condition, DepthOfField
 from vrcomfort.render import plan
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.render.effects import relocation_blur, speed_blur, vignette
-from vrcomfort.render.effects.depth_of_field import effect as depth_of_field
+from vrcomfort.render.effects import motion_blur, relocation_blur, speed_blur, vignette
+from vrcomfort.render.effects.depth_of_field import effect
 from vrcomfort.render.effects.effect import EffectKind
-from vrcomfort.render.effects.motion_blur import effect as motion_blur
 
 _KINDS = (
-    depth_of_field.KIND,
+    effect.KIND,
     motion_blur.KIND,
     speed_blur.KIND,
     relocation_blur.KIND,

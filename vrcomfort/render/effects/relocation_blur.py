@@ -5,7 +5,7 @@ from __future__ import annotations
 import moderngl
 
 from vrcomfort.gpu import gl
-from vrcomfort.optics.relocation_blur import level_after
+from vrcomfort.optics.motion import level_after
 from vrcomfort.protocol.conditions import Condition, RelocationBlur
 from vrcomfort.render.effects.effect import EffectKind, EyeFrame, reading_colour
 from vrcomfort.render.mip_level import MipLevelPass

@@ -9,7 +9,7 @@ import moderngl
 from vrcomfort.geometry import focal_length_px
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.optics.gaussian import sigma_px
+from vrcomfort.optics.motion import sigma_px
 from vrcomfort.protocol.conditions import Condition, SpeedBlur
 from vrcomfort.render.effects.effect import EffectKind, EyeFrame, reading_colour
 from vrcomfort.render.head_step import speed_share

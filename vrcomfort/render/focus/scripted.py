@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vrcomfort.frame import FocusSample
-from vrcomfort.optics.focus import RAYS
-from vrcomfort.optics.scripted_focus import scripted_focus_m
+from vrcomfort.optics.focus import RAYS, scripted_focus_m
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.focus.readback import focus_texture
 from vrcomfort.render.focus.rule import FocusInputs, FocusRule, Sight

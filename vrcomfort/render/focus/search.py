@@ -19,8 +19,7 @@ from vrcomfort.frame import FocusSample
 from vrcomfort.geometry import Array
 from vrcomfort.gpu import shaders
 from vrcomfort.optics.focus import RAYS
-from vrcomfort.optics.refocus.law import AT_ONCE
-from vrcomfort.optics.refocus.laws import LAWS
+from vrcomfort.optics.refocus import AT_ONCE, LAWS
 from vrcomfort.render.focus.readback import Readback, focus_texture
 from vrcomfort.render.focus.rule import FocusInputs, Sight
 

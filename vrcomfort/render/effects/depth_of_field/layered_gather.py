@@ -1,18 +1,42 @@
-"""Our kernel: every texel of a disc, on the level on which there are not too many."""
+"""What depth of field needs of a kernel."""
 
 from __future__ import annotations
 
 from math import ceil
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import moderngl
 
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.optics import levels
+from vrcomfort.optics import blur_kernels
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
-from vrcomfort.render.effects.depth_of_field.kernels.base import Aspect
+
+
+class Aspect(NamedTuple):
+    """The uniform that all kernels with round discs have."""
+
+    pixel_aspect: float
+
+
+class BlurKernel(Protocol):
+    """Spreads each point over its disc.
+
+    It is made of a `CocPasses`, whose `colour_and_coc` holds the image (linear HDR) with the signed
+    radius of each pixel.
+    """
+
+    @property
+    def target(self) -> moderngl.Texture:
+        """The blurred image, RGBA16F of the same size."""
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the present points; `pixel_aspect` is vertical over horizontal px per radian."""
+
+
+# §layered_gather
+# Our kernel: every texel of a disc, on the level on which there are not too many.
 
 
 class LayeredGatherKernel:
@@ -37,7 +61,7 @@ class LayeredGatherKernel:
         layers = {f"layers_{i}": each.target for i, each in enumerate(self._layers, 1)}
         self.target = gl.color_texture(ctx, coc.size_px)
         self._composite = [self._tiles("SHARP", "sharp"), self._tiles("ONE_SURFACE", "one_surface")]
-        coarser = {"COARSER_BEHIND": int(levels.coarser_behind(settings.samples))}
+        coarser = {"COARSER_BEHIND": int(blur_kernels.coarser_behind(settings.samples))}
         self._composite.append(self._tiles("LAYERED", "layered", layers, defines=coarser))
         self._gather: FullscreenPass | None = None
         if self._layers:
@@ -83,7 +107,7 @@ class LayeredGatherKernel:
 
     def _gather_pass(self, layers: dict[str, moderngl.Texture], samples: int) -> FullscreenPass:
         """Return what sums wide discs, in tiles of that class and beside them."""
-        coarsest = levels.coarsest_of_one_surface(self._coc.limit_px, samples)
+        coarsest = blur_kernels.coarsest_of_one_surface(self._coc.limit_px, samples)
         read = {f"layers_{level}": layers[f"layers_{level}"] for level in range(1, coarsest + 1)}
         return self._pass(
             "gather",
@@ -91,7 +115,7 @@ class LayeredGatherKernel:
             size_px=self._size_of(1),
             defines={
                 **self._defines,
-                "HALF_EXACT": levels.HALF_WIDER * levels.exact_px(samples),
+                "HALF_EXACT": blur_kernels.HALF_WIDER * blur_kernels.exact_px(samples),
                 "COARSEST": coarsest,
                 **_of_class("WIDE", self._coc.tile_px // 2, beside=1),
             },
