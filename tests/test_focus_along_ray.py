@@ -21,8 +21,8 @@ from vrcomfort.render.effects.depth_of_field.coc_passes import (
     DepthToCoc,
     eye_uniforms,
 )
-from vrcomfort.render.focus.rule import Sight
 from vrcomfort.render.focus.rules import make_focus_pass
+from vrcomfort.render.focus.search import Sight
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import Reference

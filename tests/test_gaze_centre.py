@@ -22,8 +22,8 @@ from vrcomfort.optics.focus import AHEAD, GazeCentre
 from vrcomfort.protocol import Condition, DepthOfField
 from vrcomfort.protocol.conditions import Focus, Peripheral, Vignette
 from vrcomfort.render.effects.vignette import VignettePass
-from vrcomfort.render.focus.rule import Sight
 from vrcomfort.render.focus.rules import make_focus_pass
+from vrcomfort.render.focus.search import Sight
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer

@@ -19,8 +19,8 @@ from vrcomfort.render.effects.depth_of_field.effect import LensViews
 from vrcomfort.render.effects.effect import Adjustable, Effect, EffectInputs, EffectKind, EyeFrame
 from vrcomfort.render.effects.kinds import in_order
 from vrcomfort.render.focus.autofocus_zone import screen_tangents
-from vrcomfort.render.focus.rule import FocusPass, Sight
 from vrcomfort.render.focus.rules import make_focus_pass
+from vrcomfort.render.focus.search import FocusPass, Sight
 from vrcomfort.render.frames import EyeImages, head_from_gaze
 from vrcomfort.render.gaze_hit import GazeHits
 from vrcomfort.render.plan import plan_passes

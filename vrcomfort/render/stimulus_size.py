@@ -22,7 +22,7 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.protocol.conditions import Condition, DepthOfField
 from vrcomfort.render.effects.depth_of_field.coc_passes import DepthToCoc
 from vrcomfort.render.effects.motion_blur import streak_scale
-from vrcomfort.render.focus.rule import FocusPass
+from vrcomfort.render.focus.search import FocusPass
 from vrcomfort.render.frames import EyeImages
 from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.output import read_texture

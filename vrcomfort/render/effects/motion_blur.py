@@ -1,4 +1,18 @@
-"""Motion blur of one eye from a velocity buffer (McGuire et al. 2012, Guertin et al. 2013)."""
+"""Motion blur of one eye from a velocity buffer (McGuire et al. 2012, Guertin et al. 2013).
+
+::
+
+    velocity ─► TileMaxPass ─► FrameStreaks     longest streak of the frame, in one texel
+                    │              │
+                dilation ◄─────────┤            tiles that streaks reach; who may pass whom
+                    │              ▼
+                    │          averages         along each pixel's own streak, in one step or two
+                    ▼              ▼
+                complex tiles ─► target         who hides whom, where things pass each other
+
+The CPU never learns how long a frame's streaks are: the vertex shaders of passes that a frame does
+not need give triangles without area. ``docs/motion_blur.md`` tells more.
+"""
 
 from __future__ import annotations
 
@@ -152,14 +166,6 @@ class MotionBlurPass:
 KIND = EffectKind("motion_blur", plan, build, reads=frozenset({"velocity"}))
 
 
-# §motion_blur
-# Motion blur from a velocity buffer, per eye.
-
-
-# §shutter
-# For how long the shutter is open, as shaders have it.
-
-
 class Shutter(NamedTuple):
     """Uniforms of ``include/half_velocity.glsl``."""
 
@@ -168,16 +174,12 @@ class Shutter(NamedTuple):
     radius_limit_px: float
 
 
-# §reconstruction
-# Motion blur that knows who hides whom: along each pixel's streak, and over what passes it.
-
-
 class _Limit(NamedTuple):
     radius_limit_px: float
 
 
 class Reconstruction:
-    """Averages along each pixel's own streak; looks who hides whom where things pass each other.
+    """Averages along each pixel's own streak; compares depth where things pass each other.
 
     Parameters
     ----------
@@ -190,9 +192,8 @@ class Reconstruction:
 
     Notes
     -----
-    Each frame is averaged in one step or in two, for how long its longest streak is, and is looked
-    at for what passes where its streaks jump: the vertex shaders decide, so that the CPU need not
-    know. ``docs/motion_blur.md`` has the graph of passes.
+    A frame whose longest streak is short is averaged in one step, others in two; only tiles with
+    velocity discontinuities compare depth.
     """
 
     def __init__(
@@ -318,9 +319,6 @@ def _dilation(
     )
 
 
-# §tile_max
-# How far each point of an image moves while the shutter is open, and the most of each tile.
-
 LEAST_TILE_PX = 16
 MOST_TILES = 8
 """Tiles that the longest half velocity may cross: more are finer, and more to look at."""
@@ -423,14 +421,14 @@ class FrameStreaks:
         return float(np.frombuffer(self._longest_of_all.read(), dtype=np.float32)[0])
 
 
-# §per_pixel
-# Motion blur along each pixel's own velocity (Rosado 2007), for comparison with ours.
-
 _LONGEST_BINDING = 0
 
 
 class PerPixel:
-    """Averages `samples` along each pixel's own streak into `target`: one pass."""
+    """Averages `samples` along each pixel's own streak into `target`: one pass (Rosado 2007).
+
+    For comparison with ours: streaks end at the silhouette edges of what moves.
+    """
 
     def __init__(
         self,

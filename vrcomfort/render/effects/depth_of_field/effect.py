@@ -1,4 +1,11 @@
-"""Depth of field of one eye: circular bokeh, one focus for both eyes."""
+"""Depth of field of one eye: circular bokeh, one focus for both eyes.
+
+With several views through the lens the effect blurs each view a little, and `LensViews` averages
+them. One setting spans fast to reference: with one view all blur is a filter's; with K, each view
+is blurred over about 2/√K of the lens, so that no gap shows between them, and what a filter cannot
+know (the background that the foreground hides) is drawn instead of guessed. Views so many that they
+lie about a pixel apart are not blurred: the pixel's own sampling of the scene hides the gaps.
+"""
 
 from __future__ import annotations
 
@@ -145,14 +152,6 @@ class DepthOfFieldPass:
 
 KIND = EffectKind("depth_of_field", plan, build, reads=frozenset({"focus"}))
 
-
-# §lens_views
-# Depth of field as the mean of views through the lens, each of which is blurred a little.
-#
-# One setting spans fast to reference: with one view all blur is a filter's; with K, each view is
-# blurred over about 2/√K of the lens, so that nothing shows between them, and what a filter cannot
-# know (what a near thing hides) is drawn instead of guessed. Views so many that they lie about a
-# pixel apart are not blurred: how a pixel samples the scene hides what is between them.
 
 LEAST_BLUR_PX = 0.75
 """Radius of a view's blur at one dioptre of defocus, which most of a room is within, below which

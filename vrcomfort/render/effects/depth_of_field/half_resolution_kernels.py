@@ -1,4 +1,7 @@
-"""What the kernels of engines share: half an image, and how it is put over the sharp one."""
+"""Kernels of engines that blur at half resolution: a disc, rings, a separable Gaussian.
+
+All draw half an image with its radii, blur it, and put it over the sharp image (`composite`).
+"""
 
 from __future__ import annotations
 
@@ -64,9 +67,6 @@ def composite(
     )
 
 
-# §half_resolution_disc
-# A disc of 43 samples at half resolution, as wide as the widest disc: an engine's bokeh.
-
 DISC_FADE_PX = 2.0, 4.0
 
 
@@ -129,9 +129,6 @@ class HalfResolutionDiscKernel:
         self._tent.render()
         self._composite.render()
 
-
-# §half_resolution_rings
-# Rings of samples at half resolution, behind and in front apart: an engine's way.
 
 RINGS = 5
 """The centre among them: 81 samples."""
@@ -218,9 +215,6 @@ class HalfResolutionRingsKernel:
             source = made[-1].target
         return made
 
-
-# §separable_gaussian
-# A Gaussian along rows, then along columns, at half resolution: an engine's cheap way.
 
 GAUSSIAN_FADE_PX = 0.5, 2.5
 

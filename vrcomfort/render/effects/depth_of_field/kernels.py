@@ -1,4 +1,8 @@
-"""Hillaire's kernel: twelve Poisson taps, turned per pixel, and a depth comparison."""
+"""Kernels of depth of field by their names in a protocol, and those of papers.
+
+A kernel spreads each pixel over its circle of confusion: a class each, made by `make_kernel`. What
+each leaks, and where, stands in its notes: the trade-off measures it.
+"""
 
 from __future__ import annotations
 
@@ -35,6 +39,8 @@ class _Taps12(NamedTuple):
 class Poisson12Kernel:
     """The fragment program of Hillaire et al. 2008, Fig. 3 (``poisson12.frag``).
 
+    Twelve Poisson taps, turned per pixel, and a depth comparison.
+
     Notes
     -----
     A sharp front does not leak, for a nearer tap weighs as much as it is blurred. A blurred front
@@ -69,10 +75,6 @@ class Poisson12Kernel:
         self._pass.render(Aspect(pixel_aspect))
 
 
-# §poisson15_near
-# Mantiuk's kernel: fifteen Poisson taps in circles that blurred fronts widen around them.
-
-
 class _Taps15(NamedTuple):
     offsets: bytes
     radius_limit_px: float
@@ -80,6 +82,8 @@ class _Taps15(NamedTuple):
 
 class Poisson15NearKernel:
     """The second pass of Mantiuk et al. 2011, section 4 (``poisson15_near.frag``).
+
+    Fifteen Poisson taps in circles that a blurred foreground widens around it.
 
     Notes
     -----
@@ -122,16 +126,14 @@ class Poisson15NearKernel:
         self._gather.render(Aspect(pixel_aspect))
 
 
-# §mip
-# The MIP pyramid blown up again: blur that costs the same for any radius.
-
-
 class _Slices(NamedTuple):
     slices_m: bytes
 
 
 class MipKernel:
     """Trick three of "Four Tricks for Fast Blurring", 2001 (``mip_downsample.frag``, ``mip.frag``).
+
+    The MIP pyramid magnified again: blur that costs the same for any radius.
 
     Parameters
     ----------
@@ -188,9 +190,6 @@ class MipKernel:
             return None
         return _Slices(np.array(self._slices_m, dtype=np.float32).tobytes())
 
-
-# §scatter
-# Carnegie & Rhee's kernel: every pixel is spread over its disc and blended into the image.
 
 TALLEST_PIXEL = 1.5
 """No headset's pixels are narrower than this, height over width."""
@@ -252,9 +251,6 @@ class ScatterKernel:
                 self._sprites.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=pixels)
         self._mean.render()
 
-
-# §kernels
-# Ways to spread circles of confusion over an image; one class each, made by `make_kernel`.
 
 _Maker = Callable[[moderngl.Context, CocPasses, DepthOfField], BlurKernel]
 _KERNELS: dict[Kernel, _Maker] = {

@@ -1,4 +1,4 @@
-"""What depth of field needs of a kernel."""
+"""Our kernel of depth of field, and the interface of all kernels."""
 
 from __future__ import annotations
 
@@ -35,12 +35,10 @@ class BlurKernel(Protocol):
         """Blur the present points; `pixel_aspect` is vertical over horizontal px per radian."""
 
 
-# §layered_gather
-# Our kernel: every texel of a disc, on the level on which there are not too many.
-
-
 class LayeredGatherKernel:
-    """Classifies tiles, makes coarser levels, draws each class of tiles: docs/depth_of_field.md.
+    """Classifies tiles, makes coarser mips, draws each class of tiles: docs/depth_of_field.md.
+
+    Every texel of a disc is summed, on the mip on which there are not too many.
 
     Notes
     -----

@@ -1,4 +1,7 @@
-"""What the settings of depth of field are in pixels of an image: float64, no OpenGL."""
+"""Depth of field's settings in pixels of an image: lens, radius, and the limit on the radius.
+
+Float64, no OpenGL.
+"""
 
 from __future__ import annotations
 
@@ -85,12 +88,10 @@ def lens(
     return Lens(position, focus, infinity_m + offset_m, px, limit_px, offset_m)
 
 
-# §blur_limit
-# How much defocus reaches the limit on the radius, and what views through the lens do there.
-#
-# A limit can be put on the disc of each pixel of one image, but not on the mean of views, which is
-# what a lens shows. Where the limit acts, levels of `quality` with views therefore show more blur
-# than those without. float64, no OpenGL.
+# A limit can be put on the radius of each pixel of one image, but not on the mean of views, which
+# is the image of a lens. Where it acts, quality levels with views therefore show more blur than
+# those without.
+
 
 FOCAL_PER_WIDTH = 0.5
 """Focal length of an image 90° wide, in parts of its width: what is taken before a headset has said
