@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from vrcomfort.gpu.traffic import Traffic
     from vrcomfort.render.effects.depth_of_field.lens_radius import Unlimited
     from vrcomfort.render.pipeline import StereoRenderer
-    from vrcomfort.render.plan import PlannedPass
+    from vrcomfort.render.planned_pass import PlannedPass
     from vrcomfort.scene.data import Scene
 
 UNKNOWN = "?"

@@ -27,8 +27,8 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.shaders import Defines
 from vrcomfort.optics.motion import ramp, sampling_of
 from vrcomfort.protocol.conditions import Condition, MotionBlur
+from vrcomfort.render.camera import HeadStep
 from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
-from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 

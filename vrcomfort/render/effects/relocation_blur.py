@@ -7,8 +7,8 @@ import moderngl
 from vrcomfort.gpu import gl
 from vrcomfort.optics.motion import level_after
 from vrcomfort.protocol.conditions import Condition, RelocationBlur
+from vrcomfort.render.background_blur import MipLevelPass
 from vrcomfort.render.effects.effect import EffectKind, EyeFrame, reading_colour
-from vrcomfort.render.mip_level import MipLevelPass
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 

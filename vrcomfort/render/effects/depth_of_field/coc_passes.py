@@ -20,7 +20,7 @@ from vrcomfort.render.effects.depth_of_field.lens_radius import (
     radius_limit_px,
     radius_of_arcmin,
 )
-from vrcomfort.render.resolve import ResolvePass
+from vrcomfort.render.scene_pass import ResolvePass
 
 TILE_PX = 8
 """Side of the tiles whose range of radii is known."""

@@ -23,7 +23,7 @@ from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
 from vrcomfort.render.effects.depth_of_field.lens_radius import lens, radius_per_dioptre_px
 from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
 from vrcomfort.render.planned_pass import PlannedPass
-from vrcomfort.render.resolve import ResolvePass
+from vrcomfort.render.scene_pass import ResolvePass
 from vrcomfort.scene.data import Scene
 
 

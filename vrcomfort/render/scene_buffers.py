@@ -1,4 +1,8 @@
-"""Where the things of a scene are, which of them are seen, and their rows on the GPU."""
+"""Buffers of a scene on the GPU: vertices, one row for each instance, joints, clip matrices.
+
+Vertices are written once. A row is what a vertex shader needs of an instance in a view: a 3 × 4
+matrix and a few numbers; rows are written each frame for what is seen.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +17,73 @@ from vrcomfort.gpu import gl
 from vrcomfort.render import culling
 from vrcomfort.render.draw_list import COMMAND, DrawList
 from vrcomfort.render.lighting import LampReach
-from vrcomfort.render.moving_rows import MovingRows
-from vrcomfort.scene.data import Scene
+from vrcomfort.scene.data import Primitive, Scene
 from vrcomfort.scene.node_poses import HandPoses, NodePoses, relative_rows
+
+_VERTEX = np.dtype(
+    [
+        ("position", np.float32, 3),
+        ("normal", np.float16, 4),
+        ("uv", np.float32, 2),
+        ("color", np.float16, 4),
+    ]
+)
+VERTEX_FORMAT = "3f4 4f2 2f4 4f2"
+SECOND_UV_FORMAT = "2f4"
+SECOND_UV_NAMES = ("in_uv_1",)
+VERTEX_NAMES = ("in_position", "in_normal", "in_uv", "in_color")
+
+
+def vertex_bytes(primitives: tuple[Primitive, ...]) -> bytes:
+    """Return the vertices of all primitives, one after the other."""
+    return b"".join(_packed(primitive).tobytes() for primitive in primitives) or bytes(64)
+
+
+def _packed(primitive: Primitive) -> NDArray[np.void]:
+    vertices = np.zeros(len(primitive.positions), _VERTEX)
+    vertices["position"] = primitive.positions
+    vertices["normal"][:, :3] = primitive.normals
+    vertices["uv"] = primitive.uvs
+    vertices["color"] = 1 if primitive.colors is None else primitive.colors
+    return vertices
+
+
+def second_uv_bytes(primitives: tuple[Primitive, ...]) -> bytes | None:
+    """Return the second texture coordinates of all vertices, or None where no primitive has any."""
+    if all(primitive.uvs_1 is None for primitive in primitives):
+        return None
+    return b"".join(
+        np.asarray(np.zeros_like(p.uvs) if p.uvs_1 is None else p.uvs_1, np.float32).tobytes()
+        for p in primitives
+    )
+
+
+_BENDING = np.dtype([("joints", np.uint16, 4), ("weights", np.float32, 4)])
+BENDING_FORMAT = "4u2 4f4"
+BENDING_NAMES = ("in_joints", "in_weights")
+
+
+def bending_bytes(primitives: tuple[Primitive, ...]) -> bytes | None:
+    """Return joints and weights of all vertices, or None where no primitive has any."""
+    if all(primitive.bending is None for primitive in primitives):
+        return None
+    return b"".join(_bending(primitive).tobytes() for primitive in primitives)
+
+
+def _bending(primitive: Primitive) -> NDArray[np.void]:
+    vertices = np.zeros(len(primitive.positions), _BENDING)
+    if primitive.bending is not None:
+        vertices["joints"] = primitive.bending.joints
+        vertices["weights"] = primitive.bending.weights
+    return vertices
+
+
+def index_bytes(primitives: tuple[Primitive, ...]) -> bytes:
+    """Return the indices of all primitives, each counting from its own first vertex."""
+    return b"".join(np.asarray(p.indices, dtype=np.uint32).tobytes() for p in primitives) or bytes(
+        12
+    )
+
 
 Rows = NDArray[np.intp]
 Movement = Literal["all", "static", "moving"]
@@ -239,3 +307,89 @@ class SceneRows:
         if buffers.previous is not None:
             before = relative_rows(self._previous_world, nodes, origin_m).astype(np.float32)
         buffers.write(rows, self._commands[order], before)
+
+
+class MovingRows:
+    """Some rows of a scene.
+
+    Parameters
+    ----------
+    moving
+        (rows of `table`,) which ones; all rows of a node, or none.
+
+    Attributes
+    ----------
+    rows
+        They, in the table.
+    with_levels
+        Those of them that are not for every distance.
+    """
+
+    def __init__(self, table: DrawList, moving: NDArray[np.bool_]) -> None:
+        self.rows = np.flatnonzero(moving)
+        self._node = table.node[self.rows]
+        self._centers, self._halves = table.centers[self.rows], table.halves[self.rows]
+        # Rows of a node stand together; those of its finest level say where it is.
+        self._finest = np.flatnonzero(table.base_level[self.rows])
+        nodes = self._node[self._finest]
+        self._first = np.flatnonzero(np.diff(nodes, prepend=-1))
+        located = np.isin(self._node, nodes) & table.has_levels[self.rows]
+        self.with_levels = self.rows[located]
+        self._group = np.searchsorted(nodes[self._first], self._node[located])
+
+    def boxes(self, world_from_node: Array) -> tuple[Array, Array]:
+        """Return (rows, 3) centres and half extents of the world-space boxes."""
+        return culling.transformed_boxes(world_from_node[self._node], self._centers, self._halves)
+
+    def level_centers(self, centers: Array, halves: Array) -> Array:
+        """Return (rows with levels, 3): where from the distance counts that decides a level."""
+        if not len(self.with_levels):
+            return np.zeros((0, 3))
+        center, half = centers[self._finest], halves[self._finest]
+        lower = np.minimum.reduceat(center - half, self._first)
+        upper = np.maximum.reduceat(center + half, self._first)
+        return np.asarray(((lower + upper) / 2)[self._group])
+
+
+JOINT_BINDING = 0
+
+
+class JointBuffer:
+    """Six rows for each joint (``include/skin.glsl``): its matrix now, and a frame ago."""
+
+    def __init__(self, ctx: moderngl.Context, joints: int) -> None:
+        self._rows = np.zeros((joints, 2, 3, 4), dtype=np.float32)
+        self._buffer = gl.dynamic_buffer(ctx, self._rows.nbytes)
+
+    def write(self, place_from_bind: Array, previous: Array) -> None:
+        """Take (joints, 4, 4) matrices of `Skins.place_from_bind`."""
+        self._rows[:, 0], self._rows[:, 1] = place_from_bind[:, :3], previous[:, :3]
+        self._buffer.orphan(self._rows.nbytes)  # what is being drawn from it stays as it is
+        self._buffer.write(self._rows)
+
+    def bind(self) -> None:
+        """Make the joints those that shaders see."""
+        self._buffer.bind_to_storage_buffer(JOINT_BINDING)
+
+
+CLIP_BINDING = 3
+
+
+class ClipBlocks:
+    """The uniform block of ``depth.vert`` for each of several views, all written with one call."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._stride = gl.uniform_stride(64)
+        self._buffer = gl.dynamic_buffer(ctx, self._stride)
+
+    def write(self, clips_from_relative: Array) -> None:
+        """Take (views, 4, 4) matrices."""
+        blocks = np.zeros((len(clips_from_relative), self._stride // 64, 4, 4), dtype=np.float32)
+        blocks[:, 0] = clips_from_relative.swapaxes(-1, -2)  # GLSL stores columns
+        self._buffer.orphan(blocks.nbytes)
+        self._buffer.write(blocks)
+
+    def bind(self, view: int) -> None:
+        """Make a view's matrix the one that shaders see."""
+        offset = view * self._stride
+        self._buffer.bind_to_uniform_block(CLIP_BINDING, offset=offset, size=64)
