@@ -1,4 +1,4 @@
-"""Time to an event in an exposure: to a rating, and to leaving."""
+"""Survival analyses: time to a rating, and time to withdrawal."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from vrcomfort.report.courses.exposures import RatedExposure
+
 
 Row = dict[str, Any]
 ALL = "all available"
