@@ -32,7 +32,8 @@ def pack(
 
     - `vrcomfort pack my_study`
     """
-    from vrcomfort.recordings import Memory, pack_study
+    from vrcomfort.recordings import pack_study
+    from vrcomfort.records.recording import Memory
     from vrcomfort.workers import workers
 
     limit = Memory.of_text(memory)

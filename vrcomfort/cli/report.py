@@ -123,7 +123,7 @@ def report(
     - `vrcomfort report --plan plan_that_names_files.toml --out report`
     """
     from vrcomfort.cli.report_file import study_of, study_of_plan
-    from vrcomfort.recordings import Memory
+    from vrcomfort.records.recording import Memory
     from vrcomfort.report import build_report
 
     forms = _forms(figures)

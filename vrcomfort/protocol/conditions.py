@@ -205,8 +205,8 @@ class DepthOfField(Settings):
     views: Annotated[int, Field(ge=1, le=256)] = 1
     """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
     the views are blurred a little and averaged; two err as much as one. The mean has no largest
-    radius: what would reach `max_radius_percent` in one view is blurred more. `vrcomfort plan` says
-    where that is."""
+    radius: what would reach `max_radius_percent` in one view is blurred more. `vrcomfort passes`
+    says where that is."""
     over_blur: Annotated[float, Field(ge=0, le=4)] = 1.0
     """Scales the blur of each of K views, whose radius is 2/√K of the lens at 1, at most half,
     and 0.97 of it with up to eleven (`views` from 2 on). From twelve on, less than 0.75 px per

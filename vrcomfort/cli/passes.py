@@ -1,16 +1,18 @@
-"""What `vrcomfort plan` says: passes, expected cost and error, and GPU memory."""
+"""`passes`: the render passes of each condition, their cost, and the GPU memory."""
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+import typer
 from rich.table import Table
 from rich.text import Text
 
-from vrcomfort.cli.terminal import console
+from vrcomfort.cli.options import Json, ProtocolArgument, Size, parse_size
+from vrcomfort.cli.terminal import answer, console, progress_bar, warn
 from vrcomfort.errors import InputError
-from vrcomfort.protocol import Condition, Protocol
+from vrcomfort.protocol import Condition, Protocol, load_protocol
 from vrcomfort.protocol.quality import figure_for, level_of
 from vrcomfort.protocol.quality_levels import Figure, Measured, quality_table
 
@@ -26,8 +28,52 @@ MOST_VIEWS = 4
 """Through the lens, of which a frame is drawn to count what it sends through memory."""
 
 
+def register(app: typer.Typer) -> None:
+    """Add the command, hidden also under its name of version 0.1."""
+    app.command()(passes)
+    app.command("plan", hidden=True)(plan)
+
+
+def passes(
+    protocol: ProtocolArgument,
+    size: Size = "1832x1920",
+    draw: Annotated[
+        bool,
+        typer.Option("--draw/--no-draw", help="Draw a frame of each, to count bytes and draws."),
+    ] = True,
+    as_json: Json = False,
+) -> None:
+    """Show which passes each condition needs in each scene and why, and what it costs.
+
+    Draws a frame of each, which without a GPU takes some seconds at --size. GPU memory is what is
+    allocated here, for both eyes at --size. Cost and error are those shipped for the condition's
+    settings, where they have been measured.
+
+    - `vrcomfort passes carnegie_2015`
+    - `vrcomfort passes my_study.toml --size 2064x2208 --json`
+    """
+    study = load_protocol(protocol)
+    with progress_bar("counting passes", None, quiet=as_json):
+        found = study_passes(study, parse_size(size), draw=draw)
+    if as_json:
+        answer(found.as_data())
+    else:
+        show(found, study)
+
+
+def plan(
+    protocol: ProtocolArgument,
+    size: Size = "1832x1920",
+    draw: Annotated[bool, typer.Option("--draw/--no-draw")] = True,
+    as_json: Json = False,
+) -> None:
+    """Run `vrcomfort passes`: its name in version 0.1."""
+    warn("`vrcomfort plan` is now called `vrcomfort passes`; a plan is an analysis plan")
+    passes(protocol, size, draw, as_json)
+
+
 @dataclass(frozen=True)
-class Planned:
+class PlannedPasses:
     """One condition in one scene.
 
     Parameters
@@ -53,7 +99,7 @@ class Planned:
 
 
 @dataclass(frozen=True)
-class StudyPlan:
+class StudyPasses:
     """All conditions in all scenes.
 
     Parameters
@@ -65,7 +111,7 @@ class StudyPlan:
     """
 
     size_px: tuple[int, int]
-    rows: list[Planned]
+    rows: list[PlannedPasses]
     no_opengl: str | None
     beyond: dict[str, Unlimited]
 
@@ -85,7 +131,7 @@ class StudyPlan:
             "measured": measured.model_dump() if measured else None,
         }
 
-    def _cost(self, row: Planned) -> dict[str, Any]:
+    def _cost(self, row: PlannedPasses) -> dict[str, Any]:
         figure = row.figure
         return {
             "quality": row.quality if row.draws_effects else None,
@@ -113,7 +159,7 @@ def _traffic_as_data(found: Traffic, size_px: tuple[int, int]) -> dict[str, Any]
     }
 
 
-def planned(study: Protocol, size_px: tuple[int, int], *, draw: bool = True) -> StudyPlan:
+def study_passes(study: Protocol, size_px: tuple[int, int], *, draw: bool = True) -> StudyPasses:
     """Plan every condition of a study in every scene, for eyes of this size.
 
     Parameters
@@ -126,13 +172,13 @@ def planned(study: Protocol, size_px: tuple[int, int], *, draw: bool = True) -> 
 
     renderer, no_opengl = _renderer(size_px)
     rows = [
-        _planned(name, scene, condition, renderer, draw=draw)
+        _condition_passes(name, scene, condition, renderer, draw=draw)
         for name in study.scenes
         for scene in [load_scene(study.scene_source(name))]
         for condition in study.conditions
     ]
     beyond = {each.name: found for each in study.conditions if (found := unlimited(each))}
-    return StudyPlan(size_px, rows, no_opengl, beyond)
+    return StudyPasses(size_px, rows, no_opengl, beyond)
 
 
 def _renderer(size_px: tuple[int, int]) -> tuple[StereoRenderer | None, str | None]:
@@ -146,9 +192,9 @@ def _renderer(size_px: tuple[int, int]) -> tuple[StereoRenderer | None, str | No
         return None, error.message
 
 
-def _planned(
+def _condition_passes(
     name: str, scene: Scene, condition: Condition, renderer: StereoRenderer | None, *, draw: bool
-) -> Planned:
+) -> PlannedPasses:
     from vrcomfort.gpu.memory import megabytes
     from vrcomfort.render.plan import plan_passes
 
@@ -160,7 +206,7 @@ def _planned(
     traffic = _traffic(scene, condition, renderer) if renderer is not None and draw else None
     passes = plan_passes(scene, condition)
     drawn = _drawn(passes)
-    return Planned(
+    return PlannedPasses(
         scene=name,
         condition=condition.name,
         quality=_quality(condition, drawn),
@@ -196,7 +242,7 @@ def _drawn(passes: list[PlannedPass]) -> list[str]:
     return [step.name for step in passes if step.needed]
 
 
-def show(found: StudyPlan, study: Protocol) -> None:
+def show(found: StudyPasses, study: Protocol) -> None:
     """Print one table of passes for each condition, then the costs of all."""
     for condition in study.conditions:
         rows = [row for row in found.rows if row.condition == condition.name]
@@ -210,7 +256,7 @@ def show(found: StudyPlan, study: Protocol) -> None:
         console(wrap=True).print(note, style="dim")
 
 
-def _passes_table(condition: Condition, rows: list[Planned]) -> Table:
+def _passes_table(condition: Condition, rows: list[PlannedPasses]) -> Table:
     table = _table(f"{condition.name}: {condition.label}" if condition.label else condition.name)
     table.add_column("pass", no_wrap=True)
     for row in rows:
@@ -223,7 +269,7 @@ def _passes_table(condition: Condition, rows: list[Planned]) -> Table:
     return table
 
 
-def _cost_table(found: StudyPlan) -> Table:
+def _cost_table(found: StudyPasses) -> Table:
     width, height = found.size_px
     table = _table(f"Cost and error of each quality level; GPU memory at 2 × {width}×{height}")
     for column in ("condition", "scene", "quality"):
@@ -244,7 +290,7 @@ def _cost_table(found: StudyPlan) -> Table:
     return table
 
 
-def _traffic_table(found: StudyPlan) -> Table:
+def _traffic_table(found: StudyPasses) -> Table:
     width, height = found.size_px
     table = _table(
         f"Passes and draws of an eye, bytes through memory of both, 2 × {width}×{height}"
@@ -269,7 +315,7 @@ def _traffic_table(found: StudyPlan) -> Table:
     return table
 
 
-def _expected(row: Planned) -> tuple[str, str, str]:
+def _expected(row: PlannedPasses) -> tuple[str, str, str]:
     if not row.draws_effects:
         return "1", "-", "-"
     if row.figure is None:
@@ -282,7 +328,7 @@ def _expected(row: Planned) -> tuple[str, str, str]:
     )
 
 
-def _notes(found: StudyPlan) -> list[str]:
+def _notes(found: StudyPasses) -> list[str]:
     measured = quality_table().measured
     memory = found.no_opengl and f"GPU memory is not known: {found.no_opengl}."
     told = [_about_figures(measured)] if measured and any(row.figure for row in found.rows) else []

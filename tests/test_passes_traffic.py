@@ -1,4 +1,4 @@
-"""`vrcomfort plan` draws a frame of each condition and tells what effects send through memory."""
+"""`vrcomfort passes` draws a frame of each condition and tells what effects send through memory."""
 
 import json
 
@@ -8,9 +8,9 @@ from vrcomfort.cli import main
 
 
 @pytest.fixture
-def plan(monkeypatch, capsys):
+def passes(monkeypatch, capsys):
     def call(*arguments):
-        monkeypatch.setattr("sys.argv", ["vrcomfort", "plan", *arguments])
+        monkeypatch.setattr("sys.argv", ["vrcomfort", "passes", *arguments])
         with pytest.raises(SystemExit) as end:
             main()
         assert not end.value.code
@@ -20,8 +20,8 @@ def plan(monkeypatch, capsys):
 
 
 @pytest.mark.slow
-def test_effects_have_passes_draws_and_bytes_and_plain_frames_have_none(plan):
-    found = json.loads(plan("motion_blur_2020", "--size", "64x48", "--json"))["traffic"]
+def test_effects_have_passes_draws_and_bytes_and_plain_frames_have_none(passes):
+    found = json.loads(passes("motion_blur_2020", "--size", "64x48", "--json"))["traffic"]
     assert {(row["condition"], row["effect"]) for row in found} == {
         (name, "motion_blur") for name in ("full", "objects", "translation", "translation_faded")
     }
@@ -34,16 +34,16 @@ def test_effects_have_passes_draws_and_bytes_and_plain_frames_have_none(plan):
 
 
 @pytest.mark.slow
-def test_nothing_is_drawn_where_nobody_asks(plan):
+def test_nothing_is_drawn_where_nobody_asks(passes):
     assert (
-        json.loads(plan("motion_blur_2020", "--size", "64x48", "--json", "--no-draw"))["traffic"]
+        json.loads(passes("motion_blur_2020", "--size", "64x48", "--json", "--no-draw"))["traffic"]
         == []
     )
 
 
 @pytest.mark.slow
-def test_the_table_says_how_it_was_counted(plan):
-    said = plan("motion_blur_2020", "--size", "64x48")
+def test_the_table_says_how_it_was_counted(passes):
+    said = passes("motion_blur_2020", "--size", "64x48")
     assert "Passes and draws of an eye" in said
     assert "motion_blur" in said
     assert "reads each of its textures once" in " ".join(said.split())

@@ -1,4 +1,4 @@
-"""Everything that a report says of ratings over time, and of time to leaving."""
+"""The analysis of ratings during exposure and of time to withdrawal."""
 
 from __future__ import annotations
 
@@ -7,12 +7,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vrcomfort.report.courses.curves import condition_curves
-from vrcomfort.report.courses.events import event_results, of_leaving, of_threshold
-from vrcomfort.report.courses.exposures import RatedExposure, rated_exposures, rated_instrument
-from vrcomfort.report.courses.live_time import LiveClock
-from vrcomfort.report.courses.summaries import describe, models, planned_s, sensitivity
-from vrcomfort.report.courses.symptom_fits import symptom_fits
+from vrcomfort.report.courses.exposures import (
+    LiveClock,
+    RatedExposure,
+    rated_exposures,
+    rated_instrument,
+)
+from vrcomfort.report.courses.survival import event_results, of_leaving, of_threshold
+from vrcomfort.report.courses.symptom_model import person_rows, symptom_fits
+from vrcomfort.report.courses.time_courses import (
+    condition_curves,
+    describe,
+    long_table,
+    models,
+    planned_s,
+    sensitivity,
+)
 from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
@@ -20,7 +30,8 @@ if TYPE_CHECKING:
 
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
-    from vrcomfort.stats.mean_curves import MeanCurves
+    from vrcomfort.stats.means import MeanCurves
+
 
 Row = dict[str, Any]
 
@@ -234,3 +245,132 @@ def _curve_rows(
                 }
             )
     return rows
+
+
+def course_tables(results: Row, courses: Courses) -> dict[str, list[Row]]:
+    """Return name → rows of every table of ratings and of times to events."""
+    ratings, leaving = results["ratings"], results["leaving"]
+    found: dict[str, list[Row]] = {}
+    if ratings is not None:
+        found |= {
+            "rated_exposures": long_table(e for e in courses.exposures if e.course.times_s.size),
+            "rating_curves": ratings["curves"],
+            "rating_summaries": ratings["summaries"],
+            "rating_models": [row for model in ratings["models"] for row in _model(model)],
+            "rating_sensitivity": ratings["sensitivity"],
+        }
+        for way in ratings["reached"]:
+            for name, rows in _event("reached", way).items():
+                found.setdefault(name, []).extend({"analysis": way["analysis"], **r} for r in rows)
+        if ratings["symptom_model"]:
+            found["symptom_model"] = person_rows(ratings["symptom_model"])
+            found["symptom_model_ratios"] = ratings["symptom_model"]["ratios"]
+    if leaving is not None:
+        found |= _event("leaving", leaving)
+    return found
+
+
+def _model(model: Row) -> list[Row]:
+    if model["not_fitted"]:
+        return [{"summary": model["summary"], "not_fitted": model["not_fitted"]}]
+    keys = ("summary", "reference", "n_participants", "n_values", "participant_sd", "residual_sd")
+    same = {key: model[key] for key in keys}
+    terms = {"(intercept)": model["intercept"], **model["terms"]}
+    rows = [{**same, "term": name, **effect} for name, effect in terms.items()]
+    return rows + [{**same, "term": name, **test} for name, test in model["omnibus"].items()]
+
+
+def _event(name: str, found: Row) -> dict[str, list[Row]]:
+    curves = [
+        {"condition": curve["condition"], "robust": curve["robust"], "n": curve["n"], **row}
+        for curve in found["curves"]
+        for row in curve["at"]
+    ]
+    tests = [
+        {key: " ".join(map(str, value)) if isinstance(value, list) else value
+         for key, value in test.items()}
+        for test in found["log_rank"]
+    ]  # fmt: skip
+    cox = found["cox"]
+    ratios = [] if cox["not_fitted"] else [{"term": t, **e} for t, e in cox["effects"].items()]
+    tables = {
+        f"{name}_curves": curves,
+        f"{name}_log_rank": tests,
+        f"{name}_hazards": ratios,
+        f"{name}_by_position": found["by_position"],
+    }
+    return {title: rows for title, rows in tables.items() if rows}
+
+
+Results = dict[str, Any]
+Paragraph = tuple[str, str, tuple[str, ...]]
+"""Title, text, and the keys of what it cites."""
+
+
+def course_paragraphs(results: Results) -> list[Paragraph]:
+    """Return the paragraphs on what was made of courses in this report."""
+    ratings = results["ratings"]
+    rated = ratings is not None and bool(ratings["curves"])
+    events = [*(ratings["reached"][:1] if rated else []), results["leaving"]]
+    made = [event for event in events if event]
+    return [
+        *([_courses(ratings, several=len(ratings["conditions"]) > 1)] if rated else []),
+        *([_survival(made)] if made else []),
+        *([_symptom_model(ratings["symptom_model"])] if rated and ratings["symptom_model"] else []),
+    ]
+
+
+def _courses(ratings: Results, *, several: bool) -> Paragraph:
+    text = (
+        "Each course of ratings is summed up by one number (Matthews et al., 1990), which a mixed "
+        "model with a random intercept for each participant takes as its outcome. Times are live "
+        "ones, where they were recorded. "
+    )
+    cited = ["matthews_1990"]
+    if several:
+        text += (
+            "At each time, the means of conditions are those of such a model of the last ratings "
+            "then, and their intervals compare conditions within people: the variance of a mean’s "
+            "distance from the mean of all k conditions times k/(k − 1), which is Cousineau’s "
+            "(2005) with Morey’s (2008) correction and, where nothing is missing, the interval of "
+            "Loftus and Masson (1994). "
+        )
+        cited += ["cousineau_2005", "morey_2008", "loftus_1994"]
+    if ratings["sensitivity"]:
+        text += (
+            "Models are repeated of completed exposures alone, and with the last rating, or the "
+            "highest answer, standing from leaving until the planned end."
+        )
+    return "Ratings during exposure", text.strip(), tuple(cited)
+
+
+def _survival(made: list[Results]) -> Paragraph:
+    again = any(event["repeated"] for event in made)
+    text = (
+        "Times to events are Kaplan–Meier estimates (1958) with Greenwood’s error and intervals "
+        "of the logarithm of survival; groups are compared by log-rank tests (Mantel, 1966) and "
+        "by Cox’s (1972) proportional hazards with Efron’s (1977) treatment of ties, of condition "
+        "and order."
+    )
+    cited = ["kaplan_1958", "mantel_1966", "cox_1972", "efron_1977"]
+    if again:
+        text += (
+            " As people come more than once, log-rank tests are made within people as well (each "
+            "one a stratum), and errors of hazard ratios and of curves are robust: scores and "
+            "influences are summed within people (Lin & Wei, 1989)."
+        )
+        cited.append("lin_1989")
+    return "Time to events", text, tuple(cited)
+
+
+def _symptom_model(found: Results) -> Paragraph:
+    constants = found["constants"]
+    text = (
+        f"Oman’s (1990) model has a fast ({constants['fast_s']:g} s) and a slow "
+        f"({constants['slow_s']:g} s) path of second order, the slow one making the fast one more "
+        f"sensitive, and a power law of exponent {constants['exponent']:g} (Irmak et al., 2022). "
+        "It was fitted to each person by least squares, with a level for each condition and one "
+        "sensitisation; its errors allow for residuals that correlate in time. Each exposure is "
+        "taken to begin without symptoms and to be as strong from its start to its end."
+    )
+    return "Model of symptoms", text, ("oman_1990", "irmak_2022")

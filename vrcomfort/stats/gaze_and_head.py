@@ -1,14 +1,13 @@
-"""Where people look: shares of a centred zone, fixations, maps. Directions are unit vectors.
-
-+X is right, +Y up, −Z forward; azimuth is to the right, elevation up, in degrees.
-"""
+"""Gaze and head motion: centred zones, fixations, saliency maps, spectra."""
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
+from scipy.signal import welch
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -17,10 +16,15 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+# Where people look: shares of a centred zone, fixations, maps. Directions are unit vectors.
+#
+# +X is right, +Y up, −Z forward; azimuth is to the right, elevation up, in degrees.
+
+
 Algorithm = Literal["i_vt", "i_dt"]
 
 
-class Fixation(NamedTuple):
+class GazeFixation(NamedTuple):
     """A fixation, its length, and the mean direction during it."""
 
     start_s: float
@@ -124,7 +128,7 @@ def fixations(
     dispersion_deg: float = 1.0,
     shortest_s: float = 0.1,
     longest_gap_s: float = 0.075,
-) -> list[Fixation]:
+) -> list[GazeFixation]:
     """Return fixations of a gaze, in the frame of the directions (the world: heads turn).
 
     Parameters
@@ -148,7 +152,7 @@ def fixations(
     -----
     Salvucci & Goldberg, "Identifying fixations and saccades in eye-tracking protocols", ETRA 2000.
     """
-    found: list[Fixation] = []
+    found: list[GazeFixation] = []
     cuts = np.zeros(valid.shape, dtype=bool) if cuts is None else cuts
     for run in runs(time_s, valid, cuts, longest_gap_s):
         times, ways = time_s[run], directions[run]
@@ -163,12 +167,14 @@ def fixations(
     return found
 
 
-def _fixation(times: Floats, ways: Floats, first: int, last: int) -> Fixation:
+def _fixation(times: Floats, ways: Floats, first: int, last: int) -> GazeFixation:
     mean = ways[first : last + 1].mean(axis=0)
     azimuth, elevation = angles_deg(mean[None])
     length = float(times[last] - times[first])
     samples = last - first + 1
-    return Fixation(float(times[first]), length, float(azimuth[0]), float(elevation[0]), samples)
+    return GazeFixation(
+        float(times[first]), length, float(azimuth[0]), float(elevation[0]), samples
+    )
 
 
 def steps_deg(directions: Floats) -> Floats:
@@ -251,3 +257,106 @@ def saliency_map(
     middles = [(each[:-1] + each[1:]) / 2 for each in edges]
     outside = 1.0 - float(counts.sum()) / whole if whole else 0.0
     return Map(share, middles[0], middles[1], outside)
+
+
+# Spectra of head motion by Welch's method, of frames of which some were dropped.
+
+
+class Spectrum(NamedTuple):
+    """One-sided power spectral density.
+
+    Parameters
+    ----------
+    frequency_hz
+        (k,).
+    density
+        (k,) or (k, columns), in squared units of the signal per Hz.
+    windows
+        Windows whose mean it is.
+    filled
+        Share of the samples that no frame gave: interpolated over dropped frames.
+    left_out
+        Share of the frames in stretches shorter than a window.
+    """
+
+    frequency_hz: Floats
+    density: Floats
+    windows: int
+    filled: float
+    left_out: float
+
+
+def head_spectrum(
+    time_s: Floats,
+    values: Floats,
+    cuts: NDArray[np.bool_],
+    *,
+    period_s: float,
+    window_s: float = 4.0,
+    longest_gap_periods: float = 4.5,
+) -> Spectrum | None:
+    """Return the spectrum of a signal that was sampled once a frame.
+
+    Frames come at multiples of the period; where some were dropped, the signal is interpolated
+    linearly at the refreshes in between. A longer gap, or a cut, ends a stretch: each stretch has
+    windows of its own (Hann, half overlapping, without their means), and the density is the mean
+    of all windows.
+
+    Parameters
+    ----------
+    time_s
+        (n,), rising.
+    values
+        (n,) or (n, columns).
+    cuts
+        (n,) where a frame has nothing to do with the one before.
+    longest_gap_periods
+        A longer gap is not filled.
+
+    Returns
+    -------
+    Spectrum or None
+        None where no stretch is as long as a window.
+    """
+    signal = values if values.ndim == 2 else values[:, None]
+    per_window = max(8, round(window_s / period_s))
+    apart = cuts[1:] | (np.diff(time_s) > longest_gap_periods * period_s)
+    edges = [0, *(np.flatnonzero(apart) + 1).tolist(), len(time_s)]
+    total, windows, filled, grid_points, used = 0.0, 0, 0, 0, 0
+    frequency: Floats | None = None
+    for first, end in pairwise(edges):
+        times = time_s[first:end]
+        points = round((times[-1] - times[0]) / period_s) + 1 if end > first else 0
+        if points < per_window:
+            continue
+        grid = times[0] + period_s * np.arange(points)
+        even = np.column_stack([np.interp(grid, times, each) for each in signal[first:end].T])
+        count = (points - per_window) // (per_window - per_window // 2) + 1
+        frequency, density = welch(
+            even, fs=1 / period_s, nperseg=per_window, noverlap=per_window // 2, axis=0
+        )
+        total = total + count * density
+        windows, grid_points = windows + count, grid_points + points
+        filled, used = filled + max(points - (end - first), 0), used + (end - first)
+    if frequency is None:
+        return None
+    mean = np.asarray(total, dtype=np.float64) / windows
+    return Spectrum(
+        frequency,
+        mean if values.ndim == 2 else mean[:, 0],
+        windows,
+        filled / grid_points,
+        1 - used / len(time_s),
+    )
+
+
+def band_power(spectrum: Spectrum, low_hz: float, high_hz: float) -> Floats:
+    """Return the power between two frequencies, shape () or (columns,).
+
+    Each density stands for its bin, half a step of frequency to either side; of a bin at the edge
+    of the band, the part inside counts. So the powers of bands that meet add up.
+    """
+    f = spectrum.frequency_hz
+    half = (f[1] - f[0]) / 2
+    inside = np.clip(np.minimum(f + half, high_hz) - np.maximum(f - half, low_hz), 0, None)
+    return np.asarray(inside @ spectrum.density)

@@ -1,4 +1,4 @@
-"""The fast–slow model of symptoms, person by person, and what it says of conditions."""
+"""The fast–slow model of symptoms, fitted to each person and compared between conditions."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.symptom_model import Constants, SymptomFit, fit_symptoms
+from vrcomfort.stats.rating_courses import Constants, SymptomFit, fit_symptoms
 from vrcomfort.stats.t_tests import paired_t
 
 if TYPE_CHECKING:
     from vrcomfort.report.courses.exposures import RatedExposure
     from vrcomfort.report.plan.ratings import RatingAnalysis
+
 
 Row = dict[str, Any]
 

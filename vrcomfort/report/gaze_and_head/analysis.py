@@ -6,27 +6,186 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.report.gaze_and_head.exposures import HELD, SIGNALS, WHOLE, Row, Seen, look
-from vrcomfort.report.gaze_and_head.motion import read_motion, times_of
-from vrcomfort.report.gaze_and_head.nodes import node_rows, shown_nodes
-from vrcomfort.report.gaze_and_head.viewpoints import Viewpoint, viewpoints
+from vrcomfort.report.gaze_and_head.exposures import (
+    HELD,
+    NOTHING,
+    SIGNALS,
+    WHOLE,
+    Seen,
+    look,
+    read_motion,
+    times_of,
+)
 from vrcomfort.report.ordering import natural
+from vrcomfort.stats.gaze_and_head import Map, angles_deg, saliency_map, unit_vectors
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from vrcomfort.recordings import Memory
+    from vrcomfort.records.recording import Memory
+    from vrcomfort.report.gaze_and_head.exposures import Seen
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.plan.gaze_and_head import GazeAndHead
     from vrcomfort.report.study_data import StudyData
-    from vrcomfort.stats.gaze import Map
+    from vrcomfort.stats.gaze_and_head import Map
+
+
+Row = dict[str, Any]
+SHOWN = 10
+"""Nodes that stand on the page; the others are summed."""
+
+
+def node_rows(names: Sequence[str], people: Mapping[str, NDArray[np.float64]]) -> list[Row]:
+    """Return a row for each situation and node: the mean share over people, with its error.
+
+    Parameters
+    ----------
+    names
+        Nodes, and `NOTHING`.
+    people
+        Situation → (people, names) share of each person.
+
+    Returns
+    -------
+    list of dict
+        In the order of the mean of all situations, the longest looked at first; `NOTHING` is last.
+    """
+    known = {name: shares for name, shares in people.items() if len(shares)}
+    if not known:
+        return []
+    over_all = np.mean([shares.mean(axis=0) for shares in known.values()], axis=0)
+    order = sorted(
+        range(len(names)), key=lambda at: (names[at] == NOTHING, -over_all[at], names[at])
+    )
+    return [
+        _row(situation, "node" if names[at] else "nothing", names[at], shares[:, at])
+        for situation, shares in known.items()
+        for at in order
+    ]
+
+
+def shown_nodes(
+    rows: Sequence[Row], names: Sequence[str], people: Mapping[str, NDArray[np.float64]]
+) -> list[Row]:
+    """Return the rows of the longest looked at; the others are one row, summed for each person."""
+    nodes = list(dict.fromkeys(row["node"] for row in rows if row["kind"] == "node"))
+    few, rest = nodes[:SHOWN], nodes[SHOWN:]
+    at = [place for place, name in enumerate(names) if name in set(rest)]
+    found = [row for row in rows if row["node"] in few or row["kind"] == "nothing"]
+    if rest:
+        label = f"{len(rest)} others"
+        found += [
+            _row(situation, "others", label, shares[:, at].sum(axis=1))
+            for situation, shares in people.items()
+            if len(shares)
+        ]
+    return found
+
+
+def _row(
+    situation: str,
+    kind: Literal["node", "others", "nothing"],
+    name: str,
+    shares: NDArray[np.float64],
+) -> Row:
+    error = float(shares.std(ddof=1) / np.sqrt(len(shares))) if len(shares) > 1 else None
+    return {
+        "situation": situation, "kind": kind, "node": name, "share": float(shares.mean()),
+        "standard_error": error, "people": len(shares),
+    }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Viewpoint:
+    """The fixations of everybody who looked at a scene from one place.
+
+    Parameters
+    ----------
+    position_m
+        (3,) in the world.
+    centre_deg
+        Azimuth in the world of the middle of the map: where heads faced on average.
+    exposures, elsewhere
+        Those in the map, and those in which the head was elsewhere or moved about.
+    fixations
+        How many; each counts for its length.
+    """
+
+    scene: str
+    position_m: NDArray[np.float64]
+    centre_deg: float
+    exposures: int
+    elsewhere: int
+    fixations: int
+    map: Map
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """Return everything but the map."""
+        return {
+            "scene": self.scene,
+            "position_m": self.position_m.tolist(),
+            "centre_deg": self.centre_deg,
+            "exposures": self.exposures,
+            "elsewhere": self.elsewhere,
+            "fixations": self.fixations,
+            "outside": self.map.outside,
+        }
+
+
+def viewpoints(
+    exposures: Iterable[tuple[str, Seen]], within_m: float, sigma_deg: float
+) -> list[Viewpoint]:
+    """Return the map of each scene, of which there are fixations from one place.
+
+    Parameters
+    ----------
+    exposures
+        Scene, and what was seen in it.
+    within_m
+        How far the median position of a head may be from the median of the scene's, and how far
+        from its own the head may be in nine tenths of the frames.
+    sigma_deg
+        Of the Gaussian that a fixation is spread by.
+    """
+    scenes: dict[str, list[Seen]] = defaultdict(list)
+    for scene, seen in exposures:
+        if seen.fixations:
+            scenes[scene].append(seen)
+    names = sorted(scenes, key=natural)
+    found = (_viewpoint(name, scenes[name], within_m, sigma_deg) for name in names)
+    return [each for each in found if each is not None]
+
+
+def _viewpoint(
+    scene: str, exposures: list[Seen], within_m: float, sigma_deg: float
+) -> Viewpoint | None:
+    places = np.array([seen.viewpoint_m for seen in exposures])
+    middle = np.median(places, axis=0)
+    still = np.array([seen.reach_m for seen in exposures]) <= within_m
+    near = still & (np.linalg.norm(places - middle, axis=1) <= within_m)
+    here = [seen for seen, is_near in zip(exposures, near, strict=True) if is_near]
+    if not here:
+        return None
+    centre_deg = float(angles_deg(np.sum([seen.forward for seen in here], axis=0)[None])[0][0])
+    fixated = [each for seen in here for each in seen.fixations]
+    ways = unit_vectors(
+        np.array([each.azimuth_deg for each in fixated]),
+        np.array([each.elevation_deg for each in fixated]),
+    )
+    seconds = np.array([each.duration_s for each in fixated])
+    shown = saliency_map(ways, seconds, centre_deg=centre_deg, sigma_deg=sigma_deg)
+    return Viewpoint(
+        scene, middle, centre_deg, len(here), len(exposures) - len(here), len(fixated), shown
+    )
+
 
 EVERYBODY = ""
 """The situation of all exposures together."""
@@ -267,3 +426,55 @@ def _mean_maps(met: list[Met], situations: list[str]) -> dict[str, Map]:
             share = shares.mean(axis=0)
             found[situation] = some._replace(share=share, outside=1.0 - float(share.sum()))
     return found
+
+
+Results = dict[str, Any]
+Paragraph = tuple[str, str, tuple[str, ...]]
+"""Title, text, and the keys of what it cites."""
+
+
+def gaze_paragraphs(results: Results) -> list[Paragraph]:
+    """Return the paragraphs on what this report holds of these."""
+    found = results["gaze_and_head"]
+    if not found or not found["exposures"]:
+        return []
+    asked = results["plan"]["gaze_and_head"]
+    seen = any(row["gaze_valid_share"] for row in found["exposures"])
+    return [*([_gaze(asked, found)] if seen else []), _head(asked)]
+
+
+def _gaze(asked: Results, found: Results) -> Paragraph:
+    rule = (
+        f"slower than {asked['velocity_deg_s']:g}° per second from sample to sample (I-VT"
+        if asked["fixations"] == "i_vt"
+        else f"within a dispersion of {asked['dispersion_deg']:g}° (I-DT"
+    )
+    text = (
+        "The gaze is the headset’s, in the frames in which it was valid, and counts for each "
+        "frame’s period. A centred zone of ratio r has r times the height and width of an eye’s "
+        "image (Hillaire et al., 2008). Fixations are stretches of the line of sight in the world "
+        f"{rule}; Salvucci & Goldberg, 2000), of at least {asked['shortest_fixation_s']:g} s. "
+    )
+    cited = ["hillaire_2008", "salvucci_2000"]
+    if found["viewpoints"]:
+        text += (
+            "Fixation maps are those of exposures that were seen from one place (Mantiuk et al., "
+            "2011); each fixation counts for its length. "
+        )
+        cited.append("mantiuk_2011")
+    if found["nodes"]:
+        text += (
+            "What was looked at is the node of the scene that the line of sight meets first; a "
+            "node’s share is of the time in which the gaze was known and the scene drawn. "
+        )
+    return "Gaze", f"{text}Every person counts alike.", tuple(cited)
+
+
+def _head(asked: Results) -> Paragraph:
+    text = (
+        "Spectra of the head’s position and orientation in the stage are Welch’s (1967), with Hann "
+        f"windows of {asked['spectrum_window_s']:g} s that overlap by half and are without their "
+        "means. Dropped frames are filled by linear interpolation; a gap of more than four "
+        "refreshes, or a jump, ends a stretch."
+    )
+    return "Head motion", text, ("welch_1967",)

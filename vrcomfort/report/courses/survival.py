@@ -1,4 +1,4 @@
-"""Time to an event in an exposure: to a rating, and to leaving."""
+"""Survival analyses: time to a rating, and time to withdrawal."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.cox import NoHazardRatioError, cox
-from vrcomfort.stats.survival import KaplanMeier, kaplan_meier, log_rank
+from vrcomfort.stats.survival import KaplanMeier, NoHazardRatioError, cox, kaplan_meier, log_rank
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from vrcomfort.report.courses.exposures import RatedExposure
+
 
 Row = dict[str, Any]
 ALL = "all available"
