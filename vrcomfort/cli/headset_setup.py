@@ -115,7 +115,7 @@ def desktop_setup(
     with ExitStack() as owned:
         window, ctx = open_window(owned, "vrcomfort", settings.window_size_px)
         from vrcomfort.headset.desktop import DesktopHeadset
-        from vrcomfort.render.image_hash import HASH_EVERY
+        from vrcomfort.render.display import HASH_EVERY
         from vrcomfort.render.pipeline import StereoRenderer
         from vrcomfort.respondent.panel import PanelRespondent
         from vrcomfort.session.panel_screen import PanelScreen
@@ -246,7 +246,7 @@ def openxr_setup(
     require_bindings()
     from vrcomfort.gpu.gl import create_context
     from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
-    from vrcomfort.render.image_hash import HASH_EVERY
+    from vrcomfort.render.display import HASH_EVERY
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent.panel_layout import SIZE_PX
     from vrcomfort.session.panel_screen import PanelScreen

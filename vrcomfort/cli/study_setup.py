@@ -165,7 +165,7 @@ class StudySetup:
 
             return NoPictures(), Machine()
         if self._rendering is None:
-            from vrcomfort.render.image_hash import HASH_EVERY
+            from vrcomfort.render.display import HASH_EVERY
 
             renderer = make_renderer(
                 self._playback.size_px,
