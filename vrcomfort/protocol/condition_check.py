@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from vrcomfort.optics.refocus.laws import LAWS
+from vrcomfort.optics.refocus import LAWS
 from vrcomfort.protocol.adjustments import LIVE, Adjustment, adjusted, value_of
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.model import Protocol

@@ -223,8 +223,8 @@ class DepthOfField(Settings):
     views: Annotated[int, Field(ge=1, le=256)] = 1
     """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
     the views are blurred a little and averaged; two err as much as one. The mean has no largest
-    radius: what would reach `max_radius_percent` in one view is blurred more. `vrcomfort plan` says
-    where that is."""
+    radius: what would reach `max_radius_percent` in one view is blurred more. `vrcomfort passes`
+    says where that is."""
     over_blur: Annotated[float, Field(ge=0, le=4)] = 1.0
     """Scales the blur of each of K views, whose radius is 2/√K of the lens at 1, at most half,
     and 0.97 of it with up to eleven (`views` from 2 on). From twelve on, less than 0.75 px per
@@ -310,7 +310,7 @@ class MotionBlur(Settings):
     """`reconstruction`: knows who hides whom (McGuire 2012, Guertin 2013); `per_pixel`: a plain
     gather along each pixel's own velocity (Rosado 2007, which Chapman 2020 cites)."""
     mode: CameraMode = "rotation_cancelled"
-    """Which camera motion blurs; `vrcomfort.render.camera_motion` says what each cancels."""
+    """Which camera motion blurs; `vrcomfort.render.camera` says what each cancels."""
     virtual_turning: VirtualTurning = "by_mode"
     """Whether turns by locomotion blur, whatever `mode` does with the tracked head. `by_mode`:
     `rotation_cancelled_eye` and `objects_only` cancel them, the other modes keep them. Snap turns
@@ -429,7 +429,7 @@ class EffectTables(Settings):
     """The effects, in the order in which they come where a condition does not say otherwise.
 
     This is the one list of them: conditions, levels of factors, `effect_order` and the schema have
-    what stands here. How each is drawn is in `vrcomfort.render.effects.kinds`.
+    what stands here. How each is drawn is in `vrcomfort.render.plan`.
     """
 
     depth_of_field: DepthOfField | None = None

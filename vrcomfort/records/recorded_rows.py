@@ -75,7 +75,7 @@ def read_rows(
     file, columns = folder / row_type.FILE, columns_read(row_type)
     there = columns_of_version(version, row_type.FILE, row_type.columns())
     with file.open("rb") as stream:
-        header = split_line(stream.readline())
+        header = _cells(file, 1, stream.readline())
         if missing := [name for name in columns if name in there and name not in header]:
             message = f"the column is missing; it has: {', '.join(header)}"
             raise InputError(message, file=file, line=1, column=missing[0])
@@ -84,6 +84,14 @@ def read_rows(
             if cut and not line.endswith(b"\n"):
                 return
             yield RecordedRow(file, number, _values(file, number, line, header, known, columns))
+
+
+def _cells(file: Path, number: int, line: bytes) -> list[str]:
+    """Return the cells of a file's line, its header too; raise InputError with its place."""
+    try:
+        return split_line(line)
+    except ValueError as error:
+        raise InputError(f"is no row: {error}; mend it first", file=file, line=number) from None
 
 
 def _values(
@@ -95,10 +103,11 @@ def _values(
     columns: Mapping[str, Column],
 ) -> Mapping[str, Any]:
     """Return column → value of one line."""
-    try:
-        cells = dict(zip(header, split_line(line), strict=True))
-    except ValueError as error:
-        raise InputError(f"is no row: {error}; mend it first", file=file, line=number) from None
+    there = _cells(file, number, line)
+    if len(there) != len(header):
+        message = f"is no row: {len(there)} cells under {len(header)} columns; mend it first"
+        raise InputError(message, file=file, line=number)
+    cells = dict(zip(header, there, strict=True))
     values: dict[str, Any] = dict.fromkeys(columns)
     try:
         values.update((name, cell_value(cells[name], known[name])) for name in known)

@@ -31,7 +31,7 @@ from vrcomfort.report.writing import file_name, write_report
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
 
-    from vrcomfort.recordings import Memory
+    from vrcomfort.records.recording import Memory
     from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.study_data import StudyData
 

@@ -23,10 +23,9 @@ from vrcomfort.report.pairs import (
     with_every_score,
 )
 from vrcomfort.settings import did_you_mean
-from vrcomfort.stats.correlation import correlation, repeated_measures_correlation
-from vrcomfort.stats.intraclass import intraclass
-from vrcomfort.stats.kruskal_wallis import kruskal_wallis
+from vrcomfort.stats.correlation import correlation, intraclass, repeated_measures_correlation
 from vrcomfort.stats.proportions import preference
+from vrcomfort.stats.rank_anova import kruskal_wallis
 from vrcomfort.stats.t_tests import equivalence_of_groups, equivalence_of_pairs
 
 if TYPE_CHECKING:

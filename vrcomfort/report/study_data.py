@@ -23,10 +23,11 @@ from vrcomfort.questionnaire import (
     shipped_instruments,
     short_form,
 )
-from vrcomfort.recordings import ExposureFrames, Memory, frame_measures
+from vrcomfort.recordings import ExposureFrames, frame_measures
 from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.json_file import DamagedError, read_json
 from vrcomfort.records.manifest_shape import DescribedShape, ManifestShape
+from vrcomfort.records.recording import Memory
 from vrcomfort.records.session_rows import ScreeningRow
 from vrcomfort.records.study import DESCRIPTION
 from vrcomfort.report.gaps import gaps, unreadable

@@ -8,7 +8,7 @@ import numpy as np
 
 from vrcomfort.report.canvas import INK, Drawing, canvas, lines
 from vrcomfort.report.palette import colour_of, marker_of
-from vrcomfort.stats.z_scores import z_scored
+from vrcomfort.stats.means import z_scored
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -15,7 +15,7 @@ from vrcomfort.frame import Frame, GpuTime
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.base import Headset, TellsTime
 from vrcomfort.records import ClockRow, RatingRow, Recorder
-from vrcomfort.render.photodiode import PatchLight
+from vrcomfort.render.display import PatchLight
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.session.context import EventLog, SessionContext
