@@ -11,8 +11,8 @@ from vrcomfort.protocol.free_texts import FreeText
 from vrcomfort.protocol.timeline import FreeTextStep, QuestionnaireStep, TrialPlace
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.records import Interrupted, QuestionnaireRow, TextRow
-from vrcomfort.records.recorded_rows import read_rows
 from vrcomfort.records.session_rows import LONGEST_TEXT, one_line
+from vrcomfort.records.tables import read_rows
 from vrcomfort.respondent import Form
 from vrcomfort.respondent.base import Writes
 from vrcomfort.session.context import SessionContext

@@ -9,8 +9,8 @@ from vrcomfort.protocol.screening import Screening
 from vrcomfort.questionnaire import score
 from vrcomfort.questionnaire.answers import Answer
 from vrcomfort.records import ScreeningRow, enrolled
-from vrcomfort.records.recorded_rows import read_rows
 from vrcomfort.records.session_rows import IPD_RULE
+from vrcomfort.records.tables import read_rows
 from vrcomfort.respondent.base import Decides
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
