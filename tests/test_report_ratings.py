@@ -11,8 +11,7 @@ from tests.support.report import manifest
 from vrcomfort.errors import InputError
 from vrcomfort.report.build import build_report
 from vrcomfort.report.courses import analyse_courses
-from vrcomfort.report.courses.exposures import rated_exposures
-from vrcomfort.report.courses.live_time import LiveClock, LiveTime
+from vrcomfort.report.courses.exposures import LiveClock, LiveTime, rated_exposures
 from vrcomfort.report.plan import read_plan
 from vrcomfort.report.study_data import read_study
 

@@ -146,7 +146,7 @@ def _header(file: Path, line: bytes, row_type: type[Row], version: int) -> tuple
     try:
         header = tuple(split_line(line))
     except ValueError as error:
-        raise _RowError(f"is no row: {error}").at(file, 1, _RESTORE) from None
+        raise _RowError(f"is no row: {error}").at(file, 1, "mend it first") from None
     if missing := [name for name in columns_read(row_type) if name in there and name not in header]:
         message = f"the column is missing; it has: {', '.join(header)}"
         raise InputError(message, file=file, line=1, column=missing[0])
@@ -201,7 +201,7 @@ def _cells(line: bytes, header: Sequence[str]) -> dict[str, str]:
     except ValueError as error:  # also text that is no UTF-8
         raise _RowError(f"is no row: {error}") from None
     if len(row) != len(header):
-        raise _RowError(f"is no row: it has {len(row)} cells, the header {len(header)}")
+        raise _RowError(f"is no row: {len(row)} cells under {len(header)} columns")
     return dict(zip(header, row, strict=True))
 
 

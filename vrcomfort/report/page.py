@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from vrcomfort.report import methods, palette, words
 from vrcomfort.report.answers import answers
-from vrcomfort.report.courses.summaries import MEANINGS, TITLES
+from vrcomfort.report.courses.time_courses import MEANINGS, TITLES
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT
 from vrcomfort.report.families import disagreement, reported
 from vrcomfort.report.further_answers import DIGITS, METHODS, TESTS

@@ -11,7 +11,7 @@ from typing import Any
 import pandas as pd
 
 from vrcomfort.report.courses import Courses
-from vrcomfort.report.courses.tables import course_tables
+from vrcomfort.report.courses.analysis import course_tables
 from vrcomfort.report.exposures import Exposures, column_of
 from vrcomfort.report.further_tables import further_tables
 from vrcomfort.report.gaze_and_head import Looked

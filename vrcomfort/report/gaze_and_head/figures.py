@@ -8,14 +8,14 @@ import numpy as np
 from matplotlib.ticker import FuncFormatter
 
 from vrcomfort.report.canvas import INK, Drawing, canvas, lines
+from vrcomfort.report.gaze_and_head.analysis import EVERYBODY
 from vrcomfort.report.gaze_and_head.exposures import WHOLE
-from vrcomfort.report.gaze_and_head.results import EVERYBODY
 from vrcomfort.report.palette import colour_of, marker_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from vrcomfort.report.gaze_and_head.results import Looked
+    from vrcomfort.report.gaze_and_head.analysis import Looked
     from vrcomfort.report.vocabulary import Vocabulary
     from vrcomfort.stats.gaze_and_head import Map
 

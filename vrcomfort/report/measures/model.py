@@ -1,18 +1,41 @@
-"""What a measure is: an outcome that is no score of a questionnaire."""
+"""Measures: outcomes that are no scores of a questionnaire."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Protocol
+
+from pydantic import Field
 
 from vrcomfort.csv_table import number_in
+from vrcomfort.settings import Name, Settings
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from vrcomfort.report.study_data import StudyData
+
+
+Limit = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class Measured(Settings):
+    """An outcome that is no score of a questionnaire: what it is, and what readers call it."""
+
+    name: Name
+    measure: str
+    """``source.quantity``: ratings.peak, tasks.time_s, participants.age, frames.head_path_m, …"""
+    label: str = ""
+    unit: str = ""
+    better: Literal["lower", "higher", ""] = ""
+    """Which direction is the good one."""
+    instrument: str = ""
+    """Of ratings: which instrument, where several were rated."""
+    threshold: Limit | None = None
+    """Of ratings.time_to: the rating that is to be reached."""
+
 
 Better = Literal["lower", "higher", ""]
 DIGITS = 12
