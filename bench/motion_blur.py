@@ -22,7 +22,7 @@ from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.traffic import Recorder, added_up
 from vrcomfort.protocol.conditions import MotionBlur
 from vrcomfort.render.effects.effect import EyeFrame
-from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
+from vrcomfort.render.effects.motion_blur import MotionBlurPass
 from vrcomfort.render.image_error import judged, rms, sure
 from vrcomfort.render.reference import Reference, read_rgb
 from vrcomfort.tradeoff.cases import Case, Scope, frames

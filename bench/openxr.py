@@ -28,7 +28,7 @@ from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 from vrcomfort.protocol import Condition
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.records import Recorder
-from vrcomfort.render.frames import EyeImages
+from vrcomfort.render.condition_passes import EyeImages
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
 from vrcomfort.respondent.panel import PanelRespondent

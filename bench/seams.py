@@ -24,7 +24,8 @@ from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
 from vrcomfort.render import output
 from vrcomfort.render.camera import EyeCamera
-from vrcomfort.render.pipeline import EyeImages, StereoRenderer
+from vrcomfort.render.condition_passes import EyeImages
+from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import Reference
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene

@@ -13,7 +13,7 @@ from test_openxr_looks import Looker
 from test_study_panel import TwoHands, aim_at
 
 from tests.support.openxr import fresh_monado, needs_monado
-from vrcomfort.cli.run_openxr import look_down_of
+from vrcomfort.cli.headset_setup import look_down_of
 from vrcomfort.geometry import Gaze, Pose, normalize, turn_to, yaw_pitch_roll
 from vrcomfort.headset.inputs import HandInput, Inputs, SeenGaze
 from vrcomfort.protocol import load_protocol

@@ -11,7 +11,7 @@ pytest.importorskip("xr", reason="pyopenxr is not installed")
 
 import xr
 
-from vrcomfort.cli import doctor_openxr
+from vrcomfort.cli import doctor
 from vrcomfort.headset.openxr import each_eye
 from vrcomfort.headset.openxr.capabilities import HeadsetFacts
 from vrcomfort.headset.openxr.convert import pose_to_xr
@@ -85,6 +85,6 @@ def test_a_runtime_without_the_extension_has_no_eyes():
     ],
 )
 def test_doctor_says_what_is_known_of_eyes(facts, words):
-    findings = doctor_openxr._headset(HeadsetFacts("headset", (1, 1), **facts))
+    findings = doctor._openxr_headset(HeadsetFacts("headset", (1, 1), **facts))
     told = {each.part: each.found for each in findings if each.part != "headset"}
     assert told == words

@@ -26,7 +26,7 @@ from vrcomfort.protocol.conditions import (
 from vrcomfort.gpu import shaders
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.scene.load import load_scene
-from vrcomfort.render.image_hash import ImageHasher
+from vrcomfort.render.display import ImageHasher
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import Reference
 from vrcomfort.resources import data_folder

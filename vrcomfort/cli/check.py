@@ -28,7 +28,7 @@ from vrcomfort.tasks import OwnTask
 
 if TYPE_CHECKING:
     from vrcomfort.cli.check_stimuli import Stimuli
-    from vrcomfort.render.visibility import Amount
+    from vrcomfort.render.stimulus_check import Amount
     from vrcomfort.session.dry_run import SessionLength
 
 

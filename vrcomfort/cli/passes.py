@@ -18,9 +18,9 @@ from vrcomfort.protocol.quality_levels import Figure, Measured, quality_table
 
 if TYPE_CHECKING:
     from vrcomfort.gpu.traffic import Traffic
-    from vrcomfort.render.effects.depth_of_field.blur_limit import Unlimited
+    from vrcomfort.render.effects.depth_of_field.lens_radius import Unlimited
     from vrcomfort.render.pipeline import StereoRenderer
-    from vrcomfort.render.plan import PlannedPass
+    from vrcomfort.render.planned_pass import PlannedPass
     from vrcomfort.scene.data import Scene
 
 UNKNOWN = "?"
@@ -167,7 +167,7 @@ def study_passes(study: Protocol, size_px: tuple[int, int], *, draw: bool = True
     draw
         Draws a frame of each, to count what its effects send through memory.
     """
-    from vrcomfort.render.effects.depth_of_field.blur_limit import unlimited
+    from vrcomfort.render.effects.depth_of_field.lens_radius import unlimited
     from vrcomfort.scene.load import load_scene
 
     renderer, no_opengl = _renderer(size_px)

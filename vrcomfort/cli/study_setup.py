@@ -18,7 +18,7 @@ from vrcomfort.protocol.instruments import missing_wording
 
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
-    from vrcomfort.cli.run_console import ConsoleSetup
+    from vrcomfort.cli.session_devices import ConsoleSetup
     from vrcomfort.records import Durability, Machine
     from vrcomfort.records.consents import Given
     from vrcomfort.render.pipeline import StereoRenderer
@@ -165,7 +165,7 @@ class StudySetup:
 
             return NoPictures(), Machine()
         if self._rendering is None:
-            from vrcomfort.render.image_hash import HASH_EVERY
+            from vrcomfort.render.display import HASH_EVERY
 
             renderer = make_renderer(
                 self._playback.size_px,

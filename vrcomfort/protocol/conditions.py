@@ -292,7 +292,7 @@ class MotionBlur(Settings):
     """`reconstruction`: knows who hides whom (McGuire 2012, Guertin 2013); `per_pixel`: a plain
     gather along each pixel's own velocity (Rosado 2007, which Chapman 2020 cites)."""
     mode: CameraMode = "rotation_cancelled"
-    """Which camera motion blurs; `vrcomfort.render.camera_motion` says what each cancels."""
+    """Which camera motion blurs; `vrcomfort.render.camera` says what each cancels."""
     virtual_turning: VirtualTurning = "by_mode"
     """Whether turns by locomotion blur, whatever `mode` does with the tracked head. `by_mode`:
     `rotation_cancelled_eye` and `objects_only` cancel them, the other modes keep them. Snap turns
@@ -411,7 +411,7 @@ class EffectTables(Settings):
     """The effects, in the order in which they come where a condition does not say otherwise.
 
     This is the one list of them: conditions, levels of factors, `effect_order` and the schema have
-    what stands here. How each is drawn is in `vrcomfort.render.effects.kinds`.
+    what stands here. How each is drawn is in `vrcomfort.render.plan`.
     """
 
     depth_of_field: DepthOfField | None = None

@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
-from vrcomfort.optics.refocus.laws import LAWS
+from vrcomfort.optics.refocus import LAWS
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.settings import KeyPath, Problem, Settings

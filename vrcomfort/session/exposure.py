@@ -14,7 +14,7 @@ from vrcomfort.frame import Frame, GpuTime
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.records import RatingRow
-from vrcomfort.render.photodiode import PatchLight
+from vrcomfort.render.display import PatchLight
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.session.clocks import ClockBridge

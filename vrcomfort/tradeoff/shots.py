@@ -16,9 +16,9 @@ from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.optics.ideal_scatter import Pinhole
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render.condition_passes import EyeImages
 from vrcomfort.render.effects.depth_of_field import lens_radius
 from vrcomfort.render.effects.depth_of_field.coc_passes import eye_uniforms
-from vrcomfort.render.frames import EyeImages
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import read_rgb
 from vrcomfort.scene.data import Scene

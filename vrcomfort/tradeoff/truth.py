@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
 from vrcomfort.optics.ideal_scatter import ideal_scatter
-from vrcomfort.optics.sampling import lens_and_shutter
+from vrcomfort.optics.lens_sampling import lens_and_shutter
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.image_error import HIGHLIGHT, rms
 from vrcomfort.render.reference import Accumulator, Reference
