@@ -10,7 +10,7 @@ from tests.support.rated import RatedStudy, with_drop_outs
 from tests.support.report import manifest
 from vrcomfort.errors import InputError
 from vrcomfort.report.build import build_report
-from vrcomfort.report.courses import analyse_courses
+from vrcomfort.report.courses import analyse_time_courses
 from vrcomfort.report.courses.exposures import LiveClock, LiveTime, rated_exposures
 from vrcomfort.report.plan import read_plan
 from vrcomfort.report.study_data import read_study
@@ -26,7 +26,7 @@ def plan_of(**ratings):
 
 def courses_of(study, folder, **ratings):
     there = study.write(folder)
-    return analyse_courses(read_study(there), plan_of(**ratings), NOTHING_ELSE, there)
+    return analyse_time_courses(read_study(there), plan_of(**ratings), NOTHING_ELSE, there)
 
 
 def two_conditions(*, people=6):
@@ -136,11 +136,11 @@ def test_no_ratings_and_no_trials_have_nothing(tmp_path):
     folder = two_conditions().write(tmp_path)
     (folder / "trials.csv").unlink()
     study = read_study(folder)
-    found = analyse_courses(study, plan_of(), NOTHING_ELSE, folder).results
+    found = analyse_time_courses(study, plan_of(), NOTHING_ELSE, folder).results
     assert found["leaving"] is None
     assert not found["ratings"]["endings_recorded"]
     with pytest.raises(InputError, match="nothing was rated with `misc`; ratings are of: fms"):
-        analyse_courses(study, plan_of(instrument="misc"), NOTHING_ELSE, folder)
+        analyse_time_courses(study, plan_of(instrument="misc"), NOTHING_ELSE, folder)
 
 
 def test_who_is_excluded_is_in_nothing(tmp_path):
@@ -148,7 +148,7 @@ def test_who_is_excluded_is_in_nothing(tmp_path):
     people = (folder / "participants.csv").read_text("utf-8")
     (folder / "participants.csv").write_text(people.replace("P1,,completed", "P1,,excluded"))
     rule = {"participant": "P2", "what": "participant"}
-    found = analyse_courses(
+    found = analyse_time_courses(
         read_study(folder), plan_of(), {**NOTHING_ELSE, "exclusions": [rule]}, folder
     )
     assert found.results["ratings"]["people"] == 4

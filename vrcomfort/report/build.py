@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, Literal
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import spare
 from vrcomfort.report.answers import answer
-from vrcomfort.report.courses import analyse_courses
+from vrcomfort.report.courses import analyse_time_courses
 from vrcomfort.report.figures import draw_figures
 from vrcomfort.report.further_answers import further_answers
-from vrcomfort.report.gaze_and_head import look_at
+from vrcomfort.report.gaze_and_head import analyse_gaze_and_head
 from vrcomfort.report.page import render_page
 from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, shipped_files
 from vrcomfort.report.records import records
@@ -138,13 +138,13 @@ def _build(
     chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
     results |= plain(records(study, scored, chosen, results, source))
-    courses = analyse_courses(study, chosen, results, source)
+    courses = analyse_time_courses(study, chosen, results, source)
     results |= plain(courses.results)
     results["labels"] |= {
         name: name for name in courses.conditions if name not in results["labels"]
     }
     names = [condition["name"] for condition in results["conditions"]]
-    looked = look_at(study, chosen, names, memory)
+    looked = analyse_gaze_and_head(study, chosen, names, memory)
     results["gaze_and_head"] = plain(looked.results) if chosen.gaze_and_head else None
     results["quality"]["reading"] += looked.notes
     results["date"] = _today()

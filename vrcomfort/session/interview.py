@@ -12,8 +12,8 @@ from vrcomfort.protocol.timeline import FreeTextStep, QuestionnaireStep, TrialPl
 from vrcomfort.questionnaire import Instrument, score
 from vrcomfort.questionnaire.answers import Answer
 from vrcomfort.records import Interrupted, QuestionnaireRow, ScreeningRow, TextRow, enrolled
-from vrcomfort.records.recorded_rows import read_rows
 from vrcomfort.records.session_rows import IPD_RULE, LONGEST_TEXT, one_line
+from vrcomfort.records.tables import read_rows
 from vrcomfort.respondent import Form
 from vrcomfort.respondent.base import Decides, Writes
 from vrcomfort.session.context import EventLog, SessionContext

@@ -37,7 +37,7 @@ Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Courses:
+class TimeCourseAnalysis:
     """What was analysed, for tables and figures, beside the results."""
 
     exposures: list[RatedExposure]
@@ -50,7 +50,9 @@ class Courses:
     """`ratings` and `leaving`: each None where the data do not hold it."""
 
 
-def analyse_courses(study: StudyData, plan: Plan, results: Row, folder: Path) -> Courses:
+def analyse_time_courses(
+    study: StudyData, plan: Plan, results: Row, folder: Path
+) -> TimeCourseAnalysis:
     """Analyse ratings during exposure, and who left when.
 
     Parameters
@@ -87,7 +89,7 @@ def analyse_courses(study: StudyData, plan: Plan, results: Row, folder: Path) ->
     }
     if found["ratings"] is not None:
         found["ratings"]["curves"] = _curve_rows(curves, carried, conditions)
-    return Courses(exposures, conditions, curves, carried, found)
+    return TimeCourseAnalysis(exposures, conditions, curves, carried, found)
 
 
 def _left_out(study: StudyData, results: Row) -> set[str]:
@@ -247,7 +249,7 @@ def _curve_rows(
     return rows
 
 
-def course_tables(results: Row, courses: Courses) -> dict[str, list[Row]]:
+def course_tables(results: Row, courses: TimeCourseAnalysis) -> dict[str, list[Row]]:
     """Return name → rows of every table of ratings and of times to events."""
     ratings, leaving = results["ratings"], results["leaving"]
     found: dict[str, list[Row]] = {}

@@ -237,7 +237,7 @@ Times = list[tuple[float, float]]
 
 
 @dataclass
-class Seen:
+class ExposureSummary:
     """What is known of an exposure.
 
     Parameters
@@ -270,11 +270,13 @@ class Seen:
     spectrum: Spectrum | None = None
 
 
-def look(motion: Motion, asked: GazeAndHead, events: dict[str, Times]) -> Seen:
+def summarise_exposure(
+    motion: Motion, asked: GazeAndHead, events: dict[str, Times]
+) -> ExposureSummary:
     """Return what an exposure says; `events` are those of its session, by name."""
     middle = np.median(motion.place, axis=0)
     away_m = np.linalg.norm(motion.place - middle, axis=1)
-    seen = Seen(
+    seen = ExposureSummary(
         _gaze_known(motion),
         viewpoint_m=middle,
         reach_m=float(np.quantile(away_m, 0.9)),
@@ -295,7 +297,9 @@ def _gaze_known(motion: Motion) -> Row:
     return {"gaze_valid_share": float(seconds[motion.valid].sum() / seconds.sum())}
 
 
-def _zones(seen: Seen, motion: Motion, asked: GazeAndHead, events: dict[str, Times]) -> None:
+def _zones(
+    seen: ExposureSummary, motion: Motion, asked: GazeAndHead, events: dict[str, Times]
+) -> None:
     valid = motion.valid
     assert motion.in_head is not None  # noqa: S101 - some gaze is valid
     ways, seconds, half = motion.in_head[valid], motion.seconds[valid], motion.half_widths[valid]
@@ -341,7 +345,7 @@ def node_shares(motion: Motion) -> dict[str, float]:
     }
 
 
-def _fixations(seen: Seen, motion: Motion, asked: GazeAndHead) -> None:
+def _fixations(seen: ExposureSummary, motion: Motion, asked: GazeAndHead) -> None:
     assert motion.in_world is not None  # noqa: S101 - some gaze is valid
     seen.fixations = fixations(
         motion.time_s,
@@ -363,7 +367,7 @@ def _fixations(seen: Seen, motion: Motion, asked: GazeAndHead) -> None:
     }
 
 
-def _spectrum(seen: Seen, motion: Motion, asked: GazeAndHead) -> None:
+def _spectrum(seen: ExposureSummary, motion: Motion, asked: GazeAndHead) -> None:
     seen.spectrum = found = head_spectrum(
         motion.time_s, motion.head, motion.cuts, period_s=float(np.median(motion.seconds)),
         window_s=asked.spectrum_window_s,
