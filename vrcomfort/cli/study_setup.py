@@ -129,7 +129,7 @@ class StudySetup:
     ) -> SessionSettings:
         """Return the settings of sessions in a headset, or without one on the playback."""
         from vrcomfort import session
-        from vrcomfort.headset.sound import NobodyHears
+        from vrcomfort.headset.sound import SilentSpeaker
         from vrcomfort.operator_interface import NoOperator
         from vrcomfort.session.operator_control import OperatorControl
 
@@ -148,7 +148,7 @@ class StudySetup:
             watchdog=headset.watchdog if headset else None,
             operators=console.operators if console else OperatorControl(NoOperator()),
             durability=self._durability,
-            speaker=NobodyHears() if simulated else None,
+            speaker=SilentSpeaker() if simulated else None,
             jumps=not self._frames,
         )
 
