@@ -16,7 +16,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.recordings import Memory, pack_study
 from vrcomfort.report.gaze_and_head import look_at
 from vrcomfort.report.gaze_and_head.motion import read_motion
-from vrcomfort.report.plan import read_plan
+from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.study_data import read_study, with_frames
 
 PLAN = """name = "looked"
