@@ -14,7 +14,7 @@ from vrcomfort.cli.renderer import describe_machine, make_renderer
 from vrcomfort.cli.terminal import dialogue, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, with_task_code
-from vrcomfort.protocol.instruments import missing_wording
+from vrcomfort.protocol.load import missing_wording
 
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
@@ -200,7 +200,7 @@ class StudySetup:
 
 def _require_places(protocol: Protocol) -> None:
     """Raise `InputError` where a view names a place that its scene does not have."""
-    from vrcomfort.session.standing import place_faults
+    from vrcomfort.session.start_pose import place_faults
 
     for fault in place_faults(protocol):
         raise fault
