@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -64,6 +66,33 @@ def test_every_command_has_help_with_an_example(run: Run, command: str) -> None:
     code, out, _ = run(command, "--help")
     assert code == 0
     assert f"vrcomfort {command}" in out
+
+
+def test_a_command_imports_no_other_commands_module() -> None:
+    program = (
+        "import sys; from vrcomfort.cli import main; sys.argv = ['vrcomfort', '--version']\n"
+        "try: main()\nexcept SystemExit: pass\n"
+        "print(*sorted(m for m in sys.modules if m.startswith(('vrcomfort', 'numpy', 'pydantic'))))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], check=True, capture_output=True, text=True
+    )
+    assert done.stdout.splitlines()[1].split() == [
+        "vrcomfort",
+        "vrcomfort.cli",
+        "vrcomfort.cli.app",
+        "vrcomfort.cli.stopping",
+        "vrcomfort.cli.terminal",
+        "vrcomfort.errors",
+        "vrcomfort.stop_signals",
+    ]
+
+
+def test_a_misspelt_command_is_compared_with_all(run: Run) -> None:
+    code, _, err = run("reprot")
+    assert code == 2
+    assert "Did you mean" in err
+    assert "'report'" in err
 
 
 @pytest.mark.smoke

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vrcomfort.cli.options import Json, MemoryOption, Quiet, output_option
-from vrcomfort.cli.outputs import output_folder
-from vrcomfort.cli.terminal import console, progress_bar, warn
+from vrcomfort.cli.terminal import console, output_folder, progress_bar, warn
 from vrcomfort.errors import InputError
 
 if TYPE_CHECKING:

@@ -38,9 +38,9 @@ from vrcomfort.report.z_scores import z_score_figure
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from vrcomfort.report.courses import Courses
+    from vrcomfort.report.courses import TimeCourseAnalysis
     from vrcomfort.report.exposures import Exposures
-    from vrcomfort.report.gaze_and_head import Looked
+    from vrcomfort.report.gaze_and_head import GazeAndHeadAnalysis
     from vrcomfort.report.residuals import Residuals
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.vocabulary import Vocabulary
@@ -55,8 +55,8 @@ def draw_figures(
     results: dict[str, Any],
     scored: Exposures,
     residuals: list[Residuals],
-    courses: Courses,
-    looked: Looked,
+    courses: TimeCourseAnalysis,
+    looked: GazeAndHeadAnalysis,
     words: Vocabulary,
 ) -> dict[str, Drawing]:
     """Return name → drawing of every figure that the data allow."""
@@ -86,7 +86,7 @@ def draw_figures(
 
 
 def _course_figures(
-    results: dict[str, Any], courses: Courses, words: Vocabulary
+    results: dict[str, Any], courses: TimeCourseAnalysis, words: Vocabulary
 ) -> dict[str, Drawing | None]:
     """Return the figures of ratings over time, and of the time to a rating and to leaving."""
     drawn: dict[str, Drawing | None] = {"ratings": course_figure(courses, words)}

@@ -26,8 +26,6 @@ from vrcomfort.report.courses.time_courses import (
 from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.stats.means import MeanCurves
@@ -37,7 +35,7 @@ Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Courses:
+class TimeCourseAnalysis:
     """What was analysed, for tables and figures, beside the results."""
 
     exposures: list[RatedExposure]
@@ -50,15 +48,13 @@ class Courses:
     """`ratings` and `leaving`: each None where the data do not hold it."""
 
 
-def analyse_courses(study: StudyData, plan: Plan, results: Row, folder: Path) -> Courses:
+def analyse_time_courses(study: StudyData, plan: Plan, results: Row) -> TimeCourseAnalysis:
     """Analyse ratings during exposure, and who left when.
 
     Parameters
     ----------
     results
         Those of the report so far: conditions, contrasts and who was left out.
-    folder
-        Where the frames of the study are, which say what was live.
 
     Raises
     ------
@@ -68,7 +64,7 @@ def analyse_courses(study: StudyData, plan: Plan, results: Row, folder: Path) ->
     asked = plan.ratings
     instrument = rated_instrument(study, asked.instrument)
     exposures = rated_exposures(
-        study, instrument, without=_left_out(study, results), clock=LiveClock(study, folder)
+        study, instrument, without=_left_out(study, results), clock=LiveClock(study)
     )
     conditions = _conditions(exposures, list(results["labels"]))
     exposures = [e for e in exposures if e.condition in conditions]
@@ -87,7 +83,7 @@ def analyse_courses(study: StudyData, plan: Plan, results: Row, folder: Path) ->
     }
     if found["ratings"] is not None:
         found["ratings"]["curves"] = _curve_rows(curves, carried, conditions)
-    return Courses(exposures, conditions, curves, carried, found)
+    return TimeCourseAnalysis(exposures, conditions, curves, carried, found)
 
 
 def _left_out(study: StudyData, results: Row) -> set[str]:
@@ -247,7 +243,7 @@ def _curve_rows(
     return rows
 
 
-def course_tables(results: Row, courses: Courses) -> dict[str, list[Row]]:
+def course_tables(results: Row, courses: TimeCourseAnalysis) -> dict[str, list[Row]]:
     """Return name → rows of every table of ratings and of times to events."""
     ratings, leaving = results["ratings"], results["leaving"]
     found: dict[str, list[Row]] = {}

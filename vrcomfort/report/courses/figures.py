@@ -20,7 +20,7 @@ from vrcomfort.report.canvas import (
     lines,
     threads,
 )
-from vrcomfort.report.courses.survival import Event, curve_of, repeated
+from vrcomfort.report.courses.survival import TimeToEvent, curve_of, repeated
 from vrcomfort.report.courses.time_courses import at_times
 from vrcomfort.report.palette import colour_of, marker_of
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from vrcomfort.report.courses.analysis import Courses
+    from vrcomfort.report.courses.analysis import TimeCourseAnalysis
     from vrcomfort.report.courses.exposures import RatedExposure
     from vrcomfort.report.vocabulary import Vocabulary
     from vrcomfort.stats.survival import KaplanMeier
@@ -45,7 +45,7 @@ STEPS = (1, 2, 5, 10)
 """Of ticks of time."""
 
 
-def course_figure(courses: Courses, words: Vocabulary) -> Drawing | None:
+def course_figure(courses: TimeCourseAnalysis, words: Vocabulary) -> Drawing | None:
     """Draw the means together, and each condition with its exposures; None without ratings."""
     found, curves = courses.results["ratings"], courses.curves
     if found is None or curves is None or not curves.times_s.size:
@@ -102,7 +102,9 @@ def _limits(panels: list[Axes], low: float, high: float, longest: float) -> None
         axes.set_axisbelow(True)
 
 
-def _draw_together(axes: Axes, courses: Courses, words: Vocabulary, scale: float) -> None:
+def _draw_together(
+    axes: Axes, courses: TimeCourseAnalysis, words: Vocabulary, scale: float
+) -> None:
     curves = courses.curves
     if curves is None:
         return
@@ -136,7 +138,7 @@ def _band(axes: Axes, x: Floats, mean: Floats, half: Floats, colour: str) -> Non
 
 
 def _draw_condition(
-    axes: Axes, courses: Courses, row: int, words: Vocabulary, scale: float
+    axes: Axes, courses: TimeCourseAnalysis, row: int, words: Vocabulary, scale: float
 ) -> None:
     curves, condition = courses.curves, courses.conditions[row]
     if curves is None:
@@ -183,7 +185,7 @@ MOST_SURVIVAL_BANDS = 3
 
 
 def survival_figure(
-    name: str, events: list[Event], title: str, words: Vocabulary, confidence: float
+    name: str, events: list[TimeToEvent], title: str, words: Vocabulary, confidence: float
 ) -> Drawing | None:
     """Draw the share without the event over time; None where nothing was watched.
 

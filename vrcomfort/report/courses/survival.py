@@ -21,7 +21,7 @@ ALL = "all available"
 
 
 @dataclass(frozen=True)
-class Event:
+class TimeToEvent:
     """An exposure until its event, or until it was watched no longer."""
 
     participant: str
@@ -33,7 +33,7 @@ class Event:
 
 def of_threshold(
     exposures: Iterable[RatedExposure], threshold: float, *, how: str = ALL
-) -> list[Event]:
+) -> list[TimeToEvent]:
     """Return the time to the first rating at a threshold or above.
 
     Parameters
@@ -48,20 +48,20 @@ def of_threshold(
         if reached is None or (how == "completers" and e.left and not reached.reached):
             continue
         came = reached.reached or (how == "worst case" and e.left)
-        found.append(Event(e.participant, e.condition, e.position, reached.time_s, came))
+        found.append(TimeToEvent(e.participant, e.condition, e.position, reached.time_s, came))
     return found
 
 
-def of_leaving(exposures: Iterable[RatedExposure]) -> list[Event]:
+def of_leaving(exposures: Iterable[RatedExposure]) -> list[TimeToEvent]:
     """Return the time to leaving of every exposure that trials.csv has."""
     return [
-        Event(e.participant, e.condition, e.position, e.ended_s, e.left)
+        TimeToEvent(e.participant, e.condition, e.position, e.ended_s, e.left)
         for e in exposures
         if e.ending != "not recorded"
     ]
 
 
-def curve_of(events: list[Event], confidence: float, *, robust: bool) -> KaplanMeier:
+def curve_of(events: list[TimeToEvent], confidence: float, *, robust: bool) -> KaplanMeier:
     """Return the Kaplan–Meier curve of events."""
     people = [e.participant for e in events] if robust else None
     return kaplan_meier(
@@ -69,14 +69,14 @@ def curve_of(events: list[Event], confidence: float, *, robust: bool) -> KaplanM
     )
 
 
-def repeated(events: Iterable[Event]) -> bool:
+def repeated(events: Iterable[TimeToEvent]) -> bool:
     """Return whether anybody is there more than once."""
     people = [e.participant for e in events]
     return len(set(people)) < len(people)
 
 
 def event_results(
-    events: list[Event],
+    events: list[TimeToEvent],
     conditions: list[str],
     pairs: list[tuple[str, str]],
     times_s: list[float],
@@ -104,7 +104,7 @@ def event_results(
 
 
 def _curve(
-    events: list[Event],
+    events: list[TimeToEvent],
     condition: str | None,
     times_s: list[float],
     confidence: float,
@@ -127,7 +127,7 @@ def _curve(
     }
 
 
-def _by_position(events: list[Event]) -> list[Row]:
+def _by_position(events: list[TimeToEvent]) -> list[Row]:
     """Count by the place of the exposure among those of its participant."""
     return [
         {
@@ -139,7 +139,9 @@ def _by_position(events: list[Event]) -> list[Row]:
     ]
 
 
-def _log_ranks(events: list[Event], shown: list[str], pairs: list[tuple[str, str]]) -> list[Row]:
+def _log_ranks(
+    events: list[TimeToEvent], shown: list[str], pairs: list[tuple[str, str]]
+) -> list[Row]:
     """Return the test of all conditions, of each planned pair, and of positions."""
     whole = [shown] if len(shown) > 2 else []
     asked = [*whole, *([a, b] for a, b in pairs if a in shown and b in shown)]
@@ -156,7 +158,7 @@ def _log_ranks(events: list[Event], shown: list[str], pairs: list[tuple[str, str
 
 
 def _tests(
-    by: str, events: list[Event], group: Callable[[Event], str], names: list[str]
+    by: str, events: list[TimeToEvent], group: Callable[[TimeToEvent], str], names: list[str]
 ) -> list[Row]:
     """Test groups as they are and, where people come again, within people."""
     rows = []
@@ -188,7 +190,7 @@ def _tests(
     return rows
 
 
-def _hazards(events: list[Event], shown: list[str], confidence: float) -> Row:
+def _hazards(events: list[TimeToEvent], shown: list[str], confidence: float) -> Row:
     """Return hazard ratios of conditions against the first, with and without the position."""
     levels = shown[1:]
     places = len({e.position for e in events}) > 1

@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections import defaultdict
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.report.gaze_and_head.exposures import (
     HELD,
     NOTHING,
     SIGNALS,
     WHOLE,
-    Seen,
-    look,
+    ExposureSummary,
     read_motion,
+    summarise_exposure,
     times_of,
 )
 from vrcomfort.report.ordering import natural
@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vrcomfort.records.reader import Session
     from vrcomfort.records.recording import Memory
-    from vrcomfort.report.gaze_and_head.exposures import Seen
+    from vrcomfort.report.gaze_and_head.exposures import ExposureSummary
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.plan.gaze_and_head import GazeAndHead
     from vrcomfort.report.study_data import StudyData
@@ -103,7 +104,7 @@ def _row(
 
 
 @dataclass(frozen=True)
-class Viewpoint:
+class SceneViewpoint:
     """The fixations of everybody who looked at a scene from one place.
 
     Parameters
@@ -141,8 +142,8 @@ class Viewpoint:
 
 
 def viewpoints(
-    exposures: Iterable[tuple[str, Seen]], within_m: float, sigma_deg: float
-) -> list[Viewpoint]:
+    exposures: Iterable[tuple[str, ExposureSummary]], within_m: float, sigma_deg: float
+) -> list[SceneViewpoint]:
     """Return the map of each scene, of which there are fixations from one place.
 
     Parameters
@@ -155,7 +156,7 @@ def viewpoints(
     sigma_deg
         Of the Gaussian that a fixation is spread by.
     """
-    scenes: dict[str, list[Seen]] = defaultdict(list)
+    scenes: dict[str, list[ExposureSummary]] = defaultdict(list)
     for scene, seen in exposures:
         if seen.fixations:
             scenes[scene].append(seen)
@@ -165,8 +166,8 @@ def viewpoints(
 
 
 def _viewpoint(
-    scene: str, exposures: list[Seen], within_m: float, sigma_deg: float
-) -> Viewpoint | None:
+    scene: str, exposures: list[ExposureSummary], within_m: float, sigma_deg: float
+) -> SceneViewpoint | None:
     places = np.array([seen.viewpoint_m for seen in exposures])
     middle = np.median(places, axis=0)
     still = np.array([seen.reach_m for seen in exposures]) <= within_m
@@ -182,7 +183,7 @@ def _viewpoint(
     )
     seconds = np.array([each.duration_s for each in fixated])
     shown = saliency_map(ways, seconds, centre_deg=centre_deg, sigma_deg=sigma_deg)
-    return Viewpoint(
+    return SceneViewpoint(
         scene, middle, centre_deg, len(here), len(exposures) - len(here), len(fixated), shown
     )
 
@@ -199,17 +200,17 @@ MEANS = (
 """Columns of the exposures of which situations have the mean of people's means."""
 
 
-class Met(NamedTuple):
+class SituatedExposure(NamedTuple):
     """An exposure: whose, in which situation and scene, and what it says."""
 
     person: str
     situation: str
     scene: str
-    seen: Seen
+    seen: ExposureSummary
 
 
 @dataclass
-class Looked:
+class GazeAndHeadAnalysis:
     """What was found.
 
     Parameters
@@ -241,7 +242,7 @@ class Looked:
     spectra: list[Row] = field(default_factory=list)
     fixations: list[Row] = field(default_factory=list)
     maps: dict[str, Map] = field(default_factory=dict)
-    viewpoints: list[Viewpoint] = field(default_factory=list)
+    viewpoints: list[SceneViewpoint] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
     @property
@@ -256,18 +257,18 @@ class Looked:
         }
 
 
-def look_at(
+def analyse_gaze_and_head(
     study: StudyData, plan: Plan, conditions: list[str], memory: Memory | None = None
-) -> Looked:
+) -> GazeAndHeadAnalysis:
     """Return gaze and head motion, as far as the plan asks for them and the files have them."""
-    asked, found = plan.gaze_and_head, Looked()
+    asked, found = plan.gaze_and_head, GazeAndHeadAnalysis()
     if asked is None:
         return found
-    met: list[Met] = []
-    for file in sorted(study.source.rglob("frames.csv")) if study.source.is_dir() else []:
-        trials = [trial for trial in study.trials if _is_of(file, trial)]
+    met: list[SituatedExposure] = []
+    for session in study.recorded_sessions:
+        trials = [trial for trial in study.trials if _is_of(session, trial)]
         try:
-            met += _session(file, trials, asked, found, memory)
+            met += _session(session, trials, asked, found, memory)
         except InputError as error:
             found.notes.append(str(error).replace(f"{study.source}/", ""))
     _add_paths(study, found.exposures)
@@ -285,32 +286,36 @@ def look_at(
     return found
 
 
-def _is_of(file: Path, trial: dict[str, str]) -> bool:
-    names = file.parent.parent.name, file.parent.name
+def _is_of(session: Session, trial: dict[str, str]) -> bool:
+    names = session.folder.parent.name, session.folder.name
     return names == (f"sub-{trial['participant']}", f"ses-{trial['session']}")
 
 
 def _session(
-    file: Path,
+    session: Session,
     trials: list[dict[str, str]],
     asked: GazeAndHead,
-    found: Looked,
+    found: GazeAndHeadAnalysis,
     memory: Memory | None,
-) -> list[Met]:
+) -> list[SituatedExposure]:
     """Look at the exposures of a session; nothing of it is kept if a part is damaged."""
-    events = {name: times_of(file.parent, name, asked.during_s) for name in asked.during}
+    events = {name: times_of(session, name, asked.during_s) for name in asked.during}
     met = []
-    for trial, motion in zip(trials, read_motion(file, trials, memory), strict=True):
+    for trial, motion in zip(
+        trials, read_motion(session.folder / FrameRow.FILE, trials, memory), strict=True
+    ):
         if motion is None:
             continue
-        seen = look(motion, asked, events)
+        seen = summarise_exposure(motion, asked, events)
         keys = {
             key: trial[key] for key in ("participant", "session", "trial", "condition", "scene")
         }
         seen.row = keys | seen.row
         found.exposures.append(seen.row)
         found.fixations += [keys | fixation._asdict() for fixation in seen.fixations]
-        met.append(Met(trial["participant"], trial[asked.situations], trial["scene"], seen))
+        met.append(
+            SituatedExposure(trial["participant"], trial[asked.situations], trial["scene"], seen)
+        )
     return met
 
 
@@ -345,7 +350,9 @@ def _mean(values: Iterable[float | None]) -> float | None:
 
 
 def _by_person(
-    met: list[Met], situation: str, take: Callable[[Seen], NDArray[np.float64] | None]
+    met: list[SituatedExposure],
+    situation: str,
+    take: Callable[[ExposureSummary], NDArray[np.float64] | None],
 ) -> NDArray[np.float64]:
     """Return (people, …): each person's mean over the exposures of a situation that have it."""
     people: dict[str, list[NDArray[np.float64]]] = defaultdict(list)
@@ -356,7 +363,7 @@ def _by_person(
     return np.array([np.mean(values, axis=0) for values in people.values()])
 
 
-def _zone_rows(met: list[Met], situations: list[str], asked: GazeAndHead) -> list[Row]:
+def _zone_rows(met: list[SituatedExposure], situations: list[str], asked: GazeAndHead) -> list[Row]:
     """Return the mean share of each zone over people, with its standard error."""
     found = []
     for event in (WHOLE, *asked.during):
@@ -372,15 +379,15 @@ def _zone_rows(met: list[Met], situations: list[str], asked: GazeAndHead) -> lis
     return found
 
 
-def _shares(event: str, seen: Seen) -> NDArray[np.float64] | None:
+def _shares(event: str, seen: ExposureSummary) -> NDArray[np.float64] | None:
     return np.array(seen.shares[event]) if event in seen.shares else None
 
 
-def _nodes(met: list[Met], situations: list[str]) -> tuple[list[Row], list[Row]]:
+def _nodes(met: list[SituatedExposure], situations: list[str]) -> tuple[list[Row], list[Row]]:
     """Return the rows of all nodes, and those that stand on the page."""
     names = sorted({name for each in met for name in each.seen.nodes})
 
-    def shares(seen: Seen) -> NDArray[np.float64] | None:
+    def shares(seen: ExposureSummary) -> NDArray[np.float64] | None:
         return np.array([seen.nodes.get(name, 0.0) for name in names]) if seen.nodes else None
 
     people = {situation: _by_person(met, situation, shares) for situation in situations}
@@ -388,14 +395,14 @@ def _nodes(met: list[Met], situations: list[str]) -> tuple[list[Row], list[Row]]
     return rows, shown_nodes(rows, names, people)
 
 
-def _spectrum_rows(met: list[Met], situations: list[str]) -> list[Row]:
+def _spectrum_rows(met: list[SituatedExposure], situations: list[str]) -> list[Row]:
     """Return the mean density over people, at the frequencies of the first exposure."""
     known = [each.seen.spectrum for each in met if each.seen.spectrum is not None]
     if not known:
         return []
     grid = known[0].frequency_hz
 
-    def density(seen: Seen) -> NDArray[np.float64] | None:
+    def density(seen: ExposureSummary) -> NDArray[np.float64] | None:
         one = seen.spectrum
         if one is None:
             return None
@@ -416,7 +423,7 @@ def _spectrum_rows(met: list[Met], situations: list[str]) -> list[Row]:
     return found
 
 
-def _mean_maps(met: list[Met], situations: list[str]) -> dict[str, Map]:
+def _mean_maps(met: list[SituatedExposure], situations: list[str]) -> dict[str, Map]:
     """Return the mean of each situation's maps, every person counting alike."""
     some = next((each.seen.head_map for each in met if each.seen.head_map is not None), None)
     found: dict[str, Map] = {}

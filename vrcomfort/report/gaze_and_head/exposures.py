@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vrcomfort.csv_table import CsvTable
+from vrcomfort.records.exposure_rows import TaskRow
 from vrcomfort.records.frame_rows import CUT
 from vrcomfort.records.recording import Categories, Memory, Recording
+from vrcomfort.records.session_rows import EventRow
 from vrcomfort.rotations import rotate
 from vrcomfort.stats.gaze_and_head import (
     GazeFixation,
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vrcomfort.csv_table import CsvTable
+    from vrcomfort.records.reader import Session
     from vrcomfort.report.plan.gaze_and_head import GazeAndHead
 
     Floats = NDArray[np.float64]
@@ -189,7 +192,7 @@ def _half_widths(part: dict[str, Floats]) -> Floats:
     return np.column_stack(half)
 
 
-def times_of(session: Path, name: str, otherwise_s: float) -> list[tuple[float, float]]:
+def times_of(session: Session, name: str, otherwise_s: float) -> list[tuple[float, float]]:
     """Return begin and end, in session time, of a session's events, or shots, of a name.
 
     Parameters
@@ -205,17 +208,14 @@ def times_of(session: Path, name: str, otherwise_s: float) -> list[tuple[float, 
         If a file is damaged, with its place.
     """
     begun = [
-        *_begun(session / "events.csv", "name", name),
-        *_begun(session / "tasks.csv", "kind", name),
+        *_begun(session.table(EventRow), "name", name),
+        *_begun(session.table(TaskRow), "kind", name),
     ]
     return [(onset, onset + (length or otherwise_s)) for onset, length in begun]
 
 
-def _begun(file: Path, column: str, name: str) -> list[tuple[float, float]]:
-    """Return onset and duration of the rows of a name; none of a file without these columns."""
-    if not file.is_file():
-        return []
-    table = CsvTable.read(file, appended=True)
+def _begun(table: CsvTable, column: str, name: str) -> list[tuple[float, float]]:
+    """Return onset and duration of the rows of a name; none of a table without these columns."""
     if not {column, "onset_s"} <= set(table.header):
         return []
     lasting = "duration_s" in table.header
@@ -237,7 +237,7 @@ Times = list[tuple[float, float]]
 
 
 @dataclass
-class Seen:
+class ExposureSummary:
     """What is known of an exposure.
 
     Parameters
@@ -270,11 +270,13 @@ class Seen:
     spectrum: Spectrum | None = None
 
 
-def look(motion: Motion, asked: GazeAndHead, events: dict[str, Times]) -> Seen:
+def summarise_exposure(
+    motion: Motion, asked: GazeAndHead, events: dict[str, Times]
+) -> ExposureSummary:
     """Return what an exposure says; `events` are those of its session, by name."""
     middle = np.median(motion.place, axis=0)
     away_m = np.linalg.norm(motion.place - middle, axis=1)
-    seen = Seen(
+    seen = ExposureSummary(
         _gaze_known(motion),
         viewpoint_m=middle,
         reach_m=float(np.quantile(away_m, 0.9)),
@@ -295,7 +297,9 @@ def _gaze_known(motion: Motion) -> Row:
     return {"gaze_valid_share": float(seconds[motion.valid].sum() / seconds.sum())}
 
 
-def _zones(seen: Seen, motion: Motion, asked: GazeAndHead, events: dict[str, Times]) -> None:
+def _zones(
+    seen: ExposureSummary, motion: Motion, asked: GazeAndHead, events: dict[str, Times]
+) -> None:
     valid = motion.valid
     assert motion.in_head is not None  # noqa: S101 - some gaze is valid
     ways, seconds, half = motion.in_head[valid], motion.seconds[valid], motion.half_widths[valid]
@@ -341,7 +345,7 @@ def node_shares(motion: Motion) -> dict[str, float]:
     }
 
 
-def _fixations(seen: Seen, motion: Motion, asked: GazeAndHead) -> None:
+def _fixations(seen: ExposureSummary, motion: Motion, asked: GazeAndHead) -> None:
     assert motion.in_world is not None  # noqa: S101 - some gaze is valid
     seen.fixations = fixations(
         motion.time_s,
@@ -363,7 +367,7 @@ def _fixations(seen: Seen, motion: Motion, asked: GazeAndHead) -> None:
     }
 
 
-def _spectrum(seen: Seen, motion: Motion, asked: GazeAndHead) -> None:
+def _spectrum(seen: ExposureSummary, motion: Motion, asked: GazeAndHead) -> None:
     seen.spectrum = found = head_spectrum(
         motion.time_s, motion.head, motion.cuts, period_s=float(np.median(motion.seconds)),
         window_s=asked.spectrum_window_s,

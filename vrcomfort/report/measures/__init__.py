@@ -4,10 +4,10 @@ A plan names them ``source.quantity``, such as ``ratings.peak`` or ``tasks.time_
 name, a label, a unit and a direction of its own in ``[[measures]]``.
 """
 
-from vrcomfort.report.measures.model import Limit, Measure, Measured, Value
+from vrcomfort.report.measures.model import Limit, Measure, MeasuredValue, MeasureSettings
 from vrcomfort.report.measures.sources import (
     SOURCES,
-    Course,
+    ExposureRatings,
     courses_of,
     definition_of,
     fault_of,
@@ -17,11 +17,11 @@ from vrcomfort.report.measures.sources import (
 
 __all__ = [
     "SOURCES",
-    "Course",
+    "ExposureRatings",
     "Limit",
     "Measure",
-    "Measured",
-    "Value",
+    "MeasureSettings",
+    "MeasuredValue",
     "courses_of",
     "definition_of",
     "fault_of",

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Limit = Annotated[float, Field(allow_inf_nan=False)]
 
 
-class Measured(Settings):
+class MeasureSettings(Settings):
     """An outcome that is no score of a questionnaire: what it is, and what readers call it."""
 
     name: Name
@@ -78,7 +78,7 @@ class Measure:
     parts: tuple[str, ...] = ()
 
 
-class Value(NamedTuple):
+class MeasuredValue(NamedTuple):
     """A measure of one exposure, of one person under a condition, or of one person."""
 
     participant: str
@@ -101,7 +101,7 @@ class Quantity(NamedTuple):
     """A clause for the methods section."""
 
 
-class Source(Protocol):
+class MeasureSource(Protocol):
     """A file of the study, and what can be measured in it."""
 
     quantities: ClassVar[dict[str, Quantity]]
@@ -109,7 +109,7 @@ class Source(Protocol):
     of_whole_exposures: ClassVar[bool]
     """Whether an exposure that was cut short has no value: there was less time for it."""
 
-    def values(self, study: StudyData, measure: Measure) -> Iterable[Value]:
+    def values(self, study: StudyData, measure: Measure) -> Iterable[MeasuredValue]:
         """Return the values of a study.
 
         Raises
@@ -136,7 +136,7 @@ def exactly(value: float | Fraction) -> Fraction | None:
     return Fraction(value) if math.isfinite(value) else None
 
 
-def in_steps(values: list[Value]) -> list[Value]:
+def in_steps(values: list[MeasuredValue]) -> list[MeasuredValue]:
     """Return the values to `DIGITS` digits of the largest, so that those that are alike tie."""
     largest = max((abs(v.number) for v in values if v.number is not None), default=Fraction(0))
     if not largest:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 from vrcomfort.errors import InputError
 from vrcomfort.report.measures.model import (
     Measure,
-    Measured,
+    MeasuredValue,
+    MeasureSettings,
+    MeasureSource,
     Quantity,
-    Source,
-    Value,
     exactly,
     in_steps,
     number_of,
@@ -43,13 +43,13 @@ TRIAL_QUANTITIES = {
 }
 
 
-class Trials:
+class TrialMeasures:
     """``trials.csv``: what every trial has, and any other column with numbers."""
 
     quantities: ClassVar[dict[str, Quantity]] = TRIAL_QUANTITIES
     of_whole_exposures: ClassVar[bool] = False
 
-    def values(self, study: StudyData, measure: Measure) -> Iterator[Value]:
+    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
         """Yield the value of each exposure."""
         derived = {"length_s", "dropped_percent"}
         if measure.quantity not in derived:
@@ -57,7 +57,7 @@ class Trials:
         for trial in study.trials:
             key = trial["participant"], trial["session"], trial["trial"], trial["condition"]
             found = _of_trial(trial, measure.quantity)
-            yield Value(*key, found, "" if found is not None else NOT_RECORDED)
+            yield MeasuredValue(*key, found, "" if found is not None else NOT_RECORDED)
 
 
 def _of_trial(trial: dict[str, str], name: str) -> Fraction | None:
@@ -80,7 +80,7 @@ _SHARES = {"targets_hit_percent": "target", "shots_hit_percent": "shot"}
 """Measure → the kind of the rows whose `hit` it averages."""
 
 
-class Tasks:
+class TaskMeasures:
     """``tasks.csv``: participant, trial or condition, and columns with numbers.
 
     Several rows of one exposure, such as shots, are averaged.
@@ -89,7 +89,7 @@ class Tasks:
     quantities: ClassVar[dict[str, Quantity]] = TASK_QUANTITIES
     of_whole_exposures: ClassVar[bool] = True
 
-    def values(self, study: StudyData, measure: Measure) -> Iterator[Value]:
+    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
         """Yield the value of each exposure, or of each person under each condition."""
         kind = _SHARES.get(measure.quantity)
         column, factor = ("hit", 100) if kind else (measure.quantity, 1)
@@ -106,22 +106,22 @@ class Tasks:
             said = condition or conditions.get((who, session, trial), {}).get("condition", "")
             mean = sum(numbers, Fraction(0)) / len(numbers) if numbers else None
             reason = "" if numbers else "blank in tasks.csv"
-            yield Value(who, session, trial, said, mean, reason)
+            yield MeasuredValue(who, session, trial, said, mean, reason)
 
 
-class Participants:
+class ParticipantMeasures:
     """``participants.csv``: any column with numbers, such as age or a score of susceptibility."""
 
     quantities: ClassVar[dict[str, Quantity]] = {}
     of_whole_exposures: ClassVar[bool] = False
 
-    def values(self, study: StudyData, measure: Measure) -> Iterator[Value]:
+    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
         """Yield the value of each person."""
         _check_column(study.participants, measure.quantity, "participants.csv")
         for person in study.participants:
             number = _cell(person, measure.quantity, "participants.csv")
             reason = "" if number is not None else "blank in participants.csv"
-            yield Value(person["participant"], "", "", "", number, reason)
+            yield MeasuredValue(person["participant"], "", "", "", number, reason)
 
 
 def _check_column(rows: tuple[dict[str, str], ...], column: str, file: str) -> None:
@@ -170,13 +170,13 @@ RATING_QUANTITIES = {
 count in none of them."""
 
 
-class Ratings:
+class RatingMeasures:
     """``ratings.csv``."""
 
     quantities: ClassVar[dict[str, Quantity]] = RATING_QUANTITIES
     of_whole_exposures: ClassVar[bool] = False
 
-    def values(self, study: StudyData, measure: Measure) -> Iterator[Value]:
+    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
         """Yield the value of each exposure that was rated, or was to be."""
         courses = courses_of(study, measure.instrument)
         trials = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
@@ -186,7 +186,7 @@ class Ratings:
             condition = course.condition if course else trial.get("condition", "")
             if course is None or course.ratings.peak() is None:
                 reason = "no rating was answered" if course else "nothing was rated"
-                yield Value(*key, condition, None, reason)
+                yield MeasuredValue(*key, condition, None, reason)
                 continue
             if measure.quantity == "time_to":
                 finished = trial.get("status", "completed") == "completed"
@@ -197,17 +197,17 @@ class Ratings:
                 summary = _SUMMARIES[measure.quantity](course.ratings)
                 found = None if summary is None else exactly(summary)
                 reason = "only one rating was answered"
-            yield Value(*key, condition, found, "" if found is not None else reason)
+            yield MeasuredValue(*key, condition, found, "" if found is not None else reason)
 
 
-class Course(NamedTuple):
+class ExposureRatings(NamedTuple):
     """The ratings of one exposure, from its start on, and its condition."""
 
     condition: str
     ratings: RatingCourse
 
 
-def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, Course]:
+def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, ExposureRatings]:
     """Return the ratings of each exposure that was asked for any.
 
     Of an exposure that was begun again, those of the last attempt count.
@@ -244,7 +244,7 @@ def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, Course]
         missed = rating is None or row.get("missed", "") not in {"", "0"}
         due[key].append((at_s, math.nan if rating is None or missed else rating))
     return {
-        key: Course(conditions[key], RatingCourse.of(*zip(*each, strict=True)))
+        key: ExposureRatings(conditions[key], RatingCourse.of(*zip(*each, strict=True)))
         for key, each in due.items()
     }
 
@@ -268,7 +268,9 @@ def _number(text: str, row: dict[str, str]) -> float | None:
     return None if found is None else float(found)
 
 
-def _longest_s(trials: dict[Exposure, dict[str, str]], courses: dict[Exposure, Course]) -> float:
+def _longest_s(
+    trials: dict[Exposure, dict[str, str]], courses: dict[Exposure, ExposureRatings]
+) -> float:
     lengths = [float(course.ratings.times_s[-1]) for course in courses.values()]
     for trial in trials.values():
         start, end = (_number(trial.get(name, ""), trial) for name in ("start_s", "end_s"))
@@ -304,13 +306,13 @@ _SUMMARIES: dict[str, Callable[[RatingCourse], float | Fraction | None]] = {
 }
 
 
-class Dials:
+class DialMeasures:
     """``dials.csv``: any dial by its name."""
 
     quantities: ClassVar[dict[str, Quantity]] = {}
     of_whole_exposures: ClassVar[bool] = False
 
-    def values(self, study: StudyData, measure: Measure) -> Iterator[Value]:
+    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
         """Yield the confirmed value of each exposure that had the dial."""
         names = {row["dial"] for row in study.dials}
         if not names:
@@ -329,7 +331,9 @@ class Dials:
             number = None if last is None else _confirmed(last)
             reason = "it was not confirmed" if last is None else "its value is blank"
             said = condition or known
-            yield Value(who, session, trial, said, number, "" if number is not None else reason)
+            yield MeasuredValue(
+                who, session, trial, said, number, "" if number is not None else reason
+            )
 
 
 _KEYS = ("participant", "session", "trial", "condition")
@@ -366,13 +370,13 @@ FRAME_QUANTITIES = {
 }  # fmt: skip
 
 
-class Frames:
+class FrameMeasures:
     """``frames.csv``, as `study_data.with_frames` has summed it."""
 
     quantities: ClassVar[dict[str, Quantity]] = FRAME_QUANTITIES
     of_whole_exposures: ClassVar[bool] = True
 
-    def values(self, study: StudyData, measure: Measure) -> Iterator[Value]:
+    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
         """Yield the value of each exposure of which there are frames."""
         if not study.frames:
             raise InputError(f"the study has no frames.csv, of which {measure.name} is measured")
@@ -386,16 +390,16 @@ class Frames:
             value = None if frames is None else getattr(frames, measure.quantity)
             number = None if value is None else exactly(value)
             reason = "" if number is not None else "no frames say it"
-            yield Value(*key, trial["condition"], number, reason)
+            yield MeasuredValue(*key, trial["condition"], number, reason)
 
 
-SOURCES: dict[str, Source] = {
-    "ratings": Ratings(),
-    "trials": Trials(),
-    "tasks": Tasks(),
-    "dials": Dials(),
-    "participants": Participants(),
-    "frames": Frames(),
+SOURCES: dict[str, MeasureSource] = {
+    "ratings": RatingMeasures(),
+    "trials": TrialMeasures(),
+    "tasks": TaskMeasures(),
+    "dials": DialMeasures(),
+    "participants": ParticipantMeasures(),
+    "frames": FrameMeasures(),
 }
 """Name → where measures are read from. A further kind of measure is one more entry."""
 CUT_SHORT = "the exposure was cut short"
@@ -415,7 +419,7 @@ def fault_of(measure: str) -> str | None:
     return None
 
 
-def measure_of(name: str, said: Measured | None = None) -> Measure:
+def measure_of(name: str, said: MeasureSettings | None = None) -> Measure:
     """Return the measure of a name, with what a plan says of it."""
     source, _, quantity = (said.measure if said else name).partition(".")
     known = SOURCES[source].quantities.get(quantity)
@@ -447,7 +451,7 @@ def definition_of(measure: Measure) -> str:
     return f"{found}, of exposures that were not cut short" if source.of_whole_exposures else found
 
 
-def values_of(study: StudyData, measure: Measure) -> list[Value]:
+def values_of(study: StudyData, measure: Measure) -> list[MeasuredValue]:
     """Return the values of a measure, to a common step.
 
     An exposure that was cut short has none of a measure of whole exposures.
