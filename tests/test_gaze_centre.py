@@ -18,12 +18,12 @@ from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, axis_angle, focal_length_px, yaw_pitch_roll
 from vrcomfort.optics import autofocus_zone as zone
-from vrcomfort.optics.gaze_centre import AHEAD, GazeCentre
+from vrcomfort.optics.focus import AHEAD, GazeCentre
 from vrcomfort.protocol import Condition, DepthOfField
 from vrcomfort.protocol.conditions import Focus, Peripheral, Vignette
 from vrcomfort.render.effects.vignette import VignettePass
-from vrcomfort.render.focus.rule import Sight
 from vrcomfort.render.focus.rules import make_focus_pass
+from vrcomfort.render.focus.search import Sight
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer

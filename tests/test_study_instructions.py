@@ -19,7 +19,7 @@ from tests.support.resume import go, manifest, rows
 from tests.support.study import PROTOCOL, Scripted, tiny_protocol
 from tests.test_study_panel import ScriptedScreen, choose
 from vrcomfort.cli.check import _check
-from vrcomfort.cli.run_sound import open_speaker
+from vrcomfort.cli.session_devices import open_speaker
 from vrcomfort.cli.simulate import simulate_study
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying import verify_study

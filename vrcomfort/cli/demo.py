@@ -9,10 +9,9 @@ from typing import Annotated
 import typer
 
 from vrcomfort.cli.options import Quiet, Seed, output_option
-from vrcomfort.cli.outputs import output_folder
 from vrcomfort.cli.render_still import PoseText, still
 from vrcomfort.cli.simulate import simulate_study
-from vrcomfort.cli.terminal import console, progress_bar, warn
+from vrcomfort.cli.terminal import console, output_folder, progress_bar, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
 

@@ -25,6 +25,7 @@ Size = Annotated[str, typer.Option(metavar="WxH", help="Pixels of one eye's imag
 ProtocolArgument = Annotated[
     str, typer.Argument(metavar="PROTOCOL", help="A TOML file, or a shipped one such as smoke.")
 ]
+StudyArgument = Annotated[Path, typer.Argument(metavar="STUDY", help="The study folder.")]
 
 
 def output_path(text: str | Path) -> Path:

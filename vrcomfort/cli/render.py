@@ -16,9 +16,8 @@ from vrcomfort.cli.options import (
     Size,
     parse_size,
 )
-from vrcomfort.cli.outputs import output_folder
 from vrcomfort.cli.render_still import PoseText, still
-from vrcomfort.cli.terminal import console
+from vrcomfort.cli.terminal import console, output_folder
 from vrcomfort.frame import MEAN_IPD_M
 
 PoseOption = Annotated[

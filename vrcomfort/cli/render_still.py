@@ -21,7 +21,7 @@ from vrcomfort.protocol import Condition
 
 if TYPE_CHECKING:
     from vrcomfort.frame import Frame
-    from vrcomfort.render.frames import EyeImages
+    from vrcomfort.render.condition_passes import EyeImages
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.scene.data import Scene
 

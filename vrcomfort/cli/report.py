@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vrcomfort.cli.options import Json, MemoryOption, Quiet, output_option
-from vrcomfort.cli.outputs import output_folder
-from vrcomfort.cli.terminal import console, progress_bar, warn
+from vrcomfort.cli.terminal import console, output_folder, progress_bar, warn
 from vrcomfort.errors import InputError
 
 if TYPE_CHECKING:
@@ -123,7 +122,7 @@ def report(
     - `vrcomfort report --plan plan_that_names_files.toml --out report`
     """
     from vrcomfort.cli.report_file import study_of, study_of_plan
-    from vrcomfort.recordings import Memory
+    from vrcomfort.records.recording import Memory
     from vrcomfort.report import build_report
 
     forms = _forms(figures)

@@ -14,11 +14,11 @@ from vrcomfort.cli.renderer import describe_machine, make_renderer
 from vrcomfort.cli.terminal import dialogue, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, with_task_code
-from vrcomfort.protocol.instruments import missing_wording
+from vrcomfort.protocol.load import missing_wording
 
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
-    from vrcomfort.cli.run_console import ConsoleSetup
+    from vrcomfort.cli.session_devices import ConsoleSetup
     from vrcomfort.records import Durability, Machine
     from vrcomfort.records.consents import Given
     from vrcomfort.render.pipeline import StereoRenderer
@@ -165,7 +165,7 @@ class StudySetup:
 
             return NoPictures(), Machine()
         if self._rendering is None:
-            from vrcomfort.render.image_hash import HASH_EVERY
+            from vrcomfort.render.display import HASH_EVERY
 
             renderer = make_renderer(
                 self._playback.size_px,
@@ -200,7 +200,7 @@ class StudySetup:
 
 def _require_places(protocol: Protocol) -> None:
     """Raise `InputError` where a view names a place that its scene does not have."""
-    from vrcomfort.session.standing import place_faults
+    from vrcomfort.session.start_pose import place_faults
 
     for fault in place_faults(protocol):
         raise fault

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Literal
 
 from vrcomfort.report.analyses import MethodsParagraph, methods_paragraphs
-from vrcomfort.report.courses.methods import course_paragraphs
+from vrcomfort.report.courses.analysis import course_paragraphs
 from vrcomfort.report.descriptives import TIMEPOINT
-from vrcomfort.report.gaze_and_head.methods import gaze_paragraphs
+from vrcomfort.report.gaze_and_head.analysis import gaze_paragraphs
 from vrcomfort.report.references import is_known
 from vrcomfort.report.vocabulary import answers_in_words, short
 from vrcomfort.stats.means import RESAMPLES, SEED

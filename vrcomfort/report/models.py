@@ -15,11 +15,9 @@ from vrcomfort.report.exposures import COLUMNS, column_of
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import Side, side_sums, with_every_score
 from vrcomfort.settings import did_you_mean
-from vrcomfort.stats.aligned_ranks import aligned_ranks
 from vrcomfort.stats.anova import AnovaEffect, anova
-from vrcomfort.stats.crossover import crossover
-from vrcomfort.stats.friedman import friedman
-from vrcomfort.stats.mixed import mixed_model
+from vrcomfort.stats.mixed import crossover, mixed_model
+from vrcomfort.stats.rank_anova import aligned_ranks, friedman
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -11,12 +11,12 @@ from markupsafe import Markup
 from vrcomfort.report import methods, palette, words
 from vrcomfort.report.analyses import page_analyses
 from vrcomfort.report.answers import DIGITS, TESTS, answers
-from vrcomfort.report.courses.summaries import MEANINGS, TITLES
+from vrcomfort.report.courses.time_courses import MEANINGS, TITLES
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT
 from vrcomfort.report.families import disagreement, reported
 from vrcomfort.report.references import entries
 from vrcomfort.report.withdrawals import with_labels
-from vrcomfort.stats.marginal_means import MOST_LEVELS
+from vrcomfort.stats.mixed import MOST_LEVELS
 from vrcomfort.web_page import inline_svg, page_templates
 
 if TYPE_CHECKING:

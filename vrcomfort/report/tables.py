@@ -11,10 +11,10 @@ from typing import Any
 import pandas as pd
 
 from vrcomfort.report.analyses import csv_tables
-from vrcomfort.report.courses import Courses
-from vrcomfort.report.courses.tables import course_tables
+from vrcomfort.report.courses import TimeCourseAnalysis
+from vrcomfort.report.courses.analysis import course_tables
 from vrcomfort.report.exposures import Exposures, column_of
-from vrcomfort.report.gaze_and_head import Looked
+from vrcomfort.report.gaze_and_head import GazeAndHeadAnalysis
 from vrcomfort.report.rows import Cells
 
 Row = dict[str, Any]
@@ -26,7 +26,9 @@ so that one apostrophe can be taken off again, a text that begins with apostroph
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
 
 
-def all_tables(results: Row, scored: Exposures, courses: Courses, looked: Looked) -> dict[str, str]:
+def all_tables(
+    results: Row, scored: Exposures, courses: TimeCourseAnalysis, looked: GazeAndHeadAnalysis
+) -> dict[str, str]:
     """Return file name → CSV text."""
     columns = ["participant", "session", "position", "condition", "scene", "early"]
     weights = results["weights"]
@@ -147,7 +149,7 @@ def _or_none(values: pd.Series) -> list[Any]:
     return [None if pd.isna(value) else value for value in values]
 
 
-def _gaze_and_head(looked: Looked) -> dict[str, list[Row]]:
+def _gaze_and_head(looked: GazeAndHeadAnalysis) -> dict[str, list[Row]]:
     return {
         "gaze_and_head": looked.exposures,
         "gaze_zones": looked.zones,

@@ -128,7 +128,7 @@ def _item_numbers(named: Sequence[Named]) -> set[tuple[str, int]]:
     for each in named:
         for side, words in (("before", each.before), ("after", each.after)):
             for place, word in _placed(side, words):
-                if word.isdigit():
+                if word.isdecimal():
                     numbers[side, place][each.item].add(word)
     items = len({each.item for each in named})
     return {
@@ -176,7 +176,7 @@ def _by_number(table: SourceTable, instrument: Instrument, taken: set[int]) -> l
     for column, heading in enumerate(table.headings):
         words = tokens(heading)
         for place, word in enumerate(words):
-            if column not in taken and word.isdigit() and len(word) < 4:
+            if column not in taken and word.isdecimal() and len(word) < 4:
                 key = tuple(words[:place]), tuple(words[place + 1 :])
                 groups[key].setdefault(int(word), column)
     found = []

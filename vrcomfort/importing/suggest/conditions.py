@@ -215,7 +215,7 @@ def _near(a: str, b: str) -> bool:
 
 
 def _digits(text: str) -> list[str]:
-    return [letter for letter in text if letter.isdigit()]
+    return [letter for letter in text if letter.isdecimal()]
 
 
 def _all_one_each(table: SourceTable, column: int) -> bool:

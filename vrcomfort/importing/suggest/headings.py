@@ -80,7 +80,7 @@ def _windows(words: tuple[str, ...]) -> tuple[tuple[int, int, str], ...]:
         (start, start + length, plain("".join(words[start : start + length])))
         for length in range(min(_LONGEST, len(words)), 0, -1)
         for start in range(len(words) - length + 1)
-        if not (words[start].isdigit() or words[start + length - 1].isdigit())
+        if not (words[start].isdecimal() or words[start + length - 1].isdecimal())
     )
 
 
@@ -119,7 +119,7 @@ def _abbreviated(words: Sequence[str], _: dict[str, str], instrument: Instrument
     for length in range(min(4, len(words)), 0, -1):
         for start in range(len(words) - length + 1):
             part = words[start : start + length]
-            if any(len(word) < 3 or word.isdigit() for word in part):
+            if any(len(word) < 3 or word.isdecimal() for word in part):
                 continue
             found = [item.name for item in instrument.items if _abbreviates(part, item.name)]
             enough = length > 1 or len(part[0]) >= 4

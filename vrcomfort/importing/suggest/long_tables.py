@@ -127,7 +127,7 @@ def _numbered(
         return None
     numbers: dict[int, str] = {}
     for word in words:
-        digits = [token for token in tokens(word) if token.isdigit()]
+        digits = [token for token in tokens(word) if token.isdecimal()]
         named = mentions(word, known)
         if len(digits) == 1 and (not named or instrument.name in named):
             numbers.setdefault(int(digits[0]), word)

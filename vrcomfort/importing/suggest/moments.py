@@ -58,10 +58,10 @@ def _facts(words: Sequence[str]) -> dict[str, str]:
     while place < len(words):
         word = words[place]
         following = words[place + 1] if place + 1 < len(words) else ""
-        if word in _FACT_OF and following.isdigit():
+        if word in _FACT_OF and following.isdecimal():
             facts[_FACT_OF[word]] = following
             place += 1
-        elif word in _NUMBERED_TIMES and following.isdigit():
+        elif word in _NUMBERED_TIMES and following.isdecimal():
             facts["timepoint"] = f"t{following}"
             place += 1
         elif word in TIMEPOINTS and "timepoint" not in facts:
@@ -76,7 +76,7 @@ def _facts(words: Sequence[str]) -> dict[str, str]:
 
 def _numbered_times(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
     """Call T0, T1, T2 baseline, post and recovery, and ask."""
-    said = sorted({f["timepoint"] for f in facts if f.get("timepoint", "")[1:].isdigit()})
+    said = sorted({f["timepoint"] for f in facts if f.get("timepoint", "")[1:].isdecimal()})
     if not said:
         return
     names = dict(zip(said, ("baseline", "post", "recovery"), strict=False))
@@ -90,7 +90,7 @@ def _numbered_times(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
 def _two_unnamed(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
     """Take two blocks of the same headings, the second marked with a number, for before, after."""
     bare = [f for f in facts if not f]
-    second = [f for f in facts if set(f) == {"condition"} and f["condition"].isdigit()]
+    second = [f for f in facts if set(f) == {"condition"} and f["condition"].isdecimal()]
     if len(facts) == 2 and len(bare) == 1 and len(second) == 1:
         bare[0]["timepoint"] = "baseline"
         second[0].pop("condition")
@@ -101,7 +101,7 @@ def _two_unnamed(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
 
 def _name_the_rest(facts: list[dict[str, str]], doubts: list[Doubt], fact: str) -> None:
     """Ask what numbers mean that stand alone; tell equal moments apart."""
-    numbers = [f for f in facts if f.get("condition", "").replace("_", "").isdigit()]
+    numbers = [f for f in facts if f.get("condition", "").replace("_", "").isdecimal()]
     if numbers:
         shown = ", ".join(dict.fromkeys(f["condition"] for f in numbers))
         question = f"What do the numbers {shown} in the headings stand for?"

@@ -58,8 +58,8 @@ def courses_of(ratings: Sequence[FoundRating]) -> list[list[FoundRating]]:
     """Return ratings whose headings differ in one number alone, such as ``FMS_1 min``."""
     groups: dict[tuple[str, ...], list[FoundRating]] = {}
     for rating in ratings:
-        digits = [word for word in rating.context if word.isdigit()]
+        digits = [word for word in rating.context if word.isdecimal()]
         if rating.time is None and len(digits) == 1:
-            rest = tuple("#" if word.isdigit() else word for word in rating.context)
+            rest = tuple("#" if word.isdecimal() else word for word in rating.context)
             groups.setdefault((rating.instrument.name, *rest), []).append(rating)
     return [group for group in groups.values() if len(group) >= FEWEST]

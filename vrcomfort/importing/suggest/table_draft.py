@@ -39,7 +39,7 @@ def _row_keys(longs: Sequence[Long]) -> list[int]:
 def _context_of(course: Sequence[FoundRating]) -> tuple[str, tuple[str, ...]]:
     """Return the instrument of a course of ratings, and the words that all its headings share."""
     first = course[0]
-    words = tuple(word for word in first.context if not word.isdigit() and word not in _UNITS)
+    words = tuple(word for word in first.context if not word.isdecimal() and word not in _UNITS)
     return first.instrument.name, words
 
 

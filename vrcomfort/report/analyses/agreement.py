@@ -28,7 +28,7 @@ from vrcomfort.report.plan import Entry
 from vrcomfort.report.rows import INLINE
 from vrcomfort.report.words import fraction, interval
 from vrcomfort.settings import Problem
-from vrcomfort.stats.intraclass import Intraclass, intraclass
+from vrcomfort.stats.correlation import Intraclass, intraclass
 
 if TYPE_CHECKING:
     from vrcomfort.report.plan import Plan

@@ -26,7 +26,7 @@ from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import Side, side_sums, with_every_score
 from vrcomfort.report.rows import INLINE, cells
 from vrcomfort.report.words import fraction, number
-from vrcomfort.stats.kruskal_wallis import KruskalWallis, kruskal_wallis
+from vrcomfort.stats.rank_anova import KruskalWallis, kruskal_wallis
 
 if TYPE_CHECKING:
     from vrcomfort.report.plan import Factor

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.rows import Cells
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.vocabulary import Vocabulary
-    from vrcomfort.stats.effects import Effect
+    from vrcomfort.stats.proportions import EffectSize
 
 
 class Preferred(Entry):
@@ -265,7 +265,7 @@ class _Share:
     question: str
     answer: str
     people: int
-    of_all: Effect | None
+    of_all: EffectSize | None
 
 
 def _shares(row: PreferenceRow) -> list[_Share]:

@@ -24,7 +24,7 @@ from vrcomfort.report.canvas import INK, Drawing, canvas, lines
 from vrcomfort.report.palette import colour_of, marker_of
 from vrcomfort.report.words import number
 from vrcomfort.settings import Problem, repeated
-from vrcomfort.stats.z_scores import z_scored
+from vrcomfort.stats.means import z_scored
 
 if TYPE_CHECKING:
     from vrcomfort.report.plan import Plan

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr
 
 from vrcomfort.errors import InputError
-from vrcomfort.report.measures import Limit, Measured
+from vrcomfort.report.measures import Limit, MeasureSettings
 from vrcomfort.report.plan.data_files import DataFiles
 from vrcomfort.report.plan.gaze_and_head import GazeAndHead
 from vrcomfort.report.plan.ratings import RatingAnalysis
@@ -129,7 +129,7 @@ class Plan(Settings):
     outcomes: tuple[str, ...] = ()
     """Scores of any instrument, and measures, by name; the first is the primary one. Empty: every
     score of what was asked after exposures."""
-    measures: tuple[Measured, ...] = ()
+    measures: tuple[MeasureSettings, ...] = ()
     """Names, labels, units and directions of measures."""
     scores: Literal["difference_from_baseline", "raw"] = "difference_from_baseline"
     """What conditions are compared on. Without any baseline in the data they are raw."""
