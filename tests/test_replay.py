@@ -26,13 +26,13 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Gaze, Pose, axis_angle
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import load_protocol
-from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.viewing import Photodiode
 from vrcomfort.records import Machine
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.replay import Comparison, ReplaySelection, read_session, replay
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
-from vrcomfort.session.standing import without_meshes
+from vrcomfort.session.start_pose import without_meshes
 
 Run = Callable[..., tuple[int, str, str]]
 SIZE_PX = 64, 80

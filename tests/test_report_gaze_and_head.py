@@ -153,7 +153,7 @@ def test_shots_of_a_task_are_events(study):
 
 
 def test_path_and_turning_are_those_of_the_frames_per_minute(study):
-    data = with_frames(read_study(study), study)
+    data = with_frames(read_study(study))
     (row,) = analyse_gaze_and_head(data, read_plan(PLAN, None), ["dof_off", "dof_on"]).exposures
     # 5° and 1 cm there and back: four amplitudes a second.
     assert row["head_turning_deg_per_min"] == pytest.approx(60 * 20, rel=0.01)

@@ -58,7 +58,7 @@ def of(study: Path, name: str, **said: object) -> dict[tuple[str, str], Fraction
     """Return (participant, condition) → value."""
     own = MeasureSettings(name="m", measure=name, **said) if said else None
     measure = measure_of("m", own) if own else measure_of(name)
-    found = values_of(with_frames(read_study(study), study), measure)
+    found = values_of(with_frames(read_study(study)), measure)
     return {(value.participant, value.condition): value.number for value in found}
 
 

@@ -40,7 +40,7 @@ def results(study):
     data = read_study(study)
     plan = choose_plan(data, FMS / "plan.toml")
     found, _ = analyse(data, plan)
-    return found | plain(analyse_time_courses(data, plan, found, study).results)
+    return found | plain(analyse_time_courses(data, plan, found).results)
 
 
 SEARCH = 1e-8

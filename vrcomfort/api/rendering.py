@@ -6,7 +6,7 @@ import hashlib
 from typing import TYPE_CHECKING
 
 from vrcomfort.protocol import Protocol
-from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.viewing import Photodiode
 from vrcomfort.resources import data_folder
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from vrcomfort.api.outputs import Note, as_warning
 from vrcomfort.api.playback import PlaybackSetup
 from vrcomfort.api.rendering import describe_machine, make_renderer
 from vrcomfort.protocol import Protocol, with_task_code
-from vrcomfort.protocol.instruments import missing_wording
+from vrcomfort.protocol.load import missing_wording
 
 if TYPE_CHECKING:
     from vrcomfort.geometry import Pose
@@ -234,7 +234,7 @@ class StudySetup:
 
 def _require_places(protocol: Protocol) -> None:
     """Raise `InputError` where a view names a place that its scene does not have."""
-    from vrcomfort.session.standing import place_faults
+    from vrcomfort.session.start_pose import place_faults
 
     for fault in place_faults(protocol):
         raise fault

@@ -23,11 +23,10 @@ if TYPE_CHECKING:
     import moderngl
 
     from vrcomfort.headset.desktop import DesktopSettings
-    from vrcomfort.headset.mirror import Mirror
     from vrcomfort.headset.watchdog import Watchdog
-    from vrcomfort.headset.window import Window
-    from vrcomfort.respondent.dwell import LookDown
+    from vrcomfort.headset.window import Mirror, Window
     from vrcomfort.respondent.panel import PanelRespondent
+    from vrcomfort.respondent.panel_input import LookDown
     from vrcomfort.session.panel_screen import PanelScreen
     from vrcomfort.session.rehearsal import Rehearsal
 
@@ -254,14 +253,14 @@ def open_mirror(owned: ExitStack) -> tuple[Mirror, moderngl.Context]:
     """Open an operator's window; its context is to draw the frames."""
     title = "vrcomfort: what the participant sees"
     window, ctx = open_window(owned, title, (480, 600), participant=False)
-    from vrcomfort.headset.mirror import Mirror
+    from vrcomfort.headset.window import Mirror
 
     return Mirror(ctx, window), ctx
 
 
 def look_down_of(wish: Answering) -> LookDown | None:
     """Return how a look asks to stop an exposure; None where the protocol wants none."""
-    from vrcomfort.respondent.dwell import LookDown
+    from vrcomfort.respondent.panel_input import LookDown
 
     return LookDown(wish.stop_down_deg, wish.stop_down_s) if wish.stop_by_looks else None
 
@@ -270,7 +269,7 @@ def _person(
     protocol: Protocol, screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool
 ) -> PanelRespondent:
     """Return whoever answers on the panel: a participant, or the script of a rehearsal."""
-    from vrcomfort.respondent import keys
+    from vrcomfort.respondent.keyboard import YES
     from vrcomfort.respondent.panel import PanelRespondent
 
     dwell_s = protocol.answering.dwell_s
@@ -288,7 +287,7 @@ def _person(
         screen,
         watch=rehearsal.watch,
         chose=rehearsal.chose,
-        waiting_line=cycle(("", keys.YES)).__next__,  # says nothing, and goes on
+        waiting_line=cycle(("", YES)).__next__,  # says nothing, and goes on
         keyboard=keyboard,
         dwell_s=dwell_s,
         words=protocol.words,

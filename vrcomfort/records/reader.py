@@ -30,6 +30,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.manifest import read_manifest
+from vrcomfort.records.names import natural
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.rows import CellType, Column, Row, declared
 from vrcomfort.records.schema import SCHEMA_VERSION
@@ -44,7 +45,6 @@ if TYPE_CHECKING:
     from vrcomfort.records.recording import Recording
 
 _SESSION = re.compile(r"ses-([1-9][0-9]{0,8})")
-_NUMBER = re.compile(r"(\d+)")
 
 
 @dataclass(frozen=True)
@@ -196,7 +196,7 @@ class Study:
             return ()
         names = (each.name.removeprefix("sub-") for each in self.folder.glob("sub-*"))
         return tuple(
-            session for name in sorted(names, key=_natural) for session in self.sessions_of(name)
+            session for name in sorted(names, key=natural) for session in self.sessions_of(name)
         )
 
     def sessions_of(self, participant: str) -> list[Session]:
@@ -279,13 +279,7 @@ class Study:
         """Return the files of a table at any depth, in the order of their names."""
         if self.folder.is_file():
             return [self.folder] if row_type is QuestionnaireRow else []
-        return sorted(self.folder.rglob(row_type.FILE), key=lambda path: _natural(path.as_posix()))
-
-
-def _natural(text: str) -> tuple[tuple[int, int, str], ...]:
-    """Return a sorting key in which runs of digits count as numbers: P2 before P10."""
-    parts = (part for part in _NUMBER.split(text) if part)
-    return tuple((0, int(part), part) if part.isdigit() else (1, 0, part) for part in parts)
+        return sorted(self.folder.rglob(row_type.FILE), key=lambda path: natural(path.as_posix()))
 
 
 def _relation(

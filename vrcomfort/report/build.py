@@ -121,7 +121,7 @@ def build_report(
     """
     with _uncollected():
         study = _of_one_kind(read_study(Path(source), instrument), simulated)
-    study = with_frames(study, Path(source), memory=memory, cluster=cluster)
+    study = with_frames(study, memory=memory, cluster=cluster)
     with _uncollected():
         return _build(study, Path(source), plan, Path(out), forms, memory)
 
@@ -137,8 +137,8 @@ def _build(
     """Analyse what was read, and write everything; see `build_report`."""
     chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
-    results |= plain(records(study, scored, chosen, results, source))
-    courses = analyse_time_courses(study, chosen, results, source)
+    results |= plain(records(study, scored, chosen, results))
+    courses = analyse_time_courses(study, chosen, results)
     results |= plain(courses.results)
     results["labels"] |= {
         name: name for name in courses.conditions if name not in results["labels"]

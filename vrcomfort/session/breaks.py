@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from vrcomfort.protocol.breaks import Breaks
+from vrcomfort.protocol.session_steps import Breaks
 from vrcomfort.protocol.timeline import WHOLE_SESSION, BreakStep
 from vrcomfort.records import Interrupted
 from vrcomfort.respondent import Telling
-from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog
+from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.instructor import Instructor
 from vrcomfort.session.operator_control import Skipped
 

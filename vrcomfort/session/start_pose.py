@@ -10,7 +10,7 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, View
-from vrcomfort.protocol.view_check import too_short
+from vrcomfort.protocol.check import too_short
 from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.defaults import world_bounds

@@ -1,8 +1,17 @@
-"""Lines typed while something else runs."""
+"""The experimenter's keyboard: keys and their meanings, and lines typed meanwhile."""
 
 from __future__ import annotations
 
 import sys
+
+BACK = "b"
+DECLINE = "-"
+STOP = "q"
+YES = "y"
+NO = "n"
+
+HELP = f"{DECLINE} = rather not say, {BACK} = back, {STOP} = withdraw"
+SURE = f"Stop the study for this participant? {YES} = yes, {NO} = go on"
 
 
 def waiting_line() -> str | None:
