@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.rows import Cells
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.vocabulary import Vocabulary
-    from vrcomfort.stats.proportions import EffectSize
+    from vrcomfort.stats.effects import EffectSize
 
 
 class Preferred(Entry):

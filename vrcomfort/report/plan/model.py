@@ -214,6 +214,11 @@ class Plan(Settings):
         return self._text
 
     @property
+    def file(self) -> Path | None:
+        """Return the file that this was read from."""
+        return self._file
+
+    @property
     def sha256(self) -> str:
         """Return the hash of the text, by which a pre-registration is known."""
         return hashlib.sha256(self._text.encode()).hexdigest()
