@@ -28,11 +28,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.stats.anova import anova_of_cells
-from vrcomfort.stats.cells import Cells
-from vrcomfort.stats.crossover import crossover, t_estimate
-from vrcomfort.stats.friedman import friedman
+from vrcomfort.stats.anova import Cells, anova_of_cells
 from vrcomfort.stats.means import mean_interval
+from vrcomfort.stats.mixed import crossover, t_estimate
+from vrcomfort.stats.rank_anova import friedman
 from vrcomfort.stats.signed_rank import SignedRank, signed_rank
 
 Integers = NDArray[np.int64]

@@ -11,7 +11,7 @@ import numpy as np
 from bench.table import Result
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition, DepthOfField
-from vrcomfort.render.image_hash import HASH_EVERY, ImageHasher
+from vrcomfort.render.display import HASH_EVERY, ImageHasher
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene

@@ -14,8 +14,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from vrcomfort.stats import kruskal_wallis as of_several
 from vrcomfort.stats import mann_whitney as of_groups
+from vrcomfort.stats import rank_anova as of_several
 from vrcomfort.stats import signed_rank as of_pairs
 from vrcomfort.stats.ranks import doubled_midranks
 

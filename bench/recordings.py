@@ -24,8 +24,8 @@ from typing import Any
 import duckdb
 
 from bench.table import Result
-from vrcomfort.recordings import Memory, frame_measures
-from vrcomfort.recordings.source import Fingerprint, parquet_of
+from vrcomfort.recordings import frame_measures
+from vrcomfort.records.recording import Fingerprint, Memory, parquet_of
 
 PERIOD_NS, FRAMES_OF_A_TRIAL = 13_888_889, 21_600
 MEMORY_MB = 512
@@ -65,7 +65,8 @@ def make_recording(folder: Path, rows: int) -> Path:
 
 
 _PACK = (
-    "import sys; from pathlib import Path; from vrcomfort.recordings import Memory, pack_study; "
+    "import sys; from pathlib import Path; from vrcomfort.recordings import pack_study; "
+    "from vrcomfort.records.recording import Memory; "
     "list(pack_study(Path(sys.argv[1]), Memory()))"
 )
 

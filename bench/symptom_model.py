@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vrcomfort.stats.rating_courses import RatingCourse
-from vrcomfort.stats.symptom_model import fit_symptoms, symptom_course
+from vrcomfort.stats.rating_courses import RatingCourse, fit_symptoms, symptom_course
 
 COURSES = ((1800, 30), (600, 60), (600, 10))
 """Length and time between ratings, in seconds."""

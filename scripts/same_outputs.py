@@ -51,7 +51,7 @@ def commands() -> Iterator[tuple[str, list[str]]]:
     small, few = ["--size", "160x200"], ["--exposure-s", "0.1", "--refresh-hz", "40"]
     gaze = {"mantiuk_2011"}
     for protocol, conditions in protocols().items():
-        yield f"{protocol}/plan", ["plan", protocol, *small]
+        yield f"{protocol}/plan", ["plan", protocol, *small]  # `passes`, as older revisions call it
         yield f"{protocol}/design", ["design", protocol, "--participants", "8"]
         if protocol not in gaze:
             people = "6" if protocol in {"smoke", "carnegie_2015"} else "2"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -51,7 +53,7 @@ def assert_refused(result: tuple[int, str, str], *words: str) -> None:
         "design",
         "check",
         "schema",
-        "plan",
+        "passes",
         "import-trace",
         "import",
         "verify",
@@ -64,6 +66,33 @@ def test_every_command_has_help_with_an_example(run: Run, command: str) -> None:
     code, out, _ = run(command, "--help")
     assert code == 0
     assert f"vrcomfort {command}" in out
+
+
+def test_a_command_imports_no_other_commands_module() -> None:
+    program = (
+        "import sys; from vrcomfort.cli import main; sys.argv = ['vrcomfort', '--version']\n"
+        "try: main()\nexcept SystemExit: pass\n"
+        "print(*sorted(m for m in sys.modules if m.startswith(('vrcomfort', 'numpy', 'pydantic'))))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], check=True, capture_output=True, text=True
+    )
+    assert done.stdout.splitlines()[1].split() == [
+        "vrcomfort",
+        "vrcomfort.cli",
+        "vrcomfort.cli.app",
+        "vrcomfort.cli.stopping",
+        "vrcomfort.cli.terminal",
+        "vrcomfort.errors",
+        "vrcomfort.stop_signals",
+    ]
+
+
+def test_a_misspelt_command_is_compared_with_all(run: Run) -> None:
+    code, _, err = run("reprot")
+    assert code == 2
+    assert "Did you mean" in err
+    assert "'report'" in err
 
 
 @pytest.mark.smoke
@@ -85,8 +114,8 @@ def test_design_says_what_it_does_when_the_number_does_not_divide(run: Run) -> N
 
 
 @pytest.mark.slow
-def test_plan_leaves_out_the_effects_that_a_condition_does_not_have(run: Run) -> None:
-    _, out, _ = run("plan", "carnegie_2015", "--size", "64x48", "--json")
+def test_passes_leaves_out_the_effects_that_a_condition_does_not_have(run: Run) -> None:
+    _, out, _ = run("passes", "carnegie_2015", "--size", "64x48", "--json")
     needed = {
         (row["scene"], row["condition"], row["name"]): row["needed"]
         for row in json.loads(out)["passes"]
@@ -98,7 +127,7 @@ def test_plan_leaves_out_the_effects_that_a_condition_does_not_have(run: Run) ->
 
 
 @pytest.mark.slow
-def test_plan_says_what_conditions_cost_and_what_has_not_been_measured(
+def test_passes_says_what_conditions_cost_and_what_has_not_been_measured(
     run: Run, tmp_path: Path
 ) -> None:
     from vrcomfort.protocol.quality_levels import quality_table
@@ -107,7 +136,7 @@ def test_plan_says_what_conditions_cost_and_what_has_not_been_measured(
     file = tmp_path / "mine.toml"
     lens = "[conditions.depth_of_field]"
     file.write_text(text.replace(lens, f"{lens}\nsamples = 70", 1), encoding="utf-8")
-    code, out, _ = run("plan", file, "--size", "64x48", "--json")
+    code, out, _ = run("passes", file, "--size", "64x48", "--json")
     answer = json.loads(out)
     costs = {row["condition"]: row for row in answer["costs"]}
     assert code == 0
@@ -122,14 +151,14 @@ def test_plan_says_what_conditions_cost_and_what_has_not_been_measured(
     assert answer["measured"]["device"]
     memory = {name: row["gpu_megabytes"]["total"] for name, row in costs.items()}
     assert memory["both"] > memory["motion"] > memory["plain"] > 0
-    _, small, _ = run("plan", file, "--size", "32x48", "--json")
+    _, small, _ = run("passes", file, "--size", "32x48", "--json")
     halved = json.loads(small)["costs"][0]["gpu_megabytes"]
     # Half as wide: of the targets all but the shadow map shrinks, of the scene nothing.
     assert halved["image"] == costs["plain"]["gpu_megabytes"]["image"]
     assert halved["target"] < costs["plain"]["gpu_megabytes"]["target"]
 
 
-def test_plan_is_readable_and_needs_no_opengl(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_passes_is_readable_and_needs_no_opengl(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     from vrcomfort.errors import InputError
     from vrcomfort.gpu import gl
 
@@ -138,7 +167,7 @@ def test_plan_is_readable_and_needs_no_opengl(run: Run, monkeypatch: pytest.Monk
 
     monkeypatch.setattr(gl, "create_context", fail)
     monkeypatch.setenv("COLUMNS", "100")
-    code, out, _ = run("plan", "carnegie_2015")
+    code, out, _ = run("passes", "carnegie_2015")
     words = " ".join(out.split())
     assert code == 0
     assert max(map(len, out.splitlines())) <= 100
@@ -146,15 +175,28 @@ def test_plan_is_readable_and_needs_no_opengl(run: Run, monkeypatch: pytest.Monk
     assert "nothing is out of focus without depth of field" in words
 
 
+def test_the_old_name_of_passes_still_works_and_tells_the_new_one(run: Run) -> None:
+    asked = ("smoke", "--size", "16x16", "--no-draw", "--json")
+    _, now, silent = run("passes", *asked)
+    code, before, told = run("plan", *asked)
+    assert (code, before, silent) == (0, now, "")
+    assert told.startswith("note: ")
+    assert told.count("\n") == 1
+    assert "vrcomfort passes" in told
+    _, help_text, _ = run("--help")
+    assert not any(line.split()[1:2] == ["plan"] for line in help_text.splitlines())
+    assert any(line.split()[1:2] == ["passes"] for line in help_text.splitlines())
+
+
 @pytest.mark.slow
-def test_plan_says_where_a_level_would_change_the_stimulus(run: Run, tmp_path: Path) -> None:
+def test_passes_says_where_a_level_would_change_the_stimulus(run: Run, tmp_path: Path) -> None:
     text = (data_folder("protocols") / "smoke.toml").read_text(encoding="utf-8")
     file = tmp_path / "mine.toml"
     text = text.replace('name = "dof"\n', 'name = "dof"\nquality = "accurate"\n', 1)
     fixed = '[conditions.focus]\nmethod = "fixed"\nfixed_m = 0.4'
     text = text.replace('[conditions.focus]\nlaw = "linear_dioptre"\nmean = "dioptres"', fixed, 1)
     file.write_text(text, encoding="utf-8")
-    _, out, _ = run("plan", file, "--size", "64x48", "--json")
+    _, out, _ = run("passes", file, "--size", "64x48", "--json")
     (told,) = json.loads(out)["no_limit"]
     assert (told["condition"], told["views"], told["limit_dioptre"]) == ("dof", 16, 2.0)
     (only,) = told["ranges"]
@@ -163,9 +205,9 @@ def test_plan_says_where_a_level_would_change_the_stimulus(run: Run, tmp_path: P
         "nearer_than_m": pytest.approx(1 / 4.5),
         "farther_than_m": pytest.approx(2.0),
     }
-    _, words, _ = run("plan", file, "--size", "64x48")
+    _, words, _ = run("passes", file, "--size", "64x48")
     assert "focused at 0.4 m, nearer than 0.22 m or farther than 2 m" in " ".join(words.split())
-    _, out, _ = run("plan", "smoke", "--size", "64x48", "--json")
+    _, out, _ = run("passes", "smoke", "--size", "64x48", "--json")
     assert json.loads(out)["no_limit"] == []
 
 
@@ -237,7 +279,7 @@ def test_misspelt_protocol_key_is_refused_with_its_place(run: Run, tmp_path: Pat
     file = tmp_path / "mine.toml"
     file.write_text(text.replace("exposure_s", "exposure_ms", 1), encoding="utf-8")
     line = next(i for i, row in enumerate(text.splitlines(), 1) if row.startswith("exposure_s"))
-    assert_refused(run("plan", file), "mine.toml", f"line {line}", "exposure_s")
+    assert_refused(run("passes", file), "mine.toml", f"line {line}", "exposure_s")
 
 
 @pytest.mark.parametrize("size", ["640", "0x400", "axb", "²x³", "99999x10"])

@@ -262,7 +262,7 @@ if __name__ == "__main__":
     assert stop(process) == (130, "heard\n", "")
 
 
-@pytest.mark.parametrize("module", ["vrcomfort.cli.app", "pydantic", "vrcomfort.cli.tradeoff"])
+@pytest.mark.parametrize("module", ["vrcomfort.cli.app", "pydantic", "vrcomfort.cli.design"])
 def test_ctrl_c_while_modules_are_imported_ends_without_a_word(module: str) -> None:
     program = f"""
 import os, signal, sys

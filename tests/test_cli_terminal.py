@@ -58,7 +58,7 @@ def protocol(tmp_path: Path) -> Path:
 
 @pytest.mark.slow
 def test_labels_in_brackets_are_shown_as_they_are(say, protocol: Path, tmp_path: Path) -> None:
-    code, said = say("plan", protocol, "--size", "16x16")
+    code, said = say("passes", protocol, "--size", "16x16")
     assert code == 0
     assert HOSTILE in said
     assert say("design", protocol, "-n", 2)[0] == 0

@@ -6,7 +6,7 @@ import pytest
 from tests.oracles import gather, layers
 from tests.support.effects import depth_of_field, textures
 from tests.support.kernels import blur
-from vrcomfort.optics.levels import exact_px
+from vrcomfort.optics.blur_kernels import exact_px
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.image_error import hdr_flip

@@ -18,7 +18,7 @@ from vrcomfort.geometry import (
     rotate,
 )
 from vrcomfort.protocol.conditions import MotionBlur, Neck
-from vrcomfort.render.camera_motion import (
+from vrcomfort.render.camera import (
     camera_motion,
     extrapolated_eye_pose,
     hand_poses,

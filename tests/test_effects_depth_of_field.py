@@ -6,7 +6,7 @@ import pytest
 from tests.support.effects import Lens, depth_of_field, rgb_of, seen, square_pixels, textures
 from tests.support.kernels import blur
 from vrcomfort.geometry import Fov, Pose, axis_angle
-from vrcomfort.optics import levels
+from vrcomfort.optics import blur_kernels
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 
@@ -146,7 +146,7 @@ def test_an_edge_has_the_disc_of_the_front_whatever_is_behind(ctx, samples, radi
 
 def texel_variance_px2(radius_px, samples):
     """Return that of a pixel, or of a texel of half resolution where discs are summed there."""
-    return (1 if radius_px <= levels.exact_px(samples) else 4) / 12
+    return (1 if radius_px <= blur_kernels.exact_px(samples) else 4) / 12
 
 
 @pytest.mark.parametrize("radius_px", [1.5, 3.0, 6.4])
@@ -164,7 +164,7 @@ def test_bokeh_is_a_disc_that_keeps_the_energy(ctx, radius_px, aspect, samples):
     blurred = blurred.astype(float)
     assert blurred.sum() == pytest.approx(36, rel=0.01)
     y, x = np.mgrid[-47.5:48, -63.5:64]
-    exact = radius_px <= levels.exact_px(samples)
+    exact = radius_px <= blur_kernels.exact_px(samples)
     # Second moments: those of the disc and of a texel, plus those of the 6 x 6 square.
     for axis, scale in ((x, 1.0), (y, aspect)):
         moment = np.sum(blurred * axis**2) / blurred.sum() - 35 / 12

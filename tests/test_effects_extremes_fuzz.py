@@ -39,11 +39,11 @@ from vrcomfort.protocol.conditions import (
     MotionBlur,
     RefocusLawName,
 )
+from vrcomfort.render.display import TONE_CURVE
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
-from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
+from vrcomfort.render.effects.motion_blur import MotionBlurPass
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.tone_map import TONE_CURVE
 from vrcomfort.resources import data_folder
 
 ULP = 1 + 2**-10

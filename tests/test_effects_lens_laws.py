@@ -12,7 +12,6 @@ from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol import Condition, DepthOfField, Focus
 from vrcomfort.protocol.conditions import Peripheral
-from vrcomfort.render import plan
 from vrcomfort.render.effects.depth_of_field import lens_radius
 from vrcomfort.render.effects.depth_of_field.coc_passes import (
     CocPasses,
@@ -20,6 +19,7 @@ from vrcomfort.render.effects.depth_of_field.coc_passes import (
     DepthToCoc,
     eye_uniforms,
 )
+from vrcomfort.render.plan import plan_effect
 from vrcomfort.render.reference import Reference
 
 NEAR_M = 0.02
@@ -209,7 +209,7 @@ def test_a_lens_without_an_opening_needs_no_pass():
         for shape, needed in ((None, False), (Peripheral(), True)):
             effect = DepthOfField(peripheral=shape, **settings)
             condition = Condition(name="c", depth_of_field=effect)
-            assert plan.effect("depth_of_field", still_life(), condition).needed is needed
+            assert plan_effect("depth_of_field", still_life(), condition).needed is needed
 
 
 @pytest.mark.parametrize("name", ["eye", "thin_lens", "mantiuk"])

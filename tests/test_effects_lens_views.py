@@ -8,12 +8,16 @@ from test_effects_reference import FOV, SIZE_PX, half_plane
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, View
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.optics.view_points import FEW_RADIUS, view_radius
+from vrcomfort.optics.lens_sampling import FEW_RADIUS, view_radius
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
-from vrcomfort.render.effects.depth_of_field.blur_limit import radius_per_dioptre_px, unlimited
-from vrcomfort.render.effects.depth_of_field.lens_radius import radius_limit_px
-from vrcomfort.render.effects.depth_of_field.lens_views import blur_of_one_view, part_of_one_view
-from vrcomfort.render.pipeline import StereoRenderer, plan_passes
+from vrcomfort.render.effects.depth_of_field.effect import blur_of_one_view, part_of_one_view
+from vrcomfort.render.effects.depth_of_field.lens_radius import (
+    radius_limit_px,
+    radius_per_dioptre_px,
+    unlimited,
+)
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.plan import plan_passes
 from vrcomfort.render.reference import Reference, read_rgb
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene

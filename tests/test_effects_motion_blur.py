@@ -8,7 +8,7 @@ from tests.support.effects import motion_blur, motion_blur_pass, rgb_of, seen, t
 from vrcomfort.geometry import Pose, axis_angle
 from vrcomfort.optics.motion import sampling_of
 from vrcomfort.protocol.conditions import TurnRamp
-from vrcomfort.render.head_step import HeadStep
+from vrcomfort.render.camera import HeadStep
 
 METHODS = pytest.mark.parametrize("method", ["reconstruction", "per_pixel"])
 WHOLE = {"shutter_fraction": 1.0, "max_radius_percent": 10.0}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vrcomfort.geometry import Fov, Pose, axis_angle
-from vrcomfort.optics.sampling import concentric_disc, low_discrepancy
+from vrcomfort.optics.lens_sampling import concentric_disc, low_discrepancy
 from vrcomfort.protocol.conditions import (
     Condition,
     DepthOfField,

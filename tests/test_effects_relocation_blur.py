@@ -12,12 +12,13 @@ from tests.oracles.mip_level import at_level
 from tests.support.effects import rgb_of, seen, textures
 from tests.support.render import still_life
 from vrcomfort.geometry import Pose
-from vrcomfort.optics.relocation_blur import level_after
+from vrcomfort.optics.motion import level_after
 from vrcomfort.protocol.conditions import Condition, RelocationBlur
+from vrcomfort.render.camera import HeadStep
 from vrcomfort.render.effects.relocation_blur import RelocationBlurPass
-from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.output import read_rgb8
-from vrcomfort.render.pipeline import StereoRenderer, plan_passes
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.plan import plan_passes
 
 RESTING = HeadStep(Pose(), Pose(), Pose(), Pose(), 1 / 90)
 SECOND_NS = 1_000_000_000

@@ -9,11 +9,10 @@ from pydantic import ValidationError
 from tests.oracles.gaussian import gaussian_weights
 from tests.support.effects import rgb_of, seen, square_pixels, textures
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
-from vrcomfort.optics.gaussian import sigma_px
-from vrcomfort.optics.motion import ramp, speed_m_s, turn_deg_s
+from vrcomfort.optics.motion import ramp, sigma_px, speed_m_s, turn_deg_s
 from vrcomfort.protocol.conditions import MoveRamp, SpeedBlur, TurnRamp
+from vrcomfort.render.camera import HeadStep, speed_share
 from vrcomfort.render.effects.speed_blur import SpeedBlurPass
-from vrcomfort.render.head_step import HeadStep, speed_share
 
 TURNING = TurnRamp(from_deg_s=40, to_deg_s=120)
 MOVING = MoveRamp(from_m_s=1, to_m_s=3)

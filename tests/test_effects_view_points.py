@@ -5,14 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vrcomfort.optics.sampling import sunflower
-from vrcomfort.optics.view_points import (
+from vrcomfort.optics.lens_sampling import (
     FEW,
     FEW_RADIUS,
     OVERLAP,
     WIDEST_OF_MANY,
     disc_edge,
     edge_error,
+    sunflower,
     view_points,
     view_radius,
 )

@@ -13,10 +13,10 @@ from tests.oracles.vignette import angles_rad, cover
 from tests.support.effects import rgb_of, seen, textures
 from tests.support.render import still_life
 from vrcomfort.geometry import Fov, Pose, axis_angle
-from vrcomfort.optics.vignette import clear_deg, moved_towards, widest_angle_deg
+from vrcomfort.optics.motion import clear_deg, moved_towards, widest_angle_deg
 from vrcomfort.protocol.conditions import EFFECTS, Condition, MoveRamp, TurnRamp, Vignette
+from vrcomfort.render.camera import HeadStep
 from vrcomfort.render.effects.vignette import VignettePass
-from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.pipeline import StereoRenderer
 
 LEFT_EYE = Fov(left=-0.9, right=0.7, up=0.8, down=-0.8)

@@ -24,7 +24,7 @@ from tests.support.study import (
     tiny_protocol,
 )
 from tests.support.waiting import WAIT_S
-from vrcomfort.cli.run_relay import Relays, open_relays
+from vrcomfort.cli.session_devices import Relays, open_relays
 from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Gaze

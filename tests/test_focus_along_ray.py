@@ -13,7 +13,6 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, axis_angle, focal_length_px, yaw_pitch_roll
 from vrcomfort.optics import autofocus_zone
 from vrcomfort.protocol import Condition, DepthOfField, Focus
-from vrcomfort.render import plan
 from vrcomfort.render.effects.depth_of_field import lens_radius
 from vrcomfort.render.effects.depth_of_field.coc_passes import (
     CocPasses,
@@ -21,10 +20,11 @@ from vrcomfort.render.effects.depth_of_field.coc_passes import (
     DepthToCoc,
     eye_uniforms,
 )
-from vrcomfort.render.focus.rule import Sight
 from vrcomfort.render.focus.rules import make_focus_pass
+from vrcomfort.render.focus.search import Sight
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.plan import plan_effect
 from vrcomfort.render.reference import Reference
 
 NEAR_M = 0.02
@@ -298,7 +298,7 @@ def test_what_is_looked_at_is_sharp_and_the_wall_ahead_only_in_a_plane(ctx, alon
 def test_a_plan_says_so_and_what_cannot_be_is_refused(ctx):
     condition = Condition(name="c", depth_of_field=lens(law="eye"))
     content = a_wall(2.0)
-    reason = plan.effect("depth_of_field", content, condition).reason
+    reason = plan_effect("depth_of_field", content, condition).reason
     assert "by the distance along each ray" in reason
     note = Reference(ctx, content, condition, (16, 16)).note
     assert "the distance along each ray is left out" in note

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from tests.support.render import at, glowing, scene, wall
-from vrcomfort.cli.gaze_check import require_eye_tracker
+from vrcomfort.api.playback import require_eye_tracker
 from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.optics.focus import gaze_tangents
 from vrcomfort.protocol import Condition, DepthOfField
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.focus.rule import Sight
 from vrcomfort.render.focus.rules import make_focus_pass
+from vrcomfort.render.focus.search import Sight
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.pipeline import StereoRenderer
 

@@ -10,11 +10,10 @@ from tests.oracles.raycast import cast
 from tests.oracles.refocus import FocusState, advance
 from vrcomfort.geometry import Pose, axis_angle, yaw_pitch_roll
 from vrcomfort.gpu.gl import LATENCY
-from vrcomfort.optics.refocus.laws import LAWS
+from vrcomfort.optics.refocus import LAWS
 from vrcomfort.protocol.conditions import Focus, FocusRuleName
-from vrcomfort.render.focus.fixed import FixedFocus
-from vrcomfort.render.focus.rule import Sight
-from vrcomfort.render.focus.rules import RULES, make_focus_pass
+from vrcomfort.render.focus.rules import RULES, FixedFocus, make_focus_pass
+from vrcomfort.render.focus.search import Sight
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.scene.animation import Animation, Channel
 from vrcomfort.scene.data import Image, Material, Node, Primitive, Scene

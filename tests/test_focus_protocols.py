@@ -7,7 +7,7 @@ import pytest
 from tests.support.render import still_life
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.conditions import Condition, Focus
-from vrcomfort.render import plan
+from vrcomfort.render.plan import plan_effect, plan_focus
 from vrcomfort.session.manifest_writer import limits
 
 
@@ -53,13 +53,13 @@ def test_mantiuk_in_numbers():
 def test_the_plan_says_how_focus_is_found():
     scene = still_life()
     zone = load_protocol("hillaire_2008").condition("blur_on")
-    reason = plan.focus(scene, zone).reason
+    reason = plan_focus(scene, zone).reason
     assert "0.25 of the image's sides, drawn in 64×64 px and averaged by the GPU in 7" in reason
-    assert "peripheral" in plan.effect("depth_of_field", scene, zone).reason
+    assert "peripheral" in plan_effect("depth_of_field", scene, zone).reason
     gaze = load_protocol("mantiuk_2011").condition("gaze_7")
-    assert "needs an eye tracker; nine rays ahead without one" in plan.focus(scene, gaze).reason
+    assert "needs an eye tracker; nine rays ahead without one" in plan_focus(scene, gaze).reason
     strict = gaze.model_copy(update={"focus": Focus(method="gaze")})
-    assert "the session stops without one" in plan.focus(scene, strict).reason
+    assert "the session stops without one" in plan_focus(scene, strict).reason
 
 
 def test_the_manifest_says_that_nine_rays_may_stand_in_for_the_gaze():

@@ -9,9 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from tests.oracles.refocus import TWINS, FocusState, advance
-from vrcomfort.optics.refocus.laws import LAWS
-from vrcomfort.optics.refocus.low_pass import low_pass_share
-from vrcomfort.optics.refocus.low_pass_backward_euler import backward_euler_share
+from vrcomfort.optics.refocus import LAWS, backward_euler_share, low_pass_share
 from vrcomfort.protocol.conditions import Focus, RefocusLawName
 
 EXACT = [name for name in LAWS if name != "low_pass_backward_euler"]

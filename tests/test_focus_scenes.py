@@ -7,8 +7,8 @@ from tests.oracles.focus import estimate_focus, ray_directions
 from tests.oracles.raycast import cast
 from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.focus.rule import Sight
 from vrcomfort.render.focus.rules import make_focus_pass
+from vrcomfort.render.focus.search import Sight
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene

@@ -13,11 +13,11 @@ from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, View
 from vrcomfort.headset.playback import default_fovs
-from vrcomfort.optics.scripted_focus import scripted_focus_m
+from vrcomfort.optics.focus import scripted_focus_m
 from vrcomfort.protocol import Condition, DepthOfField, Focus
 from vrcomfort.protocol.conditions import MotionBlur
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.plan import focus
+from vrcomfort.render.plan import plan_focus
 from vrcomfort.resources import data_folder
 
 SCRIPT = ((1.0, 4.0), (2.0, 4.0), (3.0, 1.0))
@@ -66,7 +66,7 @@ def test_the_renderer_goes_by_the_time_of_the_scene(ctx):
 
 
 def test_the_plan_says_that_nothing_is_drawn():
-    planned = focus(scene([], [], []), CONDITION)
+    planned = plan_focus(scene([], [], []), CONDITION)
     assert not planned.needed
     assert "a script of 3 distances" in planned.reason
 
@@ -115,4 +115,4 @@ def test_simulated_sessions_record_the_script(run, tmp_path):
 
 
 def test_motion_blur_needs_no_focus():
-    assert not focus(scene([], [], []), Condition(name="m", motion_blur=MotionBlur())).needed
+    assert not plan_focus(scene([], [], []), Condition(name="m", motion_blur=MotionBlur())).needed

@@ -13,8 +13,8 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import autofocus_zone as zone
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.focus.autofocus_zone import screen_tangents
-from vrcomfort.render.focus.rule import Sight
 from vrcomfort.render.focus.rules import RULES, make_focus_pass
+from vrcomfort.render.focus.search import Sight
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.scene.data import Material
 

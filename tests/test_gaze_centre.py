@@ -13,17 +13,17 @@ from tests.oracles.vignette import angles_rad, cover
 from tests.support.effects import coc_passes_of, rgb_of, seen, textures
 from tests.support.render import at, glowing, scene, still_life, wall
 from tests.support.study import read_rows, tiny_protocol
-from vrcomfort.cli.gaze_check import require_eye_tracker
+from vrcomfort.api.playback import require_eye_tracker
 from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, axis_angle, focal_length_px, yaw_pitch_roll
 from vrcomfort.optics import autofocus_zone as zone
-from vrcomfort.optics.gaze_centre import AHEAD, GazeCentre
+from vrcomfort.optics.focus import AHEAD, GazeCentre
 from vrcomfort.protocol import Condition, DepthOfField
 from vrcomfort.protocol.conditions import Focus, Peripheral, Vignette
 from vrcomfort.render.effects.vignette import VignettePass
-from vrcomfort.render.focus.rule import Sight
 from vrcomfort.render.focus.rules import make_focus_pass
+from vrcomfort.render.focus.search import Sight
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer

@@ -8,7 +8,7 @@ import pytest
 
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.gpu.texel_reads import counted
+from vrcomfort.gpu.shaders import with_counted_reads
 from vrcomfort.gpu.traffic import Recorder, added_up
 
 SIZE = (12, 10)
@@ -150,7 +150,7 @@ void main() {
 
 
 def test_reads_within_reads_in_macros_in_branches_and_before_a_discard_count(ctx):
-    program = ctx.program(VERTEX, counted(NESTED, lambda _: ""))
+    program = ctx.program(VERTEX, with_counted_reads(NESTED, lambda _: ""))
     program.extra = "nested"
     source, target = (gl.color_texture(ctx, (8, 4)) for _ in range(2))
     array, recorder = ctx.vertex_array(program, []), Recorder(ctx)
@@ -163,4 +163,4 @@ def test_reads_within_reads_in_macros_in_branches_and_before_a_discard_count(ctx
 
 
 def test_a_shader_without_reads_stays_as_it_is():
-    assert counted(VERTEX, lambda _: "") == VERTEX
+    assert with_counted_reads(VERTEX, lambda _: "") == VERTEX

@@ -357,3 +357,12 @@ def test_a_mapping_that_is_there_is_not_written_over(tmp_path: Path) -> None:
             catch_exceptions=False,
         )
     assert mapping.read_text() == "# read for an hour"
+
+
+def test_raised_digits_in_headings_are_letters(tmp_path: Path) -> None:
+    """``SSQ ³`` has a digit that is no number: `int` does not read it."""
+    headings = [f"SSQ {n}" for n in (*range(1, 16), "³")]
+    file = tmp_path / "lab.csv"
+    rows = [",".join(["P01", *"0123012301230123"]), ",".join(["P02", *"1111000022223333"])]
+    file.write_text("\n".join([",".join(["id", *headings]), *rows, ""]), encoding="utf-8")
+    assert "SSQ ³" in suggest_mapping([file]).text

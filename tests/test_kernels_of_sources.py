@@ -13,9 +13,8 @@ from tests.oracles import half_resolution, poisson_taps, pyramid, scattering
 from tests.support.effects import depth_of_field, seen, square_pixels, textures
 from tests.support.kernels import FOCUS_M, blur
 from vrcomfort.geometry import Pose, axis_angle, rotate
+from vrcomfort.optics.blur_kernels import POISSON_12, POISSON_15, pyramid_levels
 from vrcomfort.optics.circle_of_confusion import head_depth_slope
-from vrcomfort.optics.poisson_taps import POISSON_12, POISSON_15
-from vrcomfort.optics.pyramid import levels
 from vrcomfort.protocol.conditions import DepthOfField, Kernel
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 
@@ -341,7 +340,7 @@ def test_every_texel_is_the_mean_of_the_pixels_it_covers(ctx, rng):
 
 @pytest.mark.parametrize(("limit_px", "wanted"), [(0, 1), (2, 1), (2.1, 2), (16, 4), (1e9, 9)])
 def test_the_last_level_is_at_least_as_blurred_as_the_widest_disc(limit_px, wanted):
-    assert levels(limit_px) == wanted
+    assert pyramid_levels(limit_px) == wanted
 
 
 @pytest.mark.parametrize("radius_px", [1.0, 2.0, 3.0, 4.0, 7.0, 8.0])

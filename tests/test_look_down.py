@@ -13,14 +13,14 @@ from test_openxr_looks import Looker
 from test_study_panel import TwoHands, aim_at
 
 from tests.support.openxr import fresh_monado, needs_monado
-from vrcomfort.cli.run_openxr import look_down_of
+from vrcomfort.cli.headset_setup import look_down_of
 from vrcomfort.geometry import Gaze, Pose, normalize, turn_to, yaw_pitch_roll
 from vrcomfort.headset.inputs import HandInput, Inputs, SeenGaze
 from vrcomfort.protocol import load_protocol
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.respondent.base import Exposure, Withdrew
-from vrcomfort.respondent.dwell import AWAY_S, LookDown
 from vrcomfort.respondent.panel import PanelRespondent
+from vrcomfort.respondent.panel_input import AWAY_S, LookDown
 from vrcomfort.respondent.panel_layout import Act
 from vrcomfort.respondent.panel_picture import stop_page
 from vrcomfort.session.panel_screen import PanelScreen

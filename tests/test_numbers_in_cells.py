@@ -13,8 +13,8 @@ from tests.support.report import Study, build_report, foreign
 from vrcomfort.csv_table import CsvTable, number_in, number_or_none, whole_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import score_file, shipped_instruments
-from vrcomfort.recordings import Memory
 from vrcomfort.recordings.exposures import measure
+from vrcomfort.records.recording import Memory
 from vrcomfort.report.courses.exposures import _rating
 from vrcomfort.report.measures.model import number_of
 from vrcomfort.report.study_data import trial_s

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from tests.support.waiting import WAIT_S
-from vrcomfort.cli import openxr_bindings
+from vrcomfort.cli import doctor as openxr_bindings
 from vrcomfort.errors import InputError
 
 DEBUG_RUNTIME = re.compile(rb"(?:msvcp|vcruntime)\d+(?:_\d)?d\.dll|ucrtbased\.dll", re.IGNORECASE)

@@ -20,7 +20,8 @@ from tests.support.report import build_report, carnegie_like
 from tests.support.study import frame
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose
-from vrcomfort.recordings import Memory, find_source, frame_measures, pack_study
+from vrcomfort.recordings import frame_measures, pack_study
+from vrcomfort.records.recording import Memory, Recording
 from vrcomfort.records.rows import cell_text, csv_line
 from vrcomfort.session.frame_log import FrameLog
 
@@ -150,7 +151,7 @@ def test_parquet_gives_the_same_numbers_to_the_last_digit(tmp_path):
     before, _ = frame_measures(files)
     done = packed(tmp_path)
     assert [each.new for each in done] == [True] * 3
-    assert all(find_source(file).parquet for file in files)
+    assert all(Recording.find(file).parquet for file in files)
     assert frame_measures(files) == (before, [])
     assert [each.new for each in packed(tmp_path)] == [False] * 3
 
@@ -212,7 +213,7 @@ def test_a_parquet_that_is_not_of_its_csv_is_told_and_not_read(tmp_path, how):
     _, (note,) = frame_measures([file])
     assert "frames.parquet: not read, because" in note
     assert "vrcomfort pack" in note
-    assert find_source(file).parquet is None
+    assert Recording.find(file).parquet is None
     file.with_suffix(".parquet").unlink()
     assert frame_measures([file]) == (fresh, [])
 
@@ -221,7 +222,7 @@ def test_a_copied_study_keeps_its_parquet(tmp_path):
     file = session(tmp_path, frames(60))
     packed(tmp_path)
     os.utime(file, ns=(0, 10**18))
-    assert find_source(file).parquet is not None
+    assert Recording.find(file).parquet is not None
 
 
 def spoilt(file, line: int, column: str, cell: str) -> None:
@@ -360,7 +361,8 @@ def test_memory_stays_under_its_limit(tmp_path):
     file = make_recording(tmp_path, 1_000_000)
     program = (
         "import sys; from pathlib import Path; "
-        "from vrcomfort.recordings import Memory, frame_measures; "
+        "from vrcomfort.recordings import frame_measures; "
+        "from vrcomfort.records.recording import Memory; "
         "found, notes = frame_measures([Path(sys.argv[1])], Memory(256 * 10**6)); "
         "assert not notes, notes; assert sum(each.frames for each in found) == 1_000_000; "
         "from bench.recordings import peak_mb; print(peak_mb())"

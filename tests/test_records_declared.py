@@ -23,12 +23,12 @@ from vrcomfort.exchange.bids import export_bids
 from vrcomfort.exchange.psych_ds import export_psych_ds
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.operator_interface import ALLOWED
-from vrcomfort.recordings.columns import kinds
 from vrcomfort.records import rows, schema
 from vrcomfort.records.data_dictionary import data_dictionary
 from vrcomfort.records.disk import OWNER
 from vrcomfort.records.events import EVENTS, EventKind
 from vrcomfort.records.mend import mend
+from vrcomfort.records.recording import kinds
 from vrcomfort.records.rows import ALWAYS, BOTH, GAZE, MOTION, Column, Row, declared
 from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS, TABLES, SharedFile
 from vrcomfort.records.session_rows import FACTS, QuestionnaireRow
@@ -37,11 +37,13 @@ from vrcomfort.report.study_data import _NEEDED_ELSEWHERE, _NUMBERS, NEEDED
 
 ROOT = Path(__file__).resolve().parent.parent
 NOT_WRITTEN_OUT = {
-    "headset/openxr/lifecycle.py": {"focused", "unfocused", "headset_on", "headset_off"},
-    "headset/openxr/messages.py": {"openxr_error", "openxr_warning"},
-    "headset/openxr/presence.py": {"controller_found", "controller_lost"},
+    "headset/openxr/instance.py": {"openxr_error", "openxr_warning"},
+    "headset/openxr/lifecycle.py": {
+        *("focused", "unfocused", "headset_on", "headset_off"),
+        *("controller_found", "controller_lost"),
+    },
     "headset/openxr/tracking.py": {"tracking_found", "tracking_lost"},
-    "session/event_log.py": set(),  # names that it is given
+    "session/context.py": set(),  # names that it is given
     "session/eye_height.py": {"eye_height"},
     "session/flow.py": {"ended", "withdrawn", "runtime_hung", "session_resumed"},
     "session/gaze_validation.py": {"gaze_validation"},

@@ -14,7 +14,8 @@ from vrcomfort.errors import InputError
 from vrcomfort.protocol.conditions import BackgroundBlur, Condition, DepthOfField
 from vrcomfort.render.camera import NEAR_M
 from vrcomfort.render.output import read_texture
-from vrcomfort.render.pipeline import StereoRenderer, plan_passes
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.plan import plan_passes
 from vrcomfort.scene.data import Node
 
 PLAIN = Condition(name="plain")

@@ -6,8 +6,8 @@ import numpy as np
 
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass, Together
+from vrcomfort.render.display import TONE_CURVE
 from vrcomfort.render.output import read_texture
-from vrcomfort.render.tone_map import TONE_CURVE
 
 SIZE = (2, 2)
 

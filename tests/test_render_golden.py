@@ -9,10 +9,10 @@ from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.camera import PreviousCamera
+from vrcomfort.render.display import ToneMapPass
 from vrcomfort.render.output import read_rgb8, read_texture, side_by_side
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.scene_pass import ScenePass
-from vrcomfort.render.tone_map import ToneMapPass
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene
 from vrcomfort.traces.trace import read_trace

@@ -15,6 +15,7 @@ from vrcomfort.protocol.conditions import (
     Condition,
     DepthOfField,
     Focus,
+    GazeCentre,
     Kernel,
     MotionBlur,
     Peripheral,
@@ -22,7 +23,6 @@ from vrcomfort.protocol.conditions import (
     TurnRamp,
     Vignette,
 )
-from vrcomfort.protocol.gaze_centre import GazeCentre
 from vrcomfort.render.pipeline import StereoRenderer
 
 RENDER = Path(gl.__file__).parent
@@ -173,7 +173,7 @@ def test_mipmaps_go_down_to_one_texel():
 
 
 def test_everything_that_renders_allocates_through_the_account():
-    """Or it would be missing from what `vrcomfort plan` says."""
+    """Or it would be missing from what `vrcomfort passes` says."""
     raw = re.compile(r"\w*ctx\.(texture\w*|depth_texture\w*|buffer|\w*renderbuffer|simple_\w+)\(")
     found = {
         f"{file.relative_to(RENDER)}: {call[0]}"

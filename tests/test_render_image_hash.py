@@ -7,7 +7,7 @@ import pytest
 
 from vrcomfort.frame import ImageHash
 from vrcomfort.gpu.gl import LATENCY
-from vrcomfort.render.image_hash import ImageHasher, image_hash
+from vrcomfort.render.display import ImageHasher, image_hash
 from vrcomfort.render.output import read_rgb8
 
 

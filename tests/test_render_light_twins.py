@@ -11,7 +11,7 @@ from vrcomfort.geometry import Fov, Pose, normalize
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.render import lighting
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
-from vrcomfort.render.eye_blocks import EyeBlocks
+from vrcomfort.render.scene_pass import EyeBlocks
 from vrcomfort.scene.data import Environment, Scene, SpotLight
 
 ENVIRONMENT = Environment(

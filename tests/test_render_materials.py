@@ -8,8 +8,8 @@ from vrcomfort.errors import InputError
 from vrcomfort.gpu import shaders
 from vrcomfort.render.draw_list import DrawList
 from vrcomfort.render.materials import materials_per_block
-from vrcomfort.render.moving_rows import MovingRows
 from vrcomfort.render.output import read_depth, read_linear
+from vrcomfort.render.scene_buffers import MovingRows
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Image, Material
 from vrcomfort.scene.load import load_scene

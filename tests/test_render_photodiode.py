@@ -11,9 +11,9 @@ from test_render_pipeline import PLAIN, SIZE, standing, still_life
 
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov
-from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.viewing import Photodiode
+from vrcomfort.render.display import PatchLight, patch_place
 from vrcomfort.render.output import read_rgb8
-from vrcomfort.render.photodiode import PatchLight, patch_place
 from vrcomfort.render.pipeline import StereoRenderer
 
 FOV = Fov(-math.pi / 4, math.pi / 4, math.pi / 4, -math.pi / 4)

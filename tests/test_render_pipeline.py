@@ -9,7 +9,8 @@ from vrcomfort.geometry import Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.gpu import gl
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.output import read_rgb8, read_texture
-from vrcomfort.render.pipeline import StereoRenderer, plan_passes
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.plan import plan_passes
 
 SIZE = (48, 40)
 PLAIN = Condition(name="plain")

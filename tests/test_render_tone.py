@@ -3,8 +3,8 @@ import pytest
 
 from vrcomfort.gpu import gl
 from vrcomfort.optics import tone
+from vrcomfort.render.display import ToneMapPass
 from vrcomfort.render.output import read_rgb8
-from vrcomfort.render.tone_map import ToneMapPass
 
 
 def test_shader_and_twin_agree(ctx):

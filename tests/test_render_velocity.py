@@ -8,8 +8,7 @@ from tests.oracles.raycast import cast
 from tests.support.render import at, box, eye, floor, glowing, scene, wall
 from vrcomfort.geometry import Pose, axis_angle, quaternion_multiply, yaw_pitch_roll
 from vrcomfort.gpu import gl
-from vrcomfort.render.camera import EyeCamera, PreviousCamera
-from vrcomfort.render.camera_motion import previous_eye_pose
+from vrcomfort.render.camera import EyeCamera, PreviousCamera, previous_eye_pose
 from vrcomfort.render.output import read_depth, read_texture
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.animation import Animation, Channel

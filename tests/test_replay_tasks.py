@@ -14,8 +14,8 @@ import pytest
 from tests.support.exchange import cell
 from tests.support.session import run as run_session
 from tests.support.study import Scripted, read_rows
-from vrcomfort.cli.playback import shipped_walk
-from vrcomfort.cli.renderer import describe_machine, make_renderer
+from vrcomfort.api.playback import shipped_walk
+from vrcomfort.api.rendering import describe_machine, make_renderer
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.frame import Frame
@@ -312,9 +312,21 @@ def column_missing(session: Path) -> None:
     file.write_text(file.read_text().replace("start_s", "begin_s", 1))
 
 
+def header_of_other_bytes(session: Path) -> None:
+    file = session / "ratings.csv"
+    file.write_bytes(b"\0" + file.read_bytes())
+
+
+def header_not_utf8(session: Path) -> None:
+    file = session / "events.csv"
+    file.write_bytes(b"\xff\xfe" + file.read_bytes())
+
+
 DAMAGED: dict[str, tuple[Callable[[Path], None], str]] = {
     "cell": (damaged_cell, "line 3, column start_s: 'soon' is not a number"),
     "cells": (cells_missing, "line 2: is no row"),
+    "header": (header_of_other_bytes, "ratings.csv, line 1: is no row"),
+    "header of other bytes": (header_not_utf8, "events.csv, line 1: is no row"),
     "column": (column_missing, "line 1, column start_s: the column is missing"),
 }
 

@@ -14,8 +14,8 @@ from vrcomfort.cli.app import app
 from vrcomfort.cli.report import MOST_ANSWERS
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.report import methods, palette
+from vrcomfort.report.estimation import MOST_DRAWN, thinned
 from vrcomfort.report.references import entries, is_known
-from vrcomfort.report.sides import MOST_DRAWN, thinned
 from vrcomfort.report.words import bayes_factor
 from vrcomfort.resources import data_folder
 

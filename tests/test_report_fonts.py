@@ -6,8 +6,7 @@ import pytest
 from fontTools.ttLib import TTFont
 from matplotlib import get_data_path
 
-from vrcomfort.report.canvas import canvas
-from vrcomfort.report.fonts import FAMILY, WHOLE, load_fonts
+from vrcomfort.report.canvas import FAMILY, WHOLE, canvas, load_fonts
 
 
 @pytest.mark.parametrize("name", ["DejaVuSans.ttf", "DejaVuSans-Bold.ttf"])

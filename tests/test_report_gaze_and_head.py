@@ -13,10 +13,11 @@ from tests.support import gazed
 from tests.support.recordings import PERIOD_NS
 from tests.support.report import build_report, carnegie_like
 from vrcomfort.errors import InputError
-from vrcomfort.recordings import Memory, pack_study
-from vrcomfort.report.gaze_and_head import look_at
-from vrcomfort.report.gaze_and_head.motion import read_motion
-from vrcomfort.report.plan import read_plan
+from vrcomfort.recordings import pack_study
+from vrcomfort.records.recording import Memory
+from vrcomfort.report.gaze_and_head import analyse_gaze_and_head
+from vrcomfort.report.gaze_and_head.exposures import read_motion
+from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.study_data import read_study, with_frames
 
 PLAN = """name = "looked"
@@ -76,7 +77,7 @@ def study(tmp_path):
 
 
 def found_in(study, text=PLAN):
-    return look_at(read_study(study), read_plan(text, None), ["dof_off", "dof_on"])
+    return analyse_gaze_and_head(read_study(study), read_plan(text, None), ["dof_off", "dof_on"])
 
 
 def shares_of(found):
@@ -152,8 +153,8 @@ def test_shots_of_a_task_are_events(study):
 
 
 def test_path_and_turning_are_those_of_the_frames_per_minute(study):
-    data = with_frames(read_study(study), study)
-    (row,) = look_at(data, read_plan(PLAN, None), ["dof_off", "dof_on"]).exposures
+    data = with_frames(read_study(study))
+    (row,) = analyse_gaze_and_head(data, read_plan(PLAN, None), ["dof_off", "dof_on"]).exposures
     # 5° and 1 cm there and back: four amplitudes a second.
     assert row["head_turning_deg_per_min"] == pytest.approx(60 * 20, rel=0.01)
     assert row["head_path_m_per_min"] == pytest.approx(60 * 0.04, rel=0.01)

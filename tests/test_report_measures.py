@@ -14,15 +14,15 @@ from vrcomfort.records import RatingRow
 from vrcomfort.report.exposures import Exposures
 from vrcomfort.report.measures import (
     Measure,
-    Measured,
-    Value,
+    MeasuredValue,
+    MeasureSettings,
     courses_of,
     fault_of,
     measure_of,
     values_of,
 )
 from vrcomfort.report.measures.model import in_steps
-from vrcomfort.report.plan import load_plan
+from vrcomfort.report.plan_files import load_plan
 from vrcomfort.report.results import analyse
 from vrcomfort.report.study_data import read_study, with_frames
 
@@ -56,9 +56,9 @@ def rated(folder: Path, *, left_early: str = "") -> Path:
 
 def of(study: Path, name: str, **said: object) -> dict[tuple[str, str], Fraction | None]:
     """Return (participant, condition) → value."""
-    own = Measured(name="m", measure=name, **said) if said else None
+    own = MeasureSettings(name="m", measure=name, **said) if said else None
     measure = measure_of("m", own) if own else measure_of(name)
-    found = values_of(with_frames(read_study(study), study), measure)
+    found = values_of(with_frames(read_study(study)), measure)
     return {(value.participant, value.condition): value.number for value in found}
 
 
@@ -206,7 +206,7 @@ def test_frames_give_path_turning_and_focus_changes_of_the_last_attempt(tmp_path
 
 def test_values_that_differ_by_rounding_alone_are_tied() -> None:
     numbers = [Fraction(0.1 + 0.2), Fraction(0.3), Fraction("0.3000001")]
-    values = [Value("P", "", "", "", number) for number in numbers]
+    values = [MeasuredValue("P", "", "", "", number) for number in numbers]
     one, two, three = (value.number for value in in_steps(values))
     assert one == two != three
 
@@ -254,7 +254,7 @@ def test_ratings_of_two_instruments_need_the_name_of_one(tmp_path: Path) -> None
 
 
 def test_a_measure_has_the_words_that_the_plan_gives_it() -> None:
-    said = Measured(name="late", measure="ratings.time_to", threshold=6)
+    said = MeasureSettings(name="late", measure="ratings.time_to", threshold=6)
     assert measure_of("late", said) == Measure(
         "late", "Time to a rating of 6", "ratings", "time_to", "s", "higher", threshold=6.0
     )

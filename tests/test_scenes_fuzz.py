@@ -21,7 +21,7 @@ from vrcomfort.gpu import shaders
 from vrcomfort.render import lighting
 from vrcomfort.render.draw_list import DrawList
 from vrcomfort.render.materials import ImageArrays, batch_key, material_blocks
-from vrcomfort.render.vertex_data import bending_bytes, second_uv_bytes, vertex_bytes
+from vrcomfort.render.scene_buffers import bending_bytes, second_uv_bytes, vertex_bytes
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
 

@@ -10,14 +10,12 @@ import pandas as pd
 import pytest
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.aligned_ranks import aligned_ranks
 from vrcomfort.stats.anova import anova
-from vrcomfort.stats.correlation import correlation, repeated_measures_correlation
-from vrcomfort.stats.intraclass import intraclass
-from vrcomfort.stats.kruskal_wallis import kruskal_wallis
+from vrcomfort.stats.correlation import correlation, intraclass, repeated_measures_correlation
 from vrcomfort.stats.mann_whitney import EXACT_UP_TO, mann_whitney
 from vrcomfort.stats.mixed import mixed_model
 from vrcomfort.stats.proportions import preference, sign_test
+from vrcomfort.stats.rank_anova import aligned_ranks, kruskal_wallis
 from vrcomfort.stats.t_tests import (
     equivalence_of_groups,
     equivalence_of_pairs,

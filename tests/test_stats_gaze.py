@@ -9,9 +9,11 @@ import pytest
 from scipy.signal import welch
 from scipy.stats import sem, zscore
 
-from vrcomfort.stats.gaze import (
+from vrcomfort.stats.gaze_and_head import (
     angles_deg,
+    band_power,
     fixations,
+    head_spectrum,
     saliency_map,
     steps_deg,
     unit_vectors,
@@ -19,8 +21,7 @@ from vrcomfort.stats.gaze import (
     zone_ratios,
     zone_shares,
 )
-from vrcomfort.stats.head_spectrum import band_power, head_spectrum
-from vrcomfort.stats.z_scores import z_scored
+from vrcomfort.stats.means import z_scored
 
 
 def looking(azimuth_deg, elevation_deg=0.0):

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from vrcomfort.stats.kruskal_wallis import EXACT_UP_TO, kruskal_wallis
 from vrcomfort.stats.mann_whitney import mann_whitney
+from vrcomfort.stats.rank_anova import EXACT_UP_TO, kruskal_wallis
 
 FOUND = pd.read_csv(Path(__file__).parent / "data" / "kruskal_wallis" / "r_output.csv")
 

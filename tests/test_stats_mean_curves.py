@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import t as t_distribution
 
-from vrcomfort.stats.mean_curves import mean_curves, within_variances
+from vrcomfort.stats.means import mean_curves, within_variances
 
 RANDOM = np.random.default_rng(3)
 

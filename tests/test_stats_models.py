@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from scipy.stats import ttest_ind
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.crossover import crossover
-from vrcomfort.stats.friedman import friedman
-from vrcomfort.stats.mixed import mixed_model
+from vrcomfort.stats.mixed import crossover, mixed_model
+from vrcomfort.stats.rank_anova import friedman
 
 FIRST = np.array([44.9, 22.4, 33.7, 60.1, 3.7, 52.4, 41.1, 37.4, 11.2])
 SECOND = np.array([0.0, 11.2, 3.7, 26.2, 7.5, 41.1, 52.4, 29.9, 18.7])

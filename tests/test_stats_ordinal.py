@@ -11,8 +11,7 @@ import pytest
 from scipy.optimize import approx_fprime
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.cumulative_link import _Likelihood, fit_cumulative_link
-from vrcomfort.stats.ordinal import ordinal_model
+from vrcomfort.stats.ordinal import _Likelihood, fit_cumulative_link, ordinal_model
 
 DATA = Path(__file__).parent / "data" / "ordinal"
 ANSWERS = pd.read_csv(DATA / "data.csv")

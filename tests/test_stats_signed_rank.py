@@ -8,14 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import norm, wilcoxon
 
-from vrcomfort.stats import normal_shift
-from vrcomfort.stats.effects import rank_biserial
-from vrcomfort.stats.normal_shift import largest_shift, lower_tail, superiority
+from vrcomfort.stats import effects
+from vrcomfort.stats.effects import largest_shift, lower_tail, rank_biserial, superiority
+from vrcomfort.stats.proportions import fisher_exact
 from vrcomfort.stats.ranks import as_integers, fewest_for_interval, sign_flip_distribution
-from vrcomfort.stats.shift import hodges_lehmann
-from vrcomfort.stats.signed_rank import EXACT_UP_TO, signed_rank
-from vrcomfort.stats.walsh import WalshSums
-from vrcomfort.stats.withdrawal import fisher_exact, worst_rank
+from vrcomfort.stats.shift import WalshSums, hodges_lehmann
+from vrcomfort.stats.signed_rank import EXACT_UP_TO, signed_rank, worst_rank
 
 DRUG_1 = [0.7, -1.6, -0.2, -1.2, -0.1, 3.4, 3.7, 0.8, 0.0, 2.0]
 DRUG_2 = [1.9, 0.8, 1.1, 0.1, -0.1, 4.4, 5.5, 1.6, 4.6, 3.4]
@@ -254,9 +252,9 @@ def test_one_small_dissenter_among_many_has_an_interval(n, weaker):
 @pytest.mark.parametrize(("w_plus", "apart"), [(240, 0.02), (284, 0.028), (323, 0.046)])
 def test_exact_and_approximate_ends_of_the_rank_biserial_meet(monkeypatch, w_plus, apart):
     """Above the limit the approximation differs by what the module says of it."""
-    n = normal_shift.EXACT_UP_TO
+    n = effects.EXACT_SUM_UP_TO
     exact = [superiority(largest_shift(n, w_plus, tail)) for tail in (0.025, 0.975)]
-    monkeypatch.setattr(normal_shift, "EXACT_UP_TO", n - 1)
+    monkeypatch.setattr(effects, "EXACT_SUM_UP_TO", n - 1)
     largest_shift.cache_clear()
     rough = [superiority(largest_shift(n, w_plus, tail)) for tail in (0.025, 0.975)]
     largest_shift.cache_clear()

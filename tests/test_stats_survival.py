@@ -8,9 +8,8 @@ import pandas as pd
 import pytest
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.cox import cox
 from vrcomfort.stats.rating_courses import RatingCourse
-from vrcomfort.stats.survival import kaplan_meier, log_rank
+from vrcomfort.stats.survival import cox, kaplan_meier, log_rank
 
 DATA = Path(__file__).parent / "data"
 OUTPUT = pd.read_csv(DATA / "survival" / "r_output.csv")

@@ -4,8 +4,13 @@ import numpy as np
 import pytest
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.rating_courses import RatingCourse
-from vrcomfort.stats.symptom_model import Constants, fit_symptoms, lag_step, symptom_course
+from vrcomfort.stats.rating_courses import (
+    Constants,
+    RatingCourse,
+    fit_symptoms,
+    lag_step,
+    symptom_course,
+)
 
 TIMES = np.arange(30.0, 1801.0, 30.0)
 

@@ -6,7 +6,7 @@
 // Output: adds to `sums[first]` and `sums[first + 1]`; each work group is one row.
 // Blur:   none.
 // Source: the mix is the finaliser of MurmurHash3 (Appleby 2011, public domain).
-// Twin:   vrcomfort.render.image_hash.image_hash.
+// Twin:   vrcomfort.render.display.image_hash.
 
 layout(local_size_x = 128) in;
 

@@ -2,7 +2,7 @@
 // share the discs between them, so that nothing shows where one takes over.
 //
 // EXACT_PX: RADIUS (px of image width) up to which a disc is summed over its pixels; LEVELS: how many
-// levels there are; FADED: part of its widest disc from which a level shares with the next. Twin: vrcomfort/optics/levels.py.
+// levels there are; FADED: part of its widest disc from which a level shares with the next. Twin: vrcomfort/optics/blur_kernels.py.
 
 // Bits of a tile: its levels, and above them one for each quarter in which a surface ends, in order of rows.
 const int LEVEL_BITS = 8;

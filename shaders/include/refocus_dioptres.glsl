@@ -1,7 +1,7 @@
 // Moves focus towards its target by so many dioptres, and no further than it.
 //
 // Input:  focus and target in metres. Output: focus in metres.
-// Twin:   tests/oracles/refocus.py. Law: vrcomfort/optics/refocus/linear_dioptre.py.
+// Twin:   tests/oracles/refocus.py. Laws: vrcomfort/optics/refocus.py.
 uniform float step_size;  // dioptres
 
 float refocused(float current, float target) {

@@ -2,7 +2,7 @@
 //
 // Input:  focus and target in metres; change_before: `change` one frame ago.
 // Output: focus in metres; change: x: target for which the change began (m), y: seconds left.
-// Twin:   tests/oracles/refocus.py. Law: vrcomfort/optics/refocus/duration.py.
+// Twin:   tests/oracles/refocus.py. Laws: vrcomfort/optics/refocus.py.
 uniform float step_size;  // seconds since the frame before
 uniform sampler2D change_before;
 uniform float duration_s;

@@ -1,7 +1,7 @@
 // Moves focus towards its target by so many metres, and no further than it.
 //
 // Input:  focus and target in metres. Output: focus in metres.
-// Twin:   tests/oracles/refocus.py. Laws: vrcomfort/optics/refocus/linear.py, instant.py.
+// Twin:   tests/oracles/refocus.py. Laws: vrcomfort/optics/refocus.py.
 uniform float step_size;  // metres
 
 float refocused(float current, float target) {

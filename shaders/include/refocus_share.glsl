@@ -1,8 +1,7 @@
 // Moves focus by a share of the way to its target, in metres.
 //
 // Input:  focus and target in metres. Output: focus in metres.
-// Twin:   tests/oracles/refocus.py. Laws: vrcomfort/optics/refocus/low_pass.py,
-//         low_pass_backward_euler.py.
+// Twin:   tests/oracles/refocus.py. Laws: vrcomfort/optics/refocus.py.
 uniform float step_size;  // share of the way; 1 and more: all of it
 
 float refocused(float current, float target) {

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from tests.oracles import pyramid
 from vrcomfort.geometry import Array
-from vrcomfort.optics.poisson_taps import (
+from vrcomfort.optics.blur_kernels import (
     NEAR_LEVEL,
     POISSON_12,
     POISSON_15,

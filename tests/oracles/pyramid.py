@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrcomfort.geometry import Array
-from vrcomfort.optics.pyramid import levels
+from vrcomfort.optics.blur_kernels import pyramid_levels
 
 
 def fade(radius_px: ArrayLike, level: int, /, *, slices: bool = False) -> Array:
@@ -71,7 +71,7 @@ def mip(points: ArrayLike, /, *, radius_limit_px: float, slices: bool = False) -
     """
     image = np.asarray(points, dtype=np.float64)
     shown, radius_px = image[..., :3], np.abs(image[..., 3])
-    for level in range(1, levels(radius_limit_px) + 1):
+    for level in range(1, pyramid_levels(radius_limit_px) + 1):
         opacity = fade(radius_px, level, slices=slices)[..., None]
         billboard = magnified(mean_level(image[..., :3], level), level, image.shape[:2])
         shown = (1 - opacity) * shown + opacity * billboard

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vrcomfort.optics.refocus.laws import LAWS
+from vrcomfort.optics.refocus import LAWS
 from vrcomfort.protocol.conditions import Focus
 
 

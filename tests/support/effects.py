@@ -9,7 +9,7 @@ from vrcomfort.render.camera import EyeCamera
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.effects.effect import EyeFrame
-from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
+from vrcomfort.render.effects.motion_blur import MotionBlurPass
 
 NEAR_M = 0.02
 

@@ -15,7 +15,7 @@ import pandas as pd
 
 from tests.support.report import Study
 from vrcomfort.rotations import rotate
-from vrcomfort.stats.gaze import unit_vectors
+from vrcomfort.stats.gaze_and_head import unit_vectors
 
 RATE_HZ = 72
 PERIOD_NS = round(1e9 / RATE_HZ)

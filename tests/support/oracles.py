@@ -10,16 +10,15 @@ import numpy as np
 import pandas as pd
 
 from vrcomfort.stats.anova import anova
-from vrcomfort.stats.crossover import crossover
 from vrcomfort.stats.effects import rank_biserial
-from vrcomfort.stats.friedman import friedman
-from vrcomfort.stats.mixed import mixed_model
+from vrcomfort.stats.mixed import crossover, mixed_model
 from vrcomfort.stats.multiplicity import holm
+from vrcomfort.stats.proportions import fisher_exact
+from vrcomfort.stats.rank_anova import friedman
 from vrcomfort.stats.ranks import as_integers
 from vrcomfort.stats.shift import hodges_lehmann
-from vrcomfort.stats.signed_rank import signed_rank
+from vrcomfort.stats.signed_rank import signed_rank, worst_rank
 from vrcomfort.stats.t_tests import paired_t
-from vrcomfort.stats.withdrawal import fisher_exact, worst_rank
 
 DATA = Path(__file__).parents[1] / "data" / "oracles"
 SECOND_AUTHORITY = re.compile(r"[ _]of_(lmer|anova\.mlm|wilcox\.test|exactRankTests)")

@@ -17,7 +17,7 @@ from tests.support.reference_table import in_page
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.stats.effects import partial_eta_squared
 from vrcomfort.stats.multiplicity import holm
-from vrcomfort.stats.withdrawal import fisher_exact
+from vrcomfort.stats.proportions import fisher_exact
 
 BEGIN, END = "<!-- printed: begin -->", "<!-- printed: end -->"
 CARNEGIE, HILLAIRE = "Carnegie & Rhee 2015", "Hillaire et al. 2008"

@@ -5,39 +5,15 @@ from __future__ import annotations
 import errno
 import os
 import sys
+from importlib import import_module
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
+from typer.main import get_group
 
 from vrcomfort import __version__
-from vrcomfort.cli import (
-    anonymise,
-    check,
-    demo,
-    design,
-    doctor,
-    exclude,
-    export,
-    import_answers,
-    import_trace,
-    new,
-    pack,
-    plan,
-    play,
-    power,
-    render,
-    report,
-    run,
-    schema,
-    score,
-    simulate,
-    status,
-    stopping,
-    tradeoff,
-    undo_withdrawal,
-    verify,
-)
+from vrcomfort.cli import stopping
 from vrcomfort.cli.terminal import EXIT_BAD_INPUT, complain
 from vrcomfort.errors import InputError
 
@@ -54,11 +30,69 @@ FAULTS_OF_THE_MACHINE = {
 }
 
 
-class OneSentence(TyperGroup):
-    """Tells a value that no option takes like all other bad input, and that it was stopped.
+COMMANDS = {
+    "run": "run",
+    "simulate": "simulate",
+    "render": "render",
+    "play": "play",
+    "import-trace": "imports",
+    "import": "imports",
+    "report": "report",
+    "score": "score",
+    "pack": "study_folder",
+    "design": "design",
+    "new": "new",
+    "check": "check",
+    "schema": "new",
+    "passes": "passes",
+    "plan": "passes",
+    "power": "design",
+    "doctor": "doctor",
+    "demo": "demo",
+    "tradeoff": "tradeoff",
+    "undo-withdrawal": "participants",
+    "exclude": "participants",
+    "undo-exclusion": "participants",
+    "note": "participants",
+    "verify": "study_folder",
+    "status": "study_folder",
+    "anonymise": "study_folder",
+    "export": "study_folder",
+}
+"""Command → module in `vrcomfort.cli` that registers it, in the order of the help."""
 
-    Typer ends the program without a word on a KeyboardInterrupt that it meets.
+STYLE: dict[str, Any] = {"rich_markup_mode": "markdown", "pretty_exceptions_enable": False}
+
+
+class LazyCommands(TyperGroup):
+    """Imports a command's module when the command is asked for; reports bad values as bad input.
+
+    All modules together take longer to import than most commands run. Typer ends the program
+    without a word on a KeyboardInterrupt that it meets; here it is one sentence.
     """
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of all commands."""
+        del ctx
+        return list(COMMANDS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command by its name, or None."""
+        if cmd_name in COMMANDS and cmd_name not in self.commands:
+            with stopping.at_once():
+                module = import_module(f"vrcomfort.cli.{COMMANDS[cmd_name]}")
+            group = typer.Typer(**STYLE)
+            group.callback()(_options)  # without it, typer makes no group of a single command
+            module.register(group)
+            self.commands.update(get_group(group).commands)
+        return super().get_command(ctx, cmd_name)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return a command and the rest of its words; a misspelt one is compared with all names."""
+        if args[0] not in COMMANDS:
+            for name in COMMANDS:
+                self.get_command(ctx, name)
+        return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:  # typer keeps its type of context to itself
         """Run the command whose values `ctx` holds."""
@@ -76,42 +110,13 @@ class OneSentence(TyperGroup):
 
 
 app = typer.Typer(
-    cls=OneSentence,
+    cls=LazyCommands,
     name="vrcomfort",
     help="Comfort experiments for stereo head-mounted displays: run, play back, report.",
     no_args_is_help=True,
-    rich_markup_mode="markdown",
-    pretty_exceptions_enable=False,
+    **STYLE,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-for module in (
-    run,
-    simulate,
-    render,
-    play,
-    import_trace,
-    import_answers,
-    report,
-    score,
-    pack,
-    design,
-    new,
-    check,
-    schema,
-    plan,
-    power,
-    doctor,
-    demo,
-    tradeoff,
-    undo_withdrawal,
-    exclude,
-    verify,
-    status,
-    anonymise,
-    export,
-):
-    module.register(app)
 
 
 def _print_version(wanted: bool) -> None:

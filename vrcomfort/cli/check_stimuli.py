@@ -9,23 +9,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vrcomfort.cli.playback import PlaybackSetup
+from vrcomfort.api.playback import PlaybackSetup
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, focal_length_px, yaw_pitch_roll
-from vrcomfort.optics.vignette import clear_deg, moved_towards, widest_angle_deg
+from vrcomfort.optics.motion import clear_deg, moved_towards, widest_angle_deg
 from vrcomfort.protocol import Condition, Protocol
-from vrcomfort.render.head_step import HeadStep, speed_share
+from vrcomfort.render.camera import HeadStep, speed_share
 
 if TYPE_CHECKING:
     import moderngl
 
     from vrcomfort.frame import Frame
     from vrcomfort.protocol.conditions import Vignette
-    from vrcomfort.render.stimulus_size import Moment, StimulusSize
-    from vrcomfort.render.visibility import Fault, Seen
+    from vrcomfort.render.stimulus_check import Fault, Moment, Seen, StimulusSize
     from vrcomfort.scene.camera_path import CameraPath
     from vrcomfort.scene.data import Scene
-    from vrcomfort.session.standing import Standing
+    from vrcomfort.session.start_pose import Standing
 
 PROBE_WIDTH_PX = 160
 _MOMENT_S, _SUSTAINED = 0.1, 300
@@ -54,8 +53,7 @@ def measure_stimuli(
 ) -> Stimuli:
     """Measure all conditions in all scenes."""
     from vrcomfort.headset.playback import default_fovs
-    from vrcomfort.render.stimulus_size import measure
-    from vrcomfort.render.visibility import faults, needlessly_meant, seen
+    from vrcomfort.render.stimulus_check import faults, measure, needlessly_meant, seen
     from vrcomfort.scene.load import load_scene
 
     width, height = size_px
@@ -102,7 +100,7 @@ def moments_of(
 
 
 def _standing(protocol: Protocol, name: str, scene: Scene) -> Standing:
-    from vrcomfort.session.standing import stand
+    from vrcomfort.session.start_pose import stand
 
     return stand(scene, protocol.view(name), walks=protocol.locomotion.mode != "off")
 
@@ -159,7 +157,7 @@ def _steps_in(
 ) -> list[HeadStep | None]:
     """Return the steps of a scene's walk in their order, None at cuts, and those of locomotion."""
     from vrcomfort.headset.locomotion import TURNING_SPEED_RAD_S
-    from vrcomfort.render.stimulus_size import step_between
+    from vrcomfort.render.stimulus_check import step_between
     from vrcomfort.scene.load import load_scene
 
     standing = _standing(protocol, name, load_scene(protocol.scene_source(name)))

@@ -1,4 +1,4 @@
-"""`doctor`: what this machine has, what it lacks, and the remedy."""
+"""`doctor`: the parts that this machine has and lacks, each with its remedy."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import platform
 import sys
 import warnings
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
+from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -14,15 +15,205 @@ from rich.table import Table
 from rich.text import Text
 
 from vrcomfort import __version__
-from vrcomfort.cli import doctor_openxr
-from vrcomfort.cli.doctor_finding import Finding
 from vrcomfort.cli.options import Json
-from vrcomfort.cli.terminal import answer, console, progress_bar
+from vrcomfort.cli.terminal import answer, console, progress_bar, warn
 from vrcomfort.errors import InputError, pip_install
+from vrcomfort.headset.watchdog import Watchdog
 from vrcomfort.resources import data_folder
 
 if TYPE_CHECKING:
     import moderngl
+
+    from vrcomfort.headset.openxr.capabilities import HeadsetFacts, RuntimeFacts, SessionFacts
+    from vrcomfort.headset.timing import TimingTest
+
+
+@dataclass(frozen=True)
+class DoctorFinding:
+    """One thing that was looked for.
+
+    Parameters
+    ----------
+    needed
+        Whether every use of vrcomfort needs it.
+    details
+        More of what was found, for programs.
+    """
+
+    part: str
+    ok: bool
+    found: str
+    remedy: str = ""
+    needed: bool = True
+    details: tuple[str, ...] = ()
+
+
+# Whether OpenXR can be spoken at all.
+
+
+REQUIREMENT = "pyopenxr>=1.1.5301,<1.1.6302"
+"""As in pyproject.toml: from 1.1.6302 on, the Windows libraries need a debug C runtime."""
+_DEBUG_SINCE = (1, 1, 6302)
+_REDISTRIBUTABLE = "https://aka.ms/vs/17/release/vc_redist.x64.exe"
+
+
+def require_bindings() -> str:
+    """Return the version of pyopenxr.
+
+    Raises
+    ------
+    InputError
+        If it, or the OpenXR loader that it brings, is missing.
+    """
+    try:
+        from xr.version import PYOPENXR_VERSION
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] == "xr":
+            raise InputError(
+                f"the OpenXR bindings are not installed; {pip_install(REQUIREMENT)}"
+            ) from error
+        raise _not_loaded(error) from error
+    except (ImportError, AttributeError) as error:  # as PyOpenGL says that a library is missing
+        raise _not_loaded(error) from error
+    except OSError as error:
+        message = f"a library of the OpenXR bindings cannot be loaded ({error})"
+        raise InputError(f"{message}; {_library_remedy()}") from error
+    return str(PYOPENXR_VERSION)
+
+
+def _library_remedy() -> str:
+    if sys.platform == "win32":
+        if (installed := _installed_version()) >= _DEBUG_SINCE:
+            release = ".".join(map(str, installed))
+            needs = f"pyopenxr {release} needs a debug C runtime on Windows"
+            return f"{needs}; install another version: {pip_install(REQUIREMENT)}"
+        return f"install the Microsoft Visual C++ Redistributable: {_REDISTRIBUTABLE}"
+    return f"reinstall the bindings that bring it: {pip_install(REQUIREMENT, again=True)}"
+
+
+def _installed_version() -> tuple[int, ...]:
+    try:
+        release = version("pyopenxr")
+    except PackageNotFoundError:
+        return ()
+    return tuple(int(part) for part in release.split(".") if part.isdecimal())
+
+
+def _not_loaded(error: Exception) -> InputError:
+    return InputError(
+        f"the OpenXR bindings cannot be loaded ({error}); install the graphics libraries (on "
+        "Debian or Ubuntu 'apt-get install libgl1 libegl1', elsewhere your graphics driver) and "
+        f"the bindings: {pip_install(REQUIREMENT, 'PyOpenGL', again=True)}"
+    )
+
+
+# The part of `doctor` that looks for a headset: bindings, runtime, headset, session, timing.
+
+
+TIMING_TEST_S = 5.0
+WITHOUT_GAZE = 'gaze.csv stays out; focus.method = "gaze" needs one, or without_gaze = "nine_ray"'
+EACH_EYE = "XR_FB_eye_tracking_social"
+WITHOUT_EACH_EYE = (
+    f"columns of each eye in gaze.csv stay blank; a runtime with {EACH_EYE} fills them (no runtime "
+    "tells pupils)"
+)
+PLAYBACK = "playback, rendering and reports work without"
+
+
+def examine_openxr(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[DoctorFinding]:
+    """Yield what is there, up to the first thing that is missing.
+
+    Parameters
+    ----------
+    ctx
+        To begin a session with.
+    timing
+        Also show images, and count frames.
+    """
+    with Watchdog(warn):
+        yield from _stages(ctx, timing=timing)
+
+
+def _stages(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[DoctorFinding]:
+    part = "OpenXR bindings"
+    try:
+        yield _there(part, f"pyopenxr {require_bindings()}, with its loader")
+        from vrcomfort.headset.openxr import capabilities as survey
+
+        part = "OpenXR runtime"
+        runtime = survey.find_runtime()
+        yield from _openxr_runtime(runtime)
+        part = "headset"
+        yield from _openxr_headset(survey.find_headset())
+        if ctx is None:
+            return
+        part = "OpenXR session"
+        yield from _openxr_session(survey.try_session(ctx))
+        if timing:
+            part = "timing test"
+            yield _timed(survey.try_timing(ctx, TIMING_TEST_S))
+    except InputError as error:
+        yield DoctorFinding(part, False, f"none; {PLAYBACK}", str(error), needed=False)
+
+
+def _openxr_runtime(facts: RuntimeFacts) -> Iterator[DoctorFinding]:
+    yield _there("OpenXR runtime", facts.name)
+    missed = [name for name in facts.wanted if name not in facts.extensions]
+    words = f"{len(facts.extensions)} offered; of those that help, missing: {' '.join(missed)}"
+    yield DoctorFinding("extensions", True, words, needed=False, details=facts.extensions)
+
+
+def _openxr_headset(facts: HeadsetFacts) -> Iterator[DoctorFinding]:
+    width, height = facts.recommended_size_px
+    yield _there("headset", f"{facts.name}, {width}×{height} pixels per eye recommended")
+    yield DoctorFinding(
+        "eye tracker",
+        facts.gaze,
+        "there" if facts.gaze else "none",
+        "" if facts.gaze else WITHOUT_GAZE,
+        needed=False,
+    )
+    if facts.gaze:
+        yield DoctorFinding(
+            "each eye",
+            facts.each_eye,
+            f"{EACH_EYE}; no pupils" if facts.each_eye else "not told apart",
+            "" if facts.each_eye else WITHOUT_EACH_EYE,
+            needed=False,
+        )
+
+
+def _openxr_session(facts: SessionFacts) -> Iterator[DoctorFinding]:
+    details = facts.details
+    words = (
+        f"{details['binding'].upper()} binding, images {details['image_format']}, "
+        f"space {details['space']}, depth layer {details['depth_layer']}"
+    )
+    yield _there("OpenXR session", words)
+    rates = ", ".join(f"{rate:g}" for rate in facts.refresh_rates_hz) or "not told"
+    yield _there("refresh rate", f"{facts.refresh_hz:g} Hz; can switch to: {rates}")
+    left, right = facts.hidden_percent
+    yield _there("visibility mask", f"hides {left:.1f} % (left) and {right:.1f} % (right)")
+    yield _there("timing_trust", f"{facts.timing.trust}: {facts.timing.reason}")
+
+
+def _timed(test: TimingTest | None) -> DoctorFinding:
+    if test is None:
+        remedy = "put the headset on (or cover its sensor), then run doctor --timing again"
+        return DoctorFinding("timing test", False, "the headset sleeps", remedy, needed=False)
+    words = (
+        f"{test.frames} frames in {test.seconds:.1f} s, {test.dropped} dropped; period "
+        f"{test.period_ms:.2f} ms, intervals {test.interval_median_ms:.2f} ms (median) and "
+        f"{test.interval_p99_ms:.2f} ms (p99); frames came every {test.wait_median_ms:.2f} ms "
+        f"(median) and {test.wait_p99_ms:.2f} ms (p99) by this machine's clock"
+    )
+    remedy = "close other programs; ask for a lower refresh rate" if test.dropped else ""
+    return DoctorFinding("timing test", not test.dropped, words, remedy, needed=False)
+
+
+def _there(part: str, found: str) -> DoctorFinding:
+    return DoctorFinding(part, True, found, needed=False)
+
 
 _MARKS = {
     (True, True): ("ok", "green"),
@@ -62,19 +253,19 @@ def doctor(
         raise typer.Exit(1)
 
 
-def _examine(*, timing: bool) -> Iterator[Finding]:
+def _examine(*, timing: bool) -> Iterator[DoctorFinding]:
     yield _python()
     finding, ctx = _opengl()
     yield finding
     yield _windows()
     yield _video()
     yield _data()
-    yield from doctor_openxr.examine(ctx, timing=timing)
+    yield from examine_openxr(ctx, timing=timing)
     if ctx is not None:
         ctx.release()
 
 
-def _show(findings: list[Finding]) -> None:
+def _show(findings: list[DoctorFinding]) -> None:
     table = Table(title=f"vrcomfort {__version__}", title_justify="left")
     for column in ("", "part", "found", "remedy"):
         table.add_column(column, overflow="fold")
@@ -84,58 +275,60 @@ def _show(findings: list[Finding]) -> None:
     console(wrap=True).print(table)
 
 
-def _python() -> Finding:
+def _python() -> DoctorFinding:
     ok = sys.version_info >= (3, 11)
-    return Finding("Python", ok, platform.python_version(), "" if ok else "install Python 3.11")
+    return DoctorFinding(
+        "Python", ok, platform.python_version(), "" if ok else "install Python 3.11"
+    )
 
 
-def _opengl() -> tuple[Finding, moderngl.Context | None]:
+def _opengl() -> tuple[DoctorFinding, moderngl.Context | None]:
     from vrcomfort.gpu.gl import VERSION_NAME, create_context, describe
 
     try:
         context = create_context()
     except InputError as error:
-        return Finding("OpenGL", False, "no context", str(error)), None
+        return DoctorFinding("OpenGL", False, "no context", str(error)), None
     facts = describe(context)
     kind = "EGL" if sys.platform.startswith("linux") else "WGL"
     there = f"{facts['version']} on {facts['renderer']}, by {kind}, without a window"
     words = f"{there}; needed: {VERSION_NAME}"
-    return Finding("OpenGL", True, words), context
+    return DoctorFinding("OpenGL", True, words), context
 
 
-def _windows() -> Finding:
+def _windows() -> DoctorFinding:
     """Look for a screen to put windows on: GLX on X11 or XWayland, WGL on Windows."""
     try:
         import glfw
     except ImportError:
         remedy = f"for sessions in a window: {pip_install('glfw')}"
-        return Finding("windows", False, "GLFW is not installed", remedy, needed=False)
+        return DoctorFinding("windows", False, "GLFW is not installed", remedy, needed=False)
     with warnings.catch_warnings(action="ignore", category=glfw.GLFWError):
         there = glfw.init()
     if not there:
         remedy = "for sessions in a window: start them on a desktop, or under Xvfb"
-        return Finding("windows", False, "no screen", remedy, needed=False)
+        return DoctorFinding("windows", False, "no screen", remedy, needed=False)
     mode = glfw.get_video_mode(glfw.get_primary_monitor()) if glfw.get_monitors() else None
     glfw.terminate()
     kind = "WGL" if sys.platform == "win32" else "GLX"
     screen = f", {mode.size.width}×{mode.size.height} at {mode.refresh_rate} Hz" if mode else ""
-    return Finding("windows", True, kind + screen, needed=False)
+    return DoctorFinding("windows", True, kind + screen, needed=False)
 
 
-def _video() -> Finding:
+def _video() -> DoctorFinding:
     import av
 
     codecs = [name for name in ("libx264", "mpeg4") if name in av.codecs_available]
     remedy = f"reinstall PyAV from its wheel: {pip_install('av', again=True)}"
-    return Finding(
+    return DoctorFinding(
         "video encoder", bool(codecs), ", ".join(codecs) or "none", "" if codecs else remedy
     )
 
 
-def _data() -> Finding:
+def _data() -> DoctorFinding:
     try:
         scenes = sorted(path.stem for path in data_folder("scenes").glob("*.glb"))
     except FileNotFoundError as error:
-        return Finding("scenes", False, "none", str(error))
+        return DoctorFinding("scenes", False, "none", str(error))
     remedy = "" if scenes else "reinstall vrcomfort"
-    return Finding("scenes", bool(scenes), ", ".join(scenes) or "none", remedy)
+    return DoctorFinding("scenes", bool(scenes), ", ".join(scenes) or "none", remedy)

@@ -1,60 +1,34 @@
-"""What a session in a headset, or in a window, needs."""
+"""Headsets of a session: OpenXR, a desktop window, a rehearsal in Monado."""
 
 from __future__ import annotations
 
-from contextlib import ExitStack
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
-from typing import Protocol as Shape
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from itertools import cycle
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+from vrcomfort.api.playback import open_trace
+from vrcomfort.api.rendering import describe_machine
+from vrcomfort.api.study_setup import HeadsetSetup
+from vrcomfort.cli.doctor import require_bindings
+from vrcomfort.cli.terminal import ask_to_type, warn
 from vrcomfort.errors import InputError, pip_install
+from vrcomfort.protocol import Protocol
+from vrcomfort.protocol.viewing import Answering
+from vrcomfort.settings import read_text
 
 if TYPE_CHECKING:
     import moderngl
 
-    from vrcomfort.geometry import Pose
-    from vrcomfort.headset.base import Headset
+    from vrcomfort.headset.desktop import DesktopSettings
     from vrcomfort.headset.watchdog import Watchdog
-    from vrcomfort.headset.window import Window
-    from vrcomfort.records import Machine
-    from vrcomfort.render.pipeline import StereoRenderer
-    from vrcomfort.respondent import Respondent
-    from vrcomfort.scene.floors import Floors
+    from vrcomfort.headset.window import Mirror, Window
+    from vrcomfort.respondent.panel import PanelRespondent
+    from vrcomfort.respondent.panel_input import LookDown
     from vrcomfort.session.panel_screen import PanelScreen
-
-    class LiveHeadset(Headset, Shape):
-        """A headset on somebody's head, or a window before them."""
-
-        def place(self, *, spawn: Pose, floors: Floors | None = None, on_foot: bool = True) -> None:
-            """Put the participant on `spawn`."""
-
-
-@dataclass(frozen=True)
-class HeadsetSetup:
-    """What a session in a headset needs.
-
-    Parameters
-    ----------
-    panel, screen
-        A respondent who answers in the headset, and where the questions stand.
-    watchdog
-        Of the headset's runtime, where it has one.
-    """
-
-    headset: LiveHeadset
-    renderer: StereoRenderer
-    panel: Respondent
-    screen: PanelScreen
-    machine: Machine
-    watchdog: Watchdog | None = None
-
-    def headset_for(self, scene_name: str, scene: Any) -> LiveHeadset:
-        """Lead the participant to the scene's starting point."""
-        from vrcomfort.scene.floors import Floors
-
-        del scene_name
-        self.headset.place(spawn=scene.spawn, floors=Floors(scene.walkable), on_foot=scene.on_foot)
-        return self.headset
+    from vrcomfort.session.rehearsal import Rehearsal
 
 
 def open_window(
@@ -73,3 +47,248 @@ def open_window(
     ctx = prepare(window.context())
     owned.callback(ctx.release)
     return window, ctx
+
+
+# A session in a window, and windows that mirror a headset.
+
+
+@contextmanager
+def desktop_setup(
+    protocol: Protocol, *, size_px: tuple[int, int] | None = None, one_eye: bool = False
+) -> Iterator[HeadsetSetup]:
+    """Open a window for a participant; everything is released at the end.
+
+    Parameters
+    ----------
+    size_px
+        (width, height) of one eye's image.
+    one_eye
+        Show the left eye's image alone.
+
+    Raises
+    ------
+    InputError
+        If no window can be had; says what to do.
+    """
+    settings = _desktop_settings(protocol, size_px, one_eye)
+    with ExitStack() as owned:
+        window, ctx = open_window(owned, "vrcomfort", settings.window_size_px)
+        from vrcomfort.headset.desktop import DesktopHeadset
+        from vrcomfort.render.display import HASH_EVERY
+        from vrcomfort.render.pipeline import StereoRenderer
+        from vrcomfort.respondent.panel import PanelRespondent
+        from vrcomfort.session.panel_screen import PanelScreen
+
+        headset = DesktopHeadset(ctx, window, settings)
+        size, eyes = settings.image_size_px, settings.columns
+        renderer = StereoRenderer(
+            ctx, size, eyes=eyes, hash_every=HASH_EVERY, photodiode=protocol.photodiode
+        )
+        owned.callback(renderer.release)
+        machine = replace(
+            describe_machine(renderer, protocol),
+            runtime="desktop window",
+            timing_trust="low: a window's frames pass through the desktop's compositor",
+        )
+        screen = PanelScreen(headset, words=protocol.words)
+        panel = PanelRespondent(screen, keyboard=True, words=protocol.words, prompt=ask_to_type)
+        yield HeadsetSetup(headset, renderer, panel, screen, machine)
+
+
+def _desktop_settings(
+    protocol: Protocol, size_px: tuple[int, int] | None, one_eye: bool
+) -> DesktopSettings:
+    from vrcomfort.headset.desktop import DesktopSettings
+
+    given = DesktopSettings(
+        layout="one_eye" if one_eye else "side_by_side",
+        ipd_m=protocol.headset.ipd_m,
+        walking_speed_m_s=protocol.locomotion.walking_speed_m_s,
+        teleport_m=protocol.locomotion.step_at_once_m,
+    )
+    return given if size_px is None else replace(given, image_size_px=size_px)
+
+
+# A rehearsal of a session, in a Monado runtime of its own.
+
+
+@contextmanager
+def rehearse(
+    trace: Path | None, answers: Path | None, watchdog: Watchdog | None = None
+) -> Iterator[Rehearsal | None]:
+    """Start a Monado runtime of our own where there is a trace; it is the active one meanwhile.
+
+    Parameters
+    ----------
+    trace
+        What its head follows: one sample per frame.
+    answers
+        What its controllers answer: whole numbers, in the order of the questions.
+    watchdog
+        Ends the runtime, too, where it must end the program.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, or there is no Monado.
+    """
+    if trace is None:
+        if answers is not None:
+            raise InputError("--monado-answers needs --monado-trace, the trace of the head")
+        yield None
+        return
+    from vrcomfort.headset.monado import Monado
+    from vrcomfort.session.rehearsal import Rehearsal
+
+    head_trace = open_trace(trace, note=warn)
+    script = _read_answers(answers) if answers else []
+    with Monado() as monado, monado.feed() as feed:
+        if watchdog is not None:
+            watchdog.last_acts += [monado.kill, monado.stop]
+        heads = map(head_trace.head.pose, cycle(range(len(head_trace))))
+        yield Rehearsal(feed, heads, iter(script))
+
+
+def _read_answers(path: Path) -> list[int]:
+    numbers = []
+    for line, words in enumerate(read_text(path, "script of answers").split("\n"), start=1):
+        for word in words.partition("#")[0].split():
+            if not word.isdecimal():
+                raise InputError(f"an answer is a whole number, not {word!r}", file=path, line=line)
+            numbers.append(int(word))
+    return numbers
+
+
+# A session in an OpenXR headset, or a rehearsal of one with a Monado runtime of its own.
+
+
+def tracks_eyes() -> bool:
+    """Ask the active OpenXR runtime whether its headset has an eye tracker.
+
+    Raises
+    ------
+    InputError
+        If there is no runtime, or no headset; says what to do.
+    """
+    require_bindings()
+    from vrcomfort.headset.openxr.capabilities import find_headset
+
+    return find_headset().gaze
+
+
+@contextmanager
+def openxr_setup(
+    protocol: Protocol,
+    *,
+    size_px: tuple[int, int] | None = None,
+    refresh_hz: float | None = None,
+    rehearsal: Rehearsal | None = None,
+    mirror: bool = False,
+    watchdog: Watchdog | None = None,
+) -> Iterator[HeadsetSetup]:
+    """Connect to the active OpenXR runtime; everything is released at the end.
+
+    Parameters
+    ----------
+    rehearsal
+        Who moves the head and answers, where no person does.
+    mirror
+        Show the operator what the participant sees.
+    watchdog
+        Of the runtime.
+
+    Raises
+    ------
+    InputError
+        If a part is missing; says what to do.
+    """
+    require_bindings()
+    from vrcomfort.gpu.gl import create_context
+    from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
+    from vrcomfort.render.display import HASH_EVERY
+    from vrcomfort.render.pipeline import StereoRenderer
+    from vrcomfort.respondent.panel_layout import SIZE_PX
+    from vrcomfort.session.panel_screen import PanelScreen
+
+    with ExitStack() as owned:
+        if mirror:
+            window, ctx = open_mirror(owned)
+        else:
+            window, ctx = None, create_context()
+            owned.callback(ctx.release)
+        settings = OpenXrSettings(
+            image_size_px=size_px,
+            refresh_hz=refresh_hz,
+            walking_speed_m_s=protocol.locomotion.walking_speed_m_s,
+            snap_turn_deg=protocol.locomotion.snap_turn_deg,
+            teleport_m=protocol.locomotion.step_at_once_m,
+        )
+        before_wait = rehearsal.before_frame if rehearsal else None
+        headset = owned.enter_context(
+            OpenXrHeadset(ctx, settings, before_wait=before_wait, window=window)
+        )
+        headset.prepare_panel(SIZE_PX)
+        screen = PanelScreen(
+            headset, words=protocol.words, points_with_head=protocol.answering.head
+        )
+        renderer = StereoRenderer(
+            ctx,
+            headset.image_size_px,
+            on_eye=lambda eye, images: headset.take_depth(eye, images.depth, images.camera.near_m),
+            hash_every=HASH_EVERY,
+            photodiode=protocol.photodiode,
+            finds_hits=True,
+        )
+        owned.callback(renderer.release)
+        machine = replace(
+            describe_machine(renderer, protocol),
+            runtime=headset.details["runtime"],
+            timing_trust=headset.timing.trust,
+        )
+        person = _person(protocol, screen, rehearsal, keyboard=mirror)
+        yield HeadsetSetup(headset, renderer, person, screen, machine, watchdog)
+
+
+def open_mirror(owned: ExitStack) -> tuple[Mirror, moderngl.Context]:
+    """Open an operator's window; its context is to draw the frames."""
+    title = "vrcomfort: what the participant sees"
+    window, ctx = open_window(owned, title, (480, 600), participant=False)
+    from vrcomfort.headset.window import Mirror
+
+    return Mirror(ctx, window), ctx
+
+
+def look_down_of(wish: Answering) -> LookDown | None:
+    """Return how a look asks to stop an exposure; None where the protocol wants none."""
+    from vrcomfort.respondent.panel_input import LookDown
+
+    return LookDown(wish.stop_down_deg, wish.stop_down_s) if wish.stop_by_looks else None
+
+
+def _person(
+    protocol: Protocol, screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool
+) -> PanelRespondent:
+    """Return whoever answers on the panel: a participant, or the script of a rehearsal."""
+    from vrcomfort.respondent.keyboard import YES
+    from vrcomfort.respondent.panel import PanelRespondent
+
+    dwell_s = protocol.answering.dwell_s
+    if rehearsal is None:
+        return PanelRespondent(
+            screen,
+            keyboard=keyboard,
+            dwell_s=dwell_s,
+            look_down=look_down_of(protocol.answering),
+            words=protocol.words,
+            prompt=ask_to_type,
+        )
+    rehearsal.screen = screen
+    return PanelRespondent(
+        screen,
+        watch=rehearsal.watch,
+        chose=rehearsal.chose,
+        waiting_line=cycle(("", YES)).__next__,  # says nothing, and goes on
+        keyboard=keyboard,
+        dwell_s=dwell_s,
+        words=protocol.words,
+    )

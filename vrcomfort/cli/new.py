@@ -1,4 +1,4 @@
-"""`new`: asks a few questions and writes a commented protocol."""
+"""`new` and `schema`: a commented protocol to begin with, and the schema of the project's files."""
 
 from __future__ import annotations
 
@@ -7,17 +7,20 @@ import sys
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vrcomfort.cli.terminal import console, dialogue, warn
+from vrcomfort.cli.terminal import answer, console, dialogue, warn
 from vrcomfort.errors import InputError
 from vrcomfort.escaping import escape_unprintable
 from vrcomfort.protocol import parse_protocol
 from vrcomfort.protocol.draft import Draft
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import did_you_mean
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
 
 
 class ComparedKind(StrEnum):
@@ -37,8 +40,9 @@ class RatingKind(StrEnum):
 
 
 def register(app: typer.Typer) -> None:
-    """Add the command."""
+    """Add the commands."""
     app.command()(new)
+    app.command()(schema)
 
 
 def new(
@@ -203,3 +207,37 @@ class _Asker:
             if text.isascii() and text.isdecimal() and int(text) > 0:
                 return int(text)
             dialogue().print("A whole number, please.")
+
+
+class FileKind(StrEnum):
+    """Which file."""
+
+    PROTOCOL = "protocol"
+    PLAN = "plan"
+    SIDE_CAR = "side-car"
+
+
+def schema(
+    kind: Annotated[FileKind, typer.Argument(help="Which of the project's TOML files.")],
+) -> None:
+    """Print the JSON Schema of protocols, analysis plans, or scenes' side-cars.
+
+    - `vrcomfort schema protocol > protocol.schema.json`
+    - `vrcomfort schema plan > plan.schema.json`
+    """
+    from vrcomfort.settings.schema import json_schema
+
+    answer(json_schema(_model(kind)))
+
+
+def _model(kind: FileKind) -> type[BaseModel]:
+    from vrcomfort.protocol import Protocol
+    from vrcomfort.report.plan_files import AnalysisPlan
+    from vrcomfort.scene.side_car import SideCar
+
+    models: dict[FileKind, type[BaseModel]] = {
+        FileKind.PROTOCOL: Protocol,
+        FileKind.PLAN: AnalysisPlan,
+        FileKind.SIDE_CAR: SideCar,
+    }
+    return models[kind]

@@ -1,15 +1,19 @@
-"""`play`: pictures along a head trace, and recorded sessions shown again."""
+"""`play`: a head trace through a scene, or a recorded session drawn again."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vrcomfort.cli.condition_choice import pick_condition
-from vrcomfort.cli.gaze_check import require_recorded_gaze
+from vrcomfort.api.outputs import output_file, output_folder
+from vrcomfort.api.playback import open_trace, require_recorded_gaze
+from vrcomfort.api.rendering import make_renderer
 from vrcomfort.cli.options import (
     ConditionOption,
     ProtocolOption,
@@ -17,15 +21,143 @@ from vrcomfort.cli.options import (
     RefreshRate,
     output_option,
     parse_size,
+    pick_condition,
 )
-from vrcomfort.cli.outputs import output_file, output_folder
 from vrcomfort.cli.play_session import ReplayOptions, play_session
-from vrcomfort.cli.play_trace import WRITTEN, play_trace
-from vrcomfort.cli.playback import open_trace
-from vrcomfort.cli.terminal import console
+from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.errors import InputError, spare
 from vrcomfort.frame import MEAN_IPD_M
+from vrcomfort.protocol import Condition
 from vrcomfort.protocol.quality_levels import Quality
+
+if TYPE_CHECKING:
+    from vrcomfort.records import Row
+    from vrcomfort.traces.trace import Trace
+
+
+# A head trace through a scene: pictures, frame log and video.
+
+
+LOG, SETTINGS = WRITTEN = ("frames.csv", "meta.json")
+"""Files in the folder of results, beside the pictures."""
+
+
+def play_trace(
+    trace: Trace,
+    scene_source: str,
+    condition: Condition,
+    *,
+    size_px: tuple[int, int],
+    ipd_m: float,
+    frames: int | None,
+    refresh_hz: float | None,
+    video: Path | None,
+    out: Path | None,
+    quiet: bool,
+) -> int:
+    """Render a trace; return the number of frames.
+
+    Pictures, ``frames.csv`` and ``meta.json`` go into `out`, the film to `video`.
+
+    A trace without avatar poses is anchored at the scene's spawn point.
+    """
+    from vrcomfort.headset.playback import PlaybackHeadset
+    from vrcomfort.scene.load import load_scene
+
+    scene = load_scene(scene_source)
+    for warning in scene.warnings:
+        warn(warning)
+    headset = PlaybackHeadset(
+        trace,
+        image_size_px=size_px,
+        refresh_hz=refresh_hz,
+        ipd_m=ipd_m,
+        spawn=scene.spawn,
+        loop=frames is not None,
+        max_frames=frames,
+    )
+    renderer = make_renderer(size_px)
+    renderer.begin(scene, condition)
+    if out is not None:
+        _write_settings(out, scene.name, condition, headset, renderer)
+    return _draw(headset, renderer, out, video=video, total=frames or len(trace), quiet=quiet)
+
+
+def _draw(
+    headset: Any, renderer: Any, out: Path | None, *, video: Path | None, total: int, quiet: bool
+) -> int:
+    from vrcomfort.render.output import VideoWriter, read_rgb8, side_by_side, write_png
+    from vrcomfort.replay.film import PICTURES, cleared
+    from vrcomfort.session.frame_log import FrameLog
+
+    pictures = None if out is None else cleared(out / PICTURES)
+    count, start_ns = 0, None
+    with ExitStack() as owned:
+        rows: Any = _NoRows() if out is None else owned.enter_context(_rows(out / LOG))
+        film = None
+        if video is not None:
+            film = owned.enter_context(VideoWriter(video, frames_per_s=headset.refresh_hz))
+        advance = owned.enter_context(progress_bar("drawn", total, quiet=quiet, unit="frames"))
+        log = FrameLog(rows)
+        for frame in headset.frames():
+            start_ns = frame.predicted_display_time_ns if start_ns is None else start_ns
+            time_s = (frame.predicted_display_time_ns - start_ns) / 1e9
+            rendered = renderer.render(frame, time_s)
+            log.add(frame, rendered, trial=1, session_s=time_s)
+            image = side_by_side(*map(read_rgb8, rendered.eyes))
+            if pictures is not None:
+                write_png(pictures / f"{frame.index:06d}.png", image)
+            if film is not None:
+                film.write(image)
+            headset.submit(frame, rendered.eyes)
+            count += 1
+            advance()
+        log.finish(renderer.drain())
+    return count
+
+
+class _NoRows:
+    """Where no log is wanted."""
+
+    def write(self, *rows: Row) -> None:
+        """Write nothing."""
+
+
+class _RowFile:
+    """Appends rows to one CSV file."""
+
+    def __init__(self, stream: Any) -> None:
+        self._stream = stream
+
+    def write(self, *rows: Row) -> None:
+        from vrcomfort.records.rows import csv_line
+
+        for row in rows:
+            self._stream.write(csv_line(row.cells()))
+
+
+@contextmanager
+def _rows(file: Path) -> Iterator[_RowFile]:
+    from vrcomfort.records import FrameRow
+    from vrcomfort.records.rows import csv_line
+
+    with file.open("w", encoding="utf-8", newline="") as stream:
+        stream.write(csv_line(FrameRow.columns()))
+        yield _RowFile(stream)
+
+
+def _write_settings(
+    out: Path, scene: str, condition: Condition, headset: Any, renderer: Any
+) -> None:
+    settings = {
+        "scene": scene,
+        "condition": condition.model_dump(mode="json"),
+        "passes": [step.name for step in renderer.plan() if step.needed],
+        "size_px": list(headset.image_size_px),
+        "refresh_hz": headset.refresh_hz,
+        "ipd_m": headset.ipd_m,
+    }
+    (out / SETTINGS).write_text(json.dumps(settings, indent=2) + "\n", encoding="utf-8")
 
 
 class Level(StrEnum):
@@ -157,7 +289,7 @@ def play(
         raise InputError("a head trace needs a scene to play in: --scene temple, for example")
     study, shown = pick_condition(protocol, condition)
     shown = shown if level is None else shown.at_level(level)
-    played = open_trace(source, trial=trial, gaze=gaze)
+    played = open_trace(source, trial=trial, gaze=gaze, note=warn)
     require_recorded_gaze([shown], played)
     if out is not None:
         spare([source, gaze], [out / name for name in WRITTEN])

@@ -1,15 +1,24 @@
-"""`run`: a participant goes through a protocol and everything is recorded."""
+"""`run`: one participant through one session of a protocol."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import replace
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vrcomfort.cli.gaze_check import require_eye_tracker, require_recorded_gaze
+from vrcomfort.api.playback import (
+    PlaybackSetup,
+    open_trace,
+    require_eye_tracker,
+    require_recorded_gaze,
+)
+from vrcomfort.api.study_setup import RespondentKind, StudySetup, outcome_sentence, require_wording
+from vrcomfort.cli.headset_setup import desktop_setup, openxr_setup, rehearse, tracks_eyes
 from vrcomfort.cli.options import (
     CovariateOption,
     ExposureOption,
@@ -25,31 +34,117 @@ from vrcomfort.cli.options import (
     parse_size,
     typed_words,
 )
-from vrcomfort.cli.playback import PlaybackSetup, open_trace
-from vrcomfort.cli.run_console import open_console
-from vrcomfort.cli.run_desktop import desktop_setup
-from vrcomfort.cli.run_headset import (
-    HeadsetKind,
-    require_console,
-    require_meaning,
-    usual_respondent,
-)
-from vrcomfort.cli.run_openxr import openxr_setup, tracks_eyes
-from vrcomfort.cli.run_progress import SessionBars
-from vrcomfort.cli.run_rehearsal import rehearse
-from vrcomfort.cli.run_relay import open_relays
-from vrcomfort.cli.run_sound import open_speaker
-from vrcomfort.cli.study_setup import RespondentKind, StudySetup, outcome_sentence, require_wording
-from vrcomfort.cli.terminal import complain, console, warn
+from vrcomfort.cli.session_devices import open_console, open_relays, open_speaker
+from vrcomfort.cli.terminal import complain, console, dialogue, progress_bar, warn
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.headset.watchdog import EXIT_RUNTIME_LOST, Watchdog
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
-    from vrcomfort.cli.headset_setup import HeadsetSetup
+    from vrcomfort.api.study_setup import HeadsetSetup
+    from vrcomfort.cli.session_devices import ConsoleSetup
+    from vrcomfort.operator_interface import SessionProgress
     from vrcomfort.records.consents import Given
+    from vrcomfort.respondent import Respondent
     from vrcomfort.session import RunOutcome
     from vrcomfort.session.rehearsal import Rehearsal
+
+
+# Which headset a session is shown in, and which options mean something for it.
+
+
+class HeadsetKind(StrEnum):
+    """Headsets that a session can run on."""
+
+    PLAYBACK = "playback"
+    OPENXR = "openxr"
+    DESKTOP = "desktop"
+
+
+PLAYBACK, OPENXR, DESKTOP = HeadsetKind
+MEANT_FOR: Mapping[str, tuple[HeadsetKind, ...]] = {
+    "--trace": (PLAYBACK,),
+    "--refresh-hz": (PLAYBACK, OPENXR),
+    "--monado-trace": (OPENXR,),
+    "--monado-answers": (OPENXR,),
+    "--mirror": (OPENXR,),
+    "--one-eye": (DESKTOP,),
+    "--respondent panel": (OPENXR, DESKTOP),
+}
+
+
+def usual_respondent(headset: HeadsetKind, *, with_console: bool = False) -> RespondentKind:
+    """Return who answers where nothing is said: the panel in a headset, else an experimenter."""
+    if headset is not PLAYBACK:
+        return RespondentKind.PANEL
+    return RespondentKind.CONSOLE if with_console else RespondentKind.TERMINAL
+
+
+def require_meaning(
+    headset: HeadsetKind, respondent: RespondentKind | None, options: Mapping[str, object]
+) -> None:
+    """Refuse options that mean nothing for a headset.
+
+    Parameters
+    ----------
+    options
+        Option → what was given; None or False where it was not.
+
+    Raises
+    ------
+    InputError
+        Names the first of them, and the headsets that it is for.
+    """
+    given = [name for name, value in options.items() if value not in {None, False}]
+    if respondent is not None:
+        given.append(f"--respondent {respondent}")
+    for name in given:
+        headsets = MEANT_FOR.get(name, tuple(HeadsetKind))
+        if headset not in headsets:
+            places = " or ".join(f"--headset {each}" for each in headsets)
+            raise InputError(f"{name} is for {places}; leave it out with --headset {headset}")
+
+
+def require_console(kind: RespondentKind, *, with_console: bool) -> None:
+    """Refuse a console without its packages, and answers on one that is not asked for.
+
+    Raises
+    ------
+    InputError
+        Says what to type.
+    """
+    if kind is RespondentKind.CONSOLE and not with_console:
+        raise InputError("--respondent console needs --console, where answers are entered")
+
+
+# Shows how far the steps of a session have come.
+
+
+class SessionBars(ExitStack):
+    """A bar for each exposure and rest; the questionnaires speak for themselves."""
+
+    def __init__(self, quiet: bool) -> None:
+        super().__init__()
+        self._quiet = quiet
+        self._title = ""
+        self._done = 0.0
+
+    def tell(self, progress: SessionProgress) -> None:
+        """Show how far a step of the session has come, and what the operator must know at once."""
+        if progress.step == "notice":
+            warn(progress.text)
+            return
+        timed = progress.step in {"training", "exposure", "rest"}
+        title = f"{progress.step} {progress.trial or ''}".strip() if timed else ""
+        if title != self._title:
+            self.close()
+            self._title, self._done = title, 0.0
+            if title:
+                bar = progress_bar(title, progress.total, quiet=self._quiet, unit="s")
+                self._advance = self.enter_context(bar)
+        if title:
+            self._advance(progress.done - self._done)
+            self._done = progress.done
 
 
 def register(app: typer.Typer) -> None:
@@ -151,11 +246,13 @@ def run(
     playback = PlaybackSetup(
         size_px or (640, 800),
         study.headset.ipd_m,
-        open_trace(trace) if trace else None,
+        open_trace(trace, note=warn) if trace else None,
         refresh_hz,
         real_time=respondent is not RespondentKind.SIMULATED,
     )
-    study_setup = StudySetup(study, out, playback, seed, exposure_s, group_readable=group_readable)
+    study_setup = StudySetup(
+        study, out, playback, seed, exposure_s, group_readable=group_readable, note=warn
+    )
     kind = respondent or usual_respondent(headset, with_console=with_console)
     require_console(kind, with_console=with_console)
     require_wording(study, kind, in_headset=headset is not HeadsetKind.PLAYBACK)
@@ -186,7 +283,9 @@ def run(
         from vrcomfort.session import run as run_sessions
 
         try:
-            settings = study_setup.settings(enrolment, kind, headset_setup, console)
+            person = _respondent(kind, study, headset_setup, console)
+            operators = console.operators if console else None
+            settings = study_setup.settings(enrolment, person, headset_setup, operators)
             settings = replace(
                 settings,
                 ipd_measured_m=None if ipd_mm is None else ipd_mm / 1000,
@@ -273,6 +372,26 @@ def _connect(
         one_eye = options["--one-eye"]
         return owned.enter_context(desktop_setup(protocol, size_px=size_px, one_eye=one_eye))
     return None
+
+
+def _respondent(
+    kind: RespondentKind,
+    protocol: Protocol,
+    headset: HeadsetSetup | None,
+    console: ConsoleSetup | None,
+) -> Respondent | None:
+    """Return the person, by where they answer; None of a simulated participant."""
+    from vrcomfort.respondent import TerminalRespondent
+
+    if kind is RespondentKind.SIMULATED:
+        return None
+    if kind is RespondentKind.TERMINAL:
+        return TerminalRespondent(dialogue())
+    if console is not None and kind is RespondentKind.CONSOLE:
+        return console.respondent(headset.screen if headset else None, protocol.words)
+    if headset is None:
+        raise InputError("--respondent panel needs a headset to answer in")
+    return headset.panel
 
 
 def _tell(outcome: RunOutcome, out: Path, quiet: bool) -> None:

@@ -1,7 +1,7 @@
-"""What is said to people and programs: printing, notes, errors, progress.
+"""Terminal output: printing, notes, errors, progress.
 
 Everything that is printed may be data, in which square brackets are square brackets: nothing here
-reads markup. What is to look different has a `style`.
+reads markup. Styled text has a `style`.
 """
 
 from __future__ import annotations

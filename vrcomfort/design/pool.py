@@ -84,7 +84,7 @@ class Design:
             If the design has no such sequence.
         """
         group, _, last = name.rpartition("-")
-        if group in self.own_orders and last[:1] == "r" and last[1:].isdigit():
+        if group in self.own_orders and last[:1] == "r" and last[1:].isdecimal():
             return self._own_order(group, int(last[1:]))
         for sequence in self.sequences:
             if sequence.name == name:

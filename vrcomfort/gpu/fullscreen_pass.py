@@ -1,11 +1,13 @@
-"""One full-screen triangle from some textures into another: what post-processing is made of."""
+"""Post-processing passes from textures to textures: full-screen, mip chain, running maximum."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import Any, Protocol, TypeAlias
+from math import ceil
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import moderngl
+import numpy as np
 
 from vrcomfort.gpu import gl, shaders
 
@@ -150,3 +152,81 @@ def _parts(uniforms: Uniforms) -> tuple[Fields, ...]:
 
 def _textures(given: moderngl.Texture | Sequence[moderngl.Texture]) -> Sequence[moderngl.Texture]:
     return (given,) if isinstance(given, moderngl.Texture) else given
+
+
+class _Size(NamedTuple):
+    size_px: tuple[int, int]
+
+
+class MipChain:
+    """Levels 1, 2, … of `image` (RGBA16F): ``common/mip_downsample.frag``.
+
+    Level k has size / 2^k, rounded up, and its texel t begins at pixel 2^k t, also where an odd
+    image ends within a texel.
+
+    Attributes
+    ----------
+    levels
+        The textures, level 1 first.
+    """
+
+    def __init__(
+        self, ctx: moderngl.Context, image: moderngl.Texture, count: int, size_px: tuple[int, int]
+    ) -> None:
+        self._halves: list[FullscreenPass] = []
+        width, height = size_px
+        for level in range(1, count + 1):
+            self._halves.append(
+                FullscreenPass(
+                    ctx,
+                    "common/mip_downsample.frag",
+                    size_px=(ceil(width / 2**level), ceil(height / 2**level)),
+                    inputs={"source": self._halves[-1].target if self._halves else image},
+                    constants=_Size(size_px),
+                    defines={"TEXEL": 2 ** (level - 1)},
+                )
+            )
+        self.levels = [half.target for half in self._halves]
+
+    def render(self, count: int | None = None) -> None:
+        """Draw the first `count` levels of the present image, or all."""
+        for half in self._halves[:count]:
+            half.render()
+
+
+class MaxReductionPass:
+    """Keeps the greatest length of some components over all frames in one pixel, `target`.
+
+    No frame waits for it: only :meth:`read` does.
+    """
+
+    def __init__(
+        self, ctx: moderngl.Context, texels: moderngl.Texture, *, components: str = "xy"
+    ) -> None:
+        self._ctx = ctx
+        self._texels = texels
+        self.target = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
+        self._framebuffer = ctx.framebuffer([self.target])
+        self._framebuffer.clear()
+        program = shaders.program(
+            ctx, "common/max_reduction.frag", "common/max_reduction.vert", {"VALUE": components}
+        )
+        self._points = ctx.vertex_array(program, [])
+        self._points.program["texels"] = 0
+        self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
+
+    def render(self) -> None:
+        """Take the present texels into account."""
+        self._texels.use(0)
+        self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)
+        with self._scope:
+            self._points.render(moderngl.POINTS, vertices=self._texels.width * self._texels.height)
+        self._ctx.blend_equation = (moderngl.FUNC_ADD, moderngl.FUNC_ADD)
+
+    def read(self) -> float:
+        """Return the greatest value since the pass was made; waits for the GPU."""
+        return float(np.frombuffer(self.target.read(), dtype=np.float32)[0])
+
+    def forget(self) -> None:
+        """Start again from 0."""
+        self._framebuffer.clear()

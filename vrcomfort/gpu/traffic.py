@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 import moderngl
 
-from vrcomfort.gpu import gl, texel_reads
+from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.timer import queries
 
 
@@ -152,7 +152,7 @@ class Recorder:
 
     def _note_in_scope(self, program: moderngl.Program, draw: Callable[[], None]) -> None:
         self._counter.clear()
-        self._counter.bind_to_storage_buffer(texel_reads.BINDING)
+        self._counter.bind_to_storage_buffer(shaders.READS_BINDING)
         inputs, targets = self._state.inputs(program.glo), self._state.targets()
         fragments = self._state.fragments_of(draw)
         low, high = memoryview(self._counter.read()).cast("I")

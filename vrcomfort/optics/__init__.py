@@ -1,5 +1,5 @@
-"""What is computed before shaders run: focus, circle of confusion, patterns of taps, tone.
+"""Float64 models of what shaders compute: focus, circle of confusion, blur kernels, motion, tone.
 
-Float64, no OpenGL. Formulas that only shaders have are written once more in ``tests/oracles``: a
-shader is right when it agrees with its twin.
+No OpenGL. Formulas that only shaders have are written once more in ``tests/oracles``: a shader is
+right when it agrees with its twin.
 """

@@ -1,13 +1,18 @@
-"""How many samples streaks take, and how fast a head goes."""
+"""Speed of the head, and the effects that follow it.
+
+Sampling of motion blur, ramps over speed, the vignette's strength and clear field, and the widths
+of speed blur and relocation blur.
+"""
 
 from __future__ import annotations
 
-from math import atan2, degrees
+import math
+from math import atan2, degrees, radians, tan
 from typing import NamedTuple
 
 import numpy as np
 
-from vrcomfort.geometry import Pose
+from vrcomfort.geometry import Fov, Pose
 
 _NARROW_PX, _WIDE_PX = 400, 1000
 _DIAL = (
@@ -84,3 +89,66 @@ def speed_m_s(before: Pose, now: Pose, /, *, seconds: float) -> float:
 def ramp(value: float, /, start: float, end: float) -> float:
     """Return 0 up to `start`, 1 from `end` on, and what is linear between."""
     return min(max((value - start) / (end - start), 0.0), 1.0)
+
+
+def moved_towards(
+    strength: float, wanted: float, /, *, elapsed_s: float, attack_s: float, release_s: float
+) -> float:
+    """Return the strength after some time, which closes and opens at a constant rate.
+
+    Parameters
+    ----------
+    strength, wanted
+        0 (open) to 1 (restricted).
+    attack_s, release_s
+        Seconds from 0 to 1 and from 1 to 0; 0 is at once. Frames of any length that add up to the
+        same time give the same strength, as long as `wanted` is the same in them.
+    """
+    elapsed_s = max(elapsed_s, 0.0)
+    duration_s = attack_s if wanted > strength else release_s
+    if elapsed_s >= duration_s * abs(wanted - strength):
+        return wanted
+    return strength + math.copysign(elapsed_s / duration_s, wanted - strength)
+
+
+def clear_deg(open_deg: float, restricted_deg: float, strength: float) -> float:
+    """Return the diameter of the clear field, which is linear in the strength."""
+    return open_deg + (restricted_deg - open_deg) * strength
+
+
+def widest_angle_deg(fov: Fov, centre_from_eye: Pose) -> float:
+    """Return the largest angle from the field's axis in an eye's image: a corner's.
+
+    Parameters
+    ----------
+    centre_from_eye
+        The axis is its −Z. Only its rotation counts: canted displays look past the head's axis.
+    """
+    left, right, up, down = fov.tangents
+    rays = np.array([(x, y, -1.0) for x in (left, right) for y in (up, down)])
+    x, y, z = centre_from_eye.matrix()[:3, :3] @ rays.T
+    return float(np.degrees(np.arctan2(np.hypot(x, y), -z)).max())
+
+
+def sigma_px(sigma_arcmin: float, focal_px: float) -> float:
+    """Return a Gaussian's standard deviation in pixels, in the middle of an image.
+
+    For ``shaders/speed_blur/gaussian.frag``.
+    """
+    return focal_px * tan(radians(sigma_arcmin / 60))
+
+
+def level_after(level: float, /, *, elapsed_s: float, duration_s: float) -> float:
+    """Return relocation blur's MIP level some time after a cut: it falls to 0 at a constant rate.
+
+    Parameters
+    ----------
+    level
+        At the cut; a texel of level k is 2^k px wide.
+    """
+    return level * min(max(1 - elapsed_s / duration_s, 0.0), 1.0)
+
+
+def halvings(level: float, /) -> int:
+    """Return how many halvings of the image a level is made of: the two around it."""
+    return math.ceil(level)

@@ -1,4 +1,4 @@
-"""What a condition shows: the frozen settings of every effect, in physical units.
+"""Conditions: the frozen settings of every effect, in physical units.
 
 Every number that a paper gives is a named setting here; the paper's protocol file sets it.
 `None` in place of an effect's settings means that the effect has no pass, no texture and no cost.
@@ -12,9 +12,27 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from vrcomfort.protocol.gaze_centre import CentredEffect, GazeCentre
 from vrcomfort.protocol.quality_levels import Quality, filled, with_level
 from vrcomfort.settings import Name, Settings, Word
+
+CentredEffect: TypeAlias = Literal["autofocus_zone", "peripheral", "vignette"]
+
+
+class GazeCentre(Settings):
+    """What is centred on the gaze instead of on the head's forward axis.
+
+    While the tracker does not see the eyes, their last direction in the head's frame is held for
+    `hold_s`; then the head's forward axis is the centre, until they are seen again.
+    """
+
+    of: Annotated[tuple[CentredEffect, ...], Field(min_length=1)]
+    """`autofocus_zone`: the zone of `focus`; `peripheral`: the blur of `depth_of_field`;
+    `vignette`: its clear field."""
+    hold_s: Annotated[float, Field(ge=0, le=60)] = 0.5
+    """How long a gaze that is lost counts on: longer than a blink."""
+    without_gaze: Literal["stop", "head"] = "stop"
+    """What a headset without an eye tracker does: no session, or the centre is the head's axis."""
+
 
 Distance = Annotated[float, Field(ge=0.001, le=1e9)]
 """Metres: 1 mm, which is nearer than any near plane, to where every eye is at infinity."""
@@ -205,8 +223,8 @@ class DepthOfField(Settings):
     views: Annotated[int, Field(ge=1, le=256)] = 1
     """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
     the views are blurred a little and averaged; two err as much as one. The mean has no largest
-    radius: what would reach `max_radius_percent` in one view is blurred more. `vrcomfort plan` says
-    where that is."""
+    radius: what would reach `max_radius_percent` in one view is blurred more. `vrcomfort passes`
+    says where that is."""
     over_blur: Annotated[float, Field(ge=0, le=4)] = 1.0
     """Scales the blur of each of K views, whose radius is 2/√K of the lens at 1, at most half,
     and 0.97 of it with up to eleven (`views` from 2 on). From twelve on, less than 0.75 px per
@@ -292,7 +310,7 @@ class MotionBlur(Settings):
     """`reconstruction`: knows who hides whom (McGuire 2012, Guertin 2013); `per_pixel`: a plain
     gather along each pixel's own velocity (Rosado 2007, which Chapman 2020 cites)."""
     mode: CameraMode = "rotation_cancelled"
-    """Which camera motion blurs; `vrcomfort.render.camera_motion` says what each cancels."""
+    """Which camera motion blurs; `vrcomfort.render.camera` says what each cancels."""
     virtual_turning: VirtualTurning = "by_mode"
     """Whether turns by locomotion blur, whatever `mode` does with the tracked head. `by_mode`:
     `rotation_cancelled_eye` and `objects_only` cancel them, the other modes keep them. Snap turns
@@ -411,7 +429,7 @@ class EffectTables(Settings):
     """The effects, in the order in which they come where a condition does not say otherwise.
 
     This is the one list of them: conditions, levels of factors, `effect_order` and the schema have
-    what stands here. How each is drawn is in `vrcomfort.render.effects.kinds`.
+    what stands here. How each is drawn is in `vrcomfort.render.plan`.
     """
 
     depth_of_field: DepthOfField | None = None

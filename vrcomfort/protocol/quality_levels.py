@@ -3,7 +3,7 @@
 Levels and figures are in ``analysis/measured/quality.toml``. A level says how blur is sampled, not
 how strong it is: the same stimulus, faster or closer to the reference, up to the largest radius.
 One view has that limit; levels with views through the lens have none, and show more blur where it
-would act (`vrcomfort.render.effects.depth_of_field.blur_limit` says where that is).
+would act (`vrcomfort.render.effects.depth_of_field.lens_radius` says where that is).
 """
 
 from __future__ import annotations

@@ -1,24 +1,9 @@
-"""Recordings of any length: frames read out of core, packed into Parquet, summed by exposure.
+"""Recordings of any length: packed into Parquet, and summed by exposure.
 
-The CSV stays the record. A Parquet file beside it holds the same rows and is read in its place as
-long as it is of that CSV.
+`vrcomfort.records.recording` reads them.
 """
 
 from vrcomfort.recordings.exposures import ExposureFrames, frame_measures
-from vrcomfort.recordings.memory import Memory
 from vrcomfort.recordings.pack import Packed, pack_study
-from vrcomfort.recordings.source import Source, find_source, read_columns
-from vrcomfort.recordings.words import Words, read_words
 
-__all__ = [
-    "ExposureFrames",
-    "Memory",
-    "Packed",
-    "Source",
-    "Words",
-    "find_source",
-    "frame_measures",
-    "pack_study",
-    "read_columns",
-    "read_words",
-]
+__all__ = ["ExposureFrames", "Packed", "frame_measures", "pack_study"]

@@ -19,10 +19,8 @@ import duckdb
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.frame import DROPPED_INTERVAL_PERIODS
-from vrcomfort.recordings.columns import Kind, kinds
-from vrcomfort.recordings.memory import Memory
-from vrcomfort.recordings.source import Source, damage_of, find_source, rows_of, told_with_its_place
 from vrcomfort.records.frame_rows import CUT
+from vrcomfort.records.recording import Kind, Memory, Recording, damage_of, kinds
 
 _LENGTH, _ANGLE = 1e9, 1e12
 """Steps in a metre; in a radian and in a dioptre."""
@@ -146,15 +144,15 @@ def measure(memory: Memory, csv: Path) -> MeasuredSession:
         attempts = _attempts(csv.with_name("trials.csv"))
         if not attempts:
             return MeasuredSession(())
-        source = find_source(csv)
-        notes = (source.note,) if source.note else ()
+        recording = Recording.find(csv)
+        notes = (recording.note,) if recording.note else ()
         try:
-            found = _summed(source, attempts, memory)
+            found = _summed(recording, attempts, memory)
         except InputError as error:
-            if source.parquet is None:
+            if recording.parquet is None:
                 raise
             notes = (f"{error}; {csv.name} is read",)
-            found = _summed(replace(source, parquet=None), attempts, memory)
+            found = _summed(replace(recording, parquet=None), attempts, memory)
     except InputError as error:
         return MeasuredSession((), (f"{error}; nothing of these frames is reported",))
     return MeasuredSession(found, notes)
@@ -202,7 +200,7 @@ def _attempts(trials: Path) -> list[_Attempt]:
 
 
 def _summed(
-    source: Source, attempts: Sequence[_Attempt], memory: Memory
+    recording: Recording, attempts: Sequence[_Attempt], memory: Memory
 ) -> tuple[ExposureFrames, ...]:
     """Read a recording once and sum its frames by attempt.
 
@@ -212,9 +210,9 @@ def _summed(
         If it is damaged, with its place.
     """
     with (
-        told_with_its_place(source),
+        recording.told_with_its_place(),
         memory.database() as database,
-        rows_of(source) as (table, columns),
+        recording.table() as (table, columns),
     ):
         database.execute(
             "CREATE TABLE attempts (number INT, trial BIGINT, from_s DOUBLE, until_s DOUBLE)"
@@ -225,7 +223,7 @@ def _summed(
         )
         found = _rows(database, _query(table, columns))
     if any(row["wrong"] for row in found):
-        raise damage_of(source.csv, "a number is not finite, or time goes back")
+        raise damage_of(recording.csv, "a number is not finite, or time goes back")
     return tuple(_exposure(attempts[row["number"]], row) for row in found)
 
 

@@ -14,22 +14,22 @@ from typing import Any
 import duckdb
 
 from vrcomfort.errors import InputError
-from vrcomfort.recordings.columns import kinds
-from vrcomfort.recordings.memory import Memory, column, quoted
-from vrcomfort.recordings.source import (
-    Fingerprint,
-    Source,
-    csv_header,
-    damage_of,
-    half_written,
-    packed_facts,
-    parquet_of,
-    rows_of,
-    told_with_its_place,
-)
 from vrcomfort.records.disk import OWNER, refuse_links, refused, sync_folder
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.lock import only_program
+from vrcomfort.records.recording import (
+    Fingerprint,
+    Memory,
+    Recording,
+    column,
+    csv_header,
+    damage_of,
+    half_written,
+    kinds,
+    packed_facts,
+    parquet_of,
+    quoted,
+)
 
 ROWS_IN_A_GROUP = 30_720
 """Of the Parquet file: a group of all 70 columns takes 17 MB while it is written."""
@@ -129,9 +129,9 @@ def _write(csv: Path, draft: Path, fingerprint: Fingerprint, memory: Memory) -> 
     """
     facts = ", ".join(f"{name}: {quoted(value)}" for name, value in fingerprint.facts.items())
     options = f"FORMAT parquet, COMPRESSION zstd, ROW_GROUP_SIZE {ROWS_IN_A_GROUP}"
-    source = Source(csv)
-    with memory.database() as database, told_with_its_place(source):
-        with rows_of(source) as (table, _):
+    recording = Recording(csv)
+    with memory.database() as database, recording.told_with_its_place():
+        with recording.table() as (table, _):
             try:
                 database.execute(
                     f"COPY (SELECT * FROM {table}) TO {quoted(draft)} "  # noqa: S608

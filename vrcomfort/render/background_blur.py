@@ -1,13 +1,17 @@
-"""Which nodes are drawn sharp over a blurred background: layers by node."""
+"""Background blur: the nodes that stay sharp, and the image at one MIP level behind them."""
 
 from __future__ import annotations
 
 from fnmatch import fnmatchcase
+from typing import NamedTuple
 
+import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.errors import InputError
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MipChain
+from vrcomfort.optics.motion import halvings
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.boxes import with_all_below
@@ -54,3 +58,45 @@ def foreground(scene: Scene, condition: Condition) -> NDArray[np.bool_]:
             f"{scene.name!r} is called {wanted}; {hint}"
         )
     return found
+
+
+class _Level(NamedTuple):
+    level: float
+
+
+class MipLevelPass:
+    """Draws `colour` (linear HDR RGBA16F) at a MIP level, magnified to full size, into `target`.
+
+    Parameters
+    ----------
+    most_level
+        The highest level that is drawn; above 0.
+    target
+        A texture to draw into instead of one of its own; of several samples, all are drawn.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        colour: moderngl.Texture,
+        *,
+        most_level: float,
+        size_px: tuple[int, int],
+        target: moderngl.Texture | None = None,
+    ) -> None:
+        self._chain = MipChain(ctx, colour, halvings(most_level), size_px)
+        self._pass = FullscreenPass(
+            ctx,
+            "common/mip_level.frag",
+            size_px=size_px,
+            inputs={"image": colour, "levels": self._chain.levels},
+            filtered={"levels"},
+            defines={"CHAIN": len(self._chain.levels)},
+            target=target,
+        )
+        self.target = self._pass.target
+
+    def render(self, level: float) -> None:
+        """Draw the present image at a level above 0."""
+        self._chain.render(halvings(level))
+        self._pass.render(_Level(level))

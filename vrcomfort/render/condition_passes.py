@@ -4,30 +4,51 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import moderngl
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import FocusSample, Frame, GazeHit
-from vrcomfort.geometry import Array, Pose
-from vrcomfort.optics.gaze_centre import Centre, GazeCentre
-from vrcomfort.protocol.conditions import Condition
-from vrcomfort.protocol.gaze_centre import CentredEffect
-from vrcomfort.render.camera import Lens, PreviousCamera
-from vrcomfort.render.effects.depth_of_field.lens_views import LensViews
+from vrcomfort.geometry import Array, Gaze, Pose
+from vrcomfort.optics.focus import Centre, GazeCentre
+from vrcomfort.protocol.conditions import CentredEffect, Condition
+from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
+from vrcomfort.render.display import ToneMapPass
+from vrcomfort.render.effects.depth_of_field.effect import LensViews
 from vrcomfort.render.effects.effect import Adjustable, Effect, EffectInputs, EffectKind, EyeFrame
-from vrcomfort.render.effects.kinds import in_order
 from vrcomfort.render.focus.autofocus_zone import screen_tangents
-from vrcomfort.render.focus.rule import FocusPass, Sight
 from vrcomfort.render.focus.rules import make_focus_pass
-from vrcomfort.render.frames import EyeImages, head_from_gaze
+from vrcomfort.render.focus.search import FocusPass, Sight
 from vrcomfort.render.gaze_hit import GazeHits
-from vrcomfort.render.plan import plan_passes
-from vrcomfort.render.resolve import ResolvePass
-from vrcomfort.render.scene_pass import ScenePass
-from vrcomfort.render.tone_map import ToneMapPass
+from vrcomfort.render.plan import in_order, plan_passes
+from vrcomfort.render.scene_pass import ResolvePass, ScenePass
 from vrcomfort.scene.data import Scene
+
+
+def head_from_gaze(frame: Frame) -> Gaze | None:
+    """Return a frame's gaze in the head's frame."""
+    if frame.gaze is None:
+        return None
+    return Gaze(frame.head_pose.inverse() @ frame.gaze.pose, frame.gaze.valid)
+
+
+class EyeImages(NamedTuple):
+    """The textures of the eye that was just drawn; the next eye overwrites all but `encoded`.
+
+    `pinhole` and `linear` are linear HDR light before and after the effects, `depth` is reverse-Z
+    with `near_m`, `velocity` is px per frame, `encoded` is what the display gets. `previous` is
+    where the eye counts as having been, None where motion blur needs none.
+    """
+
+    camera: EyeCamera
+    previous: PreviousCamera | None
+    pinhole: moderngl.Texture
+    linear: moderngl.Texture
+    depth: moderngl.Texture
+    velocity: moderngl.Texture | None
+    encoded: moderngl.Texture
+
 
 Drawn: TypeAlias = Effect | LensViews | ScenePass | ResolvePass | ToneMapPass | FocusPass
 """What has a `render`."""

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
 from vrcomfort.render import culling
+from vrcomfort.render.culling import SkinBoxes
 from vrcomfort.render.materials import BatchKey, ImageArrays, batch_key, materials_per_block
-from vrcomfort.render.skin_boxes import SkinBoxes
 from vrcomfort.scene.data import Node, Scene
 
 COMMAND = np.dtype(

@@ -17,7 +17,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.gpu.gl import LATENCY
 from vrcomfort.optics.focus import WIDEST_GAZE
 from vrcomfort.render.camera import rotation_only
-from vrcomfort.render.focus.narrow_rays import ray_lengths, ray_projections
+from vrcomfort.render.focus.rays import ray_lengths, ray_projections
 from vrcomfort.render.gpu_scene import GpuScene
 
 _FLOAT = 4

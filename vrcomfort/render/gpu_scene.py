@@ -19,29 +19,31 @@ from numpy.typing import NDArray
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.render import culling, lighting
-from vrcomfort.render.batch_drawer import BatchDrawer
-from vrcomfort.render.clip_blocks import ClipBlocks
 from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
-from vrcomfort.render.joint_buffer import JointBuffer
-from vrcomfort.render.materials import ImageArrays
-from vrcomfort.render.scene_rows import (
+from vrcomfort.render.materials import (
+    ImageArrays,
+    MaterialBuffer,
+    Surface,
+    SurfaceFactory,
+    TextureStore,
+)
+from vrcomfort.render.scene_buffers import (
+    BENDING_FORMAT,
+    BENDING_NAMES,
     PREVIOUS_FORMAT,
     PREVIOUS_NAMES,
     ROW_FORMAT,
     ROW_NAMES,
-    Movement,
-    RowBuffers,
-    Rows,
-    SceneRows,
-)
-from vrcomfort.render.surfaces import Surface, SurfaceFactory
-from vrcomfort.render.vertex_data import (
-    BENDING_FORMAT,
-    BENDING_NAMES,
     SECOND_UV_FORMAT,
     SECOND_UV_NAMES,
     VERTEX_FORMAT,
     VERTEX_NAMES,
+    ClipBlocks,
+    JointBuffer,
+    Movement,
+    RowBuffers,
+    Rows,
+    SceneRows,
     bending_bytes,
     index_bytes,
     second_uv_bytes,
@@ -371,3 +373,70 @@ def _vertex_array(
 ) -> moderngl.VertexArray:
     # Without a fragment shader moderngl would take the program for one that feeds points back.
     return ctx.vertex_array(program, content, indices, skip_errors=True, mode=moderngl.TRIANGLES)
+
+
+_ALPHA_TO_COVERAGE = 0x809E
+_NOT_KNOWN = "not known"
+
+
+class BatchDrawer:
+    """Draws batches, and changes only OpenGL state that differs from one to the next.
+
+    `begin`, then `draw` as often as need be.
+
+    Between the two, and between draws, nothing else may be drawn.
+    """
+
+    def __init__(self, ctx: moderngl.Context, scene: Scene, images: ImageArrays) -> None:
+        self._ctx = ctx
+        self._materials = MaterialBuffer(ctx, scene, images)
+        self._textures = TextureStore(ctx, scene, images)
+        self._faces: str | None = _NOT_KNOWN
+        self._block: int | None = None
+
+    def begin(self) -> None:
+        """Bind all images, and count on nothing that others have left."""
+        self._textures.bind()
+        self._faces, self._block = _NOT_KNOWN, None
+
+    def draw(
+        self,
+        batches: Sequence[Batch],
+        surfaces: Sequence[Surface],
+        commands: moderngl.Buffer,
+        *,
+        cull: bool = True,
+    ) -> None:
+        """Draw.
+
+        Parameters
+        ----------
+        surfaces
+            What the keys of batches number.
+        cull
+            Whether back faces of one-sided surfaces are left out.
+        """
+        covers = False
+        for batch in batches:
+            surface = surfaces[batch.key]
+            if surface.block is not None and surface.block != self._block:
+                self._block = surface.block
+                self._materials.bind(surface.block)
+            self._cull(surface.faces if cull else None)
+            if surface.covers != covers:
+                covers = surface.covers
+                toggle = self._ctx.enable_direct if covers else self._ctx.disable_direct
+                toggle(_ALPHA_TO_COVERAGE)
+            surface.array.render_indirect(commands, count=batch.length, first=batch.first)
+        if covers:
+            self._ctx.disable_direct(_ALPHA_TO_COVERAGE)
+
+    def _cull(self, faces: str | None) -> None:
+        if faces == self._faces:
+            return
+        self._faces = faces
+        if faces is None:
+            self._ctx.disable(moderngl.CULL_FACE)
+            return
+        self._ctx.front_face = faces
+        self._ctx.enable(moderngl.CULL_FACE)

@@ -1,19 +1,24 @@
-"""Materials as tables: constants by index, images by layer, and what makes two draws differ.
+"""Materials, their textures and their programs: everything a draw call has to bind.
 
-Things whose materials differ in constants and in layers alone are drawn together: shaders find both
-by the thing's index into a block of materials. No OpenGL.
+Materials are tables: constants by index, images by layer. Instances whose materials differ in
+constants and in layers alone are drawn together: shaders find both by the instance's index into a
+block of materials.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
+import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.gpu import shaders
-from vrcomfort.scene.data import Material, Scene, UvMap, Wrap
+from vrcomfort.errors import InputError
+from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu.timer import is_software
+from vrcomfort.scene.data import Image, Material, Scene, UvMap, Wrap
 
 Features: TypeAlias = tuple[str, ...]
 """Defines of ``scene.frag``."""
@@ -225,3 +230,153 @@ def material_blocks(scene: Scene, images: ImageArrays) -> NDArray[np.void]:
         row["uv_u"], row["uv_v"] = (np.pad(matrices[:, axis], ((0, 0), (0, 1))) for axis in (0, 1))
         row["uv_u"][:, 3] = [uv_map.uv_set for uv_map in maps]
     return rows.reshape(blocks, each)
+
+
+ANISOTROPY = 8.0
+"""Samples along the steep axis of a slanted surface, at most, where the hardware does it."""
+
+SHADOW_UNIT = 32
+"""What a scene reads lies on units that no other pass binds anything to: it is bound once a frame.
+Below are those of passes (OpenGL 4.5 promises 16 to each shader) and moderngl's own, the 32nd at
+most."""
+
+FIRST_UNIT = SHADOW_UNIT + 1
+UNITS = 96
+"""OpenGL 4.5 promises so many in all."""
+
+
+class TextureStore:
+    """Uploads the images of a scene.
+
+    Raises
+    ------
+    InputError
+        If the scene's images have more different sizes than there are texture units.
+    """
+
+    def __init__(self, ctx: moderngl.Context, scene: Scene, arrays: ImageArrays) -> None:
+        if len(arrays.kinds) > UNITS - FIRST_UNIT:
+            raise InputError(
+                f"scene {scene.name!r} has images of {len(arrays.kinds)} kinds (sizes, repetition, "
+                f"colour spaces); at most {UNITS - FIRST_UNIT} are drawn: give them equal sizes"
+            )
+        most = anisotropy(ctx)
+        uploaded = [
+            _upload(ctx, kind, [scene.images[index] for index in images], anisotropy=most)
+            for kind, images in zip(arrays.kinds, arrays.layers, strict=True)
+        ]
+
+        self.bind = gl.binder(ctx, uploaded, FIRST_UNIT)
+        """Puts every array on its unit."""
+
+
+def unit(array: int) -> int:
+    """Return the texture unit of an array."""
+    return FIRST_UNIT + array
+
+
+def anisotropy(ctx: moderngl.Context) -> float:
+    """Return the anisotropy that textures get on this driver; 1 is none, as without a GPU."""
+    return 1.0 if is_software(ctx) else min(ANISOTROPY, float(ctx.max_anisotropy))
+
+
+def _upload(
+    ctx: moderngl.Context, kind: ArrayKind, images: list[Image], *, anisotropy: float
+) -> moderngl.TextureArray:
+    pixels = [image.pixels.tobytes() for image in images]
+    texture = gl.image_array(ctx, kind.size_px, pixels, srgb=kind.srgb)
+    texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+    gl.wrap(ctx, texture, kind.wrap)
+    texture.anisotropy = anisotropy
+    return texture
+
+
+MATERIAL_BINDING = 2
+
+MakeVertexArray = Callable[[moderngl.Program], moderngl.VertexArray]
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """One batch's state."""
+
+    array: moderngl.VertexArray
+    block: int | None
+    faces: str | None
+    """Which way round front faces go; None where both sides are seen."""
+    covers: bool
+    """Whether alpha says how many samples of a pixel are covered."""
+
+
+class MaterialBuffer:
+    """All materials as ranges of one uniform buffer."""
+
+    def __init__(self, ctx: moderngl.Context, scene: Scene, images: ImageArrays) -> None:
+        blocks = material_blocks(scene, images)
+        self._stride = gl.uniform_stride(blocks[0].nbytes)
+        data = b"".join(block.tobytes().ljust(self._stride, b"\0") for block in blocks)
+        self._size = blocks[0].nbytes
+        self._buffer = gl.buffer(ctx, data)
+
+    def bind(self, block: int) -> None:
+        """Make a block of materials the one that shaders see."""
+        offset = block * self._stride
+        self._buffer.bind_to_uniform_block(MATERIAL_BINDING, offset=offset, size=self._size)
+
+
+class SurfaceFactory:
+    """Makes the surfaces of a scene; equal variants share a program and a vertex array."""
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        color_array: MakeVertexArray,
+        depth_array: MakeVertexArray,
+        *,
+        scene_features: shaders.Defines,
+    ) -> None:
+        self._ctx = ctx
+        self._color_array, self._depth_array = color_array, depth_array
+        self._scene_features = dict(scene_features)
+        self._made: dict[tuple[object, ...], moderngl.VertexArray] = {}
+
+    def color(self, key: BatchKey) -> Surface:
+        """Return what draws a batch."""
+        return self._surface(key, ("scene/scene.frag", "scene/scene.vert"), self._scene_features)
+
+    def depth(self, key: BatchKey) -> Surface:
+        """Return what draws a batch's depth alone; `key` is one `of_depth`."""
+        fragment = "scene/depth.frag" if key.masked else None
+        return self._surface(key, (fragment, "scene/depth.vert"), {})
+
+    def semantic(self, key: BatchKey) -> Surface:
+        """Return what draws a batch's depth and semantic weights; `key` is one `of_depth`."""
+        return self._surface(key, ("scene/depth.frag", "scene/depth.vert"), {"SEMANTIC": 1})
+
+    def _surface(
+        self, key: BatchKey, files: tuple[str | None, str], defines: shaders.Defines
+    ) -> Surface:
+        fragment, vertex = files
+        variant = (files, key.features, key.arrays, *defines)
+        if variant not in self._made:
+            named = {
+                **defines,
+                **dict.fromkeys(key.features, 1),
+                "MATERIALS": materials_per_block(),
+            }
+            program = shaders.program(self._ctx, fragment, vertex, named)
+            _name_units(program, key)
+            make = self._color_array if vertex == "scene/scene.vert" else self._depth_array
+            self._made[variant] = make(program)
+        faces = None if key.double_sided else "cw" if key.mirrored else "ccw"
+        covers = key.masked and fragment == "scene/scene.frag"
+        return Surface(self._made[variant], key.block, faces, covers)
+
+
+def _name_units(program: moderngl.Program, key: BatchKey) -> None:
+    """Tell samplers where their arrays are."""
+    for slot, array in zip(SLOTS, key.arrays, strict=True):
+        if array is not None and slot.sampler in program:
+            program[slot.sampler] = unit(array)
+    if "shadow_map" in program:
+        program["shadow_map"] = SHADOW_UNIT

@@ -13,39 +13,85 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import moderngl
+import numpy as np
 
 from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash
-from vrcomfort.geometry import Pose
+from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.gpu import gl
 from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
-from vrcomfort.optics.gaze_centre import Centre
+from vrcomfort.optics.focus import Centre
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.protocol.photodiode import Photodiode
-from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera
-from vrcomfort.render.camera_motion import hand_poses, previous_eye_pose, turned_like
-from vrcomfort.render.condition_passes import ConditionPasses, Drawn
+from vrcomfort.protocol.viewing import Photodiode
+from vrcomfort.render.camera import (
+    NEAR_M,
+    EyeCamera,
+    HeadStep,
+    PreviousCamera,
+    hand_poses,
+    previous_eye_pose,
+    turned_like,
+)
+from vrcomfort.render.condition_passes import ConditionPasses, Drawn, EyeImages
+from vrcomfort.render.display import ImageHasher, PatchPainter
 from vrcomfort.render.effects.effect import EyeFrame
-from vrcomfort.render.frames import EyeImages, RenderedFrame
-from vrcomfort.render.head_step import HeadStep
-from vrcomfort.render.image_hash import ImageHasher
-from vrcomfort.render.photodiode import PatchPainter
-from vrcomfort.render.plan import PlannedPass, plan_passes
+from vrcomfort.render.plan import plan_passes
+from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.render.scene_pass import ScenePass
-from vrcomfort.render.warm_up import looks_around
 from vrcomfort.scene.data import Scene
 
-__all__ = [
-    "EyeImages",
-    "PlannedPass",
-    "RenderedFrame",
-    "StereoRenderer",
-    "plan_passes",
-]
+
+@dataclass(frozen=True, eq=False)
+class RenderedFrame:
+    """Two images and what is known about them.
+
+    Parameters
+    ----------
+    eyes
+        Left and right, RGBA8, sRGB-encoded, rows from the bottom; valid until the next frame.
+    focus_samples
+        Those that arrived during this frame; each carries its own frame index.
+    max_blur_px
+        Largest radius (or half streak) that the condition allows at this image size; None where
+        views through the lens have no limit.
+    draws, triangles
+        Draw calls for geometry, and triangles sent, of all views including shadow and focus.
+    passes
+        Names of the passes that ran.
+    cpu_ms
+        Wall time of this call.
+    gpu_times
+        Those of earlier frames that have arrived; None where the GPU is not timed.
+    hashed
+        Whether its images are being hashed.
+    image_hashes
+        Those of earlier frames that have arrived, where images are hashed.
+    seeks_gaze
+        Whether it is being found out what the gaze of this frame meets.
+    gaze_hits
+        Of earlier frames that have arrived, what their gaze meets.
+    effect_centre
+        What effects that are centred on the gaze are centred on: ``gaze``, ``held`` or ``head``;
+        None where the condition has none.
+    """
+
+    eyes: tuple[moderngl.Texture, moderngl.Texture]
+    focus_samples: tuple[FocusSample, ...]
+    max_blur_px: float | None
+    draws: int
+    triangles: int
+    passes: tuple[str, ...]
+    cpu_ms: float
+    gpu_times: tuple[GpuTime, ...] | None = None
+    hashed: bool = False
+    image_hashes: tuple[ImageHash, ...] = ()
+    seeks_gaze: bool = False
+    gaze_hits: tuple[GazeHit, ...] = ()
+    effect_centre: str | None = None
 
 
 class _Before(NamedTuple):
@@ -394,4 +440,35 @@ def _step(before: _Before, frame: Frame) -> HeadStep:
         # A runtime's predictions waver about whole periods.
         periods=max(round(elapsed_ns / frame.period_ns), 1),
         snap_turn=frame.snap_turn,
+    )
+
+
+EYES_M = (0.0, 1.6, 0.0)
+WIDE = Fov(-1.2, 1.2, 1.2, -1.2)
+"""Radians: two frames back to back see nearly everything around."""
+
+LATEST_NS = 2**63 - 1
+"""After it every frame goes back in time, which resets what remembers frames before."""
+
+
+def looks_around(spawn: Pose) -> tuple[Frame, ...]:
+    """Return a look ahead and one back, from eye height above the point where a scene begins.
+
+    Both eyes and hands are at the same place. The gaze is straight ahead: whether there is an eye
+    tracker matters later.
+    """
+    heads = (Pose(np.array(EYES_M), yaw_pitch_roll(yaw_rad, 0.0, 0.0)) for yaw_rad in (0.0, np.pi))
+    return tuple(
+        Frame(
+            index=-1,
+            predicted_display_time_ns=LATEST_NS,
+            period_ns=1,
+            head_pose=head,
+            views=(View(head, WIDE), View(head, WIDE)),
+            avatar_pose=spawn,
+            discontinuity=True,
+            gaze=Gaze(head),
+            hands=(head, head),
+        )
+        for head in heads
     )

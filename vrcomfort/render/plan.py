@@ -1,4 +1,4 @@
-"""Which passes a condition needs in a scene, and why: nothing is drawn."""
+"""The registered effects, and the passes that a condition needs in a scene: nothing is drawn."""
 
 from __future__ import annotations
 
@@ -6,12 +6,27 @@ from dataclasses import replace
 
 from vrcomfort.protocol.conditions import Condition, EffectName
 from vrcomfort.render import background_blur
-from vrcomfort.render.effects.kinds import EFFECTS, in_order
+from vrcomfort.render.effects import motion_blur, relocation_blur, speed_blur, vignette
+from vrcomfort.render.effects.depth_of_field import effect as depth_of_field
+from vrcomfort.render.effects.effect import EffectKind
 from vrcomfort.render.focus.rules import RULES
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
-__all__ = ["PlannedPass", "effect", "focus", "plan_passes", "shadow", "velocity"]
+_KINDS = (
+    depth_of_field.KIND,
+    motion_blur.KIND,
+    speed_blur.KIND,
+    relocation_blur.KIND,
+    vignette.KIND,
+)
+EFFECTS = {each.name: each for each in _KINDS}
+"""By name."""
+
+
+def in_order(condition: Condition) -> list[EffectKind]:
+    """Return all effects in the order in which they would run."""
+    return [EFFECTS[name] for name in condition.effect_order]
 
 
 def plan_passes(scene: Scene, condition: Condition) -> list[PlannedPass]:
@@ -20,17 +35,17 @@ def plan_passes(scene: Scene, condition: Condition) -> list[PlannedPass]:
     A pass that is not needed has no texture, no program and no draw call.
     """
     return [
-        shadow(scene),
-        focus(scene, condition),
+        plan_shadow(scene),
+        plan_focus(scene, condition),
         PlannedPass("scene", True, "always: colour and depth of both eyes"),
-        velocity(scene, condition),
+        plan_velocity(scene, condition),
         background_blur.plan(scene, condition),
         *(kind.plan(scene, condition) for kind in in_order(condition)),
         PlannedPass("tone_map", True, "always: linear light to display values"),
     ]
 
 
-def effect(name: EffectName, scene: Scene, condition: Condition) -> PlannedPass:
+def plan_effect(name: EffectName, scene: Scene, condition: Condition) -> PlannedPass:
     """Plan one effect."""
     return EFFECTS[name].plan(scene, condition)
 
@@ -44,7 +59,7 @@ def _readers(texture: str, scene: Scene, condition: Condition) -> list[str]:
     ]
 
 
-def shadow(scene: Scene) -> PlannedPass:
+def plan_shadow(scene: Scene) -> PlannedPass:
     """Plan the sun's shadow map."""
     needed = any(value > 0 for value in scene.environment.sun_irradiance)
     return PlannedPass(
@@ -52,7 +67,7 @@ def shadow(scene: Scene) -> PlannedPass:
     )
 
 
-def focus(scene: Scene, condition: Condition) -> PlannedPass:
+def plan_focus(scene: Scene, condition: Condition) -> PlannedPass:
     """Plan the search for the focus."""
     if not _readers("focus", scene, condition):
         return PlannedPass("focus", False, "nothing is out of focus without depth of field")
@@ -62,7 +77,7 @@ def focus(scene: Scene, condition: Condition) -> PlannedPass:
     return planned
 
 
-def velocity(scene: Scene, condition: Condition) -> PlannedPass:
+def plan_velocity(scene: Scene, condition: Condition) -> PlannedPass:
     """Plan the velocity image."""
     readers = [name.replace("_", " ") for name in _readers("velocity", scene, condition)]
     if not readers:

@@ -16,12 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose, focal_length_px
-from vrcomfort.optics.sampling import lens_and_shutter
+from vrcomfort.optics.lens_sampling import lens_and_shutter
 from vrcomfort.protocol.conditions import EFFECTS, Condition, DepthOfField
-from vrcomfort.render import plan
-from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
-from vrcomfort.render.camera_motion import extrapolated_eye_pose
+from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera, extrapolated_eye_pose
 from vrcomfort.render.effects.depth_of_field import lens_radius
+from vrcomfort.render.plan import plan_effect
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Scene
 
@@ -97,9 +96,9 @@ class Reference:
     ) -> None:
         self._condition = condition
         self._size_px = size_px
-        blurred = plan.effect("depth_of_field", scene, condition).needed
+        blurred = plan_effect("depth_of_field", scene, condition).needed
         self._lens_effect = condition.depth_of_field if blurred else None
-        moving = plan.effect("motion_blur", scene, condition).needed
+        moving = plan_effect("motion_blur", scene, condition).needed
         self._shutter_effect = condition.motion_blur if moving else None
         self._seed = seed
         self._ctx, self._scene = ctx, scene
@@ -182,7 +181,7 @@ class Reference:
             "fading with turning": shutter and shutter.fade_with_turning,
             "background blur": self._condition.background_blur,
             **{
-                name.replace("_", " "): plan.effect(name, self._scene, self._condition).needed
+                name.replace("_", " "): plan_effect(name, self._scene, self._condition).needed
                 for name in EFFECTS
                 if name not in ("depth_of_field", "motion_blur")
             },

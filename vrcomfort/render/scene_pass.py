@@ -1,25 +1,35 @@
-"""The scene as one eye sees it: linear HDR colour, reverse-Z depth, velocity if asked for."""
+"""Scene pass of one eye: linear HDR colour, reverse-Z depth, velocity if asked for.
+
+Multisampled, then resolved (`ResolvePass`). `EyeBlocks` fills the uniform blocks that all draws of
+an eye share.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
 
 import moderngl
+import numpy as np
 
 from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, Together, Uniforms
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import lighting
-from vrcomfort.render.background_blur import foreground
-from vrcomfort.render.camera import EyeCamera, Lens, LensLaw, PreviousCamera
-from vrcomfort.render.eye_blocks import EyeBlocks
+from vrcomfort.render.background_blur import MipLevelPass, foreground
+from vrcomfort.render.camera import (
+    EyeCamera,
+    Lens,
+    LensLaw,
+    PreviousCamera,
+    camera_motion,
+    previous_clip_from_clip,
+)
 from vrcomfort.render.gpu_scene import GpuScene, Viewpoint
-from vrcomfort.render.mip_level import MipLevelPass
-from vrcomfort.render.resolve import ResolvePass, Samples
+from vrcomfort.render.lighting import Light
 from vrcomfort.render.shadow import ShadowMap
 from vrcomfort.scene.data import Scene
-
-__all__ = ["EyeCamera", "Lens", "LensLaw", "PreviousCamera", "ScenePass"]
 
 
 class ScenePass:
@@ -288,3 +298,198 @@ def _colours(
         return colour, None
     velocity = gl.color_texture(ctx, size_px, components=2, dtype=velocity_dtype, samples=samples)
     return colour, velocity
+
+
+VIEW_BINDING, LIGHT_BINDING = 0, 1
+
+PINHOLE = Lens((0.0, 0.0), focus_m=1.0, infinity_m=1.0, px_per_defocus=0.0, radius_limit_px=0.0)
+"""The centre view's lens, after views through other points."""
+
+
+class EyeBlocks:
+    """The blocks of ``view.glsl`` and ``light.glsl`` in one buffer, which one call fills.
+
+    Parameters
+    ----------
+    lens
+        Whether cameras have a `Lens`.
+    velocity
+        Whether the image of velocities is resolved from clip positions.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        scene: Scene,
+        size_px: tuple[int, int],
+        *,
+        lens: bool,
+        velocity: bool,
+    ) -> None:
+        view, light = (
+            shaders.block_dtype("view.glsl", "View"),
+            shaders.block_dtype("light.glsl", "Light"),
+        )
+        self._sizes = view.itemsize, light.itemsize
+        self._light_offset = gl.uniform_stride(view.itemsize)
+        self._bytes = np.zeros(self._light_offset + light.itemsize, dtype=np.uint8)
+        self._view = self._bytes[: view.itemsize].view(view).reshape(())
+        self._light = Light(scene, self._bytes[self._light_offset :].view(light).reshape(()))
+        self._view["image_size_px"][:2] = size_px
+        self._clip_from_view = self._view["clip_from_view"]
+        self._view_from_relative = self._view["view_from_relative"][:3, :3]
+        self._previous_view_from_relative = self._view["previous_view_from_relative"][:3, :3]
+        self._eye_delta_m = self._view["eye_delta_m"][:3]
+        self._ndc_per_px = 2 / np.array(size_px)
+        self._lens, self._velocity = lens, velocity
+        self._focus_offset = shaders.offset(view, "lens_focus")
+        self._buffer = gl.dynamic_buffer(ctx, self._bytes.nbytes)
+
+    def update(
+        self,
+        camera: EyeCamera,
+        previous: PreviousCamera,
+        shadow: ShadowMap | None,
+        lens_focus: moderngl.Texture | None,
+    ) -> None:
+        """Write and bind the blocks for an eye.
+
+        Parameters
+        ----------
+        lens_focus
+            1×1, x = where lenses focus (m); None where each lens says so itself.
+        """
+        motion = camera_motion(camera.world_from_eye, previous.world_from_eye)
+        # Transposed: GLSL stores columns.
+        self._clip_from_view[...] = camera.clip_from_view().T
+        self._view_from_relative[...] = motion.view_from_world.T
+        self._previous_view_from_relative[...] = motion.previous_view_from_world.T
+        self._eye_delta_m[...] = motion.eye_delta_m
+        if self._velocity:
+            self._view["previous_clip_from_clip"] = previous_clip_from_clip(
+                camera.clip_from_view(), camera.world_from_eye, previous.world_from_eye
+            ).T
+        if self._lens:
+            self._write_lens(camera, camera.lens or PINHOLE)
+        self._light.look_from(camera.world_from_eye.position, shadow)
+        self._buffer.orphan()  # what the other eye is being drawn with stays as it is
+        self._buffer.write(self._bytes)
+        if lens_focus is not None and camera.lens is not None:
+            # From texture to block on the GPU: the focus of this frame is not known here.
+            lens_focus.read_into(self._buffer, write_offset=self._focus_offset)
+        self._bind()
+
+    def _bind(self) -> None:
+        view, light = self._sizes
+        self._buffer.bind_to_uniform_block(VIEW_BINDING, offset=0, size=view)
+        self._buffer.bind_to_uniform_block(LIGHT_BINDING, offset=self._light_offset, size=light)
+
+    def _write_lens(self, camera: EyeCamera, lens: Lens) -> None:
+        head = camera.head
+        forward = head.forward
+        ahead_m = forward @ (camera.world_from_eye.position - head.position)
+        offset = np.array(lens.position) * self._ndc_per_px
+        self._view["lens"] = (*offset, 0.0, lens.infinity_m)
+        self._view["lens_focus"][0] = lens.focus_m
+        self._view["lens_limit"][:2] = lens.px_per_defocus, lens.radius_limit_px
+        self._view["head_forward"] = (*forward, ahead_m + lens.distance_offset_m)
+
+
+class Radii(Protocol):
+    """The circle of confusion of each depth, which is written into the alpha of colour."""
+
+    @property
+    def inputs(self) -> dict[str, moderngl.Texture]:
+        """Return the textures that ``include/coc_of_depth.glsl`` needs."""
+
+    @property
+    def defines(self) -> dict[str, Any]:
+        """Return its variant."""
+
+    @property
+    def constants(self) -> Uniforms:
+        """Return its uniforms that never change."""
+
+    def of_camera(self, camera: EyeCamera) -> Uniforms:
+        """Return those of an eye."""
+
+
+class Samples(NamedTuple):
+    """Multisampled textures."""
+
+    colour: moderngl.Texture
+    depth: moderngl.Texture
+    velocity: moderngl.Texture | None
+
+
+class ResolvePass:
+    """Draws `samples` into `colour`, `depth` and `velocity`: ``scene/resolve.frag``.
+
+    Attributes
+    ----------
+    colour
+        RGBA16F linear radiance; alpha is 1, or with :meth:`write_radii` a signed radius in pixels
+        of image width.
+    depth
+        D32F reverse-Z depth, ``near_m / distance``; 0 is the sky.
+    velocity
+        Pixels per frame, or None.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        samples: Samples,
+        *,
+        colour: moderngl.Texture,
+        depth: moderngl.Texture,
+        velocity: moderngl.Texture | None,
+    ) -> None:
+        self._ctx, self._samples = ctx, samples
+        self.colour, self.depth, self.velocity = colour, depth, velocity
+        self._radii: Radii | None = None
+        self._places = Together()
+        self._pass = self._make()
+
+    def write_radii(self, radii: Radii) -> None:
+        """Write circles of confusion into the alpha of colour from now on."""
+        self._radii = radii
+        self._pass = self._make()
+
+    def render(self, camera: EyeCamera) -> None:
+        """Fill the single-sample textures with what an eye drew."""
+        radii = Together() if self._radii is None else self._radii.of_camera(camera)
+        self._pass.render(Together(self._places, radii))
+
+    def learn_sample_places(self) -> None:
+        """Ask the driver where samples lie; it tells of the framebuffer in use only."""
+        if self.velocity is not None and not self._places.parts:
+            places = gl.sample_places(self._ctx, self._samples.colour.samples)
+            self._places = Together(_SamplePlaces(places if len(places) > 1 else places[0]))
+
+    def _make(self) -> FullscreenPass:
+        many, radii = self._samples, self._radii
+        inputs = {"colors": many.colour, "depths": many.depth}
+        targets = [self.colour]
+        defines: dict[str, Any] = {"SAMPLES": many.colour.samples}
+        if many.velocity is not None and self.velocity is not None:
+            inputs["velocities"] = many.velocity
+            targets.append(self.velocity)
+            defines["VELOCITY"] = 1
+        if radii is not None:
+            inputs |= radii.inputs
+            defines |= {"COC": 1, **radii.defines}
+        return FullscreenPass(
+            self._ctx,
+            "scene/resolve.frag",
+            size_px=self.colour.size,
+            inputs=inputs,
+            constants=None if radii is None else radii.constants,
+            defines=defines,
+            target=targets,
+            depth=self.depth,
+        )
+
+
+class _SamplePlaces(NamedTuple):
+    sample_place: Any

@@ -17,8 +17,8 @@ from vrcomfort.geometry import Array, Pose, normalize
 from vrcomfort.gpu import gl
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.lighting import relative_to
-from vrcomfort.render.scene_rows import Movement
-from vrcomfort.render.textures import SHADOW_UNIT
+from vrcomfort.render.materials import SHADOW_UNIT
+from vrcomfort.render.scene_buffers import Movement
 
 STEPS = 16
 """The map moves by this part of its width."""

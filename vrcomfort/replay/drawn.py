@@ -11,7 +11,7 @@ from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, Frame
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
 from vrcomfort.protocol.adjustments import adjusted
-from vrcomfort.render.photodiode import PatchLight
+from vrcomfort.render.display import PatchLight
 from vrcomfort.replay.exposures import RecordedExposure
 from vrcomfort.replay.hashes import Comparison
 from vrcomfort.replay.recorded import RecordedSession

@@ -1,24 +1,29 @@
-"""Where figures are drawn: SVG with real text, PNG and PDF. The same data give the same bytes."""
+"""The canvas of figures: SVG with real text, PNG and PDF. The same data give the same bytes."""
 
 from __future__ import annotations
 
+import atexit
 import io
 import re
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
+from fontTools.ttLib import TTFont
+from matplotlib import font_manager, get_data_path
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from vrcomfort.report import palette
-from vrcomfort.report.fonts import FAMILY, WHOLE, load_fonts
 from vrcomfort.web_page import escape_hidden
 
 if TYPE_CHECKING:
@@ -26,6 +31,51 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
+
+FAMILY = "vrcomfort Sans"
+WHOLE = "DejaVu Sans"
+"""The font it is made of; what figures that others open are to name."""
+_FILES = ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf")
+_UNUSED = ("GSUB", "GPOS", "GDEF", "FFTM")
+_UNICODE = (3, 10)
+"""Platform and encoding of the one table of characters that is kept."""
+_NAMES = (1, 4, 6, 16)
+"""Family, full name, PostScript name and typographic family."""
+
+
+@cache
+def load_fonts() -> Path:
+    """Make the copies known to Matplotlib; return their folder, which goes with the program.
+
+    Matplotlib lays text out itself, but each time a PDF embeds a few letters of DejaVu Sans, its
+    tables of glyph substitution and of characters (four of them) are read first: half of the time
+    of a PDF. Copies without them are made once in a program, under a name of their own (as the
+    licence of the font asks of changed ones), and removed at its end.
+    """
+    folder = TemporaryDirectory(prefix="vrcomfort-fonts-", ignore_cleanup_errors=True)
+    atexit.register(folder.cleanup)
+    for name in _FILES:
+        file = Path(folder.name) / name
+        _write_copy(Path(get_data_path()) / "fonts" / "ttf" / name, file)
+        font_manager.fontManager.addfont(file)
+    return Path(folder.name)
+
+
+def _write_copy(source: Path, target: Path) -> None:
+    with TTFont(source) as font:
+        for table in _UNUSED:
+            if table in font:
+                del font[table]
+        font["cmap"].tables = [
+            each for each in font["cmap"].tables if (each.platformID, each.platEncID) == _UNICODE
+        ]
+        for record in font["name"].names:
+            if record.nameID in _NAMES:
+                record.string = (
+                    record.toUnicode().replace(WHOLE, FAMILY).replace("DejaVuSans", "vrcomfortSans")
+                )
+        font.save(target, reorderTables=False)
+
 
 INK, SOFT = palette.INK.light, palette.SOFT.light
 FAINT, GRID, PAPER = palette.FAINT.light, palette.GRID.light, palette.PAPER.light

@@ -15,9 +15,8 @@ from vrcomfort.report.ordering import natural
 from vrcomfort.report.orders import one_order
 from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up, sides_of
 from vrcomfort.settings import did_you_mean
-from vrcomfort.stats.signed_rank import signed_rank
+from vrcomfort.stats.signed_rank import signed_rank, worst_rank
 from vrcomfort.stats.t_tests import paired_t
-from vrcomfort.stats.withdrawal import worst_rank
 
 if TYPE_CHECKING:
     from collections.abc import Callable

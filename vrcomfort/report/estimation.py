@@ -9,17 +9,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vrcomfort.report.canvas import FAINT, GRID, INK, PAPER, Drawing, canvas, dots, lines, spread
-from vrcomfort.report.families import reported
-from vrcomfort.report.pairs import Side, in_a_test, pair_up
-from vrcomfort.report.sides import (
-    dot_size,
-    draw_difference,
-    draw_people,
-    draw_side,
-    draw_zero,
-    thinned,
+from vrcomfort.report.canvas import (
+    FAINT,
+    GRID,
+    INK,
+    PAPER,
+    SOFT,
+    Drawing,
+    canvas,
+    dots,
+    lines,
+    spread,
+    threads,
 )
+from vrcomfort.report.families import reported
+from vrcomfort.report.pairs import Side, groups_of, in_a_test, pair_up
+from vrcomfort.report.palette import colour_of, marker_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,6 +35,63 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
     Test = dict[str, Any]
+    Row = dict[str, Any]
+
+MOST_DRAWN = 1000
+"""People who are drawn; of more, as many evenly spaced ones. Means and tests are of everybody."""
+CROWD = 60
+"""People from whom on dots and lines are drawn thin."""
+
+
+def thinned(values: Floats) -> Floats:
+    """Return evenly spaced rows, the first and the last among them, where there are too many."""
+    if len(values) <= MOST_DRAWN:
+        return values
+    chosen: Floats = values[np.linspace(0, len(values) - 1, MOST_DRAWN).round().astype(int)]
+    return chosen
+
+
+def dot_size(people: int, size: float = 4.0) -> float:
+    """Return the size of a dot, in points: smaller in a crowd."""
+    return 2.2 if people > CROWD else size
+
+
+def draw_people(axes: Axes, places: Floats, scores: Floats) -> None:
+    """Join the scores of each person (people × places) by a line."""
+    crowded = len(scores) > CROWD
+    threads(axes, places, thinned(scores), color=FAINT, lw=0.5 if crowded else 0.8,
+            alpha=0.25 if crowded else 0.7, zorder=1)  # fmt: skip
+
+
+def draw_side(axes: Axes, at: float, values: Floats, look: int, half: float) -> None:
+    """Draw the scores of a side within `at` ± `half`; beside them their mean with its SD.
+
+    Parameters
+    ----------
+    look
+        Place of the condition in the order of all, which gives its colour and its shape.
+    """
+    colour = colour_of(look)
+    across = at + spread(len(values), half)
+    dots(axes, thinned(across), thinned(values), colour, size=dot_size(len(values)), alpha=0.55,
+         zorder=2)  # fmt: skip
+    deviation = values.std(ddof=1) if len(values) > 1 else 0.0
+    axes.errorbar(at + 0.2, values.mean(), deviation, fmt=marker_of(look), color=colour, ms=6,
+                  lw=1.6, mec=PAPER, mew=0.8, zorder=5)  # fmt: skip
+
+
+def draw_difference(axes: Axes, at: float, estimate: float | None, low: float, high: float) -> None:
+    """Draw a difference upright with its interval; an estimate of None, or a NaN, is not drawn."""
+    axes.plot((at, at), (low, high), "-", color=INK, lw=2.2, zorder=4)
+    if estimate is not None:
+        axes.plot(at, estimate, "D", color=INK, ms=6, mec=PAPER, mew=0.8, zorder=5)
+
+
+def draw_zero(axes: Axes, *, upright: bool = False) -> None:
+    """Draw the dashed line of no difference."""
+    line = axes.axvline if upright else axes.axhline
+    line(0, color=SOFT, lw=0.8, ls=(0, (4, 3)), zorder=0)
+
 
 MOST_BESIDE = 2
 """Comparisons that fit beside the scores; more go below them, one in a row."""
@@ -155,3 +217,61 @@ def _ends(test: Test, differences: Floats) -> tuple[float, float]:
         float(differences.min()) if low is None else low,
         float(differences.max()) if high is None else high,
     )
+
+
+def group_figure(scored: Exposures, row: Row, words: Vocabulary) -> Drawing | None:
+    """Draw one comparison: the scores of both sides, then the difference with its interval.
+
+    Returns
+    -------
+    Drawing or None
+        None where there was no test.
+    """
+    if row["not_tested"]:
+        return None
+    name = f"comparison-{row['outcome']}-{row['a']}-{row['b']}-{row['test']}"
+    a, b = values_of(scored, row)
+    with canvas(name, 5.2, 3.7) as (figure, drawing):
+        raw, effect = figure.subplots(1, 2, width_ratios=[2.4, 1.3])
+        if row["design"] == "paired":
+            draw_people(raw, np.array([0.0, 1.0]), np.column_stack([a, b]))
+        for place, (side, values) in enumerate((("a", a), ("b", b))):
+            half = 0.0 if row["design"] == "paired" else 0.09
+            draw_side(raw, place, values, words.place(row[side]), half)
+        raw.set_xticks([0, 1], [lines(words.condition(row[side]), 14) for side in ("a", "b")])
+        raw.set_xlim(-0.45, 1.6)
+        raw.set_ylabel(lines(words.axis(row["outcome"]), 40))
+        _draw_difference(effect, row, words)
+    return drawing
+
+
+def values_of(scored: Exposures, row: Row) -> tuple[Floats, Floats]:
+    """Return the scores of those in a comparison, in points."""
+    one, two = (Side(**side) for side in row["sides"])
+    tested = set(row["participants"])
+    if row["design"] == "paired":
+        pairs = pair_up(scored, row["outcome"], one, two, complete=False)
+        kept = [place for place, who in enumerate(pairs.participants) if who in tested]
+        return _in_points(pairs.a[kept], pairs.unit), _in_points(pairs.b[kept], pairs.unit)
+    groups = groups_of(scored, row["outcome"], one, two, complete=False)
+    sides = ((groups.people_a, groups.a), (groups.people_b, groups.b))
+    a, b = (
+        np.array([value for who, value in zip(people, values, strict=True) if who in tested])
+        for people, values in sides
+    )
+    return _in_points(a, groups.unit), _in_points(b, groups.unit)
+
+
+def _in_points(steps: NDArray[np.int64], unit: float) -> Floats:
+    return np.asarray(steps * unit, dtype=np.float64)
+
+
+def _draw_difference(axes: Axes, row: Row, words: Vocabulary) -> None:
+    found = reported(row, "difference")
+    ends = [found["estimate"] if found[end] is None else found[end] for end in ("low", "high")]
+    draw_difference(axes, 0, found["estimate"], *ends)
+    draw_zero(axes)
+    a, b = (lines(words.condition(row[side]), 16) for side in ("a", "b"))
+    axes.set_xticks([0], [f"{a}\n− {b}"])
+    axes.set_xlim(-0.6, 0.6)
+    axes.set_ylabel(difference_label(row["outcome"], words))

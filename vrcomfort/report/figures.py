@@ -1,12 +1,15 @@
-"""The figures of a report: which there are, and those of symptoms, recovery and exposures."""
+"""The figures of a report, and those of participant flow, symptoms, recovery and exposures."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
+from vrcomfort.report import palette
+from vrcomfort.report.analyses import analysis_figures
 from vrcomfort.report.canvas import (
     FAINT,
     GRID,
@@ -22,27 +25,26 @@ from vrcomfort.report.canvas import (
     spread,
     threads,
 )
-from vrcomfort.report.courses.course_figure import course_figure
-from vrcomfort.report.courses.events import of_leaving, of_threshold
-from vrcomfort.report.courses.survival_figure import survival_figure
-from vrcomfort.report.estimation import estimation_figure
-from vrcomfort.report.flow_figure import flow_figure
+from vrcomfort.report.courses.figures import course_figure, survival_figure
+from vrcomfort.report.courses.survival import of_leaving, of_threshold
+from vrcomfort.report.estimation import estimation_figure, group_figure
 from vrcomfort.report.gaze_and_head import gaze_and_head_figures
-from vrcomfort.report.group_figure import group_figure
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.palette import colour_of, marker_of
-from vrcomfort.report.residual_figure import residual_figure
+from vrcomfort.report.residuals import residual_figure
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.report.symptoms import recovery_course
-from vrcomfort.report.z_scores import z_score_figure
 
 if TYPE_CHECKING:
-    from vrcomfort.report.courses import Courses
+    from matplotlib.axes import Axes
+
+    from vrcomfort.report.courses import TimeCourseAnalysis
     from vrcomfort.report.exposures import Exposures
-    from vrcomfort.report.gaze_and_head import Looked
+    from vrcomfort.report.gaze_and_head import GazeAndHeadAnalysis
     from vrcomfort.report.residuals import Residuals
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.vocabulary import Vocabulary
+
 
 MOST_PEOPLE = 60
 """People whose exposures are drawn one by one; of more, those who withdrew come first."""
@@ -53,8 +55,8 @@ def draw_figures(
     results: dict[str, Any],
     scored: Exposures,
     residuals: list[Residuals],
-    courses: Courses,
-    looked: Looked,
+    courses: TimeCourseAnalysis,
+    looked: GazeAndHeadAnalysis,
     words: Vocabulary,
 ) -> dict[str, Drawing]:
     """Return name → drawing of every figure that the data allow."""
@@ -75,7 +77,7 @@ def draw_figures(
     drawn["residuals"] = residual_figure(residuals, words)
     drawn |= _course_figures(results, courses, words)
     drawn |= gaze_and_head_figures(looked, words)
-    drawn["standardised"] = z_score_figure(results["z_scores"], words)
+    drawn |= analysis_figures(results, words)
     return {
         name: drawing
         for name, drawing in drawn.items()
@@ -84,7 +86,7 @@ def draw_figures(
 
 
 def _course_figures(
-    results: dict[str, Any], courses: Courses, words: Vocabulary
+    results: dict[str, Any], courses: TimeCourseAnalysis, words: Vocabulary
 ) -> dict[str, Drawing | None]:
     """Return the figures of ratings over time, and of the time to a rating and to leaving."""
     drawn: dict[str, Drawing | None] = {"ratings": course_figure(courses, words)}
@@ -224,3 +226,74 @@ def _exposures_of(
         start += length
     if withdrew:
         axes.plot(start, row, "X", color=INK, ms=7, mec=PAPER, mew=0.8, zorder=5)
+
+
+_WIDTH_IN, _LINE_IN, _GAP_IN = 6.2, 0.19, 0.16
+_MAIN, _SIDE = (0.0, 2.0), (2.7, 3.5)
+"""Left edge and width of the boxes of stages and of reasons, in inches."""
+
+
+def flow_figure(flow: list[dict[str, Any]]) -> Drawing:
+    """Draw the stages below each other; beside the way to the next one, who left and why."""
+    parts: list[tuple[str, str]] = []
+    for stage in flow:
+        parts.append(("stage", _stage(stage)))
+        if stage["left"]:
+            parts.append(("reasons", _reasons(stage["left"])))
+    heights = [_height(text) for _, text in parts]
+    total = sum(heights) + _GAP_IN * (len(parts) + 1)
+    with canvas("flow", _WIDTH_IN, total) as (figure, drawing):
+        axes = figure.add_subplot()
+        axes.set_xlim(-0.05, _WIDTH_IN)
+        axes.set_ylim(-total, 0)
+        axes.axis("off")
+        middle, top, before = _MAIN[0] + _MAIN[1] / 2, -_GAP_IN, 0.0
+        for (kind, text), height in zip(parts, heights, strict=True):
+            if kind == "stage":
+                if before:
+                    _arrow(axes, (middle, before), (middle, top))
+                _box(axes, _MAIN, top, height, text, palette.BOX.light)
+                before = top - height
+            else:
+                _arrow(axes, (middle, top - height / 2), (_SIDE[0], top - height / 2))
+                _box(axes, _SIDE, top, height, text, "none")
+            top -= height + _GAP_IN
+    return drawing
+
+
+def _stage(stage: dict[str, Any]) -> str:
+    text = f"{stage['stage']}\nn = {stage['n']}"
+    if stage.get("again"):
+        text += f"\n{stage['again']} of them withdrew"
+    if stage.get("in_every_test", stage["n"]) != stage["n"]:
+        text += f"\n{stage['in_every_test']} in every test"
+    return text
+
+
+def _reasons(rows: list[dict[str, Any]]) -> str:
+    return "\n".join(lines(f"{row['n']}: {row['reason']}", 46) for row in rows)
+
+
+def _height(text: str) -> float:
+    return _LINE_IN * (text.count("\n") + 1) + 0.16
+
+
+def _box(
+    axes: Axes, across: tuple[float, float], top: float, height: float, text: str, face: str
+) -> None:
+
+    axes.add_patch(
+        Rectangle((across[0], top - height), across[1], height, fc=face, ec=SOFT, lw=0.9)
+    )
+    for number, line in enumerate(text.split("\n")):
+        centred = face != "none"
+        axes.text(
+            across[0] + (across[1] / 2 if centred else 0.1), top - 0.08 - _LINE_IN * (number + 0.5),
+            line, ha="center" if centred else "left", va="center", color=INK,
+            fontweight="bold" if centred and number == 0 else "normal",
+        )  # fmt: skip
+
+
+def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float]) -> None:
+    style = {"arrowstyle": "-|>", "color": SOFT, "lw": 0.9, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=end, xytext=start, arrowprops=style)

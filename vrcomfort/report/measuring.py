@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Sheet
-from vrcomfort.report.measures import Measure, Value, values_of
+from vrcomfort.report.measures import Measure, MeasuredValue, values_of
 
 if TYPE_CHECKING:
     from vrcomfort.report.plan import Plan
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 
 
-def measured(study: StudyData, plan: Plan, measure: Measure) -> list[Value]:
+def measured(study: StudyData, plan: Plan, measure: Measure) -> list[MeasuredValue]:
     """Return the values of everybody whom the experimenter has not excluded.
 
     Raises
@@ -32,7 +32,7 @@ def measured(study: StudyData, plan: Plan, measure: Measure) -> list[Value]:
     return [value for value in values if value.participant not in excluded]
 
 
-def exposure_of(value: Value, timepoint: str) -> Sheet:
+def exposure_of(value: MeasuredValue, timepoint: str) -> Sheet:
     """Return what a value is of, as a questionnaire without answers, whose facts are looked up."""
     keys = {name: str(getattr(value, name)) for name in _WHOSE}
     return Sheet(0, keys | {"timepoint": timepoint})
@@ -41,7 +41,7 @@ def exposure_of(value: Value, timepoint: str) -> Sheet:
 _WHOSE = ("participant", "session", "trial", "condition")
 
 
-def unmeasured(value: Value, measure: Measure) -> dict[str, str]:
+def unmeasured(value: MeasuredValue, measure: Measure) -> dict[str, str]:
     """Return the row that says why an exposure has no value."""
     where = [
         f"session {value.session}" if value.session else "",

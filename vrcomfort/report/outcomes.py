@@ -10,7 +10,7 @@ from fractions import Fraction
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Answer, Instrument, Scale, shipped_instruments
 from vrcomfort.questionnaire.answers import exact
-from vrcomfort.report.measures import SOURCES, Measure, Measured, fault_of, measure_of
+from vrcomfort.report.measures import SOURCES, Measure, MeasureSettings, fault_of, measure_of
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ def known_outcomes(instruments: Iterable[Instrument] | None = None) -> dict[str,
 
 
 def outcome_of_plan(
-    name: str, known: Mapping[str, Outcome], measures: Iterable[Measured]
+    name: str, known: Mapping[str, Outcome], measures: Iterable[MeasureSettings]
 ) -> Outcome | Measure:
     """Return the score or the measure of that name.
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from vrcomfort.report.pairs import pair_up
-from vrcomfort.stats.signed_rank import signed_rank
-from vrcomfort.stats.withdrawal import worst_rank
+from vrcomfort.stats.signed_rank import signed_rank, worst_rank
 
 if TYPE_CHECKING:
     from vrcomfort.report.contrasts import Compared

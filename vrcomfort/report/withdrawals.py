@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort.errors import InputError
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.study_data import people_of, trial_s
-from vrcomfort.stats.withdrawal import fisher_exact
+from vrcomfort.stats.proportions import fisher_exact
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

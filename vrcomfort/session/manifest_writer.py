@@ -9,7 +9,7 @@ from vrcomfort.protocol import Protocol as StudyProtocol
 from vrcomfort.records import Manifest, Recorder
 from vrcomfort.records.study import now
 from vrcomfort.records.wall_clock import WallClockWatch
-from vrcomfort.render.effects.depth_of_field.blur_limit import unlimited
+from vrcomfort.render.effects.depth_of_field.lens_radius import unlimited
 from vrcomfort.respondent import Respondent, SimulatedRespondent
 
 

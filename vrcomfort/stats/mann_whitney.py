@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import norm
 
-from vrcomfort.stats.effects import Effect
+from vrcomfort.stats.effects import EffectSize
 from vrcomfort.stats.ranks import ExactOrAsymptotic, doubled_midranks, tied_count
 from vrcomfort.stats.shift import Shift
 
@@ -57,7 +57,7 @@ class MannWhitney(ExactOrAsymptotic):
     p_asymptotic: float
     shift: Shift | None
     """Hodges–Lehmann: median of the differences between everybody of a and everybody of b."""
-    effect: Effect | None
+    effect: EffectSize | None
     """Rank-biserial correlation: 2 P(a > b) − 1, a tie counting a half."""
 
 
@@ -122,7 +122,7 @@ def mann_whitney(
 
 @dataclass(frozen=True)
 class _RankSum:
-    """The doubled rank sum of a, and the doubled midranks of everybody."""
+    """The doubled rank sum of a, and the doubled midranks of both groups."""
 
     total: int
     n_a: int
@@ -198,7 +198,7 @@ def rank_sum_distribution(doubled_ranks: Integers, n: int) -> np.ndarray[tuple[i
 
 def superiority_interval(
     u: float, n: int, m: int, alternative: Alternative, confidence: float
-) -> Effect:
+) -> EffectSize:
     """Return 2 P(a > b) − 1 with Newcombe's (2006) interval of P, his method 5.
 
     Its ends are the θ with (θ̂ − θ)² = z² V(θ), V that of Hanley & McNeil (1982) with both groups
@@ -221,7 +221,7 @@ def superiority_interval(
     high = 1.0 if theta == 1 else float(brentq(excess, max(theta, 1 - ALMOST), 1.0, xtol=1e-14))
     low = -1.0 if alternative == "less" else 2 * low - 1
     high = 1.0 if alternative == "greater" else 2 * high - 1
-    return Effect(2 * theta - 1, low, high, confidence)
+    return EffectSize(2 * theta - 1, low, high, confidence)
 
 
 def _shift(

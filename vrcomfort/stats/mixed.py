@@ -1,29 +1,208 @@
-"""All available data: a linear mixed model with a random participant.
-
-Our own fit, because the standard errors of statsmodels' ``MixedLM`` (``bse_fe``) are not those of
-its own variance components where cells are missing, and it has no Satterthwaite degrees of
-freedom and no omnibus tests. See `random_intercept`.
-"""
+"""Linear mixed models of all available data, and the crossover, which has a closed form."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.special import stdtr, stdtrit
+from scipy.stats import t as t_distribution
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.crossover import Estimate, t_estimate
-from vrcomfort.stats.marginal_means import Pairwise, marginal_means
 from vrcomfort.stats.random_intercept import FTest, fit_random_intercept
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     import pandas as pd
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
+
+    from vrcomfort.stats.random_intercept import RandomIntercept
 
     Floats = NDArray[np.float64]
+
+# The two-period crossover: condition, period and sequence (carry-over) effects.
+#
+# With one value per participant and period, the mixed model with a random participant has a
+# closed form: condition and period are tested on the differences between periods, the sequence on
+# the sums (Grizzle 1965; Jones & Kenward 2014, chapter 2). The estimates, standard errors and
+# degrees of freedom equal those of the mixed model with Satterthwaite's method.
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A fixed effect with its t test."""
+
+    estimate: float
+    standard_error: float
+    df: float
+    t: float | None
+    p: float | None
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True)
+class Crossover:
+    """The three effects of an AB/BA crossover, in points of the score."""
+
+    n_ab: int
+    n_ba: int
+    condition: Estimate
+    """a minus b."""
+    period: Estimate
+    """Second period minus first."""
+    sequence: Estimate
+    """Sequence ba minus ab, of the participants' means; carry-over shows here."""
+
+
+def crossover(
+    first: ArrayLike, second: ArrayLike, a_first: ArrayLike, *, confidence: float = 0.95
+) -> Crossover:
+    """Analyse a two-period crossover.
+
+    Parameters
+    ----------
+    first, second
+        Scores in the first and second period, shape (n,).
+    a_first
+        Whether the participant had condition a in the first period, shape (n,).
+
+    Raises
+    ------
+    InputError
+        If a sequence has nobody, or there are fewer than three participants.
+    """
+    one, two = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
+    ab = np.asarray(a_first, dtype=bool)
+    if not ab.any() or ab.all():
+        raise InputError("a crossover analysis needs participants in both orders")
+    if ab.size < 3:
+        raise InputError("a crossover analysis needs at least three participants")
+    half, mean = (one - two) / 2, (one + two) / 2
+    return Crossover(
+        n_ab=int(ab.sum()),
+        n_ba=int((~ab).sum()),
+        condition=_difference(half[ab], half[~ab], confidence),
+        period=_difference(-half[ab], half[~ab], confidence),
+        sequence=_difference(mean[~ab], mean[ab], confidence),
+    )
+
+
+def _difference(x: NDArray[np.float64], y: NDArray[np.float64], confidence: float) -> Estimate:
+    """Estimate mean(x) − mean(y) with the pooled variance."""
+    df = x.size + y.size - 2
+    squares = np.sum((x - x.mean()) ** 2) + np.sum((y - y.mean()) ** 2)
+    error = float(np.sqrt(squares / df * (1 / x.size + 1 / y.size)))
+    return t_estimate(float(x.mean() - y.mean()), error, df, confidence)
+
+
+def t_estimate(estimate: float, error: float, df: float, confidence: float) -> Estimate:
+    """Return `estimate` with its two-sided t test; no test without error variance."""
+    if not error > 0:
+        return Estimate(estimate, error, df, None, None, None, None)
+    t = estimate / error
+    half = float(stdtrit(df, (1 + confidence) / 2)) * error
+    p = float(2 * stdtr(df, -abs(t)))
+    return Estimate(estimate, error, df, t, p, estimate - half, estimate + half)
+
+
+# Estimated marginal means of a mixed model, and their pairwise differences.
+#
+# Each level's mean is that of the model with all levels of the other factors weighing alike and
+# covariates at their means (Searle, Speed & Milliken 1980), as R's ``lmerTest::ls_means`` has it.
+
+
+MOST_LEVELS = 12
+"""Levels up to which all pairs are compared."""
+
+
+@dataclass(frozen=True)
+class Pairwise:
+    """The difference of two marginal means, adjusted for the number of pairs (Bonferroni)."""
+
+    estimate: float
+    standard_error: float
+    df: float
+    t: float | None
+    p: float | None
+    """Unadjusted."""
+    p_adjusted: float | None
+    low: float | None
+    """Adjusted: the interval holds 0 exactly where `p_adjusted` is above 1 − confidence."""
+    high: float | None
+
+
+def marginal_means(
+    fit: RandomIntercept,
+    factors: Mapping[str, tuple[str, ...]],
+    covariates: int,
+    confidence: float,
+) -> tuple[dict[str, dict[str, Estimate]], dict[str, dict[str, Pairwise]]]:
+    """Return means and pairwise differences by factor.
+
+    A factor with more than `MOST_LEVELS` levels has no pairwise differences.
+
+    Parameters
+    ----------
+    fit
+        Of a design with a column of ones, the treatment-coded columns of the factors in order
+        (each factor's first level is its reference), and centred covariates.
+    factors
+        Factor → levels, the reference first.
+    covariates
+        How many columns follow those of the factors.
+    """
+    means, pairs = {}, {}
+    for name, levels in factors.items():
+        rows = {level: _row(factors, name, level, covariates) for level in levels}
+        means[name] = {level: _estimated(fit, row, confidence) for level, row in rows.items()}
+        compared = [*combinations(levels, 2)] if len(levels) <= MOST_LEVELS else []
+        pairs[name] = {
+            f"{one} − {two}": _pairwise(fit, rows[one] - rows[two], len(compared), confidence)
+            for one, two in compared
+        }
+    return means, pairs
+
+
+def _row(factors: Mapping[str, tuple[str, ...]], name: str, level: str, covariates: int) -> Floats:
+    """Return the coefficients' weights in the mean of a level."""
+    parts = [np.ones(1)]
+    for factor, levels in factors.items():
+        others = levels[1:]
+        if factor == name:
+            parts.append(np.array([float(each == level) for each in others]))
+        else:
+            parts.append(np.full(len(others), 1 / len(levels)))
+    return np.concatenate([*parts, np.zeros(covariates)])
+
+
+def _estimated(fit: RandomIntercept, row: Floats, confidence: float) -> Estimate:
+    error = float(np.sqrt(row @ fit.covariance @ row))
+    return t_estimate(float(row @ fit.coefficients), error, fit.degrees_of_freedom(row), confidence)
+
+
+def _pairwise(fit: RandomIntercept, row: Floats, count: int, confidence: float) -> Pairwise:
+    found = _estimated(fit, row, confidence)
+    if found.p is None:
+        nothing = (None, None, None, None, None)
+        return Pairwise(found.estimate, found.standard_error, found.df, *nothing)
+    half = found.standard_error * float(
+        t_distribution.isf((1 - confidence) / (2 * count), found.df)
+    )
+    return Pairwise(
+        found.estimate, found.standard_error, found.df, found.t, found.p,
+        min(1.0, count * found.p), found.estimate - half, found.estimate + half,
+    )  # fmt: skip
+
+
+# All available data: a linear mixed model with a random participant.
+#
+# Our own fit, because the standard errors of statsmodels' ``MixedLM`` (``bse_fe``) are not those
+# of its own variance components where cells are missing, and it has no Satterthwaite degrees of
+# freedom and no omnibus tests. See `random_intercept`.
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ OF_THEIR_OWN = r"(pingouin|seaborn|sklearn|pandas_flavor|xarray|statsmodels|pats
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Keep out what those packages warn of their own insides; what they say of data stays."""
+    """Silence the packages' deprecation warnings about themselves; warnings about data stay."""
     with warnings.catch_warnings():
         for category in (DeprecationWarning, PendingDeprecationWarning, FutureWarning):
             warnings.filterwarnings("ignore", category=category, module=OF_THEIR_OWN)

@@ -168,7 +168,7 @@ def t_test_power(effect_sd: float, n: int, alpha: float, alternative: Alternativ
 def smallest_effect(
     test: PairedTest, n: int, *, power: float, studies: int, seed: int
 ) -> float | None:
-    """Return the smallest effect that a study of n people finds with so much power, in SD.
+    """Return the smallest effect that a study of n people finds with this power, in SD.
 
     Differences are normal; the same draws are moved by each effect that is tried, so that power
     rises with it. One-sided tests for smaller values have a negative effect.

@@ -1,4 +1,4 @@
-"""The sign test, and preferences: how many chose what."""
+"""Counts and shares: the sign test, exact intervals, preferences, Fisher's exact test."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.stats import beta, binom, norm
+from scipy.stats import fisher_exact as scipy_fisher_exact
 
-from vrcomfort.stats.effects import Effect
+from vrcomfort.stats.effects import EffectSize
 from vrcomfort.stats.shift import Shift
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ class SignTest:
     alternative: Alternative
     p: float
     """Exact; 1 where every difference is zero."""
-    share: Effect | None
+    share: EffectSize | None
     """Share of positive ones among those that are not zero, with Clopper & Pearson's (1934)
     interval; None where there is none."""
     median: Shift | None
@@ -73,7 +74,7 @@ def _binomial_p(count: int, n: int, alternative: Alternative) -> float:
 
 def clopper_pearson(
     count: int, n: int, alternative: Alternative = "two-sided", confidence: float = 0.95
-) -> Effect | None:
+) -> EffectSize | None:
     """Return a share with its exact interval; None of nothing."""
     if n == 0:
         return None
@@ -82,7 +83,7 @@ def clopper_pearson(
     high = 1.0 if count == n else float(beta.isf(tail, count + 1, n - count))
     low = 0.0 if alternative == "less" else low
     high = 1.0 if alternative == "greater" else high
-    return Effect(count / n, low, high, confidence)
+    return EffectSize(count / n, low, high, confidence)
 
 
 def _median(
@@ -104,7 +105,7 @@ def _median(
     high = int(ordered[n - rank]) if has and alternative != "greater" else None
 
     def kept(end: int | None) -> bool:
-        """Return whether the test does not reject an end, whose own differences it leaves out."""
+        """Return whether the test, without the differences at this end, does not reject it."""
         if end is None:
             return False
         above, below = int((values > end).sum()), int((values < end).sum())
@@ -123,7 +124,7 @@ def _median(
     )
 
 
-def wilson(count: int, n: int, confidence: float = 0.95) -> Effect | None:
+def wilson(count: int, n: int, confidence: float = 0.95) -> EffectSize | None:
     """Return a share with Wilson's (1927) interval; None of nothing."""
     if n == 0:
         return None
@@ -133,7 +134,7 @@ def wilson(count: int, n: int, confidence: float = 0.95) -> Effect | None:
     half = z / (1 + spread) * math.sqrt(share * (1 - share) / n + spread / (4 * n))
     low = 0.0 if count == 0 else max(0.0, centre - half)
     high = 1.0 if count == n else min(1.0, centre + half)
-    return Effect(share, low, high, confidence)
+    return EffectSize(share, low, high, confidence)
 
 
 @dataclass(frozen=True)
@@ -143,11 +144,11 @@ class Preference:
     a: int
     b: int
     none: int
-    shares: tuple[Effect | None, Effect | None, Effect | None]
+    shares: tuple[EffectSize | None, EffectSize | None, EffectSize | None]
     """Of a, b and neither among all, each with Wilson's interval."""
     p: float
     """Sign test of a against b, two-sided; those without a preference are left out of it."""
-    share_of_a: Effect | None
+    share_of_a: EffectSize | None
     """Among those with a preference, with Clopper & Pearson's interval."""
 
 
@@ -160,3 +161,8 @@ def preference(a: int, b: int, none: int, *, confidence: float = 0.95) -> Prefer
         _binomial_p(a, a + b, "two-sided"),
         clopper_pearson(a, a + b, "two-sided", confidence),
     )  # fmt: skip
+
+
+def fisher_exact(counts: ArrayLike) -> float:
+    """Two-sided p of Fisher's exact test for a 2 × 2 table of counts."""
+    return float(scipy_fisher_exact(np.asarray(counts, dtype=np.int64)).pvalue)

@@ -44,7 +44,7 @@ class FTest:
 
 @dataclass(frozen=True)
 class _Curve:
-    """What the restricted deviance is made of at one λ, or at several (leading axes)."""
+    """Parts of the restricted deviance at one λ, or at several (leading axes)."""
 
     weights: Floats
     """n / (1 + n λ) per group: what a group's mean counts."""

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from scipy.special import ndtr
 
-from vrcomfort.stats.effects import Effect, RankBiserialInterval, rank_biserial
-from vrcomfort.stats.inversion import invert
+from vrcomfort.stats.effects import EffectSize, RankBiserialInterval, rank_biserial
 from vrcomfort.stats.ranks import (
     Alternative,
     ExactOrAsymptotic,
@@ -22,7 +21,7 @@ from vrcomfort.stats.ranks import (
     sign_flip_lower_tail,
     tied_count,
 )
-from vrcomfort.stats.shift import Shift, hodges_lehmann, with_hull
+from vrcomfort.stats.shift import Shift, hodges_lehmann, invert, with_hull
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -58,7 +57,7 @@ class SignedRank(ExactOrAsymptotic):
     p_asymptotic: float
     shift: Shift | None
     """Zeros included with ``pratt``, dropped with ``wilcox``."""
-    effect: Effect | None
+    effect: EffectSize | None
     """Matched rank-biserial correlation over the non-zero differences."""
 
 
@@ -169,8 +168,39 @@ def signed_rank(
     return replace(test, shift=shift, effect=effect)
 
 
+def worst_rank(
+    differences: ArrayLike,
+    lost: ArrayLike,
+    *,
+    zeros: Zeros = "pratt",
+    alternative: Alternative = "two-sided",
+    p_value: PValue = "exact",
+) -> SignedRank:
+    """Repeat a signed-rank test with unpaired participants at the worst rank.
+
+    Each lost participant gets a difference larger than any observed, so only its rank and sign
+    matter (Lachin 1999, worst-rank score). The result has neither shift nor
+    effect size: they would be those of the assumption.
+
+    Parameters
+    ----------
+    differences
+        Observed integer differences, first minus second, shape (n,).
+    lost
+        Assumed sign of each lost participant: 1 where the first condition was worse, −1 where
+        the second was, 0 for no difference. Shape (m,).
+    """
+    observed = np.asarray(differences, dtype=np.int64)
+    signs = np.asarray(lost, dtype=np.int64)
+    largest = int(np.max(np.abs(observed), initial=0))
+    together = np.concatenate([observed, np.sign(signs) * (largest + 1)])
+    return signed_rank(
+        together, zeros=zeros, alternative=alternative, p_value=p_value, intervals=False
+    )
+
+
 def _inverted(values: Integers, unit: float, test: SignedRank, confidence: float) -> Shift | None:
-    """Return the shift with the hull of what this very test, exact or not, does not reject."""
+    """Return the shift with the hull of the values that this very test does not reject."""
     if values.size == 0:
         return None
     rough = partial(_asymptotic, zeros=test.zero_method, alternative=test.alternative)

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying.findings import Verified
-from vrcomfort.recordings.source import find_source, parquet_of
 from vrcomfort.records.checksums import CHECKSUMS, read_checksums, sha256_of
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
+from vrcomfort.records.recording import Recording, parquet_of
 from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS
 
 _OWN = {*(each.FILE for each in (*SESSION_ROWS, *OPTIONAL_ROWS)), "manifest.json", CHECKSUMS}
@@ -44,7 +44,7 @@ def _check_packed(file: Path, found: Verified) -> None:
     csv = file.with_suffix(".csv")
     if not csv.is_file():
         found.note(file, "its CSV is missing, and a Parquet file alone is no record")
-    elif find_source(csv).note:
+    elif Recording.find(csv).note:
         found.note(file, "is not of its CSV as that is now, and not read; vrcomfort pack renews it")
 
 

@@ -189,4 +189,4 @@ def _near(a: str, b: str) -> bool:
 
 
 def _digits(text: str) -> list[str]:
-    return [letter for letter in text if letter.isdigit()]
+    return [letter for letter in text if letter.isdecimal()]

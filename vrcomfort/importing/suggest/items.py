@@ -70,7 +70,7 @@ def _windows(words: tuple[str, ...]) -> tuple[tuple[int, int, str], ...]:
         (start, start + length, plain("".join(words[start : start + length])))
         for length in range(min(_LONGEST, len(words)), 0, -1)
         for start in range(len(words) - length + 1)
-        if not (words[start].isdigit() or words[start + length - 1].isdigit())
+        if not (words[start].isdecimal() or words[start + length - 1].isdigit())
     )
 
 
@@ -111,7 +111,7 @@ def _abbreviated(
     for length in range(min(4, len(words)), 0, -1):
         for start in range(len(words) - length + 1):
             part = words[start : start + length]
-            if any(len(word) < 3 or word.isdigit() for word in part):
+            if any(len(word) < 3 or word.isdecimal() for word in part):
                 continue
             found = [item.name for item in instrument.items if _abbreviates(part, item.name)]
             enough = length > 1 or len(part[0]) >= 4
@@ -279,7 +279,7 @@ def _item_numbers(named: Sequence[Named]) -> set[tuple[str, int]]:
     for each in named:
         for side, words in (("before", each.before), ("after", each.after)):
             for place, word in _placed(side, words):
-                if word.isdigit():
+                if word.isdecimal():
                     numbers[side, place][each.item].add(word)
     items = len({each.item for each in named})
     return {
@@ -333,7 +333,7 @@ def _by_number(
     for column, heading in enumerate(table.headings):
         words = tokens(heading)
         for place, word in enumerate(words):
-            if column not in taken and word.isdigit() and len(word) < 4:
+            if column not in taken and word.isdecimal() and len(word) < 4:
                 key = tuple(words[:place]), tuple(words[place + 1 :])
                 groups[key].setdefault(int(word), column)
     found = []

@@ -133,7 +133,7 @@ def _numbered_in_rows(
         return None
     numbers: dict[int, str] = {}
     for word in words:
-        digits = [token for token in tokens(word) if token.isdigit()]
+        digits = [token for token in tokens(word) if token.isdecimal()]
         named = mentions(word, known.instruments)
         if len(digits) == 1 and (not named or instrument.name in named):
             numbers.setdefault(int(digits[0]), word)
@@ -229,9 +229,9 @@ def courses_of(ratings: Sequence[FoundRating]) -> list[list[FoundRating]]:
     """Return ratings whose headings differ in one number alone, such as ``FMS_1 min``."""
     groups: dict[tuple[str, ...], list[FoundRating]] = {}
     for rating in ratings:
-        digits = [word for word in rating.context if word.isdigit()]
+        digits = [word for word in rating.context if word.isdecimal()]
         if rating.time is None and len(digits) == 1:
-            rest = tuple("#" if word.isdigit() else word for word in rating.context)
+            rest = tuple("#" if word.isdecimal() else word for word in rating.context)
             groups.setdefault((rating.instrument.name, *rest), []).append(rating)
     return [group for group in groups.values() if len(group) >= FEWEST_TIMES]
 

@@ -62,7 +62,7 @@ def _facts(words: Sequence[str], vocabulary: Vocabulary) -> dict[str, str]:
         word = words[place]
         following = words[place + 1] if place + 1 < len(words) else ""
         fact = numbered.get(word, "")
-        if fact and following.isdigit():
+        if fact and following.isdecimal():
             facts[fact] = f"t{following}" if fact == "timepoint" else following
             place += 1
         elif word in timepoints and "timepoint" not in facts:
@@ -77,7 +77,7 @@ def _facts(words: Sequence[str], vocabulary: Vocabulary) -> dict[str, str]:
 
 def _numbered_times(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
     """Call T0, T1, T2 baseline, post and recovery, and ask."""
-    said = sorted({f["timepoint"] for f in facts if f.get("timepoint", "")[1:].isdigit()})
+    said = sorted({f["timepoint"] for f in facts if f.get("timepoint", "")[1:].isdecimal()})
     if not said:
         return
     names = dict(zip(said, ("baseline", "post", "recovery"), strict=False))
@@ -91,7 +91,7 @@ def _numbered_times(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
 def _two_unnamed(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
     """Take two blocks of the same headings, the second marked with a number, for before, after."""
     bare = [f for f in facts if not f]
-    second = [f for f in facts if set(f) == {"condition"} and f["condition"].isdigit()]
+    second = [f for f in facts if set(f) == {"condition"} and f["condition"].isdecimal()]
     if len(facts) == 2 and len(bare) == 1 and len(second) == 1:
         bare[0]["timepoint"] = "baseline"
         second[0].pop("condition")
@@ -102,7 +102,7 @@ def _two_unnamed(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
 
 def _name_the_rest(facts: list[dict[str, str]], doubts: list[Doubt], fact: str) -> None:
     """Ask what numbers mean that stand alone; tell equal moments apart."""
-    numbers = [f for f in facts if f.get("condition", "").replace("_", "").isdigit()]
+    numbers = [f for f in facts if f.get("condition", "").replace("_", "").isdecimal()]
     if numbers:
         shown = ", ".join(dict.fromkeys(f["condition"] for f in numbers))
         question = f"What do the numbers {shown} in the headings stand for?"

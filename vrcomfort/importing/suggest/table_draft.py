@@ -183,7 +183,7 @@ class TableDraft:
     def _context_of(self, course: Sequence[FoundRating]) -> tuple[str, tuple[str, ...]]:
         """Return the instrument of a rating time course, and the words of all its headings."""
         first, units = course[0], self._vocabulary.units
-        words = tuple(word for word in first.context if not word.isdigit() and word not in units)
+        words = tuple(word for word in first.context if not word.isdecimal() and word not in units)
         return first.instrument.name, words
 
     def _context(self) -> Context:

@@ -2,7 +2,7 @@
 
 A new effect is a table of settings (`vrcomfort.protocol.conditions.EffectTables`), a pass that is
 an `Effect`, its shader and the shader's twin, and an `EffectKind` in
-`vrcomfort.render.effects.kinds`.
+`vrcomfort.render.plan`.
 """
 
 from __future__ import annotations
@@ -15,10 +15,9 @@ import moderngl
 
 from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import Condition, EffectName
-from vrcomfort.render.camera import EyeCamera, PreviousCamera
-from vrcomfort.render.head_step import HeadStep
+from vrcomfort.render.camera import EyeCamera, HeadStep, PreviousCamera
 from vrcomfort.render.planned_pass import PlannedPass
-from vrcomfort.render.resolve import ResolvePass
+from vrcomfort.render.scene_pass import ResolvePass
 from vrcomfort.scene.data import Scene
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import moderngl
 
 from vrcomfort.gpu import gl
-from vrcomfort.optics.relocation_blur import level_after
+from vrcomfort.optics.motion import level_after
 from vrcomfort.protocol.conditions import Condition, RelocationBlur
+from vrcomfort.render.background_blur import MipLevelPass
 from vrcomfort.render.effects.effect import EffectKind, EyeFrame, reading_colour
-from vrcomfort.render.mip_level import MipLevelPass
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 

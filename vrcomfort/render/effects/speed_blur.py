@@ -9,10 +9,10 @@ import moderngl
 from vrcomfort.geometry import focal_length_px
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.optics.gaussian import sigma_px
+from vrcomfort.optics.motion import sigma_px
 from vrcomfort.protocol.conditions import Condition, SpeedBlur
+from vrcomfort.render.camera import speed_share
 from vrcomfort.render.effects.effect import EffectKind, EyeFrame, reading_colour
-from vrcomfort.render.head_step import speed_share
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 

@@ -10,10 +10,10 @@ import numpy as np
 from vrcomfort.geometry import Fov, Pose, turn_to
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.optics.vignette import clear_deg, moved_towards, widest_angle_deg
+from vrcomfort.optics.motion import clear_deg, moved_towards, widest_angle_deg
 from vrcomfort.protocol.conditions import Condition, Vignette
+from vrcomfort.render.camera import speed_share
 from vrcomfort.render.effects.effect import EffectKind, EyeFrame, reading_colour
-from vrcomfort.render.head_step import speed_share
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 

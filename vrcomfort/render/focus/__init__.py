@@ -1,1 +1,1 @@
-"""Finds the focus distance: by nine rays, by a zone, by gaze; and applies the refocus law."""
+"""Finds one focus distance for both eyes: by rays, by a zone, by gaze, by script."""

@@ -23,8 +23,7 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import autofocus_zone
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.camera import rotation_only
-from vrcomfort.render.focus.rule import FocusInputs, FocusRule, Sight
-from vrcomfort.render.focus.search import FocusSearch, Look
+from vrcomfort.render.focus.search import FocusInputs, FocusRule, FocusSearch, Look, Sight
 from vrcomfort.render.planned_pass import PlannedPass
 
 

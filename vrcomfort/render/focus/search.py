@@ -1,28 +1,120 @@
-"""Focus at the head centre: found in a small image of its own, decided on the GPU, read back late.
+"""Focus at the head centre: searched in a small image, decided on the GPU, read back late.
 
 ::
 
     probe (rays, zone) ──► target ──► refocus law ──► texture ──► both eyes
                                           ▲ focus of the frame before
 
-One focus distance serves both eyes; it never comes from an eye's depth buffer.
+One focus distance serves both eyes; it never comes from an eye's depth buffer. A new rule is its
+settings (`vrcomfort.protocol.conditions.Focus`), a `FocusRule` in the list of `rules`, its shader
+and the shader's twin.
 """
 
 from __future__ import annotations
 
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 import moderngl
 import numpy as np
 
 from vrcomfort.frame import FocusSample
-from vrcomfort.geometry import Array
-from vrcomfort.gpu import shaders
+from vrcomfort.geometry import Array, Gaze, Pose
+from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu.gl import LATENCY
 from vrcomfort.optics.focus import RAYS
-from vrcomfort.optics.refocus.law import AT_ONCE
-from vrcomfort.optics.refocus.laws import LAWS
-from vrcomfort.render.focus.readback import Readback, focus_texture
-from vrcomfort.render.focus.rule import FocusInputs, Sight
+from vrcomfort.optics.refocus import AT_ONCE, LAWS
+from vrcomfort.protocol.conditions import Focus, FocusRuleName
+from vrcomfort.render.gpu_scene import GpuScene
+from vrcomfort.render.planned_pass import PlannedPass
+
+
+class Sight(NamedTuple):
+    """Where the head of a frame is, and what its eyes see.
+
+    Parameters
+    ----------
+    world_from_head
+        The head centre.
+    discontinuity
+        The frame before has nothing to do with this one.
+    screen_tangents
+        Half width and half height of the image as tangents, the mean of both eyes.
+    gaze
+        head-from-gaze, None without an eye tracker.
+    scene_time_s
+        Of the scene's animations.
+    zone_centre
+        Tangents (right, up) of where the middle of an autofocus zone is to be.
+    """
+
+    frame_index: int
+    display_time_ns: int
+    world_from_head: Pose
+    discontinuity: bool = False
+    screen_tangents: tuple[float, float] = (1.0, 1.0)
+    gaze: Gaze | None = None
+    scene_time_s: float = 0.0
+    zone_centre: tuple[float, float] = (0.0, 0.0)
+
+
+class FocusInputs(NamedTuple):
+    """What a rule is built from.
+
+    Parameters
+    ----------
+    gpu
+        The scene; `GpuScene.update` must have been called for the frame that is rendered.
+    near_m
+        Nearer than this nothing is drawn, for the search as for the eyes.
+    along_ray
+        Whether distances are those along each ray, or those along the head's forward axis.
+    """
+
+    ctx: moderngl.Context
+    gpu: GpuScene
+    settings: Focus
+    near_m: float
+    along_ray: bool = False
+
+
+class FocusPass(Protocol):
+    """Finds the focus distance of each frame."""
+
+    @property
+    def texture(self) -> moderngl.Texture:
+        """1×1 RGBA32F: x = focus, y = target of the refocus law, z = bits of the rays used."""
+
+    @property
+    def triangles(self) -> int:
+        """Those that the last frame sent."""
+
+    def render(self, sight: Sight) -> tuple[FocusSample, ...]:
+        """Find the focus of a frame, and return the samples that have arrived meanwhile."""
+
+    def drain(self) -> tuple[FocusSample, ...]:
+        """Return the samples that are still on their way; waits for the GPU."""
+
+
+@dataclass(frozen=True)
+class FocusRule:
+    """How focus is found.
+
+    Parameters
+    ----------
+    name
+        What `method` of a protocol calls it.
+    plan
+        Say whether it draws anything, and why; no OpenGL.
+    build
+        Make it.
+    """
+
+    name: FocusRuleName
+    plan: Callable[[Focus], PlannedPass]
+    build: Callable[[FocusInputs], FocusPass]
 
 
 class Look(NamedTuple):
@@ -130,3 +222,64 @@ class FocusSearch:
         for name, value in constants.items():
             triangle.program[name] = value
         return triangle
+
+
+_NO_RAYS = np.full(RAYS, np.nan)
+
+
+class Readback:
+    """Copies depths and result into buffers in GPU order; each is read `LATENCY` frames later."""
+
+    def __init__(self, ctx: moderngl.Context, near_m: float, infinity_m: float) -> None:
+        self._near_m = near_m
+        self._infinity_m = infinity_m
+        self._free = [gl.dynamic_buffer(ctx, (RAYS + 4) * 4) for _ in range(LATENCY + 1)]
+        self._pending: deque[tuple[int, Array, moderngl.Buffer]] = deque()
+
+    def record(
+        self,
+        frame_index: int,
+        rays: moderngl.Framebuffer | None,
+        ray_lengths: Array,
+        result: moderngl.Framebuffer,
+    ) -> tuple[FocusSample, ...]:
+        """Queue this frame's result, and its rays if it has any; return the sample that is due.
+
+        `ray_lengths`: (9,) metres to be told of each ray per metre of its depth.
+        """
+        buffer = self._free.pop()
+        if rays is not None:
+            rays.read_into(buffer, components=1, attachment=-1, dtype="f4")
+        result.read_into(buffer, components=4, dtype="f4", write_offset=RAYS * 4)
+        self._pending.append((frame_index, ray_lengths, buffer))
+        return (self._read(),) if len(self._pending) > LATENCY else ()
+
+    def drain(self) -> tuple[FocusSample, ...]:
+        """Return all samples that are still queued."""
+        return tuple(self._read() for _ in range(len(self._pending)))
+
+    def _read(self) -> FocusSample:
+        frame_index, ray_lengths, buffer = self._pending.popleft()
+        values = np.frombuffer(buffer.read(), dtype=np.float32).astype(np.float64)
+        self._free.append(buffer)
+        focus_m, target_m, used = values[RAYS : RAYS + 3].tolist()
+        bits = (int(used) >> np.arange(RAYS)) & 1
+        rays_m = self._metres(values[:RAYS], ray_lengths) if used else _NO_RAYS
+        return FocusSample(frame_index, focus_m, target_m, rays_m, bits.astype(bool))
+
+    def _metres(self, depths: Array, ray_lengths: Array) -> Array:
+        near = self._near_m * ray_lengths
+        sky = depths * self._infinity_m <= near
+        return np.asarray(near / np.where(sky, near / self._infinity_m, depths))
+
+
+def focus_texture(ctx: moderngl.Context, focus_m: float) -> moderngl.Texture:
+    """Return a 1×1 RGBA32F texture: x = focus, y = its target (m), z = bits of the rays used."""
+    texture = gl.color_texture(ctx, (1, 1), dtype="f4")
+    write_focus(texture, focus_m)
+    return texture
+
+
+def write_focus(texture: moderngl.Texture, focus_m: float) -> None:
+    """Put a distance (m) into a texture of :func:`focus_texture`, as focus and as target."""
+    texture.write(np.array([focus_m, focus_m, 0.0, 1.0], dtype=np.float32))

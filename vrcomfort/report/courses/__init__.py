@@ -1,5 +1,5 @@
 """Ratings during exposure over time, who left when, and what both say of conditions."""
 
-from vrcomfort.report.courses.results import Courses, analyse_courses
+from vrcomfort.report.courses.analysis import TimeCourseAnalysis, analyse_time_courses
 
-__all__ = ["Courses", "analyse_courses"]
+__all__ = ["TimeCourseAnalysis", "analyse_time_courses"]

@@ -1,4 +1,4 @@
-"""Exposures with the ratings given in them, how long they were watched, and how they ended."""
+"""Rated exposures: their ratings, how long they were watched, and how they ended."""
 
 from __future__ import annotations
 
@@ -6,8 +6,13 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from vrcomfort.csv_table import number_in
+import numpy as np
+import pandas as pd
+
+from vrcomfort.csv_table import number_in, number_or_none
 from vrcomfort.errors import InputError
+from vrcomfort.records.exposure_rows import TrialRow
+from vrcomfort.records.recording import Memory
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.report.withdrawals import undone_attempts
@@ -16,8 +21,108 @@ from vrcomfort.stats.rating_courses import RatingCourse
 if TYPE_CHECKING:
     from collections.abc import Container, Mapping
 
-    from vrcomfort.report.courses.live_time import LiveClock
+    from numpy.typing import NDArray
+
+    from vrcomfort.records.reader import Session
     from vrcomfort.report.study_data import StudyData
+
+    Floats = NDArray[np.float64]
+
+SHORTEST_FREEZE_S = 0.5
+"""As in a session: a picture that stands still for longer makes ratings missed that fall due."""
+LATE_PERIODS = 1.2
+"""A frame that stands for longer stood still for all but its period."""
+_COLUMNS = ("session_s", "trial", "period_ns", "should_render")
+
+
+@dataclass(frozen=True)
+class LiveTime:
+    """Live seconds of one exposure by seconds since its start."""
+
+    since_start_s: Floats
+    live_s: Floats
+    freezes: tuple[tuple[float, float], ...]
+    """When the picture stood still, in live seconds, and for how long."""
+
+    def at(self, time_s: float) -> float:
+        """Return the live seconds at a time since the start."""
+        return float(np.interp(time_s, self.since_start_s, self.live_s))
+
+    @classmethod
+    def of(cls, frames_s: Floats, period_s: Floats, length_s: float) -> LiveTime:
+        """Return what frames say.
+
+        Parameters
+        ----------
+        frames_s
+            When each frame was shown, since the start of the exposure, ascending, shape (n,).
+        period_s
+            How long a frame is meant to be shown, shape (n,).
+        length_s
+            When the exposure ended, since its start.
+        """
+        ends = np.append(frames_s[1:], max(length_s, float(frames_s[-1])))
+        passed = ends - frames_s
+        late = passed > LATE_PERIODS * period_s
+        shown = np.where(late, period_s, passed)
+        knots = np.column_stack([frames_s, frames_s + shown]).ravel()
+        live = np.concatenate([[0.0], np.cumsum(shown)])
+        at_knots = np.column_stack([live[:-1], live[1:]]).ravel()
+        still = passed - shown
+        long = np.flatnonzero(still > SHORTEST_FREEZE_S)
+        freezes = tuple((float(live[i + 1]), float(still[i])) for i in long)
+        return cls(np.append(knots, ends[-1]), np.append(at_knots, live[-1]), freezes)
+
+
+class LiveClock:
+    """Reads frames.csv of those sessions alone in which time was lost."""
+
+    def __init__(self, study: StudyData) -> None:
+        lost = {(t["participant"], t["session"]) for t in study.trials if _lost_s(t) > 0.05}
+        recorded = study.recorded_sessions if lost else ()
+        named = {_whose(session): session for session in recorded}
+        self._sessions = {whose: named[whose] for whose in lost & named.keys()}
+        self._read: dict[tuple[str, str], pd.DataFrame] = {}
+
+    def of(self, key: tuple[str, ...], trial: Mapping[str, str]) -> LiveTime | None:
+        """Return the live time of an exposure; None where nothing was lost, or no frame says it."""
+        session = key[0], key[1]
+        if _lost_s(trial) <= 0.05 or session not in self._sessions:
+            return None
+        if session not in self._read:
+            self._read[session] = _frames(self._sessions[session])
+        frames = self._read[session]
+        start, end = float(trial["start_s"]), float(trial["end_s"])
+        mine = frames[(frames["trial"] == float(trial["trial"])) & (frames["session_s"] >= start)]
+        mine = mine[mine["session_s"] <= end].sort_values("session_s")
+        if len(mine) < 2:
+            return None
+        at_s = mine["session_s"].to_numpy(dtype=np.float64) - start
+        return LiveTime.of(at_s, mine["period_ns"].to_numpy(dtype=np.float64) / 1e9, end - start)
+
+
+def _lost_s(trial: Mapping[str, str]) -> float:
+    start, end, live = (
+        number_or_none(trial.get(name) or "") for name in ("start_s", "end_s", "live_s")
+    )
+    return 0.0 if start is None or end is None or live is None else end - start - live
+
+
+def _whose(session: Session) -> tuple[str, str]:
+    """Return participant and session as ``trials.csv`` has them; blank where it has none."""
+    row = next(session.text_rows(TrialRow), {})
+    return row.get("participant", ""), row.get("session", "")
+
+
+def _frames(session: Session) -> pd.DataFrame:
+    """Return the frames that were seen; none of a damaged recording, which is told elsewhere."""
+    try:
+        columns = session.recording().columns(_COLUMNS, Memory())
+    except InputError:
+        columns = dict.fromkeys(_COLUMNS, np.empty(0))
+    frames = pd.DataFrame(columns).dropna()
+    return frames[frames["should_render"] != 0]  # what nobody saw stood behind the frame before
+
 
 Key = tuple[str, str, str, str]
 """Participant, session, trial and condition."""

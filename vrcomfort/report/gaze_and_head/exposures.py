@@ -1,4 +1,4 @@
-"""What one exposure says of gaze and head: numbers, and what maps and curves are made of."""
+"""Gaze and head motion of one exposure: read from its frames, and summarised."""
 
 from __future__ import annotations
 
@@ -7,28 +7,229 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vrcomfort.report.gaze_and_head.nodes import node_shares
-from vrcomfort.stats.gaze import (
-    Fixation,
+from vrcomfort.records.exposure_rows import TaskRow
+from vrcomfort.records.frame_rows import CUT
+from vrcomfort.records.recording import Categories, Memory, Recording
+from vrcomfort.records.session_rows import EventRow
+from vrcomfort.rotations import rotate
+from vrcomfort.stats.gaze_and_head import (
+    GazeFixation,
     Map,
+    Spectrum,
+    angles_deg,
+    band_power,
     fixations,
+    head_spectrum,
     saliency_map,
     zone_holding,
     zone_ratios,
     zone_shares,
 )
-from vrcomfort.stats.head_spectrum import Spectrum, band_power, head_spectrum
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from numpy.typing import NDArray
 
-    from vrcomfort.report.gaze_and_head.motion import Motion
+    from vrcomfort.csv_table import CsvTable
+    from vrcomfort.records.reader import Session
     from vrcomfort.report.plan.gaze_and_head import GazeAndHead
+
+    Floats = NDArray[np.float64]
+
+_POSE = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
+_HEAD = tuple(f"head_{part}" for part in _POSE)
+_AVATAR = tuple(f"avatar_{part}" for part in _POSE)
+_SIDES = ("left", "right", "up", "down")
+_FOV = tuple(f"{eye}_fov_{side}_rad" for eye in ("left", "right") for side in _SIDES)
+_FRAMES = ("session_s", "xr_time_ns", "period_ns", "trial", "discontinuity", "head_valid",
+           "should_render", *_HEAD, *_AVATAR, *_FOV)  # fmt: skip
+_GAZE = ("xr_time_ns", "valid", "direction_x", "direction_y", "direction_z")
+_ROUNDING_S = 1e-6
+_FORWARD = (0.0, 0.0, -1.0)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What was recorded of n frames in which the head's pose was known.
+
+    Parameters
+    ----------
+    time_s, session_s, seconds
+        (n,) display time, session time, and period of each frame.
+    cuts
+        (n,) where a frame, or one left out before it, has nothing to do with the one before.
+    head
+        (n, 5) position in the stage in metres, yaw (to the right, without jumps) and pitch in
+        degrees.
+    place, forward
+        (n, 3) position of the head in the world, and where it faces.
+    half_widths
+        (n, 2) tangents of half an eye's image in width and height; NaN where not recorded.
+    in_head, in_world
+        (n, 3) directions of the gaze; NaN where it was not valid. None without an eye tracker.
+    drawn
+        (n,) where the scene was drawn, and not left out as nobody could see it.
+    nodes
+        What is under the gaze, of n frames; None where it was not recorded.
+    """
+
+    time_s: Floats
+    session_s: Floats
+    seconds: Floats
+    cuts: NDArray[np.bool_]
+    head: Floats
+    place: Floats
+    forward: Floats
+    half_widths: Floats
+    in_head: Floats | None
+    in_world: Floats | None
+    drawn: NDArray[np.bool_]
+    nodes: Categories | None = None
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """Return (n,) where the gaze was known."""
+        if self.in_world is None:
+            return np.zeros(self.time_s.shape, dtype=bool)
+        return np.isfinite(self.in_world[:, 0])
+
+
+def read_motion(
+    frames: Path, trials: list[dict[str, str]], memory: Memory | None = None
+) -> list[Motion | None]:
+    """Return the frames of each of a session's trials, their last attempts; None without any.
+
+    Raises
+    ------
+    InputError
+        If a recording is damaged, with its place.
+    """
+    memory = memory or Memory()
+    table = Recording.find(frames).columns(_FRAMES, memory)
+    gaze_file = frames.with_name("gaze.csv")
+    if not gaze_file.is_file():
+        return [_motion(table, None, None, trial) for trial in trials]
+    recording = Recording.find(gaze_file)
+    samples = recording.columns(_GAZE, memory)
+    rows = _aligned(table["xr_time_ns"], samples)
+    ways = np.column_stack([samples[f"direction_{axis}"] for axis in "xyz"])
+    gaze = np.where(rows[:, None] < 0, np.nan, ways[rows])
+    nodes = recording.categories("hit_node", memory)
+    if nodes is not None:
+        nodes = nodes._replace(codes=np.where(rows < 0, -1, nodes.codes[rows]))
+    return [_motion(table, gaze, nodes, trial) for trial in trials]
+
+
+def _aligned(time_ns: Floats, gaze: dict[str, Floats]) -> NDArray[np.int64]:
+    """Return (n,) the row of the gaze at each frame's time; −1 where none is valid."""
+    found = np.full(len(time_ns), -1)
+    known = np.flatnonzero(gaze["valid"] == 1)
+    place = np.searchsorted(time_ns, gaze["xr_time_ns"][known])
+    there = place < len(time_ns)
+    there[there] = time_ns[place[there]] == gaze["xr_time_ns"][known][there]
+    found[place[there]] = known[there]
+    return found
+
+
+def _motion(
+    table: dict[str, Floats], gaze: Floats | None, nodes: Categories | None, trial: dict[str, str]
+) -> Motion | None:
+    start, end = float(trial["start_s"]) - _ROUNDING_S, float(trial["end_s"]) + _ROUNDING_S
+    at = table["session_s"]
+    mine = (table["trial"] == int(trial["trial"])) & (at >= start) & (at <= end)
+    cuts_so_far = np.cumsum(np.asarray(table["discontinuity"] == CUT))
+    known = np.isfinite(np.column_stack([table[name] for name in _HEAD])).all(axis=1)
+    mine = mine & known & (table["head_valid"] != 0)
+    if mine.sum() < 2:
+        return None
+    part = {name: values[mine] for name, values in table.items()}
+    cuts = cuts_so_far[mine]
+    position, turns = _pose(part, _HEAD)
+    forward = rotate(turns, np.broadcast_to(_FORWARD, position.shape))
+    yaw, pitch = angles_deg(forward)
+    carried, carrying = _avatar(part)
+    directions = None if gaze is None else gaze[mine]
+    back = turns * [-1.0, -1.0, -1.0, 1.0]
+    return Motion(
+        time_s=part["xr_time_ns"] / 1e9,
+        session_s=part["session_s"],
+        seconds=part["period_ns"] / 1e9,
+        cuts=np.append(True, np.diff(cuts) > 0),
+        head=np.column_stack([position, np.unwrap(yaw, period=360.0), pitch]),
+        place=carried + rotate(carrying, position),
+        forward=rotate(carrying, forward),
+        half_widths=_half_widths(part),
+        in_head=None if directions is None else rotate(back, directions),
+        in_world=None if directions is None else rotate(carrying, directions),
+        drawn=part["should_render"] != 0,
+        nodes=None if nodes is None else nodes._replace(codes=nodes.codes[mine]),
+    )
+
+
+def _pose(part: dict[str, Floats], names: tuple[str, ...]) -> tuple[Floats, Floats]:
+    """Return (n, 3) positions and (n, 4) orientations."""
+    columns = np.column_stack([part[name] for name in names])
+    return columns[:, :3], columns[:, 3:]
+
+
+def _avatar(part: dict[str, Floats]) -> tuple[Floats, Floats]:
+    """Return where the stage is in the world; where that was not recorded, it is the world."""
+    position, turns = _pose(part, _AVATAR)
+    known = np.asarray(np.isfinite(np.column_stack([position, turns])).all(axis=1))
+    unknown = ~known[:, None]
+    return np.where(unknown, 0.0, position), np.where(unknown, [0.0, 0.0, 0.0, 1.0], turns)
+
+
+def _half_widths(part: dict[str, Floats]) -> Floats:
+    """Return half of an eye's image in tangents, the mean of both eyes: their frusta are askew."""
+    tangents = {name: np.tan(part[name]) for name in _FOV}
+    half = [
+        sum(tangents[f"{eye}_fov_{high}_rad"] - tangents[f"{eye}_fov_{low}_rad"]
+            for eye in ("left", "right")) / 4
+        for low, high in (("left", "right"), ("down", "up"))
+    ]  # fmt: skip
+    return np.column_stack(half)
+
+
+def times_of(session: Session, name: str, otherwise_s: float) -> list[tuple[float, float]]:
+    """Return begin and end, in session time, of a session's events, or shots, of a name.
+
+    Parameters
+    ----------
+    name
+        Of an event (events.csv), or what a row of a task is of (`kind` of tasks.csv, as ``shot``).
+    otherwise_s
+        How long one lasts that says nothing, or 0 s.
+
+    Raises
+    ------
+    InputError
+        If a file is damaged, with its place.
+    """
+    begun = [
+        *_begun(session.table(EventRow), "name", name),
+        *_begun(session.table(TaskRow), "kind", name),
+    ]
+    return [(onset, onset + (length or otherwise_s)) for onset, length in begun]
+
+
+def _begun(table: CsvTable, column: str, name: str) -> list[tuple[float, float]]:
+    """Return onset and duration of the rows of a name; none of a table without these columns."""
+    if not {column, "onset_s"} <= set(table.header):
+        return []
+    lasting = "duration_s" in table.header
+    lengths_s = table.numbers("duration_s", blank=0.0) if lasting else [0.0] * len(table.rows)
+    begun = zip(table.dicts(), table.numbers("onset_s"), lengths_s, strict=True)
+    return [(onset_s, length_s) for row, onset_s, length_s in begun if row[column] == name]
+
 
 SIGNALS = ("head_x_m", "head_y_m", "head_z_m", "yaw_deg", "pitch_deg")
 BANDS_HZ = ((0.25, 0.5), (0.5, 2.0), (2.0, 8.0))
 HELD = (0.75, 0.9)
 """Shares of the gaze of which the zone that holds them is given."""
+NOTHING = ""
+"""The name of what is no node: the sky."""
 WHOLE = ""
 """The time of a whole exposure, beside that of events."""
 Row = dict[str, Any]
@@ -36,7 +237,7 @@ Times = list[tuple[float, float]]
 
 
 @dataclass
-class Seen:
+class ExposureSummary:
     """What is known of an exposure.
 
     Parameters
@@ -62,18 +263,20 @@ class Seen:
     shares: dict[str, list[float]] = field(default_factory=dict)
     nodes: dict[str, float] = field(default_factory=dict)
     head_map: Map | None = None
-    fixations: list[Fixation] = field(default_factory=list)
+    fixations: list[GazeFixation] = field(default_factory=list)
     viewpoint_m: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.nan))
     reach_m: float = np.nan
     forward: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.nan))
     spectrum: Spectrum | None = None
 
 
-def look(motion: Motion, asked: GazeAndHead, events: dict[str, Times]) -> Seen:
+def summarise_exposure(
+    motion: Motion, asked: GazeAndHead, events: dict[str, Times]
+) -> ExposureSummary:
     """Return what an exposure says; `events` are those of its session, by name."""
     middle = np.median(motion.place, axis=0)
     away_m = np.linalg.norm(motion.place - middle, axis=1)
-    seen = Seen(
+    seen = ExposureSummary(
         _gaze_known(motion),
         viewpoint_m=middle,
         reach_m=float(np.quantile(away_m, 0.9)),
@@ -94,7 +297,9 @@ def _gaze_known(motion: Motion) -> Row:
     return {"gaze_valid_share": float(seconds[motion.valid].sum() / seconds.sum())}
 
 
-def _zones(seen: Seen, motion: Motion, asked: GazeAndHead, events: dict[str, Times]) -> None:
+def _zones(
+    seen: ExposureSummary, motion: Motion, asked: GazeAndHead, events: dict[str, Times]
+) -> None:
     valid = motion.valid
     assert motion.in_head is not None  # noqa: S101 - some gaze is valid
     ways, seconds, half = motion.in_head[valid], motion.seconds[valid], motion.half_widths[valid]
@@ -119,7 +324,28 @@ def during(at_s: NDArray[np.float64], times: Times) -> NDArray[np.bool_]:
     return inside
 
 
-def _fixations(seen: Seen, motion: Motion, asked: GazeAndHead) -> None:
+def node_shares(motion: Motion) -> dict[str, float]:
+    """Return node → share of the time in which the gaze was known and the scene drawn.
+
+    Empty where the nodes are not known: they were not recorded, or the gaze met none at all.
+    """
+    if motion.nodes is None:
+        return {}
+    known = motion.valid & motion.drawn
+    places, seconds = motion.nodes.codes[known], motion.seconds[known]
+    if not (places >= 0).any():
+        return {}
+    # Blank cells are −1: the first of the sums is that of nothing.
+    sums = np.bincount(places + 1, weights=seconds, minlength=1 + len(motion.nodes.names))
+    names = (NOTHING, *motion.nodes.names)
+    return {
+        name: share
+        for name, share in zip(names, (sums / sums.sum()).tolist(), strict=True)
+        if share
+    }
+
+
+def _fixations(seen: ExposureSummary, motion: Motion, asked: GazeAndHead) -> None:
     assert motion.in_world is not None  # noqa: S101 - some gaze is valid
     seen.fixations = fixations(
         motion.time_s,
@@ -141,7 +367,7 @@ def _fixations(seen: Seen, motion: Motion, asked: GazeAndHead) -> None:
     }
 
 
-def _spectrum(seen: Seen, motion: Motion, asked: GazeAndHead) -> None:
+def _spectrum(seen: ExposureSummary, motion: Motion, asked: GazeAndHead) -> None:
     seen.spectrum = found = head_spectrum(
         motion.time_s, motion.head, motion.cuts, period_s=float(np.median(motion.seconds)),
         window_s=asked.spectrum_window_s,

@@ -8,16 +8,16 @@ import numpy as np
 from matplotlib.ticker import FuncFormatter
 
 from vrcomfort.report.canvas import INK, Drawing, canvas, lines
+from vrcomfort.report.gaze_and_head.analysis import EVERYBODY
 from vrcomfort.report.gaze_and_head.exposures import WHOLE
-from vrcomfort.report.gaze_and_head.results import EVERYBODY
 from vrcomfort.report.palette import colour_of, marker_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from vrcomfort.report.gaze_and_head.results import Looked
+    from vrcomfort.report.gaze_and_head.analysis import GazeAndHeadAnalysis
     from vrcomfort.report.vocabulary import Vocabulary
-    from vrcomfort.stats.gaze import Map
+    from vrcomfort.stats.gaze_and_head import Map
 
 _DASHES = ("-", "--", ":", "-.")
 _SHOWN = ("yaw_deg", "head_z_m")
@@ -29,7 +29,7 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MOST_MAPS = 6
 
 
-def gaze_and_head_figures(found: Looked, words: Vocabulary) -> dict[str, Drawing]:
+def gaze_and_head_figures(found: GazeAndHeadAnalysis, words: Vocabulary) -> dict[str, Drawing]:
     """Return name → drawing of what there is."""
     drawn = {}
     if found.zones:
@@ -45,7 +45,7 @@ def gaze_and_head_figures(found: Looked, words: Vocabulary) -> dict[str, Drawing
     return drawn
 
 
-def _zones(found: Looked, words: Vocabulary) -> Drawing:
+def _zones(found: GazeAndHeadAnalysis, words: Vocabulary) -> Drawing:
     """Draw a curve for each situation, and of each event's time; all situations together in ink."""
     events = list(dict.fromkeys(row["during"] for row in found.zones))
     situations = list(dict.fromkeys(row["situation"] for row in found.zones))
@@ -99,7 +99,7 @@ def _map(axes: Axes, shown: Map, brightest: float) -> None:
     )
 
 
-def _spectra(found: Looked, words: Vocabulary) -> Drawing:
+def _spectra(found: GazeAndHeadAnalysis, words: Vocabulary) -> Drawing:
     situations = list(dict.fromkeys(row["situation"] for row in found.spectra))
     with canvas("head-spectra", 6.8, 3.2) as (figure, drawing):
         for axes, signal in zip(figure.subplots(1, len(_SHOWN)), _SHOWN, strict=True):

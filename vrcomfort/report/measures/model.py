@@ -1,18 +1,41 @@
-"""What a measure is: an outcome that is no score of a questionnaire."""
+"""Measures: outcomes that are no scores of a questionnaire."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Protocol
+
+from pydantic import Field
 
 from vrcomfort.csv_table import number_in
+from vrcomfort.settings import Name, Settings
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from vrcomfort.report.study_data import StudyData
+
+
+Limit = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class MeasureSettings(Settings):
+    """An outcome that is no score of a questionnaire: what it is, and what readers call it."""
+
+    name: Name
+    measure: str
+    """``source.quantity``: ratings.peak, tasks.time_s, participants.age, frames.head_path_m, …"""
+    label: str = ""
+    unit: str = ""
+    better: Literal["lower", "higher", ""] = ""
+    """Which direction is the good one."""
+    instrument: str = ""
+    """Of ratings: which instrument, where several were rated."""
+    threshold: Limit | None = None
+    """Of ratings.time_to: the rating that is to be reached."""
+
 
 Better = Literal["lower", "higher", ""]
 DIGITS = 12
@@ -55,7 +78,7 @@ class Measure:
     parts: tuple[str, ...] = ()
 
 
-class Value(NamedTuple):
+class MeasuredValue(NamedTuple):
     """A measure of one exposure, of one person under a condition, or of one person."""
 
     participant: str
@@ -78,7 +101,7 @@ class Quantity(NamedTuple):
     """A clause for the methods section."""
 
 
-class Source(Protocol):
+class MeasureSource(Protocol):
     """A file of the study, and what can be measured in it."""
 
     quantities: ClassVar[dict[str, Quantity]]
@@ -86,7 +109,7 @@ class Source(Protocol):
     of_whole_exposures: ClassVar[bool]
     """Whether an exposure that was cut short has no value: there was less time for it."""
 
-    def values(self, study: StudyData, measure: Measure) -> Iterable[Value]:
+    def values(self, study: StudyData, measure: Measure) -> Iterable[MeasuredValue]:
         """Return the values of a study.
 
         Raises
@@ -113,7 +136,7 @@ def exactly(value: float | Fraction) -> Fraction | None:
     return Fraction(value) if math.isfinite(value) else None
 
 
-def in_steps(values: list[Value]) -> list[Value]:
+def in_steps(values: list[MeasuredValue]) -> list[MeasuredValue]:
     """Return the values to `DIGITS` digits of the largest, so that those that are alike tie."""
     largest = max((abs(v.number) for v in values if v.number is not None), default=Fraction(0))
     if not largest:

@@ -9,9 +9,8 @@ import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Array, Fov, Pose, focal_length_px, rotate
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, Together, Uniforms
-from vrcomfort.gpu.max_reduction import MaxReductionPass
-from vrcomfort.optics import levels
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MaxReductionPass, Together, Uniforms
+from vrcomfort.optics import blur_kernels
 from vrcomfort.optics.circle_of_confusion import CLOSEST_FOCUS
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.camera import EyeCamera
@@ -21,7 +20,7 @@ from vrcomfort.render.effects.depth_of_field.lens_radius import (
     radius_limit_px,
     radius_of_arcmin,
 )
-from vrcomfort.render.resolve import ResolvePass
+from vrcomfort.render.scene_pass import ResolvePass
 
 TILE_PX = 8
 """Side of the tiles whose range of radii is known."""
@@ -217,9 +216,9 @@ class CocPasses:
         self.tile_px = TILE_PX
         """Side of :attr:`tile_min_max`."""
         self.level_defines = {
-            "EXACT_PX": levels.exact_px(settings.samples),
-            "LEVELS": levels.levels(self.limit_px, settings.samples),
-            "FADED": levels.FADED,
+            "EXACT_PX": blur_kernels.exact_px(settings.samples),
+            "LEVELS": blur_kernels.gather_mips(self.limit_px, settings.samples),
+            "FADED": blur_kernels.CROSS_FADE_FROM,
         }
         """What ``include/levels.glsl`` needs."""
         self._tile_min_max = CocTileMinMax(

@@ -1,0 +1,271 @@
+"""Kernels of depth of field by their names in a protocol, and those of papers.
+
+A kernel spreads each pixel over its circle of confusion: a class each, made by `make_kernel`. What
+each leaks, and where, stands in its notes: the trade-off measures it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from math import ceil
+from typing import NamedTuple
+
+import moderngl
+import numpy as np
+
+from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MipChain
+from vrcomfort.optics import blur_kernels
+from vrcomfort.protocol.conditions import DepthOfField, Kernel
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
+from vrcomfort.render.effects.depth_of_field.half_resolution_kernels import (
+    HalfResolutionDiscKernel,
+    HalfResolutionRingsKernel,
+    SeparableGaussianKernel,
+)
+from vrcomfort.render.effects.depth_of_field.layered_gather import (
+    Aspect,
+    BlurKernel,
+    LayeredGatherKernel,
+)
+
+
+class _Taps12(NamedTuple):
+    offsets: bytes
+    radius_limit_px: float
+
+
+class Poisson12Kernel:
+    """The fragment program of Hillaire et al. 2008, Fig. 3 (``poisson12.frag``).
+
+    Twelve Poisson taps, turned per pixel, and a depth comparison.
+
+    Notes
+    -----
+    A sharp front does not leak, for a nearer tap weighs as much as it is blurred. A blurred front
+    keeps its outline: sharp pixels beside it look at themselves only. The angles belong to the
+    screen: the grain that replaces ghosts is the same in both eyes, and stays when the head turns.
+    Without `rotate_taps` all angles are 0, and ghosts stay.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        coc: CocPasses,
+        settings: DepthOfField,
+    ) -> None:
+        taps = blur_kernels.POISSON_12.astype(np.float32)
+        turns = blur_kernels.rotations() if settings.rotate_taps else np.array([[[1.0, 0.0]]])
+        rotations = gl.color_texture(ctx, turns.shape[1::-1], components=2, dtype="f4")
+        rotations.write(turns.astype(np.float32).tobytes())
+        self._pass = FullscreenPass(
+            ctx,
+            "depth_of_field/poisson12.frag",
+            size_px=coc.size_px,
+            inputs={"colour_and_coc": coc.colour_and_coc, "rotations": rotations},
+            filtered={"colour_and_coc"},
+            constants=_Taps12(taps.tobytes(), coc.limit_px),
+            defines={"TAPS": len(taps)},
+        )
+        self.target = self._pass.target
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the present points."""
+        self._pass.render(Aspect(pixel_aspect))
+
+
+class _Taps15(NamedTuple):
+    offsets: bytes
+    radius_limit_px: float
+
+
+class Poisson15NearKernel:
+    """The second pass of Mantiuk et al. 2011, section 4 (``poisson15_near.frag``).
+
+    Fifteen Poisson taps in circles that a blurred foreground widens around it.
+
+    Notes
+    -----
+    A blurred front gets soft edges because what lies around it is blurred too, sharp background
+    included ("the drawback of this method"). Taps are not compared in depth: a sharp front leaks
+    into a blurred back, as the paper says of methods of this kind.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        coc: CocPasses,
+        settings: DepthOfField,  # noqa: ARG002 - the paper's numbers are fixed
+    ) -> None:
+        width, height = coc.size_px
+        cell = {"CELL": 2**blur_kernels.NEAR_LEVEL}
+        self._near_mean = FullscreenPass(
+            ctx,
+            "depth_of_field/poisson15_near_mean.frag",
+            size_px=(ceil(width / cell["CELL"]), ceil(height / cell["CELL"])),
+            inputs={"colour_and_coc": coc.colour_and_coc},
+            defines=cell,
+            components=1,
+        )
+        taps = blur_kernels.POISSON_15.astype(np.float32)
+        self._gather = FullscreenPass(
+            ctx,
+            "depth_of_field/poisson15_near.frag",
+            size_px=coc.size_px,
+            inputs={"colour_and_coc": coc.colour_and_coc, "near_mean": self._near_mean.target},
+            filtered={"near_mean", "colour_and_coc"},
+            constants=_Taps15(taps.tobytes(), coc.limit_px),
+            defines={"TAPS": len(taps), **cell},
+        )
+        self.target = self._gather.target
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the present points."""
+        self._near_mean.render()
+        self._gather.render(Aspect(pixel_aspect))
+
+
+class _Slices(NamedTuple):
+    slices_m: bytes
+
+
+class MipKernel:
+    """Trick three of "Four Tricks for Fast Blurring", 2001 (``mip_downsample.frag``, ``mip.frag``).
+
+    The MIP pyramid magnified again: blur that costs the same for any radius.
+
+    Parameters
+    ----------
+    slices
+        False: each pixel cross-fades between the two levels around its radius. True: billboards
+        that slice the scene, one level each, without a cross-fade; at `slices_m`, where the
+        settings have them.
+
+    Notes
+    -----
+    The pyramid knows no depth: whatever is sharp has a halo in blurred surroundings, and a blurred
+    front ends at its outline. Slices show a hard edge wherever a surface meets a billboard.
+    Blur is square and round in pixels, even where pixels are not.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        coc: CocPasses,
+        settings: DepthOfField,
+        *,
+        slices: bool = False,
+    ) -> None:
+        self._coc, self._slices_m = coc, settings.slices_m if slices else None
+        levels = len(self._slices_m or ()) or blur_kernels.pyramid_levels(coc.limit_px)
+        self._chain = MipChain(ctx, coc.colour_and_coc, levels, coc.size_px)
+        self._shown = FullscreenPass(
+            ctx,
+            "depth_of_field/mip.frag",
+            size_px=coc.size_px,
+            inputs={
+                "colour_and_coc": coc.colour_and_coc,
+                "levels": self._chain.levels,
+                **({"depth": coc.depth_to_coc.depth} if self._slices_m else {}),
+            },
+            constants=self._places(),
+            filtered={"levels"},
+            defines={"CHAIN": levels, **self._defines(slices=slices)},
+        )
+        self.target = self._shown.target
+
+    def render(self, pixel_aspect: float) -> None:  # noqa: ARG002 - texels are squares of pixels
+        """Blur the present points."""
+        self._chain.render()
+        self._shown.render(self._coc.eye if self._slices_m else None)
+
+    def _defines(self, *, slices: bool) -> dict[str, int]:
+        if not slices:
+            return {}
+        return {"SLICES": 1} | ({"AT_DISTANCES": 1} if self._slices_m else {})
+
+    def _places(self) -> _Slices | None:
+        if self._slices_m is None:
+            return None
+        return _Slices(np.array(self._slices_m, dtype=np.float32).tobytes())
+
+
+TALLEST_PIXEL = 1.5
+"""No headset's pixels are narrower than this, height over width."""
+
+
+class ScatterKernel:
+    """Algorithm 1 of Carnegie & Rhee 2015, as blended sprites (``scatter.vert``, ``scatter.frag``).
+
+    Notes
+    -----
+    The algorithm asks no depth: every disc is blended into the output, whoever hides whom. Blending
+    is addition here, so that the order of the pixels does not matter, and what arrived is divided
+    by how much arrived, so that a constant image stays constant. At an edge where the discs of the
+    blurred side add up to A, a sharp pixel of weight 1 on the other side keeps 1 / (1 + A) of its
+    colour: a blurred front spreads over a sharp back with opacity A / (1 + A) instead of A, and a
+    blurred back leaks over a sharp front just as much. Sharp pixels never spread.
+
+    The cost is the sum of the areas of all discs, each at most that of `CocPasses.limit_px`.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        coc: CocPasses,
+        settings: DepthOfField,  # noqa: ARG002 - the algorithm has no further numbers
+    ) -> None:
+        self._ctx = ctx
+        self._colour_and_coc = coc.colour_and_coc
+        shares = gl.color_texture(ctx, coc.size_px, dtype="f4")
+        self._framebuffer = ctx.framebuffer([shares])
+        self._scope = ctx.scope(self._framebuffer, moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
+        widest_px = 2 * (TALLEST_PIXEL * (coc.limit_px + 0.5) + 1)
+        self._fits_points = widest_px <= ctx.info["GL_POINT_SIZE_RANGE"][1]
+        defines = {} if self._fits_points else {"SQUARES": 1}
+        program = shaders.program(
+            ctx, "depth_of_field/scatter.frag", "depth_of_field/scatter.vert", defines
+        )
+        program["colour_and_coc"] = 0
+        self._sprites = ctx.vertex_array(program, [])
+        self._mean = FullscreenPass(
+            ctx,
+            "depth_of_field/scatter_mean.frag",
+            size_px=coc.size_px,
+            inputs={"shares": shares},
+        )
+        self.target = self._mean.target
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the present points."""
+        self._sprites.program["pixel_aspect"] = pixel_aspect
+        self._framebuffer.clear()
+        self._colour_and_coc.use(0)
+        self._ctx.blend_func = moderngl.ONE, moderngl.ONE
+        pixels = self._colour_and_coc.width * self._colour_and_coc.height
+        with self._scope:
+            if self._fits_points:
+                self._sprites.render(moderngl.POINTS, vertices=pixels)
+            else:
+                self._sprites.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=pixels)
+        self._mean.render()
+
+
+_Maker = Callable[[moderngl.Context, CocPasses, DepthOfField], BlurKernel]
+_KERNELS: dict[Kernel, _Maker] = {
+    "vrcomfort": LayeredGatherKernel,
+    "scatter": ScatterKernel,
+    "poisson12": Poisson12Kernel,
+    "poisson15_near": Poisson15NearKernel,
+    "mip": MipKernel,
+    "mip_slices": partial(MipKernel, slices=True),
+    "half_resolution_disc": HalfResolutionDiscKernel,
+    "ring_gather": HalfResolutionRingsKernel,
+    "separable_gaussian": SeparableGaussianKernel,
+}
+
+
+def make_kernel(ctx: moderngl.Context, coc: CocPasses, settings: DepthOfField) -> BlurKernel:
+    """Return the kernel that `settings` name, reading the points of `coc`."""
+    return _KERNELS[settings.kernel](ctx, coc, settings)

@@ -1,0 +1,159 @@
+"""Our kernel of depth of field, and the interface of all kernels."""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import Any, NamedTuple, Protocol
+
+import moderngl
+
+from vrcomfort.gpu import gl
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.optics import blur_kernels
+from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
+
+
+class Aspect(NamedTuple):
+    """The uniform that all kernels with round discs have."""
+
+    pixel_aspect: float
+
+
+class BlurKernel(Protocol):
+    """Spreads each point over its disc.
+
+    It is made of a `CocPasses`, whose `colour_and_coc` holds the image (linear HDR) with the signed
+    radius of each pixel.
+    """
+
+    @property
+    def target(self) -> moderngl.Texture:
+        """The blurred image, RGBA16F of the same size."""
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the present points; `pixel_aspect` is vertical over horizontal px per radian."""
+
+
+class LayeredGatherKernel:
+    """Classifies tiles, makes coarser mips, draws each class of tiles: docs/depth_of_field.md.
+
+    Every texel of a disc is summed, on the mip on which there are not too many.
+
+    Notes
+    -----
+    Where no disc can be wider than what is summed over pixels, there are no levels.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        coc: CocPasses,
+        settings: DepthOfField,
+    ) -> None:
+        self._ctx, self._coc = ctx, coc
+        self._defines = coc.level_defines
+        self._points = {"colour_and_coc": coc.colour_and_coc}
+        self._dilate = self._dilate_pass()
+        self._layers = self._layer_passes()
+        layers = {f"layers_{i}": each.target for i, each in enumerate(self._layers, 1)}
+        self.target = gl.color_texture(ctx, coc.size_px)
+        self._composite = [self._tiles("SHARP", "sharp"), self._tiles("ONE_SURFACE", "one_surface")]
+        coarser = {"COARSER_BEHIND": int(blur_kernels.coarser_behind(settings.samples))}
+        self._composite.append(self._tiles("LAYERED", "layered", layers, defines=coarser))
+        self._gather: FullscreenPass | None = None
+        if self._layers:
+            self._gather = self._gather_pass(layers, settings.samples)
+            gathered = {"gathered": self._gather.target}
+            wide = {"WITH_WIDE": 1}
+            self._composite.append(
+                self._tiles("WIDE", "one_surface", gathered, wide, filtered={"gathered"})
+            )
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the image of the last eye."""
+        aspect = Aspect(pixel_aspect)
+        self._dilate.render(aspect)
+        for layer in self._layers:
+            layer.render()
+        if self._gather is not None:
+            self._gather.render(aspect)
+        sharp, *others = self._composite
+        sharp.render()
+        for each in others:
+            each.render(aspect)
+
+    def _dilate_pass(self) -> FullscreenPass:
+        coc = self._coc
+        inputs = {"tiles": coc.tile_min_max}
+        defines = {**self._defines, "TILE": coc.tile_px, "LIMIT_PX": float(coc.limit_px)}
+        if coc.widest is not None:
+            inputs["widest"] = coc.widest
+            defines["WIDEST"] = 1
+        return self._pass("coc_tile_dilate", inputs, defines=defines, size_px=coc.tile_min_max.size)
+
+    def _layer_passes(self) -> list[FullscreenPass]:
+        found: list[FullscreenPass] = []
+        for level in range(1, int(self._defines["LEVELS"])):
+            finer = found[-1].target if found else self._coc.colour_and_coc
+            defines = {"FROM_LAYERS": 1} if found else {}
+            size_px = self._size_of(level)
+            found.append(
+                self._pass("layers", {"finer": finer}, size_px=size_px, dtype="u4", defines=defines)
+            )
+        return found
+
+    def _gather_pass(self, layers: dict[str, moderngl.Texture], samples: int) -> FullscreenPass:
+        """Return what sums wide discs, in tiles of that class and beside them."""
+        coarsest = blur_kernels.coarsest_of_one_surface(self._coc.limit_px, samples)
+        read = {f"layers_{level}": layers[f"layers_{level}"] for level in range(1, coarsest + 1)}
+        return self._pass(
+            "gather",
+            {**read, "dilated": self._dilate.target},
+            size_px=self._size_of(1),
+            defines={
+                **self._defines,
+                "HALF_EXACT": blur_kernels.HALF_WIDER * blur_kernels.exact_px(samples),
+                "COARSEST": coarsest,
+                **_of_class("WIDE", self._coc.tile_px // 2, beside=1),
+            },
+            **self._on_tiles(),
+        )
+
+    def _tiles(
+        self,
+        name: str,
+        fragment: str,
+        inputs: dict[str, moderngl.Texture] | None = None,
+        defines: dict[str, int] | None = None,
+        **options: Any,
+    ) -> FullscreenPass:
+        """Return what draws the tiles of a class."""
+        of_class = _of_class(name, self._coc.tile_px, beside=0)
+        return self._pass(
+            fragment,
+            {**self._points, "dilated": self._dilate.target, **(inputs or {})},
+            size_px=self._coc.size_px,
+            target=self.target,
+            defines={**self._defines, **of_class, **(defines or {})},
+            **self._on_tiles(),
+            **options,
+        )
+
+    def _on_tiles(self) -> dict[str, Any]:
+        return {"vertex": "depth_of_field/tiles_of_class.vert", "tiles": self._dilate.target.size}
+
+    def _size_of(self, level: int) -> tuple[int, int]:
+        width, height = self._coc.size_px
+        return ceil(width / 2**level), ceil(height / 2**level)
+
+    def _pass(
+        self, name: str, inputs: dict[str, moderngl.Texture], **options: Any
+    ) -> FullscreenPass:
+        fragment = f"depth_of_field/{name}.frag"
+        return FullscreenPass(self._ctx, fragment, inputs=inputs, **options)
+
+
+def _of_class(name: str, point_px: int, *, beside: int) -> dict[str, Any]:
+    """Return what ``tiles_of_class.vert`` needs."""
+    return {"CLASS": name, "POINT_PX": point_px, "BESIDE": beside}

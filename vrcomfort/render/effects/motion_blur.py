@@ -1,0 +1,462 @@
+"""Motion blur of one eye from a velocity buffer (McGuire et al. 2012, Guertin et al. 2013).
+
+::
+
+    velocity ─► TileMaxPass ─► FrameStreaks     longest streak of the frame, in one texel
+                    │              │
+                dilation ◄─────────┤            tiles that streaks reach; who may pass whom
+                    │              ▼
+                    │          averages         along each pixel's own streak, in one step or two
+                    ▼              ▼
+                complex tiles ─► target         who hides whom, where things pass each other
+
+The CPU never learns how long a frame's streaks are: the vertex shaders of passes that a frame does
+not need give triangles without area. ``docs/motion_blur.md`` tells more.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import NamedTuple
+
+import moderngl
+import numpy as np
+
+from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.shaders import Defines
+from vrcomfort.optics.motion import ramp, sampling_of
+from vrcomfort.protocol.conditions import Condition, MotionBlur
+from vrcomfort.render.camera import HeadStep
+from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.planned_pass import PlannedPass
+from vrcomfort.scene.data import Scene
+
+
+def plan(scene: Scene, condition: Condition) -> PlannedPass:
+    """Plan motion blur; a shutter that never opens for long blurs nothing.
+
+    Locomotion and heads move at run time, so only a mode that ignores every camera can be known
+    to see nothing move; frames in which nothing moved are copied without any pass in every mode.
+    """
+    settings = condition.motion_blur
+    if settings is None:
+        return PlannedPass("motion_blur", False, "the condition has none")
+    if settings.shutter_fraction == 0:
+        return PlannedPass("motion_blur", False, "its shutter is open for no time")
+    turns = settings.virtual_turning == "kept"
+    moves = scene.has_hands or any(node.moving for node in scene.nodes)
+    if settings.mode == "objects_only" and not turns and not moves:
+        return PlannedPass("motion_blur", False, "objects_only, and nothing in the scene moves")
+    reason = f"{settings.mode}, shutter open for {settings.shutter_fraction:g} of the frame"
+    if settings.neck is not None and settings.mode == "rotation_cancelled":
+        reason += f", about a neck {settings.neck.behind_m:g} m behind"
+        reason += f" and {settings.neck.below_m:g} m below the eyes"
+    if settings.virtual_turning != "by_mode":
+        reason += f", virtual turning {settings.virtual_turning}"
+    return PlannedPass("motion_blur", True, reason)
+
+
+def build(inputs: EffectInputs) -> MotionBlurPass:
+    """Build motion blur."""
+    return MotionBlurPass(
+        inputs.ctx,
+        colour=inputs.colour,
+        depth=inputs.depth,
+        velocity=inputs.reads["velocity"],
+        settings=inputs.settings,
+        size_px=inputs.size_px,
+    )
+
+
+def streak_scale(settings: MotionBlur, step: HeadStep | None) -> float:
+    """Return what all streaks are multiplied by: 1 to 0.
+
+    The shutter is open for a part of one period, also where the frame before lies further back;
+    and streaks may fade for how fast the head turns.
+    """
+    if step is None:
+        return 1.0
+    fade = settings.fade_with_turning
+    faded = ramp(step.turn_deg_s("head"), fade.from_deg_s, fade.to_deg_s) if fade else 0.0
+    return (1 - faded) / step.periods
+
+
+class MotionBlurPass:
+    """Smears `colour` along `velocity` for as long as the shutter is open; the result is `target`.
+
+    Parameters
+    ----------
+    colour, depth, velocity
+        Linear HDR RGBA16F, reverse-Z D32F and RG16F (px per frame, +x right, +y up).
+
+    Notes
+    -----
+    The limit on half streaks alters what is seen. :meth:`clamps` says how long those would have
+    been that were shortened to ``limit_px``.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        *,
+        colour: moderngl.Texture,
+        depth: moderngl.Texture,
+        velocity: moderngl.Texture,
+        settings: MotionBlur,
+        size_px: tuple[int, int],
+    ) -> None:
+        self._settings, self._colour = settings, colour
+        self.limit_px = settings.max_radius_percent / 100 * size_px[0]
+        self._method: Reconstruction | PerPixel
+        if settings.method == "reconstruction":
+            self._method = Reconstruction(
+                ctx,
+                colour=colour,
+                depth=depth,
+                velocity=velocity,
+                samples=settings.samples,
+                limit_px=self.limit_px,
+            )
+        else:
+            self._method = PerPixel(ctx, colour=colour, velocity=velocity, samples=settings.samples)
+        self._copy = gl.copier(ctx)
+        self.target = self._method.target
+
+    def render(self, eye: EyeFrame) -> None:
+        """Blur the present image; where nothing has moved, it is copied, bit by bit."""
+        scale = streak_scale(self._settings, eye.step)
+        if eye.still or scale == 0:
+            self._copy(self._colour, self.target)
+            return
+        self._draw(scale)
+
+    def adjust(self, settings: MotionBlur) -> None:
+        """Draw by other settings from now on."""
+        self._settings = settings
+
+    def warm_up(self) -> None:
+        """Draw everything once, which frames in which nothing moves leave out."""
+        self._draw(0.0)
+
+    def _draw(self, scale: float) -> None:
+        self._method.render(Shutter(self._settings.shutter_fraction * scale, self.limit_px))
+
+    def forget(self) -> None:
+        """Do nothing: frames after a cut have no streaks."""
+
+    def longest_half_velocity_px(self) -> float:
+        """Return the longest half streak of all frames, before the limit; waits for the GPU.
+
+        With ``per_pixel``, of those only that the limit has shortened; 0 where there are none.
+        """
+        return self._method.longest_half_velocity_px()
+
+    def clamps(self) -> tuple[str, ...]:
+        """Return what the limit has done to the frames so far, in words; waits for the GPU."""
+        longest_px = self.longest_half_velocity_px()
+        if longest_px <= self.limit_px:
+            return ()
+        return (
+            f"motion blur: half streaks of up to {longest_px:.1f} px were shortened to "
+            f"{self.limit_px:.1f} px",
+        )
+
+
+KIND = EffectKind("motion_blur", plan, build, reads=frozenset({"velocity"}))
+
+
+class Shutter(NamedTuple):
+    """Uniforms of ``include/half_velocity.glsl``."""
+
+    shutter_fraction: float
+    """Of the frame period, times the scale of the frame's streaks."""
+    radius_limit_px: float
+
+
+class _Limit(NamedTuple):
+    radius_limit_px: float
+
+
+class Reconstruction:
+    """Averages along each pixel's own streak; compares depth where things pass each other.
+
+    Parameters
+    ----------
+    colour, depth, velocity
+        Linear HDR RGBA16F, reverse-Z D32F and RG16F (px per frame, +x right, +y up).
+    samples
+        As in ``MotionBlur.samples``.
+    limit_px
+        No half streak is longer.
+
+    Notes
+    -----
+    A frame whose longest streak is short is averaged in one step, others in two; only tiles with
+    velocity discontinuities compare depth.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        *,
+        colour: moderngl.Texture,
+        depth: moderngl.Texture,
+        velocity: moderngl.Texture,
+        samples: int,
+        limit_px: float,
+    ) -> None:
+        self._ctx, self._colour, self._velocity = ctx, colour, velocity
+        self._sampling = sampling = sampling_of(samples, colour.width)
+        self._tile_max = TileMaxPass(ctx, velocity=velocity, limit_px=limit_px, jump=sampling.jump)
+        self._dilate = _dilation(ctx, self._tile_max, limit_px, sampling.jump)
+        self.target = gl.color_texture(ctx, colour.size)
+        average = None if sampling.taps == 1 else self._average("streak_average", colour, None)
+        in_parts = colour if average is None else average.target
+        self._averages = (
+            *(() if average is None else (average,)),
+            self._average("motion_blur_long", in_parts, self.target),
+            self._average("motion_blur", colour, self.target, {"PAIRS": sampling.pairs}),
+        )
+        self._foreground = self._mixed_tiles(depth)
+
+    def _average(
+        self,
+        name: str,
+        source: moderngl.Texture,
+        target: moderngl.Texture | None,
+        short: Defines | None = None,
+    ) -> FullscreenPass:
+        """Return a pass over the whole image: in frames with long streaks, or in `short` ones."""
+        sampling = self._sampling
+        steps = {"LONG": 1, "TAPS": sampling.taps, "PARTS": sampling.parts}
+        return FullscreenPass(
+            self._ctx,
+            f"motion_blur/{name}.frag",
+            size_px=self._colour.size,
+            inputs={
+                "frame": self._tile_max.frame.target,
+                "velocity": self._velocity,
+                "source": source,
+            },
+            filtered={"source"},
+            defines={
+                "ONE_STEP_PX": sampling.one_step_px,
+                **(steps if short is None else short),
+                **({"CUBIC": 1} if sampling.cubic else {}),
+            },
+            vertex="motion_blur/frame_of_streaks.vert",
+            target=target,
+        )
+
+    def _mixed_tiles(self, depth: moderngl.Texture) -> FullscreenPass:
+        longest, crossing = self._dilate.targets
+        tile_px = self._tile_max.tile_px
+        return FullscreenPass(
+            self._ctx,
+            "motion_blur/motion_blur_foreground.frag",
+            size_px=self._colour.size,
+            inputs={
+                "colour": self._colour,
+                "velocity": self._velocity,
+                "depth": depth,
+                "longest": longest,
+                "crossing": crossing,
+                "frame": self._tile_max.frame.target,
+            },
+            filtered={"colour"},
+            defines={
+                "JUMP": self._sampling.jump,
+                "TILE": tile_px,
+                "POINT_PX": tile_px,
+                "CLASS": "MIXED",
+                "STRIDE": self._sampling.stride_px,
+                "MOST_TAPS": self._sampling.most_taps,
+            },
+            vertex="motion_blur/motion_tiles_of_class.vert",
+            tiles=longest.size,
+            target=self.target,
+        )
+
+    @property
+    def tiles(self) -> tuple[moderngl.Texture, moderngl.Texture]:
+        """Return what reaches each tile and its class, and what crosses it.
+
+        Of the last frame in which things may have passed each other.
+        """
+        longest, crossing = self._dilate.targets
+        return longest, crossing
+
+    def render(self, shutter: Shutter) -> None:
+        """Blur along the present streaks."""
+        self._tile_max.render(shutter.shutter_fraction)
+        self._dilate.render()
+        for each in self._averages:
+            each.render(shutter)
+        self._foreground.render(shutter)
+
+    def longest_half_velocity_px(self) -> float:
+        """Return the longest half streak of all frames, before the limit; waits for the GPU."""
+        return self._tile_max.frame.longest_of_all_px()
+
+
+def _dilation(
+    ctx: moderngl.Context, tile_max: TileMaxPass, limit_px: float, jump: float
+) -> FullscreenPass:
+    return FullscreenPass(
+        ctx,
+        "motion_blur/tile_max_dilate.frag",
+        size_px=tile_max.target.size,
+        inputs={
+            "tile_max": tile_max.target,
+            "tile_max_crossing": tile_max.crossing,
+            "frame": tile_max.frame.target,
+        },
+        more_components=(2,),
+        constants=_Limit(limit_px),
+        defines={"TILE": tile_max.tile_px, "JUMP": jump, "PASSING": 1},
+        vertex="motion_blur/frame_of_streaks.vert",
+    )
+
+
+LEAST_TILE_PX = 16
+MOST_TILES = 8
+"""Tiles that the longest half velocity may cross: more are finer, and more to look at."""
+ROWS = 4
+"""Rows of pixels that are summed up first; a tile has a multiple of them."""
+AT_ONCE_PX = 400
+"""Images up to so wide have few tiles: each is summed up at once."""
+_LEAST = -1e30
+"""Less than what any tile has."""
+
+
+class _Opening(NamedTuple):
+    shutter_fraction: float
+
+
+class TileMaxPass:
+    """Sums up by tile how far points move while the shutter is open.
+
+    Parameters
+    ----------
+    velocity
+        RG16F (px per frame, +x right, +y up).
+    limit_px
+        No half velocity counts for more, whatever it is.
+    jump
+        Things pass each other where half velocities differ by this part of the shorter one.
+
+    Attributes
+    ----------
+    target, crossing
+        RGBA16F and RG16F, see ``tile_max.frag``; one texel for `tile_px` pixels each way.
+    frame
+        The streaks of the whole frame.
+    """
+
+    def __init__(
+        self, ctx: moderngl.Context, *, velocity: moderngl.Texture, limit_px: float, jump: float
+    ) -> None:
+        width, height = velocity.size
+        self.tile_px = max(LEAST_TILE_PX, ROWS * ceil(limit_px / MOST_TILES / ROWS))
+        at_once = width <= AT_ONCE_PX and self.tile_px == LEAST_TILE_PX
+        rows = self.tile_px if at_once else ROWS
+        self._strips = FullscreenPass(
+            ctx,
+            "motion_blur/tile_max.frag",
+            size_px=(ceil(width / self.tile_px), ceil(height / rows)),
+            inputs={"velocity": velocity},
+            more_components=(2,),
+            defines={"TILE": self.tile_px, "ROWS": rows, "JUMP": jump},
+        )
+        self._tiles = None if at_once else self._of_strips(ctx, height)
+        self.target, self.crossing = (self._tiles or self._strips).targets
+        self.frame = FrameStreaks(ctx, self.target)
+
+    def _of_strips(self, ctx: moderngl.Context, height: int) -> FullscreenPass:
+        strips = self._strips.targets
+        return FullscreenPass(
+            ctx,
+            "motion_blur/tile_max.frag",
+            size_px=(strips[0].width, ceil(height / self.tile_px)),
+            inputs=dict(zip(("source", "source_crossing"), strips, strict=True)),
+            more_components=(2,),
+            defines={"STRIPS": self.tile_px // ROWS},
+        )
+
+    def render(self, shutter_fraction: float) -> None:
+        """Find the present streaks; the shutter is open for this part of a frame period."""
+        self._strips.render(_Opening(shutter_fraction))
+        if self._tiles is not None:
+            self._tiles.render()
+        self.frame.render()
+
+
+class FrameStreaks:
+    """Sums up the tiles of a frame in one pixel, `target`: see ``frame_streaks.vert``."""
+
+    def __init__(self, ctx: moderngl.Context, tile_max: moderngl.Texture) -> None:
+        self._ctx, self._tile_max = ctx, tile_max
+        self.target = gl.color_texture(ctx, (1, 1), dtype="f4")
+        self._longest_of_all = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
+        self._framebuffer = ctx.framebuffer([self.target, self._longest_of_all])
+        self._framebuffer.clear()
+        self._clear = gl.clearer(ctx)
+        name = "motion_blur/frame_streaks"
+        self._points = ctx.vertex_array(shaders.program(ctx, f"{name}.frag", f"{name}.vert"), [])
+        self._points.program["tile_max"] = 0
+        self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
+
+    def render(self) -> None:
+        """Begin with a new frame; what is remembered over all frames stays."""
+        self._clear(self._framebuffer, (0.0, 0.0, _LEAST, 0.0))
+        self._tile_max.use(0)
+        self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)
+        with self._scope:
+            self._points.render(moderngl.POINTS, vertices=self._tile_max.height)
+        self._ctx.blend_equation = (moderngl.FUNC_ADD, moderngl.FUNC_ADD)
+
+    def longest_of_all_px(self) -> float:
+        """Return the longest half velocity of all frames, before the limit; waits for the GPU."""
+        return float(np.frombuffer(self._longest_of_all.read(), dtype=np.float32)[0])
+
+
+_LONGEST_BINDING = 0
+
+
+class PerPixel:
+    """Averages `samples` along each pixel's own streak into `target`: one pass (Rosado 2007).
+
+    For comparison with ours: streaks end at the silhouette edges of what moves.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        *,
+        colour: moderngl.Texture,
+        velocity: moderngl.Texture,
+        samples: int,
+    ) -> None:
+        self._ctx = ctx
+        self._longest = gl.dynamic_buffer(ctx, 4)
+        self._longest.clear()
+        self._gather = FullscreenPass(
+            ctx,
+            "motion_blur/motion_blur_per_pixel.frag",
+            size_px=colour.size,
+            inputs={"colour": colour, "velocity": velocity},
+            filtered={"colour"},
+            defines={"SAMPLES": samples, "LONGEST_BINDING": _LONGEST_BINDING},
+        )
+        self.target = self._gather.target
+
+    def render(self, shutter: Shutter) -> None:
+        """Blur along the present streaks."""
+        self._longest.bind_to_storage_buffer(_LONGEST_BINDING)
+        self._gather.render(shutter)
+
+    def longest_half_velocity_px(self) -> float:
+        """Return the longest half streak that was shortened, 0 where none was; waits."""
+        self._ctx.memory_barrier()
+        return float(np.frombuffer(self._longest.read(), np.float32)[0])

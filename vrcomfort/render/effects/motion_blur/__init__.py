@@ -1,1 +1,0 @@
-"""Motion blur from a velocity buffer, per eye."""

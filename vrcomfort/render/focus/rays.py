@@ -1,0 +1,235 @@
+"""Rules by nine rays: `nine_ray` ahead of the head, `gaze` around the line of sight.
+
+::
+
+    head ──────────────● ray 1       Each ray is a frustum one texel wide around it, so the
+         ╲╲────────● ray 2..9        centre of texel k of a 9 × 1 depth image lies on ray k.
+
+Sources: Carnegie & Rhee 2015, p. 36 (a ray ahead and eight around it, less outliers); Mantiuk et
+al. 2011, section 4 (the median of nine rays around the line of sight).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import moderngl
+import numpy as np
+
+from vrcomfort.errors import InputError
+from vrcomfort.geometry import Array, Pose
+from vrcomfort.gpu import gl
+from vrcomfort.optics.focus import RAYS, gaze_tangents, ray_tangents
+from vrcomfort.protocol.conditions import Focus
+from vrcomfort.render.camera import rotation_only
+from vrcomfort.render.focus.search import FocusInputs, FocusRule, FocusSearch, Look, Sight
+from vrcomfort.render.planned_pass import PlannedPass
+
+RAY_WIDTH = 1e-4
+"""Tangent across a ray's frustum, 0.3 arcmin. Thin enough that alpha masks are read at full size,
+as a ray meets them; a pixel's width would read a mip level and see other holes."""
+
+
+class NarrowRays:
+    """A 9 × 1 reverse-Z depth image, one texel for each ray."""
+
+    def __init__(self, inputs: FocusInputs) -> None:
+        self._ctx, self._gpu = inputs.ctx, inputs.gpu
+        self._depth = gl.depth_texture(inputs.ctx, (RAYS, 1))
+        self.image = inputs.ctx.framebuffer([], self._depth)
+        self.triangles = 0
+        """Those of the last rays."""
+
+    def draw(self, clips_from_head: Array, world_from_head: Pose) -> None:
+        """Draw nine rays given by (9, 4, 4) projections, and bind their depths to unit 2."""
+        ctx = self._ctx
+        self.image.use()
+        self.image.viewport = (0, 0, RAYS, 1)
+        self.image.clear(depth=0.0)
+        ctx.enable_only(moderngl.DEPTH_TEST)
+        ctx.depth_func = gl.DEPTH_FUNC
+        head_from_relative = rotation_only(world_from_head.rotation.T)
+        self.triangles = self._gpu.draw_depth_views(
+            clips_from_head @ head_from_relative, world_from_head.position, self._aim
+        )
+        self.image.viewport = (0, 0, RAYS, 1)
+        ctx.enable_only(moderngl.NOTHING)
+        self._depth.use(2)
+
+    def _aim(self, ray: int) -> None:
+        self.image.viewport = (ray, 0, 1, 1)
+
+
+def ray_projections(tangents: Array, near_m: float) -> Array:
+    """Return (9, 4, 4) reverse-Z projections of the head's frame, one narrow frustum per ray.
+
+    Depth stays ``near_m / distance`` with distance along the head's forward axis.
+
+    Parameters
+    ----------
+    tangents
+        (9, 2) of the rays (right, up).
+    """
+    clips = np.zeros((len(tangents), 4, 4))
+    clips[:, 0, 0] = clips[:, 1, 1] = 2 / RAY_WIDTH
+    clips[:, :2, 2] = tangents * (2 / RAY_WIDTH)
+    clips[:, 2, 3] = near_m
+    clips[:, 3, 2] = -1.0
+    return clips
+
+
+def ray_lengths(tangents: Array) -> Array:
+    """Return (9,) metres along each ray per metre along the head's forward axis."""
+    lengths: Array = np.sqrt(1 + (tangents**2).sum(axis=1))
+    return lengths
+
+
+def _plan_nine_ray(_: Focus) -> PlannedPass:
+    """Plan nine rays."""
+    reason = f"depth of field follows what is in front of the head: {RAYS} rays, a texel each"
+    return PlannedPass("focus", True, reason)
+
+
+class Aim(NamedTuple):
+    """Nine rays.
+
+    Parameters
+    ----------
+    clips_from_head
+        (9, 4, 4) of :func:`ray_projections`.
+    lengths
+        (9,) metres of each ray's distance per metre along the head's forward axis.
+    """
+
+    clips_from_head: Array
+    lengths: Array
+
+
+class NineRays:
+    """Rays ahead of the head, and the mean of those that are no outliers."""
+
+    fragment = "focus/focus.frag"
+
+    def __init__(self, inputs: FocusInputs) -> None:
+        settings = inputs.settings
+        self._narrow = NarrowRays(inputs)
+        self._near_m, self._along_ray = inputs.near_m, inputs.along_ray
+        self._ahead = self.aimed(ray_tangents(settings.ring_deg))
+        dioptres = settings.mean == "dioptres"
+        self.defines: dict[str, int] = {
+            "RAYS": RAYS,
+            **({"MEAN_DIOPTRES": 1} if dioptres else {}),
+            **({"ALONG_RAY": 1} if inputs.along_ray else {}),
+        }
+        floor = settings.outlier_floor_dioptre if dioptres else settings.outlier_floor_fraction
+        self.constants: dict[str, Any] = {
+            "depth": 2,
+            "near_m": inputs.near_m,
+            "infinity_m": settings.infinity_m,
+            "outlier_mad": settings.outlier_mad,
+            "outlier_floor": floor,
+        }
+
+    @property
+    def triangles(self) -> int:
+        """Return those of the last look."""
+        return self._narrow.triangles
+
+    def look(self, sight: Sight) -> Look:
+        """Draw the rays ahead."""
+        return self.look_along(self._ahead, sight.world_from_head)
+
+    def aimed(self, tangents: Array) -> Aim:
+        """Return nine rays with these (9, 2) tangents (right, up)."""
+        lengths = ray_lengths(tangents) if self._along_ray else np.ones(RAYS)
+        return Aim(ray_projections(tangents, self._near_m), lengths)
+
+    def look_along(self, aim: Aim, world_from_head: Pose) -> Look:
+        """Draw nine rays."""
+        self._narrow.draw(aim.clips_from_head, world_from_head)
+        uniforms = {"ray_lengths": aim.lengths.tolist()} if self._along_ray else {}
+        return Look(uniforms, self._narrow.image, aim.lengths)
+
+
+def _build_nine_ray(inputs: FocusInputs) -> FocusSearch:
+    """Build the search by rays ahead."""
+    return FocusSearch(inputs, NineRays(inputs))
+
+
+NINE_RAY = FocusRule("nine_ray", _plan_nine_ray, _build_nine_ray)
+
+
+NO_EYE_TRACKER = (
+    'focus follows the gaze (method = "gaze"), and this headset has no eye tracker; use one that '
+    'has, or write without_gaze = "nine_ray" under [conditions.focus]'
+)
+
+
+def _plan_gaze(settings: Focus) -> PlannedPass:
+    """Plan rays around the line of sight."""
+    nine = settings.without_gaze == "nine_ray"
+    instead = "nine rays ahead without one" if nine else "the session stops without one"
+    reason = f"depth of field follows the gaze: {RAYS} rays, a texel each; needs an eye tracker"
+    reason += f"; {instead}"
+    return PlannedPass("focus", True, reason)
+
+
+class GazeRays:
+    """Rays around the line of sight, and their median.
+
+    A blink (gaze not valid) keeps the target of before. Where there is none, at the first frame and
+    after a cut, the ray straight ahead stands in until the tracker has the eyes.
+    """
+
+    MEAN, MEDIAN, KEEP = range(3)
+
+    def __init__(self, inputs: FocusInputs) -> None:
+        self._ahead = NineRays(inputs)
+        self._settings = inputs.settings
+        self._has_target = False
+        self.fragment = self._ahead.fragment
+        self.defines = {**self._ahead.defines, "GAZE": 1}
+        self.constants = self._ahead.constants
+
+    @property
+    def triangles(self) -> int:
+        """Return those of the last look."""
+        return self._ahead.triangles
+
+    def look(self, sight: Sight) -> Look:
+        """Draw the rays around the line of sight, if there is one.
+
+        Raises
+        ------
+        InputError
+            Without an eye tracker, unless the settings say what else to do.
+        """
+        if sight.gaze is None:
+            if self._settings.without_gaze == "stop":
+                raise InputError(NO_EYE_TRACKER)
+            return _estimated(self.MEAN, self._ahead.look(sight))
+        tangents = self._around(sight.gaze.pose) if sight.gaze.valid else None
+        cut = sight.discontinuity
+        self._has_target = tangents is not None or (self._has_target and not cut)
+        if tangents is None and self._has_target:
+            return Look({"estimate": self.KEEP})
+        if tangents is None:
+            tangents = self._around(Pose())
+        assert tangents is not None  # noqa: S101 - straight ahead is always within reach
+        look = self._ahead.look_along(self._ahead.aimed(tangents), sight.world_from_head)
+        return _estimated(self.MEDIAN, look)
+
+    def _around(self, head_from_gaze: Pose) -> Array | None:
+        return gaze_tangents(head_from_gaze, self._settings.gaze_radius_deg)
+
+
+def _estimated(estimate: int, look: Look) -> Look:
+    return look._replace(uniforms={**look.uniforms, "estimate": estimate})
+
+
+def _build_gaze(inputs: FocusInputs) -> FocusSearch:
+    """Build the search by gaze."""
+    return FocusSearch(inputs, GazeRays(inputs))
+
+
+GAZE = FocusRule("gaze", _plan_gaze, _build_gaze)

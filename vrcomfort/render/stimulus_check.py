@@ -1,0 +1,380 @@
+"""Check of stimuli: how large blur and streaks are along a walk, and whether they can be seen.
+
+Frames are drawn small, without a window: amounts are angles, and grow with the width of the image.
+The measured radii and velocities are those that the effects themselves read, not a formula beside
+them. Focus is where its rule finds it at that moment, as after the refocus law has arrived.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import combinations
+from math import atan, degrees
+from typing import Any, TypeAlias, cast
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.frame import Frame
+from vrcomfort.geometry import Gaze
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.protocol import Protocol
+from vrcomfort.protocol.conditions import Condition, DepthOfField
+from vrcomfort.render.camera import HeadStep
+from vrcomfort.render.condition_passes import EyeImages
+from vrcomfort.render.effects.depth_of_field.coc_passes import DepthToCoc
+from vrcomfort.render.effects.motion_blur import streak_scale
+from vrcomfort.render.focus.search import FocusPass
+from vrcomfort.render.output import read_texture
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.scene.data import Scene
+
+Float32: TypeAlias = NDArray[np.float32]
+Moment: TypeAlias = tuple[Frame, Frame]
+"""A frame of a walk, and the one before it."""
+
+
+@dataclass(frozen=True, eq=False)
+class StimulusSize:
+    """What a condition does to each pixel of the left eye at each moment.
+
+    Parameters
+    ----------
+    circles_px
+        (n,) diameters of circles of confusion, None without depth of field.
+    streaks_px
+        (n,) lengths of streaks, None without motion blur.
+    """
+
+    circles_px: Float32 | None
+    streaks_px: Float32 | None
+
+    def scaled(self, factor: float) -> StimulusSize:
+        """Return the same in an image so many times as wide."""
+        parts = (self.circles_px, self.streaks_px)
+        circles, streaks = (None if each is None else each * np.float32(factor) for each in parts)
+        return StimulusSize(circles, streaks)
+
+
+def measure(
+    ctx: moderngl.Context,
+    scene: Scene,
+    conditions: Iterable[Condition],
+    moments: Sequence[Moment],
+    size_px: tuple[int, int],
+) -> dict[str, StimulusSize]:
+    """Draw the moments small; return condition → what it does, in pixels of an image of this width.
+
+    Conditions that find their focus and count their motion alike are drawn once.
+    """
+    found: dict[str, StimulusSize] = {}
+    for probe, members in _probes(conditions):
+        blurred = probe.depth_of_field is not None or probe.motion_blur is not None
+        if not blurred:
+            found |= {each.name: StimulusSize(None, None) for each in members}
+            continue
+        found |= _Drawn(ctx, scene, probe, members, size_px).sizes(moments)
+    return found
+
+
+def _probes(conditions: Iterable[Condition]) -> Iterator[tuple[Condition, list[Condition]]]:
+    """Yield the cheapest condition that finds focus and velocity as some conditions do."""
+    alike: list[tuple[Condition, list[Condition]]] = []
+    for condition in conditions:
+        probe = _probe(condition)
+        members = next((members for other, members in alike if other == probe), None)
+        if members is None:
+            alike.append((probe, [condition]))
+        else:
+            members.append(condition)
+    yield from alike
+
+
+def _probe(condition: Condition) -> Condition:
+    lens, motion = condition.depth_of_field, condition.motion_blur
+    settings: dict[str, Any] = {}
+    if lens is not None:
+        settings["focus"] = condition.focus
+        settings["depth_of_field"] = DepthOfField(distance_along=lens.distance_along, samples=16)
+    if motion is not None:
+        same = {"shutter_fraction": 0.5, "max_radius_percent": 5.0, "fade_with_turning": None}
+        settings["motion_blur"] = motion.model_copy(update=same)
+    return Condition(name="probe", **settings)
+
+
+class _Drawn:
+    """The moments under one probe, and what its conditions make of them."""
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        scene: Scene,
+        probe: Condition,
+        members: list[Condition],
+        size_px: tuple[int, int],
+    ) -> None:
+        self._ctx, self._members, self._size_px = ctx, members, size_px
+        self._renderer = StereoRenderer(ctx, size_px, eyes=1, samples=1)
+        self._renderer.build(scene, probe)
+        self._focus = cast(FocusPass | None, dict(self._renderer.parts()).get("focus"))
+        self._radii: dict[str, tuple[DepthToCoc, FullscreenPass]] = {}
+        self._circles: dict[str, list[Float32]] = {each.name: [] for each in members}
+        self._streaks: dict[str, list[Float32]] = {each.name: [] for each in members}
+
+    def sizes(self, moments: Sequence[Moment]) -> dict[str, StimulusSize]:
+        """Draw all moments, and return condition → its amounts."""
+        for moment in moments:
+            before, now = (_looking_ahead(frame) for frame in moment)
+            self._renderer.render(replace(before, discontinuity=True), _time_s(before))
+            take = partial(self._take, step_between(before, now))
+            self._renderer.render(replace(now, discontinuity=False), _time_s(now), take)
+        self._renderer.release()
+        return {
+            each.name: StimulusSize(
+                _joined(self._circles[each.name]), _joined(self._streaks[each.name])
+            )
+            for each in self._members
+        }
+
+    def _take(self, step: HeadStep, _eye: int, images: EyeImages) -> None:
+        for each in self._members:
+            lens, motion = each.depth_of_field, each.motion_blur
+            if lens is not None and self._focus is not None:
+                radii, drawn = self._coc(each, lens, images)
+                drawn.render(radii.of_camera(images.camera))
+                circles = 2 * np.abs(np.asarray(read_texture(drawn.target)[..., 3], np.float32))
+                self._circles[each.name].append(circles.ravel())
+            if motion is not None:
+                limit_px = motion.max_radius_percent / 50 * self._size_px[0]
+                scale = motion.shutter_fraction * streak_scale(motion, step)
+                velocity = np.zeros((*self._size_px[::-1], 2), np.float32)
+                if images.velocity is not None:
+                    velocity = np.asarray(read_texture(images.velocity), np.float32)[..., :2]
+                length = np.hypot(velocity[..., 0], velocity[..., 1]) * np.float32(scale)
+                self._streaks[each.name].append(np.minimum(length, limit_px).ravel())
+
+    def _coc(
+        self, condition: Condition, lens: DepthOfField, images: EyeImages
+    ) -> tuple[DepthToCoc, FullscreenPass]:
+        """Return what draws the radii of a condition, made when first asked for."""
+        if condition.name not in self._radii:
+            assert self._focus is not None  # noqa: S101 - tells mypy what `_take` knows
+            radii = DepthToCoc(
+                depth=images.depth,
+                focus=self._focus.texture,
+                settings=lens,
+                infinity_m=condition.focus.infinity_m,
+            )
+            drawn = radii.make_pass(
+                self._ctx,
+                "depth_of_field/colour_and_coc.frag",
+                size_px=self._size_px,
+                inputs={"colour": images.pinhole},
+                dtype="f4",
+            )
+            self._radii[condition.name] = radii, drawn
+        return self._radii[condition.name]
+
+
+def _looking_ahead(frame: Frame) -> Frame:
+    """Return a frame with a gaze: straight ahead where nobody's was recorded."""
+    return frame if frame.gaze is not None else replace(frame, gaze=Gaze(frame.head_pose))
+
+
+def _time_s(frame: Frame) -> float:
+    return frame.predicted_display_time_ns / 1e9
+
+
+def step_between(before: Frame, now: Frame) -> HeadStep:
+    """Return how the head got from one frame of a walk to the next."""
+    seconds = (now.predicted_display_time_ns - before.predicted_display_time_ns) / 1e9
+    return HeadStep(
+        before.head_pose, now.head_pose, before.avatar_pose, now.avatar_pose, seconds=seconds
+    )
+
+
+def _joined(parts: list[Float32]) -> Float32 | None:
+    return np.concatenate(parts) if parts else None
+
+
+LEAST_PX = 1.0
+"""What is smaller cannot be seen on the display: no pixel changes place."""
+QUANTILE = 0.9
+"""Share of the image that may be below."""
+
+
+@dataclass(frozen=True)
+class Amount:
+    """Circles of confusion (diameter) or streaks (length) of a condition in a scene.
+
+    Parameters
+    ----------
+    shown_percent
+        Of the pixels, those where it is at least one pixel.
+    """
+
+    median_px: float
+    p90_px: float
+    median_arcmin: float
+    p90_arcmin: float
+    shown_percent: float
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What a condition shows in a scene; None where it has no such effect."""
+
+    condition: str
+    scene: str
+    circles: Amount | None
+    streaks: Amount | None
+
+    @property
+    def p90_px(self) -> float:
+        """Return the larger of the two."""
+        return max((each.p90_px for each in (self.circles, self.streaks) if each), default=0.0)
+
+
+def seen(condition: str, scene: str, size: StimulusSize, focal_px: float) -> Seen:
+    """Return the amounts of a condition in a scene, in an image with this focal length."""
+    parts = (size.circles_px, size.streaks_px)
+    circles, streaks = (None if each is None else _amount(each, focal_px) for each in parts)
+    return Seen(condition, scene, circles, streaks)
+
+
+def _amount(values_px: Float32, focal_px: float) -> Amount:
+    median, p90 = (float(each) for each in np.quantile(values_px, (0.5, QUANTILE)))
+    return Amount(
+        median,
+        p90,
+        arcmin_of(median, focal_px),
+        arcmin_of(p90, focal_px),
+        float((values_px >= LEAST_PX).mean() * 100),
+    )
+
+
+def arcmin_of(length_px: float, focal_px: float) -> float:
+    """Return the angle of a length in the middle of an image."""
+    return degrees(2 * atan(length_px / 2 / focal_px)) * 60
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A condition that cannot be seen, or two that cannot be told apart, in some scenes."""
+
+    conditions: tuple[str, ...]
+    scenes: tuple[str, ...]
+    p90_px: float
+
+    @property
+    def message(self) -> str:
+        """Return the sentence that tells it, and what to do."""
+        where = f"in {' and '.join(self.scenes)}"
+        limit = f"nine tenths of the image have less than {max(self.p90_px, 0.01):.2f} px"
+        if len(self.conditions) == 1:
+            return (
+                f"`{self.conditions[0]}` cannot be seen {where}: {limit} of blur or streak; make "
+                "it stronger, or name it in [visibility] unseen if that is meant"
+            )
+        first, second = self.conditions
+        return (
+            f"`{first}` and `{second}` cannot be told apart {where}: {limit} between them; make "
+            f'them differ, or write alike = [["{first}", "{second}"]] under [visibility]'
+        )
+
+
+def faults(protocol: Protocol, sizes: Mapping[str, Mapping[str, StimulusSize]]) -> Iterator[Fault]:
+    """Yield what cannot be seen or told apart, and is not meant so.
+
+    Parameters
+    ----------
+    sizes
+        Scene → condition → what it does, in the headset's pixels.
+    """
+    unseen = {
+        each.name: [name for name in sizes if _p90(sizes[name][each.name]) < LEAST_PX]
+        for each in protocol.conditions
+        if _has_sizes(each) and not _others(each)
+    }
+    for name, scenes in unseen.items():
+        if scenes and name not in protocol.visibility.unseen:
+            largest = max(_p90(sizes[scene][name]) for scene in scenes)
+            yield Fault((name,), tuple(scenes), largest)
+    meant = {frozenset(pair) for pair in protocol.visibility.alike}
+    for a, b in combinations(protocol.conditions, 2):
+        if frozenset((a.name, b.name)) not in meant and _unmeasured(a) == _unmeasured(b):
+            yield from _alike(a, b, sizes, unseen)
+
+
+def _alike(
+    a: Condition,
+    b: Condition,
+    sizes: Mapping[str, Mapping[str, StimulusSize]],
+    unseen: Mapping[str, Sequence[str]],
+) -> Iterator[Fault]:
+    """Yield two conditions that look alike, but where one of them is nothing but unseen."""
+    differences = {
+        name: _difference_px(found[a.name], found[b.name])
+        for name, found in sizes.items()
+        if name not in unseen.get(a.name, ()) and name not in unseen.get(b.name, ())
+    }
+    scenes = tuple(name for name, each in differences.items() if each < LEAST_PX)
+    if scenes:
+        yield Fault((a.name, b.name), scenes, max(differences[name] for name in scenes))
+
+
+def _has_sizes(condition: Condition) -> bool:
+    return condition.depth_of_field is not None or condition.motion_blur is not None
+
+
+def _others(condition: Condition) -> dict[str, Any]:
+    """Return what blurs besides, whose strength is not measured here."""
+    measured = ("depth_of_field", "motion_blur")
+    found: dict[str, Any] = {
+        name: each for name, each in condition.effects.items() if name not in measured
+    }
+    if condition.background_blur is not None:
+        found["background_blur"] = condition.background_blur
+    return found
+
+
+def _unmeasured(condition: Condition) -> dict[str, Any]:
+    """Return that, and what is centred on the gaze: sizes are those of a gaze straight ahead."""
+    centred = condition.centred_on_gaze
+    return {**_others(condition), **({"gaze_centre": centred} if centred else {})}
+
+
+def _p90(size: StimulusSize) -> float:
+    parts = [each for each in (size.circles_px, size.streaks_px) if each is not None]
+    return max((float(np.quantile(each, QUANTILE)) for each in parts), default=0.0)
+
+
+def _difference_px(a: StimulusSize, b: StimulusSize) -> float:
+    """Return what nine tenths of the pixels differ by less than, of circles or streaks."""
+    pairs = ((a.circles_px, b.circles_px), (a.streaks_px, b.streaks_px))
+    found = [_apart(one, other) for one, other in pairs]
+    return max(
+        (float(np.quantile(each, QUANTILE)) for each in found if each is not None), default=0.0
+    )
+
+
+def _apart(a: Float32 | None, b: Float32 | None) -> Float32 | None:
+    if a is None or b is None:
+        return b if a is None else a
+    apart: Float32 = np.abs(a - b)
+    return apart
+
+
+def needlessly_meant(
+    protocol: Protocol, sizes: Mapping[str, Mapping[str, StimulusSize]]
+) -> Iterator[str]:
+    """Yield a sentence for everything that [visibility] excuses and that needs no excuse."""
+    for name in protocol.visibility.unseen:
+        if all(_p90(found[name]) >= LEAST_PX for found in sizes.values()):
+            yield f"`{name}` is in [visibility] unseen, and can be seen"
+    for a, b in protocol.visibility.alike:
+        if all(_difference_px(found[a], found[b]) >= LEAST_PX for found in sizes.values()):
+            yield f"`{a}` and `{b}` are in [visibility] alike, and can be told apart"

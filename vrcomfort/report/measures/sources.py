@@ -1,0 +1,472 @@
+"""Sources of measures: one class for each file of a study."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from fractions import Fraction
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
+
+from vrcomfort.errors import InputError
+from vrcomfort.report.measures.model import (
+    Measure,
+    MeasuredValue,
+    MeasureSettings,
+    MeasureSource,
+    Quantity,
+    exactly,
+    in_steps,
+    number_of,
+)
+from vrcomfort.report.study_data import cut_short, trial_s
+from vrcomfort.settings import did_you_mean
+from vrcomfort.stats.rating_courses import RatingCourse
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from vrcomfort.report.study_data import StudyData
+
+    Exposure = tuple[str, str, str]
+
+NOT_RECORDED = "not recorded"
+TRIAL_QUANTITIES = {
+    "frames": Quantity("Frames", "", "", "the frames that were drawn in an exposure"),
+    "dropped": Quantity("Dropped frames", "", "lower", "the frames that were late"),
+    "dropped_percent": Quantity("Dropped frames", "%", "lower", "the share of late frames"),
+    "missed_refreshes": Quantity("Missed refreshes", "", "lower", "refreshes without a new frame"),
+    "length_s": Quantity("Length of exposure", "s", "", "from the start of an exposure to its end"),
+    "live_s": Quantity("Live time", "s", "", "the time in which new frames were seen"),
+    "frozen_s": Quantity("Frozen time", "s", "lower", "the time for which a frame stood still"),
+    "hidden_s": Quantity("Hidden time", "s", "", "the time in which no frame was seen"),
+    "unfocused_s": Quantity("Time behind a menu", "s", "", "the time with a menu in front"),
+}
+
+
+class TrialMeasures:
+    """``trials.csv``: what every trial has, and any other column with numbers."""
+
+    quantities: ClassVar[dict[str, Quantity]] = TRIAL_QUANTITIES
+    of_whole_exposures: ClassVar[bool] = False
+
+    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
+        """Yield the value of each exposure."""
+        derived = {"length_s", "dropped_percent"}
+        if measure.quantity not in derived:
+            _check_column(study.trials, measure.quantity, "trials.csv")
+        for trial in study.trials:
+            key = trial["participant"], trial["session"], trial["trial"], trial["condition"]
+            found = _of_trial(trial, measure.quantity)
+            yield MeasuredValue(*key, found, "" if found is not None else NOT_RECORDED)
+
+
+def _of_trial(trial: dict[str, str], name: str) -> Fraction | None:
+    if name == "length_s":
+        length = trial_s({**trial, "live_s": ""})
+        return None if length is None else exactly(length)
+    if name == "dropped_percent":
+        frames, dropped = (_cell(trial, each, "trials.csv") for each in ("frames", "dropped"))
+        return 100 * dropped / frames if frames and dropped is not None else None
+    return _cell(trial, name, "trials.csv")
+
+
+TASK_QUANTITIES = {
+    "reaction_s": Quantity("Reaction time", "s", "lower", "the mean time until a target was met"),
+    "error_deg": Quantity("Error", "°", "lower", "the mean angle between aim and target"),
+    "targets_hit_percent": Quantity("Targets hit", "%", "higher", "the share of targets met"),
+    "shots_hit_percent": Quantity("Shots that hit", "%", "higher", "the share of shots that hit"),
+}
+_SHARES = {"targets_hit_percent": "target", "shots_hit_percent": "shot"}
+"""Measure → the kind of the rows whose `hit` it averages."""
+
+
+class TaskMeasures:
+    """``tasks.csv``: participant, trial or condition, and columns with numbers.
+
+    Several rows of one exposure, such as shots, are averaged.
+    """
+
+    quantities: ClassVar[dict[str, Quantity]] = TASK_QUANTITIES
+    of_whole_exposures: ClassVar[bool] = True
+
+    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
+        """Yield the value of each exposure, or of each person under each condition."""
+        kind = _SHARES.get(measure.quantity)
+        column, factor = ("hit", 100) if kind else (measure.quantity, 1)
+        for each in (column, "kind") if kind else (column,):
+            _check_column(study.tasks, each, "tasks.csv")
+        found: dict[tuple[str, ...], list[Fraction]] = defaultdict(list)
+        for row in study.tasks:
+            key = tuple(row.get(n, "") for n in ("participant", "session", "trial", "condition"))
+            counts = kind is None or row.get("kind") == kind
+            number = _cell(row, column, "tasks.csv") if counts else None
+            found[key] += [] if number is None else [factor * number]
+        conditions = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
+        for (who, session, trial, condition), numbers in found.items():
+            said = condition or conditions.get((who, session, trial), {}).get("condition", "")
+            mean = sum(numbers, Fraction(0)) / len(numbers) if numbers else None
+            reason = "" if numbers else "blank in tasks.csv"
+            yield MeasuredValue(who, session, trial, said, mean, reason)
+
+
+class ParticipantMeasures:
+    """``participants.csv``: any column with numbers, such as age or a score of susceptibility."""
+
+    quantities: ClassVar[dict[str, Quantity]] = {}
+    of_whole_exposures: ClassVar[bool] = False
+
+    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
+        """Yield the value of each person."""
+        _check_column(study.participants, measure.quantity, "participants.csv")
+        for person in study.participants:
+            number = _cell(person, measure.quantity, "participants.csv")
+            reason = "" if number is not None else "blank in participants.csv"
+            yield MeasuredValue(person["participant"], "", "", "", number, reason)
+
+
+def _check_column(rows: tuple[dict[str, str], ...], column: str, file: str) -> None:
+    there = {name for row in rows for name in row}
+    if not there:
+        raise InputError(f"the study has no {file}, of which column `{column}` is an outcome")
+    if column not in there:
+        raise InputError(f"`{column}` is no column of {file}; {did_you_mean(column, there)}")
+
+
+def _cell(row: dict[str, str], column: str, file: str) -> Fraction | None:
+    text = row.get(column, "")
+    try:
+        return number_of(text)
+    except ValueError:
+        raise InputError(
+            f"{file}: {column} of participant {row['participant']} is `{text}`, which is no number;"
+            " an outcome needs numbers"
+        ) from None
+
+
+_ANSWERED = "of the ratings that were answered"
+RATING_QUANTITIES = {
+    "peak": Quantity("Peak rating", "", "", f"the highest {_ANSWERED}"),
+    "mean": Quantity("Mean rating", "", "", f"the mean {_ANSWERED}"),
+    "last": Quantity(
+        "Last rating", "", "",
+        "the last rating that was answered, carried forward where the exposure ended early",
+    ),
+    "area": Quantity(
+        "Area under the ratings", "rating × s", "",
+        "the area under the answered ratings by trapezia, from the first to the last of them",
+    ),
+    "slope": Quantity(
+        "Slope of the ratings", "rating per min", "",
+        "the least-squares slope of the answered ratings over time",
+    ),
+    "time_to": Quantity(
+        "Time to threshold", "s", "higher",
+        "the time from the start of the exposure to the first rating at or above the threshold; "
+        "those who finished below it are tied at the longest exposure of the study, those who left "
+        "below it have no value",
+    ),
+}  # fmt: skip
+"""What is measured; ratings that were missed, because nobody answered or the picture stood still,
+count in none of them."""
+
+
+class RatingMeasures:
+    """``ratings.csv``."""
+
+    quantities: ClassVar[dict[str, Quantity]] = RATING_QUANTITIES
+    of_whole_exposures: ClassVar[bool] = False
+
+    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
+        """Yield the value of each exposure that was rated, or was to be."""
+        courses = courses_of(study, measure.instrument)
+        trials = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
+        longest = _longest_s(trials, courses)
+        for key in dict.fromkeys([*trials, *courses]):
+            trial, course = trials.get(key, {}), courses.get(key)
+            condition = course.condition if course else trial.get("condition", "")
+            if course is None or course.ratings.peak() is None:
+                reason = "no rating was answered" if course else "nothing was rated"
+                yield MeasuredValue(*key, condition, None, reason)
+                continue
+            if measure.quantity == "time_to":
+                finished = trial.get("status", "completed") == "completed"
+                otherwise = longest if finished else None
+                found = _time_to(course.ratings, measure.threshold, otherwise)
+                reason = "left below the threshold"
+            else:
+                summary = _SUMMARIES[measure.quantity](course.ratings)
+                found = None if summary is None else exactly(summary)
+                reason = "only one rating was answered"
+            yield MeasuredValue(*key, condition, found, "" if found is not None else reason)
+
+
+class ExposureRatings(NamedTuple):
+    """The ratings of one exposure, from its start on, and its condition."""
+
+    condition: str
+    ratings: RatingCourse
+
+
+def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, ExposureRatings]:
+    """Return the ratings of each exposure that was asked for any.
+
+    Of an exposure that was begun again, those of the last attempt count.
+
+    Parameters
+    ----------
+    instrument
+        The one meant; blank: the only one.
+
+    Raises
+    ------
+    InputError
+        If nothing was rated, or ratings are of several instruments and none is named.
+    """
+    asked = sorted({row.get("instrument", "") for row in study.ratings})
+    if not asked:
+        raise InputError("the study has no ratings (ratings.csv)")
+    if not instrument and len(asked) > 1:
+        raise InputError(f"ratings are of {', '.join(asked)}; name the instrument that is meant")
+    if instrument and instrument not in asked:
+        raise InputError(f"nothing was rated with {instrument}; ratings are of {', '.join(asked)}")
+    trials = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
+    due: dict[Exposure, list[tuple[float, float]]] = defaultdict(list)
+    conditions: dict[Exposure, str] = {}
+    for row in study.ratings:
+        if instrument and row.get("instrument", "") != instrument:
+            continue
+        key = row.get("participant", ""), row.get("session", ""), row.get("trial", "")
+        trial = trials.get(key, {})
+        at_s, rating = _at_s(row, trial), _number(row.get("response", ""), row)
+        if at_s is None:
+            continue
+        conditions.setdefault(key, row.get("condition", "") or trial.get("condition", ""))
+        missed = rating is None or row.get("missed", "") not in {"", "0"}
+        due[key].append((at_s, math.nan if rating is None or missed else rating))
+    return {
+        key: ExposureRatings(conditions[key], RatingCourse.of(*zip(*each, strict=True)))
+        for key, each in due.items()
+    }
+
+
+def _at_s(row: dict[str, str], trial: dict[str, str]) -> float | None:
+    """Return when a rating fell due, from the start of the exposure; None of an earlier attempt."""
+    onset = _number(row.get("onset_s", ""), row) or 0.0
+    start, end = (_number(trial.get(name, ""), trial) for name in ("start_s", "end_s"))
+    if start is None or end is None:
+        return onset
+    return onset - start if start - 1e-6 <= onset <= end + 1e-6 else None
+
+
+def _number(text: str, row: dict[str, str]) -> float | None:
+    try:
+        found = number_of(text)
+    except ValueError:
+        who = row.get("participant", "")
+        message = f"a rating of {who} has `{text}` where a number is needed"
+        raise InputError(message) from None
+    return None if found is None else float(found)
+
+
+def _longest_s(
+    trials: dict[Exposure, dict[str, str]], courses: dict[Exposure, ExposureRatings]
+) -> float:
+    lengths = [float(course.ratings.times_s[-1]) for course in courses.values()]
+    for trial in trials.values():
+        start, end = (_number(trial.get(name, ""), trial) for name in ("start_s", "end_s"))
+        lengths += [] if start is None or end is None else [end - start]
+    return max(lengths, default=0.0)
+
+
+def _time_to(
+    course: RatingCourse, threshold: float | None, otherwise: float | None
+) -> Fraction | None:
+    found = course.time_to(math.inf if threshold is None else threshold)
+    if found and found.reached:
+        return exactly(found.time_s)
+    return None if otherwise is None else exactly(otherwise)
+
+
+def _mean(course: RatingCourse) -> Fraction | None:
+    """Return the mean of ratings as they were given, without rounding."""
+    given = course.answered.ratings.tolist()
+    return sum(map(Fraction, given), Fraction(0)) / len(given) if given else None
+
+
+def _area(course: RatingCourse) -> float | None:
+    return course.area() if course.answered.ratings.size > 1 else None
+
+
+_SUMMARIES: dict[str, Callable[[RatingCourse], float | Fraction | None]] = {
+    "peak": RatingCourse.peak,
+    "mean": _mean,
+    "last": RatingCourse.last,
+    "area": _area,
+    "slope": RatingCourse.slope_per_min,
+}
+
+
+class DialMeasures:
+    """``dials.csv``: any dial by its name."""
+
+    quantities: ClassVar[dict[str, Quantity]] = {}
+    of_whole_exposures: ClassVar[bool] = False
+
+    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
+        """Yield the confirmed value of each exposure that had the dial."""
+        names = {row["dial"] for row in study.dials}
+        if not names:
+            raise InputError(f"the study has no dials.csv, of which `{measure.quantity}` is a dial")
+        if measure.quantity not in names:
+            hint = did_you_mean(measure.quantity, names)
+            raise InputError(f"no dial of dials.csv is called `{measure.quantity}`; {hint}")
+        found: dict[tuple[str, ...], dict[str, str] | None] = {}
+        for row in study.dials:
+            if row["dial"] == measure.quantity:
+                key = tuple(row.get(n, "") for n in _KEYS)
+                found[key] = row if row["kind"] == "confirmed" else found.get(key)
+        conditions = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
+        for (who, session, trial, condition), last in found.items():
+            known = conditions.get((who, session, trial), {}).get("condition", "")
+            number = None if last is None else _confirmed(last)
+            reason = "it was not confirmed" if last is None else "its value is blank"
+            said = condition or known
+            yield MeasuredValue(
+                who, session, trial, said, number, "" if number is not None else reason
+            )
+
+
+_KEYS = ("participant", "session", "trial", "condition")
+
+
+def _confirmed(row: dict[str, str]) -> Fraction | None:
+    try:
+        return number_of(row["value"])
+    except ValueError:
+        who, text = row["participant"], row["value"]
+        message = f"dials.csv: the value of participant {who} is `{text}`, which is no number"
+        raise InputError(f"{message}; an outcome needs numbers") from None
+
+
+FRAME_QUANTITIES = {
+    "head_path_m": Quantity("Path of the head", "m", "", "the sum of the head’s steps in the room"),
+    "head_turning_deg": Quantity(
+        "Turning of the head", "°", "", "the sum of the angles that the head turned by"
+    ),
+    "avatar_path_m": Quantity(
+        "Path through the scene", "m", "", "the sum of the steps of what carries the head, jumps "
+        "left out",
+    ),
+    "focus_travel_dioptre": Quantity(
+        "Focus changes", "D", "", "the sum of the changes of the focus distance, in dioptres"
+    ),
+    "focus_lag_dioptre": Quantity(
+        "Lag of focus", "D", "", "the mean distance, in dioptres, between the focus and where the "
+        "refocus law was moving it to",
+    ),
+    "blur_changes": Quantity(
+        "Changes of the blur limit", "", "", "how often the largest blur of the condition changed"
+    ),
+}  # fmt: skip
+
+
+class FrameMeasures:
+    """``frames.csv``, as `study_data.with_frames` has summed it."""
+
+    quantities: ClassVar[dict[str, Quantity]] = FRAME_QUANTITIES
+    of_whole_exposures: ClassVar[bool] = True
+
+    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
+        """Yield the value of each exposure of which there are frames."""
+        if not study.frames:
+            raise InputError(f"the study has no frames.csv, of which {measure.name} is measured")
+        found = {
+            (each.participant, each.session, str(each.trial), each.attempt): each
+            for each in study.frames
+        }
+        for trial in study.trials:
+            key = (trial["participant"], trial["session"], trial["trial"])
+            frames = found.get((*key, int(trial.get("attempt") or 1)))
+            value = None if frames is None else getattr(frames, measure.quantity)
+            number = None if value is None else exactly(value)
+            reason = "" if number is not None else "no frames say it"
+            yield MeasuredValue(*key, trial["condition"], number, reason)
+
+
+SOURCES: dict[str, MeasureSource] = {
+    "ratings": RatingMeasures(),
+    "trials": TrialMeasures(),
+    "tasks": TaskMeasures(),
+    "dials": DialMeasures(),
+    "participants": ParticipantMeasures(),
+    "frames": FrameMeasures(),
+}
+"""Name → where measures are read from. A further kind of measure is one more entry."""
+CUT_SHORT = "the exposure was cut short"
+_OPEN = ("trials", "tasks", "dials", "participants")
+"""Sources of which any column with numbers, or any dial, may be named."""
+
+
+def fault_of(measure: str) -> str | None:
+    """Say why a name is none of a measure; None where it is one."""
+    source, dot, quantity = measure.partition(".")
+    if not dot or source not in SOURCES:
+        known = ", ".join(f"{name}.…" for name in SOURCES)
+        return f"`{measure}` is no measure: measures are called {known}"
+    if not quantity or (source not in _OPEN and quantity not in SOURCES[source].quantities):
+        names = [f"{source}.{each}" for each in SOURCES[source].quantities]
+        return f"`{measure}` is no measure; {did_you_mean(measure, names)}"
+    return None
+
+
+def measure_of(name: str, said: MeasureSettings | None = None) -> Measure:
+    """Return the measure of a name, with what a plan says of it."""
+    source, _, quantity = (said.measure if said else name).partition(".")
+    known = SOURCES[source].quantities.get(quantity)
+    title = known.title if known else quantity.replace("_", " ").capitalize()
+    if said is None:
+        unit, better = (known.unit, known.better) if known else ("", "")
+        return Measure(name, title, source, quantity, unit, better)
+    if quantity == "time_to":
+        title = f"Time to a rating of {said.threshold:g}"
+    return Measure(
+        name=name,
+        title=said.label or title,
+        source=source,
+        quantity=quantity,
+        unit_label=said.unit or (known.unit if known else ""),
+        better=said.better or (known.better if known else ""),
+        instrument=said.instrument,
+        threshold=said.threshold,
+    )
+
+
+def definition_of(measure: Measure) -> str:
+    """Return what it is, as a clause of a methods section."""
+    source = SOURCES[measure.source]
+    known: Quantity | None = source.quantities.get(measure.quantity)
+    if known is None and measure.source == "dials":
+        return f"the value of the dial {measure.quantity} that was confirmed"
+    found = known.definition if known else f"column {measure.quantity} of {measure.source}.csv"
+    return f"{found}, of exposures that were not cut short" if source.of_whole_exposures else found
+
+
+def values_of(study: StudyData, measure: Measure) -> list[MeasuredValue]:
+    """Return the values of a measure, to a common step.
+
+    An exposure that was cut short has none of a measure of whole exposures.
+
+    Raises
+    ------
+    InputError
+        If the study does not have what is measured.
+    """
+    source = SOURCES[measure.source]
+    values = list(source.values(study, measure))
+    if source.of_whole_exposures:
+        short = {(t["participant"], t["session"], t["trial"]) for t in study.trials if cut_short(t)}
+        values = [
+            each._replace(number=None, reason=CUT_SHORT) if each[:3] in short else each
+            for each in values
+        ]
+    return in_steps(values)
