@@ -25,7 +25,7 @@ from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.timer import queries
 
 
-class Surface(NamedTuple):
+class TextureLevel(NamedTuple):
     """A level of a texture: its OpenGL name, size, and bytes for each texel (all samples)."""
 
     name: int
@@ -57,7 +57,7 @@ class Draw:
     """
 
     shader: str
-    targets: tuple[Surface, ...]
+    targets: tuple[TextureLevel, ...]
     fragments: int
     bytes: float
     reads: int | None
@@ -109,7 +109,7 @@ def _next_level(a: Draw, b: Draw) -> bool:
     )
 
 
-class Recorder:
+class DrawRecorder:
     """Notes every draw that is made through moderngl between :meth:`recording`'s begin and end.
 
     Programs that were built inside :func:`shaders.counting_reads` count their reads too.
@@ -175,7 +175,7 @@ class Recorder:
         self.draws.append(Draw("copy", (), 0, 2 * level.bytes, 0))
 
 
-def _covered(fragments: int, targets: Sequence[Surface]) -> float:
+def _covered(fragments: int, targets: Sequence[TextureLevel]) -> float:
     """Return which part of its target a draw covers; all of a target that has no pixels."""
     pixels = max((each.size_px[0] * each.size_px[1] for each in targets), default=0)
     return min(1.0, fragments / pixels) if pixels else 1.0
@@ -224,7 +224,7 @@ class _State:
         (self._query,) = queries(ctx, self, 1)
         self._samplers: dict[int, list[tuple[int, int]]] = {}
 
-    def inputs(self, program: int) -> list[Surface]:
+    def inputs(self, program: int) -> list[TextureLevel]:
         """Return the levels of all textures that a program may read, each once."""
         if program not in self._samplers:
             self._samplers[program] = self._sampler_locations(program)
@@ -240,7 +240,7 @@ class _State:
         self._gl["glActiveTexture"](active)
         return list(found.values())
 
-    def targets(self) -> list[Surface]:
+    def targets(self) -> list[TextureLevel]:
         """Return what colour is drawn into."""
         if not self._integer(_FRAMEBUFFER_BINDING):
             return []
@@ -268,15 +268,15 @@ class _State:
         self._gl["glGetQueryObjectui64v"](self._query, _QUERY_RESULT, ctypes.byref(found))
         return found.value
 
-    def level(self, texture: int, level: int) -> Surface:
+    def level(self, texture: int, level: int) -> TextureLevel:
         """Return the size and format of a level of a texture."""
         ask = "glGetTextureLevelParameteriv"
         width, height = (self._get(ask, texture, level, side) for side in (_WIDTH, _HEIGHT))
         bits = sum(self._get(ask, texture, level, each) for each in _BITS)
         samples = max(1, self._get(ask, texture, level, _SAMPLES))
-        return Surface(texture, (width, height), bits / 8 * samples)
+        return TextureLevel(texture, (width, height), bits / 8 * samples)
 
-    def _levels(self, texture: int, sampler: int) -> Iterator[Surface]:
+    def _levels(self, texture: int, sampler: int) -> Iterator[TextureLevel]:
         """Yield the levels that may be read: all between the bounds, or one without mipmaps."""
         first = self._get("glGetTextureParameteriv", texture, _BASE_LEVEL)
         last = self._get("glGetTextureParameteriv", texture, _MAX_LEVEL)

@@ -21,10 +21,10 @@ from vrcomfort.gpu import gl, shaders
 from vrcomfort.render import culling, lighting
 from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
 from vrcomfort.render.materials import (
+    BatchState,
+    BatchStateFactory,
     ImageArrays,
     MaterialBuffer,
-    Surface,
-    SurfaceFactory,
     TextureStore,
 )
 from vrcomfort.render.scene_buffers import (
@@ -53,7 +53,7 @@ from vrcomfort.scene.data import Scene
 from vrcomfort.scene.node_poses import HandPoses
 
 
-class Viewpoint(NamedTuple):
+class ViewFrustum(NamedTuple):
     """A view to draw: what it sees and from where.
 
     Parameters
@@ -115,7 +115,7 @@ class GpuScene:
         factory = self._factory(defines or {})
         self._surfaces = [factory.color(key) for key in table.keys]
         self._depth_surfaces = [factory.depth(key) for key in table.depth_keys]
-        self._semantic_surfaces: list[Surface] | None = None
+        self._semantic_surfaces: list[BatchState] | None = None
         self._semantic = partial(_semantic_surfaces, factory, table)
         self.has_blended = bool(table.blended.any())
         self._foreground = None if foreground is None else foreground[table.node]
@@ -124,7 +124,7 @@ class GpuScene:
         """Of the first view, of the second, …: `_LAYERS` each."""
         self.draws = 0
 
-    def _factory(self, defines: shaders.Defines) -> SurfaceFactory:
+    def _factory(self, defines: shaders.Defines) -> BatchStateFactory:
         vertices = gl.buffer(self._ctx, vertex_bytes(self.scene.primitives))
         indices = gl.buffer(self._ctx, index_bytes(self.scene.primitives))
         of_vertices: list[tuple[Any, ...]] = [(vertices, VERTEX_FORMAT, *VERTEX_NAMES)]
@@ -141,7 +141,7 @@ class GpuScene:
             return partial(_vertex_array, self._ctx, content, indices)
 
         features = {**lighting.features(self.scene.environment), **defines}
-        return SurfaceFactory(
+        return BatchStateFactory(
             self._ctx, arrays(self._color_rows), arrays(self._depth_rows), scene_features=features
         )
 
@@ -173,7 +173,7 @@ class GpuScene:
         """Return whether anything in the scene moves by itself (not with the head)."""
         return self._rows.moves
 
-    def see(self, views: Sequence[Viewpoint]) -> None:
+    def see(self, views: Sequence[ViewFrustum]) -> None:
         """Choose and order what several views draw, in one pass over all things.
 
         Opaque and masked surfaces are drawn front to back, blended ones back to front.
@@ -299,7 +299,7 @@ class GpuScene:
         rows: Rows,
         clip_from_relative: Array,
         origin_m: Array,
-        surfaces: list[Surface],
+        surfaces: list[BatchState],
         *,
         cull: bool,
         numbered: bool = False,
@@ -361,7 +361,7 @@ class GpuScene:
         return int(self._triangles_of_row[rows].sum())
 
 
-def _semantic_surfaces(factory: SurfaceFactory, table: DrawList) -> list[Surface]:
+def _semantic_surfaces(factory: BatchStateFactory, table: DrawList) -> list[BatchState]:
     return [factory.semantic(key) for key in table.depth_keys]
 
 
@@ -402,7 +402,7 @@ class BatchDrawer:
     def draw(
         self,
         batches: Sequence[Batch],
-        surfaces: Sequence[Surface],
+        surfaces: Sequence[BatchState],
         commands: moderngl.Buffer,
         *,
         cull: bool = True,

@@ -21,8 +21,7 @@ import numpy as np
 
 from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash
 from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
-from vrcomfort.gpu import gl
-from vrcomfort.gpu import memory as gpu_memory
+from vrcomfort.gpu import gl, memory
 from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
 from vrcomfort.optics.focus import Centre
 from vrcomfort.protocol.conditions import Condition
@@ -36,7 +35,7 @@ from vrcomfort.render.camera import (
     previous_eye_pose,
     turned_like,
 )
-from vrcomfort.render.condition_passes import ConditionPasses, Drawn, EyeImages
+from vrcomfort.render.condition_passes import ConditionPasses, EyeImages, Renderable
 from vrcomfort.render.display import ImageHasher, PatchPainter
 from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.plan import plan_passes
@@ -170,7 +169,7 @@ class StereoRenderer:
         passes.warm_up()
         self.drain()
         self.drain_gaze_hits()
-        passes.forget()
+        passes.reset()
         self._before = None
         self._drawn = 0
         self.ctx.finish()
@@ -193,7 +192,7 @@ class StereoRenderer:
         self._scene = scene
         self._has_hands = scene.has_hands
         self._condition = condition
-        account = gpu_memory.account(self.ctx)
+        account = memory.account(self.ctx)
         first = account.mark()
         self._passes = ConditionPasses(
             self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m,
@@ -204,10 +203,10 @@ class StereoRenderer:
             self._patch = PatchPainter(self.ctx, self._photodiode, images)
         self._allocated = first, account.mark()
 
-    def memory(self) -> tuple[gpu_memory.Allocation, ...]:
+    def memory(self) -> tuple[memory.GpuAllocation, ...]:
         """Return the textures and buffers of the present condition and scene."""
         self._built()
-        return gpu_memory.account(self.ctx).between(*self._allocated)
+        return memory.account(self.ctx).between(*self._allocated)
 
     def plan(self) -> list[PlannedPass]:
         """Return the passes of the present condition and scene, with reasons."""
@@ -218,7 +217,7 @@ class StereoRenderer:
         """Return the scene pass of the present condition."""
         return self._built().scene
 
-    def parts(self) -> list[tuple[str, Drawn]]:
+    def parts(self) -> list[tuple[str, Renderable]]:
         """Return what is drawn in a frame of the present condition, by name."""
         return self._built().parts()
 

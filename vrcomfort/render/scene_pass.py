@@ -14,7 +14,7 @@ import numpy as np
 
 from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, Together, Uniforms
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, UniformGroup, Uniforms
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import lighting
 from vrcomfort.render.background_blur import MipLevelPass, foreground
@@ -26,7 +26,7 @@ from vrcomfort.render.camera import (
     camera_motion,
     previous_clip_from_clip,
 )
-from vrcomfort.render.gpu_scene import GpuScene, Viewpoint
+from vrcomfort.render.gpu_scene import GpuScene, ViewFrustum
 from vrcomfort.render.lighting import Light
 from vrcomfort.render.shadow import ShadowMap
 from vrcomfort.scene.data import Scene
@@ -209,8 +209,8 @@ class ScenePass:
         return self.gpu.draw(view, blended=True, foreground=foreground)
 
 
-def _viewpoint(camera: EyeCamera) -> Viewpoint:
-    return Viewpoint(camera.clip_from_relative(), camera.world_from_eye.position)
+def _viewpoint(camera: EyeCamera) -> ViewFrustum:
+    return ViewFrustum(camera.clip_from_relative(), camera.world_from_eye.position)
 
 
 def _place(camera: EyeCamera) -> tuple[Pose, Fov, float]:
@@ -448,7 +448,7 @@ class ResolvePass:
         self._ctx, self._samples = ctx, samples
         self.colour, self.depth, self.velocity = colour, depth, velocity
         self._radii: Radii | None = None
-        self._places = Together()
+        self._places = UniformGroup()
         self._pass = self._make()
 
     def write_radii(self, radii: Radii) -> None:
@@ -458,14 +458,14 @@ class ResolvePass:
 
     def render(self, camera: EyeCamera) -> None:
         """Fill the single-sample textures with what an eye drew."""
-        radii = Together() if self._radii is None else self._radii.of_camera(camera)
-        self._pass.render(Together(self._places, radii))
+        radii = UniformGroup() if self._radii is None else self._radii.of_camera(camera)
+        self._pass.render(UniformGroup(self._places, radii))
 
     def learn_sample_places(self) -> None:
         """Ask the driver where samples lie; it tells of the framebuffer in use only."""
         if self.velocity is not None and not self._places.parts:
             places = gl.sample_places(self._ctx, self._samples.colour.samples)
-            self._places = Together(_SamplePlaces(places if len(places) > 1 else places[0]))
+            self._places = UniformGroup(_SamplePlaces(places if len(places) > 1 else places[0]))
 
     def _make(self) -> FullscreenPass:
         many, radii = self._samples, self._radii

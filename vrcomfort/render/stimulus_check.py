@@ -76,7 +76,7 @@ def measure(
         if not blurred:
             found |= {each.name: StimulusSize(None, None) for each in members}
             continue
-        found |= _Drawn(ctx, scene, probe, members, size_px).sizes(moments)
+        found |= _Walk(ctx, scene, probe, members, size_px).sizes(moments)
     return found
 
 
@@ -105,7 +105,7 @@ def _probe(condition: Condition) -> Condition:
     return Condition(name="probe", **settings)
 
 
-class _Drawn:
+class _Walk:
     """The moments under one probe, and what its conditions make of them."""
 
     def __init__(
@@ -224,7 +224,7 @@ class Amount:
 
 
 @dataclass(frozen=True)
-class Seen:
+class StimulusExtent:
     """What a condition shows in a scene; None where it has no such effect."""
 
     condition: str
@@ -238,11 +238,11 @@ class Seen:
         return max((each.p90_px for each in (self.circles, self.streaks) if each), default=0.0)
 
 
-def seen(condition: str, scene: str, size: StimulusSize, focal_px: float) -> Seen:
+def seen(condition: str, scene: str, size: StimulusSize, focal_px: float) -> StimulusExtent:
     """Return the amounts of a condition in a scene, in an image with this focal length."""
     parts = (size.circles_px, size.streaks_px)
     circles, streaks = (None if each is None else _amount(each, focal_px) for each in parts)
-    return Seen(condition, scene, circles, streaks)
+    return StimulusExtent(condition, scene, circles, streaks)
 
 
 def _amount(values_px: Float32, focal_px: float) -> Amount:

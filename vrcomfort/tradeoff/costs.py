@@ -20,7 +20,7 @@ from vrcomfort.frame import EYE_HEIGHT_M, Frame
 from vrcomfort.geometry import Array, Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.gpu import shaders
 from vrcomfort.gpu.timer import Lap, Stopwatch, is_software
-from vrcomfort.gpu.traffic import Draw, Recorder, Traffic, added_up
+from vrcomfort.gpu.traffic import Draw, DrawRecorder, Traffic, added_up
 from vrcomfort.headset.playback import default_fovs
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.condition_passes import RESOLVE
@@ -275,7 +275,7 @@ def traffic_of(
     before, frame = pair
     if before is not None:
         renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
-    recorder = Recorder(ctx)
+    recorder = DrawRecorder(ctx)
     with recorder.recording(), _sorted_by_pass(recorder, renderer) as found:
         renderer.render(frame, time_s(frame))
     renderer.release()
@@ -372,7 +372,7 @@ def of_effects(found: dict[str, Traffic]) -> Traffic:
 
 @contextmanager
 def _sorted_by_pass(
-    recorder: Recorder, renderer: StereoRenderer
+    recorder: DrawRecorder, renderer: StereoRenderer
 ) -> Iterator[dict[str, list[Draw]]]:
     """Sort the draws by the outermost pass that makes them."""
     found: dict[str, list[Draw]] = {}

@@ -1,7 +1,7 @@
 """What an effect is to the rest of the renderer: one step from an eye's image to the next.
 
 A new effect is a table of settings (`vrcomfort.protocol.conditions.EffectTables`), a pass that is
-an `Effect`, its shader and the shader's twin, and an `EffectKind` in
+an `EffectPass`, its shader and the shader's twin, and an `RegisteredEffect` in
 `vrcomfort.render.plan`.
 """
 
@@ -66,7 +66,7 @@ class EffectInputs:
     reads: Mapping[str, moderngl.Texture]
 
 
-class Effect(Protocol):
+class EffectPass(Protocol):
     """Draws its inputs, changed, into `target`: linear HDR RGBA16F."""
 
     target: moderngl.Texture
@@ -84,7 +84,7 @@ class Effect(Protocol):
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Be as if no frame had been drawn."""
 
 
@@ -99,10 +99,10 @@ class Adjustable(Protocol):
         """Draw by these settings from now on: its own table of the condition."""
 
 
-def reading_colour(make: Callable[..., Effect]) -> Callable[[EffectInputs], Effect]:
+def reading_colour(make: Callable[..., EffectPass]) -> Callable[[EffectInputs], EffectPass]:
     """Return what builds an effect that reads nothing but `colour`."""
 
-    def build(inputs: EffectInputs) -> Effect:
+    def build(inputs: EffectInputs) -> EffectPass:
         return make(
             inputs.ctx, colour=inputs.colour, settings=inputs.settings, size_px=inputs.size_px
         )
@@ -111,7 +111,7 @@ def reading_colour(make: Callable[..., Effect]) -> Callable[[EffectInputs], Effe
 
 
 @dataclass(frozen=True)
-class EffectKind:
+class RegisteredEffect:
     """How an effect is planned and built.
 
     Parameters
@@ -128,5 +128,5 @@ class EffectKind:
 
     name: EffectName
     plan: Callable[[Scene, Condition], PlannedPass]
-    build: Callable[[EffectInputs], Effect | None]
+    build: Callable[[EffectInputs], EffectPass | None]
     reads: frozenset[Literal["focus", "velocity"]] = frozenset()

@@ -28,7 +28,7 @@ from vrcomfort.gpu.shaders import Defines
 from vrcomfort.optics.motion import ramp, sampling_of
 from vrcomfort.protocol.conditions import Condition, MotionBlur
 from vrcomfort.render.camera import HeadStep
-from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.effects.effect import EffectInputs, EyeFrame, RegisteredEffect
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
@@ -142,7 +142,7 @@ class MotionBlurPass:
     def _draw(self, scale: float) -> None:
         self._method.render(Shutter(self._settings.shutter_fraction * scale, self.limit_px))
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Do nothing: frames after a cut have no streaks."""
 
     def longest_half_velocity_px(self) -> float:
@@ -163,7 +163,7 @@ class MotionBlurPass:
         )
 
 
-KIND = EffectKind("motion_blur", plan, build, reads=frozenset({"velocity"}))
+EFFECT = RegisteredEffect("motion_blur", plan, build, reads=frozenset({"velocity"}))
 
 
 class Shutter(NamedTuple):

@@ -31,7 +31,7 @@ from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.planned_pass import PlannedPass
 
 
-class Sight(NamedTuple):
+class HeadView(NamedTuple):
     """Where the head of a frame is, and what its eyes see.
 
     Parameters
@@ -91,7 +91,7 @@ class FocusPass(Protocol):
     def triangles(self) -> int:
         """Those that the last frame sent."""
 
-    def render(self, sight: Sight) -> tuple[FocusSample, ...]:
+    def render(self, view: HeadView) -> tuple[FocusSample, ...]:
         """Find the focus of a frame, and return the samples that have arrived meanwhile."""
 
     def drain(self) -> tuple[FocusSample, ...]:
@@ -117,7 +117,7 @@ class FocusRule:
     build: Callable[[FocusInputs], FocusPass]
 
 
-class Look(NamedTuple):
+class ProbeResult(NamedTuple):
     """What a probe has drawn, and bound to texture unit 2.
 
     Parameters
@@ -154,7 +154,7 @@ class Probe(Protocol):
     def triangles(self) -> int:
         """Those of the last look."""
 
-    def look(self, sight: Sight) -> Look:
+    def look(self, view: HeadView) -> ProbeResult:
         """Draw what focus looks at."""
 
 
@@ -183,21 +183,21 @@ class FocusSearch:
         """Return those that the last frame sent."""
         return self._probe.triangles
 
-    def render(self, sight: Sight) -> tuple[FocusSample, ...]:
+    def render(self, view: HeadView) -> tuple[FocusSample, ...]:
         """Find the focus of a frame, and return the samples that have arrived meanwhile.
 
         The refocus law gets the time since the frame before; at a discontinuity, at the first
         frame, and where time goes back, focus is at once at its target.
         """
-        now_ns = sight.display_time_ns
+        now_ns = view.display_time_ns
         last_ns, self._last_time_ns = self._last_time_ns, now_ns
         if last_ns is None or now_ns < last_ns:
-            sight = sight._replace(discontinuity=True)
+            view = view._replace(discontinuity=True)
         dt_s = 0.0 if last_ns is None else (now_ns - last_ns) * 1e-9
-        step = AT_ONCE if sight.discontinuity else self._law.step_size(self._settings, dt_s)
-        look = self._probe.look(sight)
+        step = AT_ONCE if view.discontinuity else self._law.step_size(self._settings, dt_s)
+        look = self._probe.look(view)
         self._decide({**look.uniforms, "step_size": step})
-        return self._readback.record(sight.frame_index, look.rays, look.ray_lengths, self._target)
+        return self._readback.record(view.frame_index, look.rays, look.ray_lengths, self._target)
 
     def drain(self) -> tuple[FocusSample, ...]:
         """Return the samples that are still on their way."""

@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Array, Fov, Pose, focal_length_px, rotate
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MaxReductionPass, Together, Uniforms
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MaxReductionPass, UniformGroup, Uniforms
 from vrcomfort.optics import blur_kernels
 from vrcomfort.optics.circle_of_confusion import CLOSEST_FOCUS
 from vrcomfort.protocol.conditions import DepthOfField
@@ -113,7 +113,7 @@ class DepthToCoc:
         self._settings, self._size_px = settings, depth.size
         self.depth = depth
         self.inputs = {"focus": focus}
-        self.constants: Uniforms = Together(
+        self.constants: Uniforms = UniformGroup(
             _lens_constants(settings, infinity_m), *_peripheral_constants(settings)
         )
         self._along_ray = settings.distance_along == "ray"
@@ -141,7 +141,7 @@ class DepthToCoc:
             ctx,
             fragment,
             inputs={"depth": self.depth, **self.inputs, **(inputs or {})},
-            constants=Together(self.constants, *([constants] if constants else [])),
+            constants=UniformGroup(self.constants, *([constants] if constants else [])),
             defines={**self.defines, **(defines or {})},
             **options,
         )
@@ -160,7 +160,7 @@ class DepthToCoc:
         limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
         used = eye if self._along_ray else ForwardUniforms(*eye[:-1])
         axis = peripheral_axis or eye.head_forward_in_view
-        return Together(used, scale, limit, *_peripheral_unit(self._settings, focal_px, axis))
+        return UniformGroup(used, scale, limit, *_peripheral_unit(self._settings, focal_px, axis))
 
     def of_camera(self, camera: EyeCamera) -> Uniforms:
         """Return the uniforms for what a camera draws."""
@@ -208,7 +208,7 @@ class CocPasses:
         self.depth_to_coc = DepthToCoc(
             depth=depth, focus=focus, settings=settings, infinity_m=infinity_m
         )
-        self.now: Uniforms = Together()
+        self.now: Uniforms = UniformGroup()
         """What :meth:`DepthToCoc.of_eye` says of the last eye; nothing before the first."""
         self.eye: ForwardUniforms | None = None
         """The last eye; None before the first."""
@@ -291,9 +291,9 @@ class CocPasses:
         self._settings = settings
         self.depth_to_coc.adjust(settings)
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
-        self._tile_min_max.forget()
+        self._tile_min_max.reset()
         self._least_limit_px = self.limit_px
 
     def largest_radius_px(self) -> float:
@@ -350,7 +350,7 @@ class CocTileMinMax:
     def render(self, eye: Uniforms) -> None:
         """Take what an eye drew into account: :meth:`DepthToCoc.of_eye`."""
         self._tiles.render(eye)
-        self._of_eye.forget()
+        self._of_eye.reset()
         self._of_eye.render()
         self._largest.render()
 
@@ -358,9 +358,9 @@ class CocTileMinMax:
         """Return the largest radius of all frames; waits for the GPU."""
         return self._largest.read()
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Start again from 0."""
-        self._largest.forget()
+        self._largest.reset()
 
 
 def _limit_and_scale(
@@ -386,7 +386,7 @@ def _lens_constants(settings: DepthOfField, infinity_m: float) -> Uniforms:
     infinity = _Infinity(infinity_m)
     if settings.law != "thin_lens":
         return infinity
-    return Together(infinity, _ThinLens(settings.focal_length_m, settings.distance_offset_m))
+    return UniformGroup(infinity, _ThinLens(settings.focal_length_m, settings.distance_offset_m))
 
 
 def _peripheral_defines(settings: DepthOfField) -> dict[str, int]:

@@ -21,7 +21,7 @@ from vrcomfort.render.camera import Lens
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
 from vrcomfort.render.effects.depth_of_field.lens_radius import lens, radius_per_dioptre_px
-from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.effects.effect import EffectInputs, EyeFrame, RegisteredEffect
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.render.scene_pass import ResolvePass
 from vrcomfort.scene.data import Scene
@@ -145,12 +145,12 @@ class DepthOfFieldPass:
         """Return what the largest radius has cut off so far, in words; waits for the GPU."""
         return () if self._slices_m else self._coc.clamps()
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
-        self._coc.forget()
+        self._coc.reset()
 
 
-KIND = EffectKind("depth_of_field", plan, build, reads=frozenset({"focus"}))
+EFFECT = RegisteredEffect("depth_of_field", plan, build, reads=frozenset({"focus"}))
 
 
 LEAST_BLUR_PX = 0.75
