@@ -13,7 +13,7 @@ from vrcomfort.gpu import gl, shaders
 
 
 class UniformTuple(Protocol):
-    """A named tuple whose fields are the names of a program's uniforms."""
+    """A named tuple with the names of a program's uniforms as fields."""
 
     @property
     def _fields(self) -> tuple[str, ...]: ...

@@ -120,7 +120,7 @@ def depth_texture(
 
 
 def clearer(ctx: moderngl.Context) -> Callable[[moderngl.Framebuffer, Sequence[float]], None]:
-    """Return what fills the first colour target of a framebuffer alone; the others stay."""
+    """Return a function that fills a framebuffer's first colour target; the others stay."""
     uint, pointer = ctypes.c_uint, ctypes.POINTER(ctypes.c_float)
     clear = function(ctx, "glClearNamedFramebufferfv", uint, uint, ctypes.c_int, pointer)
 
@@ -219,7 +219,7 @@ def buffer(ctx: moderngl.Context, data: bytes) -> moderngl.Buffer:
 
 
 def dynamic_buffer(ctx: moderngl.Context, size_bytes: int) -> moderngl.Buffer:
-    """Return a buffer whose content changes from frame to frame."""
+    """Return a buffer that is rewritten every frame."""
     return _entered_buffer(ctx, ctx.buffer(reserve=size_bytes, dynamic=True))
 
 

@@ -1,4 +1,4 @@
-"""What a pipeline holds on the GPU: every texture and buffer that `gl` made, and its bytes.
+"""GPU memory account: every texture and buffer that `gl` made, and its bytes.
 
 Bytes are those of the format that was asked for, all samples and mipmap levels included. What a
 driver adds to it (padding, compression data) is its own, and so are the runtime's swapchains.
@@ -23,7 +23,7 @@ _KINDS: tuple[Kind, ...] = ("target", "image", "buffer")
 
 @dataclass(frozen=True)
 class GpuAllocation:
-    """One texture or buffer; `what` says its size and format in words."""
+    """One texture or buffer, with its size and format in words."""
 
     kind: Kind
     what: str
@@ -42,16 +42,16 @@ class MemoryAccount:
         thing: moderngl.Texture | moderngl.TextureArray | moderngl.Buffer,
         allocation: GpuAllocation,
     ) -> None:
-        """Enter what has just been allocated."""
+        """Enter a new allocation."""
         self._made[thing] = self._count, allocation
         self._count += 1
 
     def mark(self) -> int:
-        """Return a mark: what is entered from now on lies after it."""
+        """Return a mark; later entries lie after it."""
         return self._count
 
     def between(self, first: int, last: int) -> tuple[GpuAllocation, ...]:
-        """Return what was entered between two marks and is still there, in order."""
+        """Return the live entries between two marks, in order."""
         living = sorted(self._made.values(), key=lambda entry: entry[0])
         return tuple(entry for number, entry in living if first <= number < last)
 

@@ -1,4 +1,4 @@
-"""What a frame sends through the GPU's memory: draws, passes, bytes and texture reads.
+"""Memory traffic of a frame: draws, passes, bytes and texture reads.
 
 This travels between machines, as times do not. It is found by asking OpenGL at each draw which
 textures the program reads, where it draws, and how many fragments it has drawn.
@@ -75,7 +75,7 @@ class Traffic(NamedTuple):
 
 
 def added_up(draws: Sequence[Draw]) -> Traffic:
-    """Return what some draws that follow each other amount to."""
+    """Return the sums over consecutive draws."""
     reads = [draw.reads for draw in draws if draw.reads is not None]
     return Traffic(
         passes=_passes(draws),
@@ -122,7 +122,7 @@ class DrawRecorder:
 
     @contextmanager
     def recording(self) -> Iterator[None]:
-        """Note what is drawn inside, in `draws`."""
+        """Record the draws inside, in `draws`."""
         arrays: Any = moderngl.VertexArray
         draw, indirect = arrays.render, arrays.render_indirect
 
@@ -198,7 +198,7 @@ _MOST_COLOURS = 8
 
 
 class _State:
-    """Asks OpenGL what is bound."""
+    """Queries of OpenGL state: bound textures, targets, fragments."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         uint, out = ctypes.c_uint, ctypes.c_void_p
@@ -241,7 +241,7 @@ class _State:
         return list(found.values())
 
     def targets(self) -> list[TextureLevel]:
-        """Return what colour is drawn into."""
+        """Return the colour targets."""
         if not self._integer(_FRAMEBUFFER_BINDING):
             return []
         found = []
@@ -254,7 +254,7 @@ class _State:
         return found
 
     def blends(self) -> bool:
-        """Return whether what is drawn is blended with what is there."""
+        """Return whether draws are blended."""
         return bool(self._enabled(_BLEND))
 
     def fragments_of(self, draw: Callable[[], None]) -> int:

@@ -170,7 +170,7 @@ class ConditionPasses:
         self.colour = self._lens_views.target
 
     def parts(self) -> list[tuple[str, Renderable]]:
-        """Return what is drawn in a frame, by name: for measurements of each."""
+        """Return the parts of a frame by name, to be measured one by one."""
         views = [("lens_views", self._lens_views)] if self._lens_views is not None else []
         focus = [("focus", self.focus)] if self.focus is not None else []
         tone_maps = [("tone_map", each) for each in self.tone_maps]
@@ -178,7 +178,7 @@ class ConditionPasses:
         return [*focus, *scene, *views, *self._named.items(), *tone_maps]
 
     def warm_up(self) -> None:
-        """Draw once what frames in which nothing moves leave out, so that it is compiled."""
+        """Draw once the passes that frames without motion skip, so that they are compiled."""
         for effect in self._effects:
             effect.warm_up()
 
@@ -212,7 +212,7 @@ class ConditionPasses:
             self._centre.reset()
 
     def centre(self, frame: Frame) -> Centre | None:
-        """Return what effects of a frame are centred on; None where none follows the gaze.
+        """Return the centre of gaze-contingent effects; None without such effects.
 
         Raises
         ------
@@ -230,7 +230,7 @@ class ConditionPasses:
         return centre.direction if centre is not None and name in self._centred else None
 
     def look_along(self, frame: Frame, world_from_head: Pose) -> tuple[bool, tuple[GazeHit, ...]]:
-        """Look what the gaze of a frame meets.
+        """Find the surface that the gaze of a frame hits.
 
         Return whether it is known where it looks, and the hits of earlier frames that have arrived.
         """

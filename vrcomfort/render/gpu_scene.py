@@ -54,7 +54,7 @@ from vrcomfort.scene.node_poses import HandPoses
 
 
 class ViewFrustum(NamedTuple):
-    """A view to draw: what it sees and from where.
+    """Frustum and position of a view to draw.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class ViewFrustum(NamedTuple):
 
 
 class _Layer(NamedTuple):
-    """What one view draws, in order: what is opaque, or what is blended over it."""
+    """Batches of one view in drawing order, either opaque or blended."""
 
     batches: list[Batch]
     triangles: int
@@ -80,7 +80,7 @@ _LAYERS, _OF_FOREGROUND = 4, 2
 
 
 class GpuScene:
-    """Draws a scene into whatever framebuffer is in use.
+    """Draws a scene into the framebuffer in use.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ class GpuScene:
         return self._rows.moves
 
     def see(self, views: Sequence[ViewFrustum]) -> None:
-        """Choose and order what several views draw, in one pass over all things.
+        """Cull and order the instances of several views, all at once.
 
         Opaque and masked surfaces are drawn front to back, blended ones back to front.
         """
@@ -214,7 +214,7 @@ class GpuScene:
         return np.concatenate([order[~blended], over[back_to_front]])
 
     def draw(self, view: int, *, blended: bool, foreground: bool = False) -> int:
-        """Draw what a view of the last `see` sees, and return the number of triangles.
+        """Draw a view of the last `see`, and return the number of triangles.
 
         Parameters
         ----------
@@ -264,7 +264,7 @@ class GpuScene:
         )
 
     def draw_semantic(self, clip_from_relative: Array, origin_m: Array) -> int:
-        """Draw depth as `draw_depth` does and, as colour, the semantic weight of what is seen."""
+        """Draw depth as `draw_depth` does and, as colour, semantic weights."""
         if self._semantic_surfaces is None:
             self._semantic_surfaces = self._semantic()
         rows = self._seen_from(culling.planes(clip_from_relative), origin_m)
@@ -290,7 +290,7 @@ class GpuScene:
         )
 
     def _seen_from(self, planes: Array, origin_m: Array) -> Rows:
-        """Return what writes depth within planes around a point."""
+        """Return the rows that write depth within planes around a point."""
         rows: Rows = self._rows.in_use[self._rows.seen(planes[None], origin_m[None])[0]]
         return rows[~self._list.blended[rows]] if self.has_blended else rows
 
@@ -352,7 +352,7 @@ class GpuScene:
         return self._triangles(row)
 
     def _begin(self) -> None:
-        """Bind what all draws of this scene read."""
+        """Bind the textures and joints that all draws of this scene read."""
         self._drawer.begin()
         if self._joints is not None:
             self._joints.bind()

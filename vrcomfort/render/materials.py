@@ -64,7 +64,7 @@ SLOTS = (
 
 
 class ArrayKind(NamedTuple):
-    """What the images of one texture array share."""
+    """Size and sampling that the images of one texture array share."""
 
     size_px: tuple[int, int]
     wrap: tuple[Wrap, Wrap]
@@ -127,7 +127,7 @@ class ImageArrays:
 
 
 class BatchKey(NamedTuple):
-    """What one multi-draw shares: everything that needs a change of OpenGL state.
+    """OpenGL state of one multi-draw.
 
     Parameters
     ----------
@@ -154,12 +154,12 @@ class BatchKey(NamedTuple):
 
     @property
     def blended(self) -> bool:
-        """Whether what is behind shines through."""
+        """Whether the background shows through."""
         return "ALPHA_BLEND" in self.features
 
     @property
     def of_depth(self) -> BatchKey:
-        """Return what matters of it where only depth is drawn: holes, and which way it faces."""
+        """Return the state for drawing depth alone: alpha masks and faces."""
         plain: tuple[int | None, ...] = (None,) * len(self.arrays)
         if not self.masked:
             skin = ("SKIN",) if "SKIN" in self.features else ()
@@ -178,7 +178,7 @@ def batch_key(
     skinned: bool,
     mirrored: bool,
 ) -> BatchKey:
-    """Return what a draw of one material needs."""
+    """Return the OpenGL state of a material."""
     surface = scene.materials[material]
     places = [images.place(surface, slot) for slot in SLOTS]
     maps = [slot.uv_map(surface) for slot in SLOTS if slot.image(surface) is not None]
@@ -341,16 +341,16 @@ class BatchStateFactory:
         self._made: dict[tuple[object, ...], moderngl.VertexArray] = {}
 
     def color(self, key: BatchKey) -> BatchState:
-        """Return what draws a batch."""
+        """Return the state that draws a batch in colour."""
         return self._surface(key, ("scene/scene.frag", "scene/scene.vert"), self._scene_features)
 
     def depth(self, key: BatchKey) -> BatchState:
-        """Return what draws a batch's depth alone; `key` is one `of_depth`."""
+        """Return the state that draws a batch's depth alone; `key` is one `of_depth`."""
         fragment = "scene/depth.frag" if key.masked else None
         return self._surface(key, (fragment, "scene/depth.vert"), {})
 
     def semantic(self, key: BatchKey) -> BatchState:
-        """Return what draws a batch's depth and semantic weights; `key` is one `of_depth`."""
+        """Return the state that draws depth and semantic weights; `key` is one `of_depth`."""
         return self._surface(key, ("scene/depth.frag", "scene/depth.vert"), {"SEMANTIC": 1})
 
     def _surface(

@@ -1,4 +1,4 @@
-"""What an effect is to the rest of the renderer: one step from an eye's image to the next.
+"""Interface of effects: each is one step from an eye's image to the next.
 
 A new effect is a table of settings (`vrcomfort.protocol.conditions.EffectTables`), a pass that is
 an `EffectPass`, its shader and the shader's twin, and an `RegisteredEffect` in
@@ -22,7 +22,7 @@ from vrcomfort.scene.data import Scene
 
 
 class EyeFrame(NamedTuple):
-    """An eye of this frame, and what motion blur counts as the eye of the frame before.
+    """An eye of this frame, and the previous eye as motion blur counts it.
 
     `eye_index` is 0 for the left eye, which is drawn first. `step` is how the head got here, None
     where the frame before has nothing to do with this one. `still`: nothing moves in the image.
@@ -39,7 +39,7 @@ class EyeFrame(NamedTuple):
 
 @dataclass(frozen=True)
 class EffectInputs:
-    """What an effect is built from.
+    """Textures and settings for building an effect.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ class EffectPass(Protocol):
         """Draw the present inputs as this eye sees them; the left eye comes first."""
 
     def warm_up(self) -> None:
-        """Draw once what frames in which nothing moves leave out, so that it is compiled."""
+        """Draw once the passes that frames without motion skip, so that they are compiled."""
 
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""
@@ -100,7 +100,7 @@ class Adjustable(Protocol):
 
 
 def reading_colour(make: Callable[..., EffectPass]) -> Callable[[EffectInputs], EffectPass]:
-    """Return what builds an effect that reads nothing but `colour`."""
+    """Return the builder of an effect that reads only `colour`."""
 
     def build(inputs: EffectInputs) -> EffectPass:
         return make(

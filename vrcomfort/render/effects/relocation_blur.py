@@ -70,7 +70,7 @@ class RelocationBlurPass:
         return ()
 
     def reset(self) -> None:
-        """Be as if nobody had ever been relocated."""
+        """Start again without a relocation."""
         self._relocated_ns = None
 
     def _level(self, eye: EyeFrame) -> float:

@@ -1,4 +1,4 @@
-"""`autofocus_zone`: what is in the middle of the image, weighted, on the GPU or on the CPU.
+"""`autofocus_zone`: weighted mean or extreme of the image's middle, on the GPU or the CPU.
 
 ::
 

@@ -27,7 +27,7 @@ def _plan_fixed(settings: Focus) -> PlannedPass:
 
 
 class FixedFocus:
-    """The focus distance `fixed_m` in every frame, whatever law there is."""
+    """The focus distance `fixed_m` in every frame, under any law."""
 
     def __init__(self, inputs: FocusInputs) -> None:
         self._focus_m = inputs.settings.fixed_m
@@ -56,7 +56,7 @@ def _plan_script(settings: Focus) -> PlannedPass:
 
 
 class ScriptedFocus:
-    """The distance that `script` has at the time of the scene, whatever law there is.
+    """The distance in `script` at the time of the scene, under any law.
 
     Mantiuk et al. 2011 compare it with focus that follows the gaze.
     """
@@ -100,5 +100,5 @@ def make_focus_pass(
     near_m: float = 0.02,
     along_ray: bool = False,
 ) -> FocusPass:
-    """Return the pass that `settings.method` asks for: :class:`FocusInputs` says what it takes."""
+    """Return the focus pass of `settings.method`; parameters as in :class:`FocusInputs`."""
     return RULES[settings.method].build(FocusInputs(ctx, gpu, settings, near_m, along_ray))

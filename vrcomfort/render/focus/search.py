@@ -32,7 +32,7 @@ from vrcomfort.render.planned_pass import PlannedPass
 
 
 class HeadView(NamedTuple):
-    """Where the head of a frame is, and what its eyes see.
+    """Head of a frame: its place, its frustum and its gaze.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class HeadView(NamedTuple):
 
 
 class FocusInputs(NamedTuple):
-    """What a rule is built from.
+    """Scene and settings for building a focus rule.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ class FocusRule:
 
 
 class ProbeResult(NamedTuple):
-    """What a probe has drawn, and bound to texture unit 2.
+    """A probe's drawing, bound to texture unit 2.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ class ProbeResult(NamedTuple):
 
 
 class Probe(Protocol):
-    """What a rule adds to the search: a small image, and the shader that reads a target from it."""
+    """A rule's part of the search: a small image, and the shader that reads a target from it."""
 
     @property
     def fragment(self) -> str:
@@ -155,7 +155,7 @@ class Probe(Protocol):
         """Those of the last look."""
 
     def look(self, view: HeadView) -> ProbeResult:
-        """Draw what focus looks at."""
+        """Draw the small image."""
 
 
 class FocusSearch:

@@ -30,7 +30,7 @@ Axis: TypeAlias = tuple[float, float, float]
 
 
 class EyeUniforms(NamedTuple):
-    """What ``include/coc_of_depth.glsl`` needs of the eye that drew the image."""
+    """Uniforms of ``include/coc_of_depth.glsl`` for the eye that drew the image."""
 
     tangents: tuple[float, float, float, float]
     head_forward_in_view: tuple[float, float, float]
@@ -94,7 +94,7 @@ def axis_in_view(axis: Array | None, head_from_eye: Pose) -> Axis | None:
 
 
 class DepthToCoc:
-    """The signed radius of any depth in one eye's image: what ``include/coc_of_depth.glsl`` needs.
+    """Signed radius of any depth in one eye's image, for ``include/coc_of_depth.glsl``.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ class DepthToCoc:
     def of_eye(
         self, eye: EyeUniforms, focal_px: float, peripheral_axis: Axis | None = None
     ) -> Uniforms:
-        """Return the uniforms for what an eye drew; `focal_px` is that of its image.
+        """Return the uniforms of an eye; `focal_px` is the focal length of its image.
 
         `peripheral_axis`: what peripheral blur is centred on, in view; None: the head's axis.
         """
@@ -163,7 +163,7 @@ class DepthToCoc:
         return UniformGroup(used, scale, limit, *_peripheral_unit(self._settings, focal_px, axis))
 
     def of_camera(self, camera: EyeCamera) -> Uniforms:
-        """Return the uniforms for what a camera draws."""
+        """Return the uniforms of a camera."""
         head_from_eye = camera.head.inverse() @ camera.world_from_eye
         focal_px = focal_length_px(camera.fov, self._size_px)[0]
         eye = eye_uniforms(camera.fov, camera.near_m, head_from_eye)
@@ -239,7 +239,7 @@ class CocPasses:
 
     @property
     def tile_min_max(self) -> moderngl.Texture:
-        """What :class:`CocTileMinMax` has found of the last eye; who asks for it reads it."""
+        """Tiles of :class:`CocTileMinMax` of the last eye; asking once keeps them drawn."""
         self._tiles_are_read = True
         return self._tile_min_max.target
 
@@ -270,7 +270,7 @@ class CocPasses:
         head_from_eye: Pose,
         peripheral_axis: Array | None = None,
     ) -> None:
-        """Find the radii of what an eye drew: its frustum, near plane and place in the head.
+        """Find the radii of an eye's image from its frustum, near plane and place in the head.
 
         `peripheral_axis`: (3,) that of an `EyeCamera`.
         """
@@ -301,7 +301,7 @@ class CocPasses:
         return self._tile_min_max.read()
 
     def clamps(self) -> tuple[str, ...]:
-        """Return what the limit has done to the frames so far, in words; waits for the GPU."""
+        """Return the limit's effect on the frames so far, in words; waits for the GPU."""
         largest_px = self.largest_radius_px()
         if largest_px <= self._least_limit_px:
             return ()
@@ -348,7 +348,7 @@ class CocTileMinMax:
         self._largest = MaxReductionPass(ctx, self.widest, components="x")
 
     def render(self, eye: Uniforms) -> None:
-        """Take what an eye drew into account: :meth:`DepthToCoc.of_eye`."""
+        """Add an eye's image; `eye` is from :meth:`DepthToCoc.of_eye`."""
         self._tiles.render(eye)
         self._of_eye.reset()
         self._of_eye.render()

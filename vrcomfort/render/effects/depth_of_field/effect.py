@@ -53,7 +53,7 @@ def plan(_: Scene, condition: Condition) -> PlannedPass:
 
 
 def build(inputs: EffectInputs) -> DepthOfFieldPass | None:
-    """Build what blurs one view; None where many views need no blur."""
+    """Build the blur of one view; None where many views need no blur."""
     of_one_view = blur_of_one_view(inputs.settings, inputs.size_px)
     if of_one_view is None:
         return None
@@ -142,7 +142,7 @@ class DepthOfFieldPass:
         return self._coc.limit_now_px
 
     def clamps(self) -> tuple[str, ...]:
-        """Return what the largest radius has cut off so far, in words; waits for the GPU."""
+        """Return how far the largest radius has cut blur off so far; waits for the GPU."""
         return () if self._slices_m else self._coc.clamps()
 
     def reset(self) -> None:
@@ -186,12 +186,12 @@ def blur_of_one_view(settings: DepthOfField, size_px: tuple[int, int]) -> DepthO
 
 
 def _at_one_dioptre_px(settings: DepthOfField, part: float, size_px: tuple[int, int]) -> float:
-    """Return the radius of a view's blur at one dioptre of defocus: what the law gives."""
+    """Return the radius of a view's blur at one dioptre of defocus, by the law."""
     return part * radius_per_dioptre_px(settings, size_px)
 
 
 class LensViews:
-    """Averages what is drawn through each point of a lens; the mean is `target`.
+    """Averages views through points of a lens; the mean is `target`.
 
     The points are the same in both eyes and in every frame: no noise, no rivalry. Sums are 32-bit
     floats. Focus is left to the GPU (`ScenePass.lens_focus`).
