@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vrcomfort.cli.renderer import make_renderer
+from vrcomfort.api.rendering import make_renderer
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Array, Pose, View, yaw_pitch_roll
 from vrcomfort.headset.playback import default_fovs

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vrcomfort.cli.playback import PlaybackSetup
+from vrcomfort.api.playback import PlaybackSetup
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, focal_length_px, yaw_pitch_roll
 from vrcomfort.optics.motion import clear_deg, moved_towards, widest_angle_deg

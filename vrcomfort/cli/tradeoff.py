@@ -10,8 +10,9 @@ from typing import Annotated, TypeVar
 
 import typer
 
+from vrcomfort.api.outputs import output_folder
 from vrcomfort.cli.options import Quiet, output_option, parse_size
-from vrcomfort.cli.terminal import console, output_folder, progress_bar, warn
+from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.errors import InputError
 
 Name = TypeVar("Name", bound=str)
