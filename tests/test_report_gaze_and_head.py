@@ -17,7 +17,7 @@ from vrcomfort.recordings import pack_study
 from vrcomfort.records.recording import Memory
 from vrcomfort.report.gaze_and_head import analyse_gaze_and_head
 from vrcomfort.report.gaze_and_head.exposures import read_motion
-from vrcomfort.report.plan import read_plan
+from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.study_data import read_study, with_frames
 
 PLAN = """name = "looked"

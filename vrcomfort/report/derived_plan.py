@@ -11,14 +11,14 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import score_all
 from vrcomfort.report.outcomes import Outcome, outcomes_of
-from vrcomfort.report.plan.reading import read_plan
+from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.study_data import conditions_in
 from vrcomfort.settings import toml_value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from vrcomfort.report.plan.model import Plan
+    from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
 
 BASELINES = ("baseline", "pre", "before", "pretest", "pre_test")

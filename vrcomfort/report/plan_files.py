@@ -1,20 +1,38 @@
-"""Plans from files: one's own, and those that are shipped."""
+"""Plans from files: one's own, and those that are shipped, with the keys of all analyses."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any
+
+from pydantic import Field, create_model
 
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Instrument
-from vrcomfort.report.plan.model import Plan
-from vrcomfort.report.plan.rules import problems
+from vrcomfort.report.analyses import ANALYSES
+from vrcomfort.report.plan import Plan, problems
 from vrcomfort.resources import data_folder
-from vrcomfort.settings import first_problem, parse_settings, read_text
+from vrcomfort.settings import Problem, first_problem, parse_settings, read_text
 
+
+def _entries(entry: Any) -> Any:
+    """Return the type of a key: any number of entries."""
+    return tuple.__class_getitem__((entry, ...))
+
+
+_KEYS = {
+    each.key: (_entries(each.asked), Field(default=(), description=each.about or None))
+    for each in ANALYSES
+    if each.asked
+}
+AnalysisPlan: type[Plan] = create_model(  # type: ignore[call-overload]
+    "Plan", __base__=Plan, __doc__=Plan.__doc__, **_KEYS
+)
+"""The model of a plan with the key of each analysis."""
 _FORMER_FAMILY = re.compile(r"^family\s*=", re.MULTILINE)
 
 
@@ -49,11 +67,27 @@ def read_plan(
             file=file,
             line=text.count("\n", 0, found.start()) + 1,
         )
-    plan = parse_settings(Plan, text, file)
-    if faults := list(problems(plan, instruments)):
+    plan = parse_settings(AnalysisPlan, text, file)
+    if faults := [*problems(plan, instruments), *_of_analyses(plan)]:
         raise first_problem(faults, text, file)
     plan._text, plan._file = text, file
     return plan
+
+
+def _of_analyses(plan: Plan) -> Iterator[Problem]:
+    """Yield what the types of the analyses' keys cannot say is wrong."""
+    for each in ANALYSES:
+        yield from each.problems(plan, plan.entries(each.key))
+
+
+def in_order(plan: Plan) -> dict[str, Any]:
+    """Return a plan as results.json has it: what analyses are asked stands after the tests."""
+    said = plan.model_dump(mode="json")
+    asked = {key: said.pop(key) for key in _KEYS if key in said}
+    found: dict[str, Any] = {}
+    for key, value in said.items():
+        found |= {key: value, **(asked if key == "confidence" else {})}
+    return found
 
 
 def load_plan(file: Path, instruments: Iterable[Instrument] | None = None) -> Plan:

@@ -1,40 +1,79 @@
-"""What `run` and `simulate` share: a study's folder, what draws its scenes, and who answers."""
+"""A study as `run` and `simulate` share it: its folder, its renderer, its respondents."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from enum import StrEnum
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+from typing import Protocol as Shape
 
-from vrcomfort.cli.playback import PlaybackSetup
-from vrcomfort.cli.renderer import describe_machine, make_renderer
-from vrcomfort.cli.terminal import dialogue, warn
-from vrcomfort.errors import InputError
+from vrcomfort.api.outputs import Note, as_warning
+from vrcomfort.api.playback import PlaybackSetup
+from vrcomfort.api.rendering import describe_machine, make_renderer
 from vrcomfort.protocol import Protocol, with_task_code
 from vrcomfort.protocol.load import missing_wording
 
 if TYPE_CHECKING:
-    from vrcomfort.cli.headset_setup import HeadsetSetup
-    from vrcomfort.cli.session_devices import ConsoleSetup
+    from vrcomfort.geometry import Pose
+    from vrcomfort.headset.base import Headset
+    from vrcomfort.headset.watchdog import Watchdog
     from vrcomfort.records import Durability, Machine
     from vrcomfort.records.consents import Given
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
     from vrcomfort.scene.data import Scene
+    from vrcomfort.scene.floors import Floors
     from vrcomfort.session import OpenEnrolment, RunOutcome, SessionSettings
     from vrcomfort.session.interfaces import HeadsetFor, Renderer
+    from vrcomfort.session.operator_control import OperatorControl
+    from vrcomfort.session.panel_screen import PanelScreen
+
+    class LiveHeadset(Headset, Shape):
+        """A headset that is worn, or a window on a desktop."""
+
+        def place(self, *, spawn: Pose, floors: Floors | None = None, on_foot: bool = True) -> None:
+            """Put the participant on `spawn`."""
 
 
 class RespondentKind(StrEnum):
-    """Who answers."""
+    """Respondents that a session can have."""
 
     SIMULATED = "simulated"
     TERMINAL = "terminal"
     PANEL = "panel"
     CONSOLE = "console"
+
+
+@dataclass(frozen=True)
+class HeadsetSetup:
+    """Parts of a session in a headset.
+
+    Parameters
+    ----------
+    panel, screen
+        A respondent who answers in the headset, and where the questions stand.
+    watchdog
+        Of the headset's runtime, where it has one.
+    """
+
+    headset: LiveHeadset
+    renderer: StereoRenderer
+    panel: Respondent
+    screen: PanelScreen
+    machine: Machine
+    watchdog: Watchdog | None = None
+
+    def headset_for(self, scene_name: str, scene: Any) -> LiveHeadset:
+        """Lead the participant to the scene's starting point."""
+        from vrcomfort.scene.floors import Floors
+
+        del scene_name
+        self.headset.place(spawn=scene.spawn, floors=Floors(scene.walkable), on_foot=scene.on_foot)
+        return self.headset
 
 
 class StudySetup:
@@ -48,6 +87,8 @@ class StudySetup:
         False: time jumps from one event to the next, and nothing is drawn.
     group_readable, durability
         See `session.open_enrolment` and `session.SessionSettings`.
+    note
+        Takes sentences on the scenes and the code of tasks.
 
     Raises
     ------
@@ -67,6 +108,7 @@ class StudySetup:
         group_readable: bool = False,
         durability: Durability = "each_row",
         frames: bool = True,
+        note: Note = as_warning,
     ) -> None:
         self._study = study
         self._playback = playback
@@ -77,12 +119,12 @@ class StudySetup:
         _require_instructions(protocol)
         self._protocol = with_task_code(protocol)
         for file, sha256 in self._protocol.task_code.items():
-            warn(f"the code of the task file {file} is run (SHA-256 {sha256})")
+            note(f"the code of the task file {file} is run (SHA-256 {sha256})")
         self._group_readable = group_readable
         self._durability = durability
         self._frames = frames
         self._rendering: tuple[StereoRenderer, Machine] | None = None
-        self._load_scene = lru_cache(maxsize=None)(_load_scene)
+        self._load_scene = lru_cache(maxsize=None)(partial(_load_scene, note=note))
 
     def open_enrolment(
         self,
@@ -94,7 +136,7 @@ class StudySetup:
         covariates: Mapping[str, str] | None = None,
         consent: Given | None = None,
     ) -> AbstractContextManager[OpenEnrolment]:
-        """Return a participant who can be run; see `session.open_enrolment`.
+        """Return an open enrolment of a participant; see `session.open_enrolment`.
 
         Raises
         ------
@@ -123,22 +165,29 @@ class StudySetup:
     def settings(
         self,
         enrolment: OpenEnrolment,
-        kind: RespondentKind,
+        respondent: Respondent | None = None,
         headset: HeadsetSetup | None = None,
-        console: ConsoleSetup | None = None,
+        operators: OperatorControl | None = None,
     ) -> SessionSettings:
-        """Return the settings of sessions in a headset, or without one on the playback."""
+        """Return the settings of sessions in a headset, or without one on the playback.
+
+        Parameters
+        ----------
+        respondent
+            A person; without one, a simulated participant answers, faster than the clock.
+        operators
+            The operator's control; without it there is Ctrl-C alone.
+        """
         from vrcomfort import session
         from vrcomfort.headset.sound import NobodyHears
         from vrcomfort.operator_interface import NoOperator
         from vrcomfort.session.operator_control import OperatorControl
 
-        respondent = self._respondent(kind, enrolment, headset, console)
         renderer, machine = (headset.renderer, headset.machine) if headset else self._windowless()
-        simulated = kind is RespondentKind.SIMULATED
+        simulated = respondent is None
         loader = self._load_scene if self._frames else session.scenes_for(self._protocol)
         return session.SessionSettings(
-            respondent=respondent,
+            respondent=respondent or self._simulated(enrolment),
             headset_for=headset.headset_for if headset else self._headset_for(),
             load_scene=loader,
             renderer=renderer,
@@ -146,14 +195,14 @@ class StudySetup:
             machine=machine,
             screen=headset.screen if headset else None,
             watchdog=headset.watchdog if headset else None,
-            operators=console.operators if console else OperatorControl(NoOperator()),
+            operators=operators or OperatorControl(NoOperator()),
             durability=self._durability,
             speaker=NobodyHears() if simulated else None,
             jumps=not self._frames,
         )
 
     def _headset_for(self) -> HeadsetFor:
-        """Return what stands in each scene where there is no live headset."""
+        """Return the headset of each scene where there is no live one."""
         from vrcomfort.session import StillHeadset
 
         return self._playback if self._frames else lambda _name, _scene: StillHeadset()
@@ -176,26 +225,11 @@ class StudySetup:
             self._rendering = renderer, describe_machine(renderer, self._protocol)
         return self._rendering
 
-    def _respondent(
-        self,
-        kind: RespondentKind,
-        enrolment: OpenEnrolment,
-        headset: HeadsetSetup | None,
-        console: ConsoleSetup | None,
-    ) -> Respondent:
-        from vrcomfort.respondent import SimulatedRespondent, TerminalRespondent
+    def _simulated(self, enrolment: OpenEnrolment) -> Respondent:
+        from vrcomfort.respondent import SimulatedRespondent
 
-        if kind is RespondentKind.SIMULATED:
-            settings, seed = self._protocol.simulation, enrolment.design.seed
-            return SimulatedRespondent(settings, participant=enrolment.participant, seed=seed)
-        if kind is RespondentKind.TERMINAL:
-            return TerminalRespondent(dialogue())
-        if console is not None and kind is RespondentKind.CONSOLE:
-            screen = headset.screen if headset else None
-            return console.respondent(screen, self._protocol.words)
-        if headset is None:
-            raise InputError("--respondent panel needs a headset to answer in")
-        return headset.panel
+        settings, seed = self._protocol.simulation, enrolment.design.seed
+        return SimulatedRespondent(settings, participant=enrolment.participant, seed=seed)
 
 
 def _require_places(protocol: Protocol) -> None:
@@ -236,17 +270,17 @@ def require_wording(protocol: Protocol, kind: RespondentKind, *, in_headset: boo
             raise fault
 
 
-def _load_scene(source: str) -> Scene:
+def _load_scene(source: str, note: Note) -> Scene:
     from vrcomfort.scene.load import load_scene
 
     scene = load_scene(source)
     for warning in scene.warnings:
-        warn(warning)
+        note(warning)
     return scene
 
 
 def outcome_sentence(outcome: RunOutcome, out: Path) -> str:
-    """Say what became of a participant's sessions."""
+    """Return a sentence on a participant's sessions: their numbers, status and folder."""
     sessions = ", ".join(map(str, outcome.sessions))
     note = f" ({outcome.note})" if outcome.note else ""
     return (

@@ -13,7 +13,6 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Array, Pose, focal_length_px
 from vrcomfort.gpu import gl
 from vrcomfort.optics import circle_of_confusion as coc
-from vrcomfort.optics.ideal_scatter import Pinhole
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.condition_passes import EyeImages
@@ -22,13 +21,13 @@ from vrcomfort.render.effects.depth_of_field.coc_passes import eye_uniforms
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import read_rgb
 from vrcomfort.scene.data import Scene
-from vrcomfort.tradeoff.binocular import Eye
+from vrcomfort.tradeoff.error_measures import EyeDepth
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 
 _thread = threading.local()
 
 
-class Shot(NamedTuple):
+class Capture(NamedTuple):
     """One eye's image before and after the effects (bottom row first), and how it came about."""
 
     camera: EyeCamera
@@ -40,10 +39,10 @@ class Shot(NamedTuple):
     velocity_px: NDArray[np.float32] | None
 
     @property
-    def eye(self) -> Eye:
-        """Return what pairs this eye's pixels with the other's."""
+    def eye(self) -> EyeDepth:
+        """Return the depth view that pairs this eye's pixels with the other's."""
         camera = self.camera
-        return Eye(camera.world_from_eye, camera.fov, self.depth, camera.near_m)
+        return EyeDepth(camera.world_from_eye, camera.fov, self.depth, camera.near_m)
 
 
 def context() -> moderngl.Context:
@@ -55,21 +54,21 @@ def context() -> moderngl.Context:
     return found
 
 
-def shoot(
+def capture(
     scene: Scene,
     condition: Condition,
     pair: tuple[Frame, Frame],
     size_px: tuple[int, int],
     *,
     eyes: Literal[1, 2] = 2,
-) -> tuple[Shot, ...]:
+) -> tuple[Capture, ...]:
     """Draw the second frame of a pair with both eyes, or with the left one alone."""
     before, frame = pair
-    found: list[Shot] = []
+    found: list[Capture] = []
 
     def keep(index: int, images: EyeImages) -> None:
         head_from_eye = frame.head_pose.inverse() @ frame.views[index].pose
-        found.append(_shot(images, head_from_eye))
+        found.append(_capture_of(images, head_from_eye))
 
     renderer = StereoRenderer(context(), size_px, eyes=eyes)
     renderer.begin(scene, condition)
@@ -80,7 +79,7 @@ def shoot(
     return tuple(found)
 
 
-def radius_px(shot: Shot, condition: Condition) -> Array:
+def radius_px(shot: Capture, condition: Condition) -> Array:
     """Return the (h, w) signed circle-of-confusion radii of an eye; zeros without depth of field.
 
     These are those that the shaders compute, in float64, for laws in dioptres, which all that is
@@ -112,25 +111,14 @@ def radius_px(shot: Shot, condition: Condition) -> Array:
     )
 
 
-def pinhole(shot: Shot, condition: Condition) -> Pinhole:
-    """Return what a post-process knows of an eye's view."""
-    height, width = shot.depth.shape
-    focal_x, focal_y = focal_length_px(shot.camera.fov, (width, height))
-    streak = np.zeros((height, width, 2))
-    if condition.motion_blur is not None and shot.velocity_px is not None:
-        streak = shot.velocity_px.astype(np.float64) * condition.motion_blur.shutter_fraction
-    radius = radius_px(shot, condition)
-    return Pinhole(shot.sharp, shot.depth, radius, streak, focal_y / focal_x)
-
-
-def _shot(images: EyeImages, head_from_eye: Pose) -> Shot:
+def _capture_of(images: EyeImages, head_from_eye: Pose) -> Capture:
     width, height = images.depth.size
     velocity = None
     if images.velocity is not None:
         halves = np.frombuffer(images.velocity.read(), np.float16)
         velocity = halves.reshape(height, width, 2).astype(np.float32)
     depth = np.frombuffer(images.depth.read(), np.float32).reshape(height, width)
-    return Shot(
+    return Capture(
         images.camera,
         images.previous,
         head_from_eye,

@@ -1,28 +1,35 @@
-"""What frames cost: the time of each part, in parts of a plain frame's.
+"""Costs of a frame's passes: time in parts of a plain frame's, and traffic through memory.
 
-On a software rasteriser the time is the processor's: what this process has used.
+On a software rasteriser the time is the processor's: CPU seconds of this process. Traffic (bytes,
+reads, draws) is `gpu.traffic`'s, of one eye's image, effect by effect: it travels between machines,
+as times do not.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any, NamedTuple, TypeAlias
 
 import moderngl
 import numpy as np
 
-from vrcomfort.frame import Frame
-from vrcomfort.geometry import Array
+from vrcomfort.frame import EYE_HEIGHT_M, Frame
+from vrcomfort.geometry import Array, Gaze, Pose, View, yaw_pitch_roll
+from vrcomfort.gpu import shaders
 from vrcomfort.gpu.timer import Lap, Stopwatch, is_software
+from vrcomfort.gpu.traffic import Draw, DrawRecorder, Traffic, added_up
+from vrcomfort.headset.playback import default_fovs
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.condition_passes import RESOLVE
+from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.scene.data import Scene
+from vrcomfort.tradeoff.captures import context
 from vrcomfort.tradeoff.cases import Case, Scope, condition_of, eyes_of, frames
-from vrcomfort.tradeoff.methods import Method, methods, no_blur, pick
-from vrcomfort.tradeoff.passes import leave_out_records, outermost
-from vrcomfort.tradeoff.shots import context
+from vrcomfort.tradeoff.methods import BlurMethod, methods, no_blur, pick
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 
@@ -53,7 +60,7 @@ Pair: TypeAlias = tuple[Frame | None, Frame]
 
 
 class MethodTime(NamedTuple):
-    """What a method costs in a case: medians over rounds and their 5–95 %.
+    """Cost of a method in a case: medians over rounds and their 5–95 %.
 
     `cost` is 1 + effect ÷ plain, each round's effect by the plain frames before and after it.
     Percentiles (nearest ranks) are None where rounds are too few for them.
@@ -71,7 +78,7 @@ class MethodTime(NamedTuple):
 
 
 class CaseTime(NamedTuple):
-    """What the methods of a case cost, and how well that is known."""
+    """Costs of the methods of a case, and their precision."""
 
     case: Case
     plain_ms: float
@@ -108,7 +115,7 @@ def time_case(case: Case, scope: Scope, advance: Callable[[], None]) -> CaseTime
     return CaseTime(whole, float(np.median(seconds) * 1e3), _interval(again), found)
 
 
-def time_alone(method: Method, case: Case, scope: Scope) -> MethodTime:
+def time_alone(method: BlurMethod, case: Case, scope: Scope) -> MethodTime:
     """Time one method, in turn with plain frames."""
     plain = _Timer(replace(case, window=None), scope, no_blur(case.effect).condition)
     plain.frame()
@@ -116,7 +123,7 @@ def time_alone(method: Method, case: Case, scope: Scope) -> MethodTime:
 
 
 def time_method(
-    method: Method, case: Case, scope: Scope, plain_frames: _Timer, plains: list[Array]
+    method: BlurMethod, case: Case, scope: Scope, plain_frames: _Timer, plains: list[Array]
 ) -> MethodTime:
     """Time a method; the seconds of the plain frames in between are added to `plains`."""
     timer = _Timer(case, scope, method.condition)
@@ -155,7 +162,7 @@ class _Timer:
         leave_out_records(self._renderer.parts())
 
     def frame(self) -> Laps:
-        """Draw a frame, and return what tells the seconds of its parts."""
+        """Draw a frame, and return the laps of its parts."""
         before, frame = self._pair
         if before is not None:
             self._renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
@@ -164,7 +171,7 @@ class _Timer:
         return laps
 
     def release(self) -> None:
-        """Let go of what is on the GPU."""
+        """Release the renderer's objects on the GPU."""
         self._renderer.release()
 
 
@@ -233,3 +240,192 @@ def _percentile_ms(seconds: Array, percent: float, least: int) -> float | None:
 def _interval(ratios: Any) -> tuple[float, float]:
     low, high = np.percentile(ratios, [5, 95])
     return float(low), float(high)
+
+
+WALK_M_PER_S, WALK_RAD_PER_S = 1.4, 0.5
+FRAME_NS = round(1e9 / REFRESH_HZ)
+
+
+def traffic_of(
+    ctx: moderngl.Context,
+    scene: Scene,
+    condition: Condition,
+    pair: tuple[Frame | None, Frame],
+    size_px: tuple[int, int],
+    *,
+    count_reads: bool = False,
+    records: bool = True,
+) -> dict[str, Traffic]:
+    """Draw the left eye of a frame, and return the traffic of each kind of pass.
+
+    Parameters
+    ----------
+    pair
+        The frame before, None where nothing moves, and the one to look at.
+    count_reads
+        Compiles shaders that count their texture reads: slower, the same pictures.
+    records
+        Whether that is counted too which only the record of limits needs.
+    """
+    renderer = StereoRenderer(ctx, size_px, eyes=1)
+    with shaders.counting_reads() if count_reads else nullcontext():
+        renderer.build(scene, condition)
+    if not records:
+        leave_out_records(renderer.parts())
+    before, frame = pair
+    if before is not None:
+        renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
+    recorder = DrawRecorder(ctx)
+    with recorder.recording(), _sorted_by_pass(recorder, renderer) as found:
+        renderer.render(frame, time_s(frame))
+    renderer.release()
+    sums = {name: added_up(draws) for name, draws in found.items()}
+    if count_reads:
+        return sums
+    return {name: each._replace(reads=None) for name, each in sums.items()}
+
+
+def traffic_of_method(method: BlurMethod, case: Case, scope: Scope) -> dict[str, Any]:
+    """Return the traffic of a method's effects for one eye's whole image.
+
+    ``reads_per_pixel`` and ``bytes_per_pixel`` of that image, ``passes`` and ``draws``.
+    """
+    whole = replace(case, window=None)
+    parts = _parts_of(method.condition, whole, scope)
+    found = of_effects(parts)
+    reads = found.reads or 0
+    if method.condition.depth_of_field is not None:
+        reads += (parts[RESOLVE].reads or 0) - _reads_of_plain_resolve(whole, scope)
+    pixels = scope.size_px[0] * scope.size_px[1]
+    return {
+        "reads_per_pixel": reads / pixels,
+        "bytes_per_pixel": found.bytes / pixels,
+        "passes": found.passes,
+        "draws": found.draws,
+    }
+
+
+def _parts_of(condition: Condition, case: Case, scope: Scope) -> dict[str, Traffic]:
+    scene, _ = scene_and_hash(case.scene)
+    before, frame = frames(case, scope)
+    return traffic_of(
+        context(),
+        scene,
+        condition_of(case, scope, condition),
+        (before if case.motion != "still" else None, frame),
+        scope.size_px,
+        count_reads=True,
+        records=False,
+    )
+
+
+@lru_cache(maxsize=1)
+def _reads_of_plain_resolve(case: Case, scope: Scope) -> int:
+    return _parts_of(no_blur(case.effect).condition, case, scope)[RESOLVE].reads or 0
+
+
+def a_step(spawn: Pose, size_px: tuple[int, int]) -> tuple[Frame, Frame]:
+    """Return two frames of a head that walks and turns where a scene begins: everything moves."""
+    left, right = default_fovs(size_px)
+    heads = [
+        Pose(np.array([0.0, EYE_HEIGHT_M, -metres]), yaw_pitch_roll(yaw_rad, 0.0, 0.0))
+        for metres, yaw_rad in (
+            (0.0, 0.0),
+            (WALK_M_PER_S / REFRESH_HZ, WALK_RAD_PER_S / REFRESH_HZ),
+        )
+    ]
+    before, after = (
+        Frame(
+            index=number,
+            predicted_display_time_ns=(number + 1) * FRAME_NS,
+            period_ns=FRAME_NS,
+            head_pose=head,
+            views=(View(head, left), View(head, right)),
+            avatar_pose=spawn,
+            discontinuity=number == 0,
+            gaze=Gaze(head),
+        )
+        for number, head in enumerate(heads)
+    )
+    return before, after
+
+
+def by_effect(found: dict[str, Traffic]) -> dict[str, Traffic]:
+    """Return the traffic of effects, pass by pass.
+
+    Radii that are written where samples are resolved move no bytes that are not moved without them.
+    """
+    return {name: each for name, each in found.items() if name not in {*NO_EFFECT, RESOLVE}}
+
+
+def of_effects(found: dict[str, Traffic]) -> Traffic:
+    """Return the traffic of all effects of an eye's image."""
+    effects = by_effect(found).values()
+    reads = [each.reads for each in effects if each.reads is not None]
+    return Traffic(
+        sum(each.passes for each in effects),
+        sum(each.draws for each in effects),
+        sum(each.bytes for each in effects),
+        sum(reads) if reads else None,
+    )
+
+
+@contextmanager
+def _sorted_by_pass(
+    recorder: DrawRecorder, renderer: StereoRenderer
+) -> Iterator[dict[str, list[Draw]]]:
+    """Sort the draws by the outermost pass that makes them."""
+    found: dict[str, list[Draw]] = {}
+
+    def around(name: str, draw: Any) -> None:
+        first = len(recorder.draws)
+        draw()
+        found.setdefault(name, []).extend(recorder.draws[first:])
+
+    with outermost(around, renderer.parts()):
+        yield found
+
+
+Around = Callable[[str, Callable[[], None]], None]
+"""Called with the name of a part and what draws it."""
+
+
+def leave_out_records(parts: Sequence[tuple[str, Any]]) -> None:
+    """Skip passes that serve only the record of limits: they are no part of a method."""
+    for _, part in parts:
+        if isinstance(part, DepthOfFieldPass):
+            part.leave_out_records()
+
+
+@contextmanager
+def outermost(around: Around, parts: Sequence[tuple[str, Any]]) -> Iterator[None]:
+    """Call `around` for each part that is rendered inside, unless by another part.
+
+    Parameters
+    ----------
+    parts
+        Names and objects: those of :meth:`StereoRenderer.parts`.
+    """
+    depth = [0]
+
+    def wrapped(method: Callable[..., Any], name: str) -> Callable[..., Any]:
+        def render(*arguments: Any, **options: Any) -> Any:
+            if depth[0]:
+                return method(*arguments, **options)
+            depth[0] += 1
+            found = []
+            try:
+                around(name, lambda: found.append(method(*arguments, **options)))
+            finally:
+                depth[0] -= 1
+            return found[0]
+
+        return render
+
+    for name, part in parts:
+        part.render = wrapped(part.render, name)
+    try:
+        yield
+    finally:
+        for _, part in parts:
+            del part.render
