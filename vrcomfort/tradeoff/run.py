@@ -26,14 +26,14 @@ from vrcomfort.workers import Work, workers
 
 
 class StageProgress(Protocol):
-    """Shows how far a stage is: called with its title and its steps, gives what advances it."""
+    """Shows a stage: called with its title and number of steps, gives a function to advance it."""
 
     def __call__(self, title: str, steps: int, /) -> Callable[[], None]:
         """Begin a stage."""
 
 
 class Summary(NamedTuple):
-    """What a run has done."""
+    """Result of a run."""
 
     page: Path | None
     """None where only references were drawn."""
@@ -138,7 +138,7 @@ def _time(todo: list[Case], scope: Scope, progress: StageProgress) -> list[CaseT
 def _traffic(
     todo: list[Case], scope: Scope, progress: StageProgress
 ) -> dict[tuple[Case, str], dict[str, Any]]:
-    """Count what the effects of each method send through memory."""
+    """Count the traffic of each method's effects."""
     pairs = [(case, method) for case in _wholes(todo) for method in _methods(case, scope)]
     advance = progress("reads and bytes", len(pairs))
     found = {}
