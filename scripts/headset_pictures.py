@@ -16,7 +16,7 @@ from pathlib import Path
 import moderngl
 from PIL import Image
 
-from vrcomfort.cli.condition_choice import DEFAULT_CONDITION
+from vrcomfort.api.views import DEFAULT_CONDITION
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose
 from vrcomfort.gpu.gl import create_context

@@ -20,8 +20,8 @@ from tests.support.resume import go
 from tests.support.session import run as run_session
 from tests.support.study import PROTOCOL as TINY
 from tests.support.study import LateFocus, Scripted, read_rows, tiny_protocol
-from vrcomfort.cli.playback import shipped_walk
-from vrcomfort.cli.renderer import describe_machine, make_renderer
+from vrcomfort.api.playback import shipped_walk
+from vrcomfort.api.rendering import describe_machine, make_renderer
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Gaze, Pose, axis_angle
 from vrcomfort.headset.playback import PlaybackHeadset

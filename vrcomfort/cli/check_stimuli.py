@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vrcomfort.cli.playback import PlaybackSetup
+from vrcomfort.api.playback import PlaybackSetup
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, focal_length_px, yaw_pitch_roll
 from vrcomfort.optics.motion import clear_deg, moved_towards, widest_angle_deg
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.frame import Frame
     from vrcomfort.protocol.conditions import Vignette
-    from vrcomfort.render.stimulus_check import Fault, Moment, Seen, StimulusSize
+    from vrcomfort.render.stimulus_check import Fault, Moment, StimulusExtent, StimulusSize
     from vrcomfort.scene.camera_path import CameraPath
     from vrcomfort.scene.data import Scene
     from vrcomfort.session.start_pose import StartPose
@@ -38,7 +38,7 @@ _QUICK_LOOK_DEG_PER_S = 200.0
 class Stimuli:
     """Amounts of every condition in every scene, and what is wrong with them."""
 
-    rows: list[Seen]
+    rows: list[StimulusExtent]
     faults: list[Fault]
     excused: list[str]
 

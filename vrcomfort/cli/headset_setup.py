@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-from typing import Protocol as Shape
+from typing import TYPE_CHECKING
 
+from vrcomfort.api.playback import open_trace
+from vrcomfort.api.rendering import describe_machine
+from vrcomfort.api.study_setup import HeadsetSetup
 from vrcomfort.cli.doctor import require_bindings
-from vrcomfort.cli.playback import open_trace
-from vrcomfort.cli.renderer import describe_machine
-from vrcomfort.cli.terminal import ask_to_type
+from vrcomfort.cli.terminal import ask_to_type, warn
 from vrcomfort.errors import InputError, pip_install
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.viewing import Answering
@@ -22,53 +22,13 @@ from vrcomfort.settings import read_text
 if TYPE_CHECKING:
     import moderngl
 
-    from vrcomfort.geometry import Pose
-    from vrcomfort.headset.base import Headset
     from vrcomfort.headset.desktop import DesktopSettings
     from vrcomfort.headset.watchdog import Watchdog
     from vrcomfort.headset.window import Mirror, Window
-    from vrcomfort.records import Machine
-    from vrcomfort.render.pipeline import StereoRenderer
-    from vrcomfort.respondent import Respondent
     from vrcomfort.respondent.panel import PanelRespondent
     from vrcomfort.respondent.panel_input import LookDown
-    from vrcomfort.scene.floors import Floors
     from vrcomfort.session.panel_screen import PanelScreen
     from vrcomfort.session.rehearsal import Rehearsal
-
-    class LiveHeadset(Headset, Shape):
-        """A headset on somebody's head, or a window before them."""
-
-        def place(self, *, spawn: Pose, floors: Floors | None = None, on_foot: bool = True) -> None:
-            """Put the participant on `spawn`."""
-
-
-@dataclass(frozen=True)
-class HeadsetSetup:
-    """What a session in a headset needs.
-
-    Parameters
-    ----------
-    panel, screen
-        A respondent who answers in the headset, and where the questions stand.
-    watchdog
-        Of the headset's runtime, where it has one.
-    """
-
-    headset: LiveHeadset
-    renderer: StereoRenderer
-    panel: Respondent
-    screen: PanelScreen
-    machine: Machine
-    watchdog: Watchdog | None = None
-
-    def headset_for(self, scene_name: str, scene: Any) -> LiveHeadset:
-        """Lead the participant to the scene's starting point."""
-        from vrcomfort.scene.floors import Floors
-
-        del scene_name
-        self.headset.place(spawn=scene.spawn, floors=Floors(scene.walkable), on_foot=scene.on_foot)
-        return self.headset
 
 
 def open_window(
@@ -180,7 +140,7 @@ def rehearse(
     from vrcomfort.headset.monado import Monado
     from vrcomfort.session.rehearsal import Rehearsal
 
-    head_trace = open_trace(trace)
+    head_trace = open_trace(trace, note=warn)
     script = _read_answers(answers) if answers else []
     with Monado() as monado, monado.feed() as feed:
         if watchdog is not None:

@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 import moderngl
 
 from vrcomfort.errors import InputError
-from vrcomfort.gpu import memory as gpu_memory
+from vrcomfort.gpu import memory
 
 MINIMUM_VERSION = 450
 """OpenGL 4.5: the first with clip control. The README names it, too."""
@@ -120,7 +120,7 @@ def depth_texture(
 
 
 def clearer(ctx: moderngl.Context) -> Callable[[moderngl.Framebuffer, Sequence[float]], None]:
-    """Return what fills the first colour target of a framebuffer alone; the others stay."""
+    """Return a function that fills a framebuffer's first colour target; the others stay."""
     uint, pointer = ctypes.c_uint, ctypes.POINTER(ctypes.c_float)
     clear = function(ctx, "glClearNamedFramebufferfv", uint, uint, ctypes.c_int, pointer)
 
@@ -208,8 +208,8 @@ def image_array(
     for layer, pixels in enumerate(layers):
         texture.write(pixels, viewport=(0, 0, layer, width, height, 1))
     texture.build_mipmaps()
-    entry = gpu_memory.texture("image", size_px, 4, "f1", mipmaps=True, layers=len(layers))
-    gpu_memory.account(ctx).add(texture, entry)
+    entry = memory.texture("image", size_px, 4, "f1", mipmaps=True, layers=len(layers))
+    memory.account(ctx).add(texture, entry)
     return texture
 
 
@@ -219,7 +219,7 @@ def buffer(ctx: moderngl.Context, data: bytes) -> moderngl.Buffer:
 
 
 def dynamic_buffer(ctx: moderngl.Context, size_bytes: int) -> moderngl.Buffer:
-    """Return a buffer whose content changes from frame to frame."""
+    """Return a buffer that is rewritten every frame."""
     return _entered_buffer(ctx, ctx.buffer(reserve=size_bytes, dynamic=True))
 
 
@@ -229,8 +229,8 @@ def uniform_stride(size_bytes: int) -> int:
 
 
 def _entered_buffer(ctx: moderngl.Context, made: moderngl.Buffer) -> moderngl.Buffer:
-    entry = gpu_memory.Allocation("buffer", f"{made.size} bytes", made.size)
-    gpu_memory.account(ctx).add(made, entry)
+    entry = memory.GpuAllocation("buffer", f"{made.size} bytes", made.size)
+    memory.account(ctx).add(made, entry)
     return made
 
 
@@ -238,8 +238,8 @@ def _entered(
     ctx: moderngl.Context, target: moderngl.Texture, components: int, dtype: str
 ) -> moderngl.Texture:
     samples = _samples(ctx, target) if target.samples else 0
-    entry = gpu_memory.texture("target", target.size, components, dtype, samples=samples)
-    gpu_memory.account(ctx).add(target, entry)
+    entry = memory.texture("target", target.size, components, dtype, samples=samples)
+    memory.account(ctx).add(target, entry)
     return target
 
 

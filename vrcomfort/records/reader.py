@@ -30,12 +30,20 @@ from vrcomfort.errors import InputError
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.manifest import read_manifest
+from vrcomfort.records.names import natural
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.rows import CellType, Column, Row, declared
 from vrcomfort.records.schema import SCHEMA_VERSION
 from vrcomfort.records.session_rows import EventRow, ParticipantRow, QuestionnaireRow
 from vrcomfort.records.study import read_description, read_participants, recorded_sessions
-from vrcomfort.records.tables import RecordedRow, cell_value, read_rows, read_table, text_rows
+from vrcomfort.records.tables import (
+    RecordedRow,
+    cell_value,
+    read_header,
+    read_rows,
+    read_table,
+    text_rows,
+)
 
 if TYPE_CHECKING:
     import duckdb
@@ -44,7 +52,6 @@ if TYPE_CHECKING:
     from vrcomfort.records.recording import Recording
 
 _SESSION = re.compile(r"ses-([1-9][0-9]{0,8})")
-_NUMBER = re.compile(r"(\d+)")
 
 
 @dataclass(frozen=True)
@@ -84,13 +91,14 @@ class Session:
         """Return whether the session has a table: some come with their first row."""
         return (self.folder / row_type.FILE).exists()
 
-    def rows(self, row_type: type[Row], *, whole: bool = False) -> Iterator[RecordedRow]:
+    def rows(self, row_type: type[Row], *, mended: bool = False) -> Iterator[RecordedRow]:
         """Yield the rows of a table as values; none where the session does not have it.
 
         Parameters
         ----------
-        whole
-            The last row cannot be half-written: what is, is an error.
+        mended
+            The session goes on: its files are whole, and have the columns of this version. Else
+            the last row may be half-written, and is left out then.
 
         Raises
         ------
@@ -98,8 +106,8 @@ class Session:
             If the manifest or the table is damaged, with its place.
         """
         if self.has(row_type):
-            version = SCHEMA_VERSION if whole else self.schema_version
-            yield from read_rows(self.folder, row_type, version=version, cut=not whole)
+            version = SCHEMA_VERSION if mended else self.schema_version
+            yield from read_rows(self.folder, row_type, version=version, cut=not mended)
 
     def table(self, row_type: type[Row]) -> CsvTable:
         """Return a table as text; an empty one where the session does not have it.
@@ -111,6 +119,10 @@ class Session:
         """
         file = self.folder / row_type.FILE
         return read_table(file) if file.exists() else CsvTable(file, (), (), ())
+
+    def header(self, row_type: type[Row]) -> tuple[str, ...]:
+        """Return the columns of a table as its file has them; none without one."""
+        return read_header(self.folder / row_type.FILE) if self.has(row_type) else ()
 
     def text_rows(self, row_type: type[Row]) -> Iterator[dict[str, str]]:
         """Yield the rows of a table of any length as text; none where the session has it not.
@@ -196,7 +208,7 @@ class Study:
             return ()
         names = (each.name.removeprefix("sub-") for each in self.folder.glob("sub-*"))
         return tuple(
-            session for name in sorted(names, key=_natural) for session in self.sessions_of(name)
+            session for name in sorted(names, key=natural) for session in self.sessions_of(name)
         )
 
     def sessions_of(self, participant: str) -> list[Session]:
@@ -279,13 +291,7 @@ class Study:
         """Return the files of a table at any depth, in the order of their names."""
         if self.folder.is_file():
             return [self.folder] if row_type is QuestionnaireRow else []
-        return sorted(self.folder.rglob(row_type.FILE), key=lambda path: _natural(path.as_posix()))
-
-
-def _natural(text: str) -> tuple[tuple[int, int, str], ...]:
-    """Return a sorting key in which runs of digits count as numbers: P2 before P10."""
-    parts = (part for part in _NUMBER.split(text) if part)
-    return tuple((0, int(part), part) if part.isdigit() else (1, 0, part) for part in parts)
+        return sorted(self.folder.rglob(row_type.FILE), key=lambda path: natural(path.as_posix()))
 
 
 def _relation(

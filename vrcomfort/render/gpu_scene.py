@@ -21,10 +21,10 @@ from vrcomfort.gpu import gl, shaders
 from vrcomfort.render import culling, lighting
 from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
 from vrcomfort.render.materials import (
+    BatchState,
+    BatchStateFactory,
     ImageArrays,
     MaterialBuffer,
-    Surface,
-    SurfaceFactory,
     TextureStore,
 )
 from vrcomfort.render.scene_buffers import (
@@ -53,8 +53,8 @@ from vrcomfort.scene.data import Scene
 from vrcomfort.scene.node_poses import HandPoses
 
 
-class Viewpoint(NamedTuple):
-    """A view to draw: what it sees and from where.
+class ViewFrustum(NamedTuple):
+    """Frustum and position of a view to draw.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class Viewpoint(NamedTuple):
 
 
 class _Layer(NamedTuple):
-    """What one view draws, in order: what is opaque, or what is blended over it."""
+    """Batches of one view in drawing order, either opaque or blended."""
 
     batches: list[Batch]
     triangles: int
@@ -80,7 +80,7 @@ _LAYERS, _OF_FOREGROUND = 4, 2
 
 
 class GpuScene:
-    """Draws a scene into whatever framebuffer is in use.
+    """Draws a scene into the framebuffer in use.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ class GpuScene:
         factory = self._factory(defines or {})
         self._surfaces = [factory.color(key) for key in table.keys]
         self._depth_surfaces = [factory.depth(key) for key in table.depth_keys]
-        self._semantic_surfaces: list[Surface] | None = None
+        self._semantic_surfaces: list[BatchState] | None = None
         self._semantic = partial(_semantic_surfaces, factory, table)
         self.has_blended = bool(table.blended.any())
         self._foreground = None if foreground is None else foreground[table.node]
@@ -124,7 +124,7 @@ class GpuScene:
         """Of the first view, of the second, …: `_LAYERS` each."""
         self.draws = 0
 
-    def _factory(self, defines: shaders.Defines) -> SurfaceFactory:
+    def _factory(self, defines: shaders.Defines) -> BatchStateFactory:
         vertices = gl.buffer(self._ctx, vertex_bytes(self.scene.primitives))
         indices = gl.buffer(self._ctx, index_bytes(self.scene.primitives))
         of_vertices: list[tuple[Any, ...]] = [(vertices, VERTEX_FORMAT, *VERTEX_NAMES)]
@@ -141,7 +141,7 @@ class GpuScene:
             return partial(_vertex_array, self._ctx, content, indices)
 
         features = {**lighting.features(self.scene.environment), **defines}
-        return SurfaceFactory(
+        return BatchStateFactory(
             self._ctx, arrays(self._color_rows), arrays(self._depth_rows), scene_features=features
         )
 
@@ -173,8 +173,8 @@ class GpuScene:
         """Return whether anything in the scene moves by itself (not with the head)."""
         return self._rows.moves
 
-    def see(self, views: Sequence[Viewpoint]) -> None:
-        """Choose and order what several views draw, in one pass over all things.
+    def see(self, views: Sequence[ViewFrustum]) -> None:
+        """Cull and order the instances of several views, all at once.
 
         Opaque and masked surfaces are drawn front to back, blended ones back to front.
         """
@@ -214,7 +214,7 @@ class GpuScene:
         return np.concatenate([order[~blended], over[back_to_front]])
 
     def draw(self, view: int, *, blended: bool, foreground: bool = False) -> int:
-        """Draw what a view of the last `see` sees, and return the number of triangles.
+        """Draw a view of the last `see`, and return the number of triangles.
 
         Parameters
         ----------
@@ -264,7 +264,7 @@ class GpuScene:
         )
 
     def draw_semantic(self, clip_from_relative: Array, origin_m: Array) -> int:
-        """Draw depth as `draw_depth` does and, as colour, the semantic weight of what is seen."""
+        """Draw depth as `draw_depth` does and, as colour, semantic weights."""
         if self._semantic_surfaces is None:
             self._semantic_surfaces = self._semantic()
         rows = self._seen_from(culling.planes(clip_from_relative), origin_m)
@@ -290,7 +290,7 @@ class GpuScene:
         )
 
     def _seen_from(self, planes: Array, origin_m: Array) -> Rows:
-        """Return what writes depth within planes around a point."""
+        """Return the rows that write depth within planes around a point."""
         rows: Rows = self._rows.in_use[self._rows.seen(planes[None], origin_m[None])[0]]
         return rows[~self._list.blended[rows]] if self.has_blended else rows
 
@@ -299,7 +299,7 @@ class GpuScene:
         rows: Rows,
         clip_from_relative: Array,
         origin_m: Array,
-        surfaces: list[Surface],
+        surfaces: list[BatchState],
         *,
         cull: bool,
         numbered: bool = False,
@@ -352,7 +352,7 @@ class GpuScene:
         return self._triangles(row)
 
     def _begin(self) -> None:
-        """Bind what all draws of this scene read."""
+        """Bind the textures and joints that all draws of this scene read."""
         self._drawer.begin()
         if self._joints is not None:
             self._joints.bind()
@@ -361,7 +361,7 @@ class GpuScene:
         return int(self._triangles_of_row[rows].sum())
 
 
-def _semantic_surfaces(factory: SurfaceFactory, table: DrawList) -> list[Surface]:
+def _semantic_surfaces(factory: BatchStateFactory, table: DrawList) -> list[BatchState]:
     return [factory.semantic(key) for key in table.depth_keys]
 
 
@@ -402,7 +402,7 @@ class BatchDrawer:
     def draw(
         self,
         batches: Sequence[Batch],
-        surfaces: Sequence[Surface],
+        surfaces: Sequence[BatchState],
         commands: moderngl.Buffer,
         *,
         cull: bool = True,

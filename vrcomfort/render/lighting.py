@@ -19,7 +19,7 @@ def has_sun(environment: Environment) -> bool:
 
 
 def features(environment: Environment) -> shaders.Defines:
-    """Return the defines of what a scene's light needs; absent things are not compiled in."""
+    """Return the defines of a scene's light; absent kinds of light are not compiled in."""
     present = {
         "SUN": has_sun(environment),
         "LAMPS": bool(environment.point_lights or environment.directional_lights),
@@ -59,7 +59,7 @@ class Light:
         self._bias = block["shadow_bias"]
 
     def look_from(self, eye_m: Array, shadow: Shadow | None) -> None:
-        """Write what depends on where an eye is.
+        """Write positions relative to an eye.
 
         Parameters
         ----------
@@ -75,7 +75,7 @@ class Light:
 
 
 class Shadow(Protocol):
-    """What light needs of a shadow map.
+    """Shadow map as the block of light reads it.
 
     `shadow_from_world` is (4, 4) to its texture coordinates and depth; `bias` (4,) is
     ``shadow_bias`` of light.glsl.
@@ -104,7 +104,7 @@ class LampReach:
         self._powers = 2.0 ** np.arange(len(ranges_m))
 
     def bits(self, centers: Array, halves: Array) -> Array:
-        """Return (n,) bit sets of the lamps whose range touches each of n world-space boxes.
+        """Return (n,) bit sets of the lamps in range of each of n world-space boxes.
 
         A float holds 16 bits exactly, and travels as an ordinary instance attribute.
         """

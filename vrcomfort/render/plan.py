@@ -7,24 +7,24 @@ from dataclasses import replace
 from vrcomfort.protocol.conditions import Condition, EffectName
 from vrcomfort.render import background_blur
 from vrcomfort.render.effects import motion_blur, relocation_blur, speed_blur, vignette
-from vrcomfort.render.effects.depth_of_field import effect as depth_of_field
-from vrcomfort.render.effects.effect import EffectKind
+from vrcomfort.render.effects.depth_of_field import effect
+from vrcomfort.render.effects.effect import RegisteredEffect
 from vrcomfort.render.focus.rules import RULES
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
-_KINDS = (
-    depth_of_field.KIND,
-    motion_blur.KIND,
-    speed_blur.KIND,
-    relocation_blur.KIND,
-    vignette.KIND,
+_ALL_EFFECTS = (
+    effect.EFFECT,
+    motion_blur.EFFECT,
+    speed_blur.EFFECT,
+    relocation_blur.EFFECT,
+    vignette.EFFECT,
 )
-EFFECTS = {each.name: each for each in _KINDS}
+EFFECTS = {each.name: each for each in _ALL_EFFECTS}
 """By name."""
 
 
-def in_order(condition: Condition) -> list[EffectKind]:
+def in_order(condition: Condition) -> list[RegisteredEffect]:
     """Return all effects in the order in which they would run."""
     return [EFFECTS[name] for name in condition.effect_order]
 

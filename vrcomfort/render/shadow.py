@@ -61,7 +61,7 @@ class ShadowMap:
         self.triangles = 0
 
     def render(self, time_s: float, head: Pose) -> None:
-        """Bring the map up to date for what `GpuScene.update` has moved, once for both eyes."""
+        """Bring the map up to date after `GpuScene.update`, once for both eyes."""
         self.triangles = 0
         if self._drawn_for == (time_s, head):
             return
@@ -129,7 +129,7 @@ class _Map:
 
 
 def light_rotation(to_sun: Array) -> Array:
-    """Return the (3, 3) rotation from the world to axes whose z points to the sun."""
+    """Return the (3, 3) rotation from the world to axes with z towards the sun."""
     z = normalize(to_sun)
     helper = np.array([0.0, 1.0, 0.0]) if abs(z[1]) < 0.99 else np.array([1.0, 0.0, 0.0])
     x = normalize(np.cross(helper, z))

@@ -12,8 +12,8 @@ from vrcomfort.protocol.timeline import FreeTextStep, QuestionnaireStep, TrialPl
 from vrcomfort.questionnaire import Instrument, score
 from vrcomfort.questionnaire.answers import Answer
 from vrcomfort.records import Interrupted, QuestionnaireRow, ScreeningRow, TextRow, enrolled
+from vrcomfort.records.reader import Session
 from vrcomfort.records.session_rows import IPD_RULE, LONGEST_TEXT, one_line
-from vrcomfort.records.tables import read_rows
 from vrcomfort.respondent import Form
 from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.operator_control import Redone, Skipped
@@ -266,9 +266,7 @@ class FreeTexts:
 
     def __init__(self, context: SessionContext, events: EventLog) -> None:
         self._context, self._events = context, events
-        folder = events.recorder.folder
-        there = (folder / TextRow.FILE).exists()
-        rows = read_rows(folder, TextRow) if there else ()
+        rows = Session(events.recorder.folder).rows(TextRow, mended=True)
         self._answered = {(row["trial"], row["question"]) for row in rows}
 
     def ask(self, step: FreeTextStep) -> None:
@@ -322,9 +320,8 @@ class ScreeningRunner:
 
     def __init__(self, context: SessionContext, events: EventLog) -> None:
         self._context, self._events = context, events
-        folder = events.recorder.folder
-        there = (folder / ScreeningRow.FILE).exists()
-        self._decided = {row["rule"] for row in read_rows(folder, ScreeningRow)} if there else set()
+        rows = Session(events.recorder.folder).rows(ScreeningRow, mended=True)
+        self._decided = {row["rule"] for row in rows}
 
     def look_at_covariates(self) -> None:
         """Tell of what was entered at the enrolment, before the first session, once.

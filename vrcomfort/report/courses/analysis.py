@@ -26,8 +26,6 @@ from vrcomfort.report.courses.time_courses import (
 from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.stats.means import MeanCurves
@@ -50,17 +48,13 @@ class TimeCourseAnalysis:
     """`ratings` and `leaving`: each None where the data do not hold it."""
 
 
-def analyse_time_courses(
-    study: StudyData, plan: Plan, results: Row, folder: Path
-) -> TimeCourseAnalysis:
+def analyse_time_courses(study: StudyData, plan: Plan, results: Row) -> TimeCourseAnalysis:
     """Analyse ratings during exposure, and who left when.
 
     Parameters
     ----------
     results
         Those of the report so far: conditions, contrasts and who was left out.
-    folder
-        Where the frames of the study are, which say what was live.
 
     Raises
     ------
@@ -70,7 +64,7 @@ def analyse_time_courses(
     asked = plan.ratings
     instrument = rated_instrument(study, asked.instrument)
     exposures = rated_exposures(
-        study, instrument, without=_left_out(study, results), clock=LiveClock(study, folder)
+        study, instrument, without=_left_out(study, results), clock=LiveClock(study)
     )
     conditions = _conditions(exposures, list(results["labels"]))
     exposures = [e for e in exposures if e.condition in conditions]

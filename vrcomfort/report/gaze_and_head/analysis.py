@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import defaultdict
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.report.gaze_and_head.exposures import (
     HELD,
     NOTHING,
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vrcomfort.records.reader import Session
     from vrcomfort.records.recording import Memory
     from vrcomfort.report.gaze_and_head.exposures import ExposureSummary
     from vrcomfort.report.plan import Plan
@@ -264,10 +265,10 @@ def analyse_gaze_and_head(
     if asked is None:
         return found
     met: list[SituatedExposure] = []
-    for file in sorted(study.source.rglob("frames.csv")) if study.source.is_dir() else []:
-        trials = [trial for trial in study.trials if _is_of(file, trial)]
+    for session in study.recorded_sessions:
+        trials = [trial for trial in study.trials if _is_of(session, trial)]
         try:
-            met += _session(file, trials, asked, found, memory)
+            met += _session(session, trials, asked, found, memory)
         except InputError as error:
             found.notes.append(str(error).replace(f"{study.source}/", ""))
     _add_paths(study, found.exposures)
@@ -285,22 +286,24 @@ def analyse_gaze_and_head(
     return found
 
 
-def _is_of(file: Path, trial: dict[str, str]) -> bool:
-    names = file.parent.parent.name, file.parent.name
+def _is_of(session: Session, trial: dict[str, str]) -> bool:
+    names = session.folder.parent.name, session.folder.name
     return names == (f"sub-{trial['participant']}", f"ses-{trial['session']}")
 
 
 def _session(
-    file: Path,
+    session: Session,
     trials: list[dict[str, str]],
     asked: GazeAndHead,
     found: GazeAndHeadAnalysis,
     memory: Memory | None,
 ) -> list[SituatedExposure]:
     """Look at the exposures of a session; nothing of it is kept if a part is damaged."""
-    events = {name: times_of(file.parent, name, asked.during_s) for name in asked.during}
+    events = {name: times_of(session, name, asked.during_s) for name in asked.during}
     met = []
-    for trial, motion in zip(trials, read_motion(file, trials, memory), strict=True):
+    for trial, motion in zip(
+        trials, read_motion(session.folder / FrameRow.FILE, trials, memory), strict=True
+    ):
         if motion is None:
             continue
         seen = summarise_exposure(motion, asked, events)
