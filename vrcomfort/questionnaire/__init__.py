@@ -12,7 +12,7 @@ from vrcomfort.questionnaire.library import (
     usual_instruments,
 )
 from vrcomfort.questionnaire.scales import Scale
-from vrcomfort.questionnaire.scoring import Score, score, score_all, score_file
+from vrcomfort.questionnaire.scoring import Score, score, score_all, score_file, score_sheets
 from vrcomfort.questionnaire.suspects import never_zero
 from vrcomfort.questionnaire.tables import Sheet, read_long, read_sheets
 
@@ -39,6 +39,7 @@ __all__ = [
     "score",
     "score_all",
     "score_file",
+    "score_sheets",
     "shipped_instruments",
     "short_form",
     "usual_instruments",
