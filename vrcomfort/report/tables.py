@@ -75,7 +75,7 @@ def all_tables(
             row | {"participants": " ".join(row["participants"])} for row in results["deviations"]
         ],
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
-        **course_tables(results, courses),
+        **course_tables(courses),
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
 
