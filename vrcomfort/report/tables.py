@@ -14,7 +14,7 @@ from vrcomfort.report.courses import TimeCourseAnalysis
 from vrcomfort.report.courses.analysis import course_tables
 from vrcomfort.report.exposures import Exposures, column_of
 from vrcomfort.report.further_tables import further_tables
-from vrcomfort.report.gaze_and_head import GazeAndHeadAnalysis
+from vrcomfort.report.gaze_and_head.analysis import GazeAndHeadAnalysis, gaze_and_head_tables
 
 Row = dict[str, Any]
 
@@ -55,7 +55,7 @@ def all_tables(
         "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
         "stimulus_time": results["stimulus_time"],
         "movement": results["movement"],
-        **_gaze_and_head(looked),
+        **gaze_and_head_tables(looked),
         "frame_measures": results["frame_measures"],
         "straight_lined": results["answering"]["straight_lined"],
         "anova": [row for found in results["anova"] for row in _flat_anova(found)],
@@ -104,16 +104,6 @@ def model_columns(results: Row, scored: Exposures) -> dict[str, list[Any]]:
 
 def _or_none(values: pd.Series) -> list[Any]:
     return [None if pd.isna(value) else value for value in values]
-
-
-def _gaze_and_head(looked: GazeAndHeadAnalysis) -> dict[str, list[Row]]:
-    return {
-        "gaze_and_head": looked.exposures,
-        "gaze_zones": looked.zones,
-        "gaze_nodes": looked.nodes,
-        "fixations": looked.fixations,
-        "head_spectra": looked.spectra,
-    }
 
 
 def _whole(value: float | None) -> int | None:
