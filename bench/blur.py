@@ -1,4 +1,4 @@
-"""What one way of blurring costs and gets wrong: every measure of `vrcomfort tradeoff`, at once.
+"""Cost and errors of one kernel of depth of field: every measure of `vrcomfort tradeoff`, at once.
 
 ``python -m bench.blur --set samples=36 --size 640x800 --lens 7`` judges the left eye's image of a
 place on a shipped walk; ``--size 1832x1920 --window far_edges`` a part of it at a headset's size.
@@ -15,9 +15,10 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from vrcomfort.protocol.conditions import Condition, DepthOfField
 from vrcomfort.tradeoff.cases import Case, Scope
-from vrcomfort.tradeoff.look import look
-from vrcomfort.tradeoff.methods import FOCUS, LENS, LensName, Method
-from vrcomfort.tradeoff.regions import REGIONS
+from vrcomfort.tradeoff.costs import time_alone, traffic_of_method
+from vrcomfort.tradeoff.error_measures import REGIONS
+from vrcomfort.tradeoff.measure import errors_of
+from vrcomfort.tradeoff.methods import FOCUS, LENS, BlurMethod, LensName
 from vrcomfort.tradeoff.store import Store, default_folder
 
 
@@ -37,7 +38,7 @@ def main() -> None:
     width, height = map(int, options.size.split("x"))
     settings = {name: _value(text) for name, text in (each.split("=") for each in options.settings)}
     lens = DepthOfField(**{**LENS, **settings})
-    method = Method(
+    method = BlurMethod(
         " ".join(options.settings) or "as set by default",
         "depth_of_field",
         "ours",
@@ -54,7 +55,22 @@ def main() -> None:
         eyes=1,
         flicker=options.flicker,
     )
-    _print(method.name, look(method, case, scope, Store(default_folder())))
+    _print(method.name, probe(method, case, scope, Store(default_folder())))
+
+
+def probe(method: BlurMethod, case: Case, scope: Scope, store: Store) -> dict[str, Any]:
+    """Return a method's errors, cost and traffic.
+
+    Errors are those of :func:`measure.eye_errors`, and flicker; cost and traffic are those of the
+    whole image. Nothing but references is taken from the store or kept in it.
+    """
+    cost = time_alone(method, case, scope)
+    return {
+        **errors_of(case, scope, method, store),
+        "cost": cost.cost,
+        "cost_interval": cost.cost_interval,
+        **traffic_of_method(method, case, scope),
+    }
 
 
 def _value(text: str) -> Any:

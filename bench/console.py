@@ -26,7 +26,7 @@ from bench.table import Result, write
 from vrcomfort.console import OperatorConsole, ServerProcess
 from vrcomfort.frame import Frame
 from vrcomfort.gpu.gl import create_context
-from vrcomfort.headset.eye_pictures import EyePictures
+from vrcomfort.headset.eye_painter import EyePictures
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.operator_interface import NoOperator, SessionProgress
 from vrcomfort.protocol import load_protocol
@@ -35,8 +35,8 @@ from vrcomfort.resources import data_folder
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.scene.load import load_scene
 from vrcomfort.session import SessionSettings, open_enrolment, run
+from vrcomfort.session.frame_log import TrialTiming
 from vrcomfort.session.operator_control import ALLOWED, OperatorControl
-from vrcomfort.session.timing import TrialTiming
 from vrcomfort.traces.trace import read_trace
 
 PAGES = 50

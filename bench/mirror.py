@@ -12,9 +12,8 @@ import numpy as np
 from bench.table import Result, write
 from vrcomfort.frame import Frame
 from vrcomfort.gpu.gl import prepare
-from vrcomfort.headset.mirror import USUAL_HZ, Mirror
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.headset.window import Window
+from vrcomfort.headset.window import USUAL_HZ, Mirror, Window
 from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder

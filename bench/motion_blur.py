@@ -25,9 +25,9 @@ from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.effects.motion_blur import MotionBlurPass
 from vrcomfort.render.image_error import judged, rms, sure
 from vrcomfort.render.reference import Reference, read_rgb
+from vrcomfort.tradeoff.captures import Capture, capture, context
 from vrcomfort.tradeoff.cases import Case, Scope, frames
 from vrcomfort.tradeoff.methods import SHUTTER, base_condition
-from vrcomfort.tradeoff.shots import Shot, context, shoot
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.walk import time_s
 
@@ -64,7 +64,7 @@ def _measure(
         streaks = condition.motion_blur.model_copy(update=opening)
         condition = condition.model_copy(update={"motion_blur": streaks})
     pair = frames(Case(name, 0, "walk", "motion_blur"), Scope(size_px=size_px))
-    shot = shoot(scene, condition, pair, size_px)[0]
+    shot = capture(scene, condition, pair, size_px)[0]
     reference = Reference(context(), scene, condition, size_px).render(
         shot.camera, time_s(pair[1]), shot.previous, focus_m=1.5, samples=samples
     )
@@ -82,7 +82,7 @@ def _measure(
         print(f"| {name} | {each} | {cost[each]:.2f} | {moved} | {error:.2f} |")
 
 
-def _pass(ctx: moderngl.Context, shot: Shot, settings: dict[str, Any]) -> MotionBlurPass:
+def _pass(ctx: moderngl.Context, shot: Capture, settings: dict[str, Any]) -> MotionBlurPass:
     height, width = shot.depth.shape
     size_px = width, height
     alpha = np.ones((height, width, 1), np.float32)
@@ -102,7 +102,7 @@ def _pass(ctx: moderngl.Context, shot: Shot, settings: dict[str, Any]) -> Motion
     )
 
 
-def _traffic(shot: Shot, settings: dict[str, Any], frame: EyeFrame) -> str:
+def _traffic(shot: Capture, settings: dict[str, Any], frame: EyeFrame) -> str:
     """Return texture reads and bytes for each pixel, as two cells of the table."""
     with shaders.counting_reads():
         effect = _pass(context(), shot, settings)

@@ -21,10 +21,9 @@ from bench.effects import CONDITIONS
 from bench.table import Result
 from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl
-from vrcomfort.headset.monado import Monado
-from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings, depth, native
+from vrcomfort.headset.monado import Monado, RemoteFeed, RemoteHand, RemoteState
+from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings, layers, native
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 from vrcomfort.protocol import Condition
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.records import Recorder
@@ -122,11 +121,11 @@ def measure(ctx: moderngl.Context, *, frames: int) -> Result:
 @contextmanager
 def clocked(clock: Clock) -> Iterator[None]:
     """Count OpenGL and the runtime's functions, of headsets that are made in here."""
-    copier: Callable[..., Any] = depth._copier
+    copier: Callable[..., Any] = layers._copier
     functions = xr.raw_functions
     with ExitStack() as kept:
         kept.enter_context(clocked_opengl(clock, gl))
-        copying = replaced(depth, "_copier", lambda ctx: clock.around("opengl", copier(ctx)))
+        copying = replaced(layers, "_copier", lambda ctx: clock.around("opengl", copier(ctx)))
         kept.enter_context(copying)
         raw = native._raw
         calling = replaced(native, "_raw", lambda name: clock.around("runtime", raw(name)))

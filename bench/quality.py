@@ -22,11 +22,11 @@ from vrcomfort.resources import data_folder
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
 from vrcomfort.tradeoff.cases import Scope, cases
+from vrcomfort.tradeoff.costs import of_effects, traffic_of
 from vrcomfort.tradeoff.measure import measure as measure_errors
-from vrcomfort.tradeoff.methods import FOCUS, LENS, SHUTTER, Method
+from vrcomfort.tradeoff.methods import FOCUS, LENS, SHUTTER, BlurMethod
 from vrcomfort.tradeoff.results import means
 from vrcomfort.tradeoff.store import Store, default_folder
-from vrcomfort.tradeoff.traffic import of_effects, traffic_of
 from vrcomfort.tradeoff.walk import pairs
 
 COST_SIZE_PX = (320, 400)
@@ -100,9 +100,10 @@ def _errors(scope: Scope) -> dict[tuple[str, str, str], dict[str, float]]:
     return {(row["scene"], row["effect"], row["method"]): row for row in means(rows)}
 
 
-def _levels(effects: Effects) -> list[Method]:
+def _levels(effects: Effects) -> list[BlurMethod]:
     return [
-        Method(level, effects, "ours", condition_of(effects, level)) for level in get_args(Quality)
+        BlurMethod(level, effects, "ours", condition_of(effects, level))
+        for level in get_args(Quality)
     ]
 
 

@@ -2,7 +2,7 @@
 
 ``python -m bench.seams [--reference 1024]`` draws the left eye's image of one view of the temple
 (1832×1920, fixed focus at 1.5 m, circles of 3.5 % of the width at 2 D) with each step of `samples`,
-and counts as `vrcomfort.tradeoff.seams.off_median` does. With ``--reference`` it draws the
+and counts as `vrcomfort.tradeoff.error_measures.off_median` does. With ``--reference`` it draws the
 reference of each sixteenth of the image in which any step has such a pixel, too (half an hour on
 one processor), and prints a line for each.
 """
@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vrcomfort.cli.renderer import make_renderer
+from vrcomfort.api.rendering import make_renderer
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Array, Pose, View, yaw_pitch_roll
 from vrcomfort.headset.playback import default_fovs
@@ -29,9 +29,9 @@ from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import Reference
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
+from vrcomfort.tradeoff.cases import HEADSET_PX, ImageWindow, of_part, sub_frustum
+from vrcomfort.tradeoff.error_measures import OffMedian, off_median
 from vrcomfort.tradeoff.methods import SAMPLES
-from vrcomfort.tradeoff.seams import OffMedian, off_median
-from vrcomfort.tradeoff.windows import HEADSET_PX, Window, of_part, sub_frustum
 
 HEAD = Pose((0.0734, 1.656, -6.3029), yaw_pitch_roll(*np.radians([-46.99, 6.11, 0.64])))
 FOCUS_M, FULL_BLUR_DIOPTRE, PERCENT = 1.5, 2.0, 3.5
@@ -157,7 +157,7 @@ def _reference(
 ) -> Array:
     """Draw a part of the image from points all over the lens; top row first."""
     rows, columns = _wider(part)
-    window = Window(
+    window = ImageWindow(
         "part",
         columns.start,
         HEADSET_PX[1] - rows.stop,

@@ -16,16 +16,15 @@ from pathlib import Path
 import moderngl
 from PIL import Image
 
-from vrcomfort.cli.condition_choice import DEFAULT_CONDITION
+from vrcomfort.api.views import DEFAULT_CONDITION
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.headset.eye_painter import EyePainter, WindowPanel
 from vrcomfort.headset.inputs import KeyInput
-from vrcomfort.headset.monado import Monado
+from vrcomfort.headset.monado import Monado, RemoteFeed, RemoteHand, RemoteState
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
 from vrcomfort.headset.openxr.layers import Eyes, PanelLayer
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.render.output import read_rgb8
 from vrcomfort.render.pipeline import StereoRenderer

@@ -9,7 +9,7 @@ from PIL import Image
 
 from vrcomfort.protocol.texts import ENGLISH
 from vrcomfort.questionnaire import shipped_instruments
-from vrcomfort.respondent.dwell import Progress
+from vrcomfort.respondent.panel_input import Progress
 from vrcomfort.respondent.panel_layout import ends_of, question_cells
 from vrcomfort.respondent.panel_picture import Page, Painter
 

@@ -22,8 +22,7 @@ from tests.support.browser import find_browser
 from tests.support.openxr import fresh_monado
 from vrcomfort.cli import main
 from vrcomfort.gpu import gl
-from vrcomfort.headset.monado import Monado
-from vrcomfort.headset.remote_feed import RemoteFeed
+from vrcomfort.headset.monado import Monado, RemoteFeed
 
 # A busy machine fails no test. The same code meets the same examples: `make explore` draws others.
 UNHURRIED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])

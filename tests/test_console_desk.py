@@ -18,7 +18,7 @@ from tests.support.study import Scripted
 from tests.support.waiting import WAIT_S
 from vrcomfort.console import OperatorConsole
 from vrcomfort.gpu import gl
-from vrcomfort.headset.eye_pictures import EyePictures
+from vrcomfort.headset.eye_painter import EyePictures
 from vrcomfort.operator_interface import Command, OperatorStep, SessionProgress
 from vrcomfort.session.operator_control import OperatorControl
 

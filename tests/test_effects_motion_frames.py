@@ -8,7 +8,7 @@ import pytest
 from test_render_pipeline import SIZE, FrameAt, standing
 
 from tests.support.render import at, box, glowing, scene, still_life, wall
-from vrcomfort.cli.playback import shipped_walk
+from vrcomfort.api.playback import shipped_walk
 from vrcomfort.geometry import Pose, rotate, yaw_pitch_roll
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.conditions import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.support.render import at, glowing, scene, wall
-from vrcomfort.cli.gaze_check import require_eye_tracker
+from vrcomfort.api.playback import require_eye_tracker
 from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll

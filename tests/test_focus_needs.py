@@ -5,8 +5,8 @@ import pytest
 
 from tests.support.render import at, glowing, scene, wall
 from vrcomfort.geometry import Gaze, Pose, yaw_pitch_roll
+from vrcomfort.protocol.condition_check import NEEDS
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.protocol.without_effect import NEEDS
 from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.focus.search import Sight
 from vrcomfort.render.gpu_scene import GpuScene

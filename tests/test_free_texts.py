@@ -21,10 +21,10 @@ from vrcomfort.exchange.psych_ds import export_psych_ds
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records.rows import cell_text
 from vrcomfort.records.session_rows import LONGEST_TEXT, in_lines, one_line
-from vrcomfort.respondent import keys
+from vrcomfort.respondent import keyboard
 from vrcomfort.respondent.base import Withdrew, Written
 from vrcomfort.respondent.panel import PanelRespondent
-from vrcomfort.respondent.pointing import Pointing
+from vrcomfort.respondent.panel_input import Pointing
 from vrcomfort.session import NoPictures, StillHeadset
 from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.verbal import VerbalRespondent
@@ -162,12 +162,15 @@ def test_simulated_participants_say_the_same_with_and_without_frames(tmp_path):
 
 
 def test_an_experimenter_types_lines_until_an_empty_one():
-    person, shown = terminal(Typist("My eyes,", "  and the", keys.STOP, ""))
-    assert person.write("How was it?").text == f"My eyes,\n  and the\n{keys.STOP}"
+    person, shown = terminal(Typist("My eyes,", "  and the", keyboard.STOP, ""))
+    assert person.write("How was it?").text == f"My eyes,\n  and the\n{keyboard.STOP}"
     assert "How was it?" in shown.getvalue()
     with pytest.raises(Withdrew):
-        terminal(Typist(keys.STOP, keys.YES))[0].write("How was it?")
-    assert terminal(Typist(keys.STOP, keys.NO, "fine", ""))[0].write("How was it?").text == "fine"
+        terminal(Typist(keyboard.STOP, keyboard.YES))[0].write("How was it?")
+    assert (
+        terminal(Typist(keyboard.STOP, keyboard.NO, "fine", ""))[0].write("How was it?").text
+        == "fine"
+    )
     assert terminal(Typist(""))[0].write("How was it?").text == ""
 
 

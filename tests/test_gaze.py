@@ -19,9 +19,8 @@ from tests.support.study import (
     strict_about_gaze,
     tiny_protocol,
 )
+from vrcomfort.api.playback import open_trace, require_recorded_gaze
 from vrcomfort.cli import main
-from vrcomfort.cli.gaze_check import require_recorded_gaze
-from vrcomfort.cli.playback import open_trace
 from vrcomfort.errors import InputError
 from vrcomfort.frame import GazeHit
 from vrcomfort.geometry import Gaze, Pose, normalize, rotate, turn_to, yaw_pitch_roll
@@ -262,11 +261,13 @@ def test_a_wrong_file_is_refused_with_its_line(tmp_path, row, message):
         read_gaze(file)
 
 
-def test_gaze_that_does_not_reach_along_the_trace_is_told_or_refused(tmp_path, capsys):
+def test_gaze_that_does_not_reach_along_the_trace_is_told_or_refused(tmp_path):
     walk = data_folder("scenes") / "temple_walk.csv"  # a sample each 13.9 ms, from 0 on
     begins = gaze_file(tmp_path, "0,0,1,0,0,0,0,0,-1,,0", "0,13888889,1,0,0,0,0,0,-1,,0")
-    count = len(open_trace(walk, gaze=begins))
-    assert f"{count - 5} of the trace's {count} samples have no gaze" in capsys.readouterr().err
+    notes = []
+    count = len(open_trace(walk, gaze=begins, note=notes.append))
+    (note,) = notes
+    assert f"{count - 5} of the trace's {count} samples have no gaze" in note
     later = gaze_file(tmp_path, "0,99000000000,1,0,0,0,0,0,-1,,0")
     with pytest.raises(InputError, match="of another recording"):
         open_trace(walk, gaze=later)

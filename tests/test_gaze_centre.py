@@ -13,7 +13,7 @@ from tests.oracles.vignette import angles_rad, cover
 from tests.support.effects import coc_passes_of, rgb_of, seen, textures
 from tests.support.render import at, glowing, scene, still_life, wall
 from tests.support.study import read_rows, tiny_protocol
-from vrcomfort.cli.gaze_check import require_eye_tracker
+from vrcomfort.api.playback import require_eye_tracker
 from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, axis_angle, focal_length_px, yaw_pitch_roll

@@ -13,9 +13,9 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.geometry import EyeGaze, Gaze, Pose, normalize, turn_to, yaw_pitch_roll
-from vrcomfort.protocol.gaze_validation import SimulatedEyes
+from vrcomfort.protocol.simulation import SimulatedEyes
 from vrcomfort.records import FrameRow, GazeRow, Recorder
-from vrcomfort.respondent.simulated_eye_pair import EyePair
+from vrcomfort.respondent.simulated_eyes import EyePair
 from vrcomfort.traces.gaze_quality import angles_deg
 from vrcomfort.traces.gaze_track import read_gaze
 

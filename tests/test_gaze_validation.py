@@ -15,7 +15,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.geometry import Gaze, Pose, normalize, turn_to, yaw_pitch_roll
-from vrcomfort.protocol.gaze_validation import SimulatedEyes
+from vrcomfort.protocol.simulation import SimulatedEyes
 from vrcomfort.records import read_participants
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.respondent.simulated_eyes import Eyes

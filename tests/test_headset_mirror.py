@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from vrcomfort.geometry import Fov, Pose, Quad, View
 from vrcomfort.frame import Frame
-from vrcomfort.headset.mirror import Mirror
+from vrcomfort.headset.window import Mirror
 from vrcomfort.headset.window import Window
 from vrcomfort.gpu.gl import check_errors, prepare
 

@@ -9,7 +9,7 @@ import pytest
 
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
+from vrcomfort.headset.monado import RemoteFeed, RemoteState
 
 
 def test_a_driver_that_is_gone_is_a_runtime_lost() -> None:

@@ -19,8 +19,8 @@ from vrcomfort.headset.inputs import HandInput, Inputs, SeenGaze
 from vrcomfort.protocol import load_protocol
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.respondent.base import Exposure, Withdrew
-from vrcomfort.respondent.dwell import AWAY_S, LookDown
 from vrcomfort.respondent.panel import PanelRespondent
+from vrcomfort.respondent.panel_input import AWAY_S, LookDown
 from vrcomfort.respondent.panel_layout import Act
 from vrcomfort.respondent.panel_picture import stop_page
 from vrcomfort.session.panel_screen import PanelScreen

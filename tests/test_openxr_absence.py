@@ -16,7 +16,7 @@ from tests.support.openxr import Participant, needs_monado, settled
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, Quad, axis_angle
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
+from vrcomfort.headset.monado import RemoteFeed, RemoteHand, RemoteState
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 

@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
-from vrcomfort.headset.openxr.action_bindings import HANDS, PROFILES, Profile
+from vrcomfort.headset.openxr.actions import HANDS, PROFILES, Profile
 
 HAND_OF = list(product(PROFILES, HANDS))
 NAMES = [f"{profile.path} {hand}" for profile, hand in HAND_OF]

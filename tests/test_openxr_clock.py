@@ -11,7 +11,7 @@ import pytest
 from tests.support.openxr import Participant, needs_monado
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.base import TellsTime
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
+from vrcomfort.headset.monado import RemoteFeed, RemoteState
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 

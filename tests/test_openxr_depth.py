@@ -16,7 +16,7 @@ import pytest
 from tests.support.openxr import Participant, fresh_monado, needs_monado
 from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl
-from vrcomfort.headset.remote_feed import RemoteState
+from vrcomfort.headset.monado import RemoteState
 from vrcomfort.protocol import Condition
 from vrcomfort.render.condition_passes import EyeImages
 from vrcomfort.render.pipeline import StereoRenderer

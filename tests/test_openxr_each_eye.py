@@ -12,10 +12,10 @@ pytest.importorskip("xr", reason="pyopenxr is not installed")
 import xr
 
 from vrcomfort.cli import doctor
-from vrcomfort.headset.openxr import each_eye
+from vrcomfort.headset.openxr import actions
 from vrcomfort.headset.openxr.capabilities import HeadsetFacts
-from vrcomfort.headset.openxr.convert import pose_to_xr
 from vrcomfort.headset.openxr.instance import Runtime
+from vrcomfort.headset.openxr.native import pose_to_xr
 
 LEFT = Pose((-0.03, 1.6, 0.0), yaw_pitch_roll(-0.05, 0.1, 0.0))
 RIGHT = Pose((0.03, 1.6, 0.0), yaw_pitch_roll(0.05, 0.1, 0.0))
@@ -40,9 +40,9 @@ def test_what_the_runtime_writes_is_what_is_read(monkeypatch):
         return 0
 
     monkeypatch.setattr(xr, "create_eye_tracker_fb", lambda *_: "tracker")
-    monkeypatch.setattr(each_eye, "native_extension", lambda *_: get)
-    monkeypatch.setattr(each_eye, "watched", lambda call, *words: call(*words))
-    eyes = each_eye.EachEye(xr.Instance(), xr.Session())
+    monkeypatch.setattr(actions, "native_extension", lambda *_: get)
+    monkeypatch.setattr(actions, "watched", lambda call, *words: call(*words))
+    eyes = actions.EachEye(xr.Instance(), xr.Session())
     (left, right), time_ns = eyes.read(xr.Space(), 1234)
     assert asked == [("tracker", 1234)]
     assert time_ns == 7
@@ -53,7 +53,7 @@ def test_what_the_runtime_writes_is_what_is_read(monkeypatch):
 
 
 def test_without_a_combined_gaze_both_eyes_make_one():
-    gaze = each_eye.both(each_eye.eyes_of(found()), 7)
+    gaze = actions.combined_gaze(actions.eyes_from_xr(found()), 7)
     assert gaze.valid
     assert np.allclose(gaze.pose.position, [0.0, 1.6, 0.0], atol=1e-7)
     # Converging eyes: between them, straight ahead and up.
@@ -64,7 +64,7 @@ def test_without_a_combined_gaze_both_eyes_make_one():
 
 @pytest.mark.parametrize("seen", [{"left": False}, {"right": False}])
 def test_one_eye_is_no_gaze_of_both(seen):
-    gaze = each_eye.both(each_eye.eyes_of(found(**seen)), 7)
+    gaze = actions.combined_gaze(actions.eyes_from_xr(found(**seen)), 7)
     assert not gaze.valid
     assert [eye.valid for eye in gaze.eyes] == [seen.get("left", True), seen.get("right", True)]
 

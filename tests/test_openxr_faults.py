@@ -17,8 +17,7 @@ from tests.support.openxr import Participant, fresh_monado, needs_monado
 from tests.support.waiting import WAIT_S
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.geometry import Pose, Quad
-from vrcomfort.headset.monado import Monado
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
+from vrcomfort.headset.monado import Monado, RemoteFeed, RemoteState
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 

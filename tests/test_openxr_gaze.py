@@ -14,8 +14,7 @@ from tests.support.openxr import Participant, needs_monado, validation
 from tests.support.study import read_rows, strict_about_gaze
 from vrcomfort.cli import main
 from vrcomfort.geometry import EyeGaze, Pose, yaw_pitch_roll
-from vrcomfort.headset.monado import Monado
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
+from vrcomfort.headset.monado import Monado, RemoteFeed, RemoteState
 from vrcomfort.records import FrameRow, Recorder, only_run
 from vrcomfort.resources import data_folder
 from vrcomfort.session.frame_log import FrameLog

@@ -20,7 +20,7 @@ import numpy as np
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
-from vrcomfort.headset.remote_feed import RemoteState
+from vrcomfort.headset.monado import RemoteState
 from vrcomfort.headset.window import Window
 
 window = Window("test", (64, 64), wait_for_display=False)

@@ -12,7 +12,7 @@ import pytest
 from tests.support.openxr import Participant, needs_monado
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.gpu import gl
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
+from vrcomfort.headset.monado import RemoteFeed, RemoteState
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 

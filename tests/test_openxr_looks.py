@@ -12,7 +12,7 @@ import pytest
 from tests.support.openxr import fresh_monado, needs_monado
 from vrcomfort.geometry import Pose, normalize, turn_to
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
+from vrcomfort.headset.monado import RemoteFeed, RemoteHand, RemoteState
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.respondent.base import Form
 from vrcomfort.respondent.panel import PanelRespondent

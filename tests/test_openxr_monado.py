@@ -15,7 +15,7 @@ from tests.support.openxr import Participant, Script, fresh_monado, needs_monado
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.geometry import Fov, Pose, Quad, View, axis_angle, yaw_pitch_roll
 from vrcomfort.headset.inputs import Inputs
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
+from vrcomfort.headset.monado import RemoteFeed, RemoteHand, RemoteState
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 

@@ -12,8 +12,8 @@ import pytest
 from tests.support.openxr import Participant, fresh_monado, needs_monado
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, yaw_pitch_roll
+from vrcomfort.headset.monado import RemoteState
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.headset.remote_feed import RemoteState
 from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.load import load_scene

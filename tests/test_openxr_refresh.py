@@ -13,8 +13,8 @@ import pytest
 from tests.support.openxr import Participant, needs_monado
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.refresh_period import MEASURED
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
+from vrcomfort.headset.monado import RemoteFeed, RemoteState
+from vrcomfort.headset.timing import MEASURED
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 

@@ -12,7 +12,7 @@ from tests.support.session import run
 from tests.support.study import Scripted, read_rows
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.geometry import Pose, normalize, turn_to
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
+from vrcomfort.headset.monado import RemoteFeed, RemoteHand, RemoteState
 from vrcomfort.protocol import load_protocol
 from vrcomfort.session import WallClock
 from vrcomfort.session.task_run import TaskRun

@@ -15,7 +15,7 @@ from vrcomfort.scene.floors import Floors
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
-from vrcomfort.headset.openxr.participant_pose import ParticipantPose
+from vrcomfort.headset.openxr.tracking import ParticipantPose
 
 NOTHING = Inputs()
 TO_THE_RIGHT = Inputs(right=HandInput(thumbstick=(1.0, 0.0)))

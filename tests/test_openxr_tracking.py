@@ -14,7 +14,7 @@ import pytest
 from tests.support.openxr import Participant, needs_monado
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, Quad, axis_angle
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
+from vrcomfort.headset.monado import RemoteFeed, RemoteState
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
@@ -22,7 +22,7 @@ import xr
 
 from tests.support.openxr_layers import Interceptor
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
-from vrcomfort.headset.openxr.convert import pose_to_xr
+from vrcomfort.headset.openxr.native import pose_to_xr
 
 pytestmark = needs_monado
 

@@ -17,7 +17,7 @@ from tests.support.openxr import (
 )
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.gpu import gl
-from vrcomfort.headset.remote_feed import RemoteState
+from vrcomfort.headset.monado import RemoteState
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 

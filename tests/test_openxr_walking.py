@@ -20,7 +20,7 @@ from tests.support.study import smoke_with
 from tests.support.x_server import x_server
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Array, Pose, axis_angle
-from vrcomfort.headset.remote_feed import RemoteState
+from vrcomfort.headset.monado import RemoteState
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.floors import Floors
 

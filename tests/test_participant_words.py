@@ -17,9 +17,9 @@ from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import find_instrument
 from vrcomfort.respondent import Form, Telling, Withdrew
 from vrcomfort.respondent.panel import PanelRespondent
+from vrcomfort.respondent.panel_input import Pointing
 from vrcomfort.respondent.panel_layout import Act
 from vrcomfort.respondent.panel_picture import Painter
-from vrcomfort.respondent.pointing import Pointing
 from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.panel_screen import PanelScreen, words_picture
 from vrcomfort.session.verbal import VerbalRespondent

@@ -16,7 +16,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.protocol.conditions import EFFECTS, Condition, Kernel
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.plan import plan_passes
-from vrcomfort.tradeoff.traffic import a_step, by_effect, traffic_of
+from vrcomfort.tradeoff.costs import a_step, by_effect, traffic_of
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 
 SIZE_PX = (96, 80)

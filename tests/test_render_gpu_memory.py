@@ -15,6 +15,7 @@ from vrcomfort.protocol.conditions import (
     Condition,
     DepthOfField,
     Focus,
+    GazeCentre,
     Kernel,
     MotionBlur,
     Peripheral,
@@ -22,7 +23,6 @@ from vrcomfort.protocol.conditions import (
     TurnRamp,
     Vignette,
 )
-from vrcomfort.protocol.gaze_centre import GazeCentre
 from vrcomfort.render.pipeline import StereoRenderer
 
 RENDER = Path(gl.__file__).parent

@@ -11,7 +11,7 @@ from test_render_pipeline import PLAIN, SIZE, standing, still_life
 
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov
-from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.viewing import Photodiode
 from vrcomfort.render.display import PatchLight, patch_place
 from vrcomfort.render.output import read_rgb8
 from vrcomfort.render.pipeline import StereoRenderer

@@ -20,19 +20,19 @@ from tests.support.resume import go
 from tests.support.session import run as run_session
 from tests.support.study import PROTOCOL as TINY
 from tests.support.study import LateFocus, Scripted, read_rows, tiny_protocol
-from vrcomfort.cli.playback import shipped_walk
-from vrcomfort.cli.renderer import describe_machine, make_renderer
+from vrcomfort.api.playback import shipped_walk
+from vrcomfort.api.rendering import describe_machine, make_renderer
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Gaze, Pose, axis_angle
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import load_protocol
-from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.viewing import Photodiode
 from vrcomfort.records import Machine
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.replay import Comparison, ReplaySelection, read_session, replay
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
-from vrcomfort.session.standing import without_meshes
+from vrcomfort.session.start_pose import without_meshes
 
 Run = Callable[..., tuple[int, str, str]]
 SIZE_PX = 64, 80

@@ -14,8 +14,8 @@ import pytest
 from tests.support.exchange import cell
 from tests.support.session import run as run_session
 from tests.support.study import Scripted, read_rows
-from vrcomfort.cli.playback import shipped_walk
-from vrcomfort.cli.renderer import describe_machine, make_renderer
+from vrcomfort.api.playback import shipped_walk
+from vrcomfort.api.rendering import describe_machine, make_renderer
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.frame import Frame

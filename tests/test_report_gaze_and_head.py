@@ -17,7 +17,7 @@ from vrcomfort.recordings import pack_study
 from vrcomfort.records.recording import Memory
 from vrcomfort.report.gaze_and_head import analyse_gaze_and_head
 from vrcomfort.report.gaze_and_head.exposures import read_motion
-from vrcomfort.report.plan import read_plan
+from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.study_data import read_study, with_frames
 
 PLAN = """name = "looked"
@@ -157,7 +157,7 @@ def test_shots_of_a_task_are_events(study):
 
 
 def test_path_and_turning_are_those_of_the_frames_per_minute(study):
-    data = with_frames(read_study(study), study)
+    data = with_frames(read_study(study))
     (row,) = analyse_gaze_and_head(data, read_plan(PLAN, None), ["dof_off", "dof_on"]).exposures
     # 5° and 1 cm there and back: four amplitudes a second.
     assert row.head_turning_deg_per_min == pytest.approx(60 * 20, rel=0.01)

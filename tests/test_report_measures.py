@@ -22,7 +22,7 @@ from vrcomfort.report.measures import (
     values_of,
 )
 from vrcomfort.report.measures.model import in_steps
-from vrcomfort.report.plan import load_plan
+from vrcomfort.report.plan_files import load_plan
 from vrcomfort.report.results import analyse
 from vrcomfort.report.study_data import read_study, with_frames
 
@@ -58,7 +58,7 @@ def of(study: Path, name: str, **said: object) -> dict[tuple[str, str], Fraction
     """Return (participant, condition) → value."""
     own = MeasureSettings(name="m", measure=name, **said) if said else None
     measure = measure_of("m", own) if own else measure_of(name)
-    found = values_of(with_frames(read_study(study), study), measure)
+    found = values_of(with_frames(read_study(study)), measure)
     return {(value.participant, value.condition): value.number for value in found}
 
 

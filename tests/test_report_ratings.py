@@ -9,10 +9,11 @@ import pytest
 from tests.support.rated import RatedStudy, with_drop_outs
 from tests.support.report import manifest
 from vrcomfort.errors import InputError
+from vrcomfort.records.recording import NEEDED
 from vrcomfort.report.build import build_report
 from vrcomfort.report.courses import analyse_time_courses
 from vrcomfort.report.courses.exposures import LiveClock, LiveTime, rated_exposures
-from vrcomfort.report.plan import read_plan
+from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.study_data import read_study
 
 NOTHING_ELSE = {"labels": {}, "exclusions": [], "tests": []}
@@ -26,7 +27,7 @@ def plan_of(**ratings):
 
 def courses_of(study, folder, **ratings):
     there = study.write(folder)
-    return analyse_time_courses(read_study(there), plan_of(**ratings), NOTHING_ELSE, there)
+    return analyse_time_courses(read_study(there), plan_of(**ratings), NOTHING_ELSE)
 
 
 def two_conditions(*, people=6):
@@ -136,11 +137,11 @@ def test_no_ratings_and_no_trials_have_nothing(tmp_path):
     folder = two_conditions().write(tmp_path)
     (folder / "trials.csv").unlink()
     study = read_study(folder)
-    found = analyse_time_courses(study, plan_of(), NOTHING_ELSE, folder).results
+    found = analyse_time_courses(study, plan_of(), NOTHING_ELSE).results
     assert found["leaving"] is None
     assert not found["ratings"]["endings_recorded"]
     with pytest.raises(InputError, match="nothing was rated with `misc`; ratings are of: fms"):
-        analyse_time_courses(study, plan_of(instrument="misc"), NOTHING_ELSE, folder)
+        analyse_time_courses(study, plan_of(instrument="misc"), NOTHING_ELSE)
 
 
 def test_who_is_excluded_is_in_nothing(tmp_path):
@@ -149,7 +150,7 @@ def test_who_is_excluded_is_in_nothing(tmp_path):
     (folder / "participants.csv").write_text(people.replace("P1,,completed", "P1,,excluded"))
     rule = {"participant": "P2", "what": "participant"}
     found = analyse_time_courses(
-        read_study(folder), plan_of(), {**NOTHING_ELSE, "exclusions": [rule]}, folder
+        read_study(folder), plan_of(), {**NOTHING_ELSE, "exclusions": [rule]}
     )
     assert found.results["ratings"]["people"] == 4
 
@@ -167,18 +168,18 @@ def test_time_that_stood_still_or_was_not_seen_does_not_count(tmp_path, recorded
     """No frame came for 10 s; or they came, and the runtime wanted no picture of them."""
     study = RatedStudy().expose("P1", "a", [1, None, 3], ended_s=40.0, lost_s=10.0)
     folder = study.write(tmp_path)
-    unplaced = rated_exposures(
-        read_study(folder), "fms", clock=LiveClock(read_study(folder), folder)
-    )
+    unplaced = rated_exposures(read_study(folder), "fms", clock=LiveClock(read_study(folder)))
     assert unplaced[0].unplaced
     assert unplaced[0].course.times_s.tolist() == [10, 20, 30]
     frames = [(t / 10, 1) for t in (*range(150), *range(250, 400))]  # not from 15 to 25 s
     frames += [(15.1 + t / 10, 0) for t in range(99)] if recorded else []
-    rows = "".join(f"{2000 + t!r},1,100000000,{drawn}\n" for t, drawn in sorted(frames))
-    header = "session_s,trial,period_ns,should_render\n"
-    (folder / "frames.csv").write_text(header + rows, "utf-8")
+    columns = ("session_s", "trial", "period_ns", "should_render")
+    others = [name for name in NEEDED["frames.csv"] if name not in columns]
+    blank = "," * len(others)
+    rows = "".join(f"{2000 + t!r},1,100000000,{drawn}{blank}\n" for t, drawn in sorted(frames))
+    (folder / "frames.csv").write_text(f"{','.join((*columns, *others))}\n{rows}", "utf-8")
     data = read_study(folder)
-    (found,) = rated_exposures(data, "fms", clock=LiveClock(data, folder))
+    (found,) = rated_exposures(data, "fms", clock=LiveClock(data))
     assert not found.unplaced
     np.testing.assert_allclose(found.course.times_s, [10, 15, 20], atol=1e-6)
     np.testing.assert_allclose(found.freezes, [(15, 10)], atol=1e-6)

@@ -18,9 +18,9 @@ from tests.support.tasks import doing_protocol, in_the_room
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
-from vrcomfort.protocol.screening import Screening
+from vrcomfort.protocol.questions import Screening
 from vrcomfort.records import read_participants, undo_withdrawal
-from vrcomfort.respondent import SimulatedRespondent, keys
+from vrcomfort.respondent import SimulatedRespondent, keyboard
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.session import NoPictures, SessionSettings, StillHeadset, open_enrolment
 from vrcomfort.session import run as run_enrolment
@@ -200,15 +200,15 @@ def test_simulated_experimenters_decide_by_the_seed_and_change_no_answer(tmp_pat
 
 
 def test_the_terminal_asks_until_it_is_decided():
-    person, shown = terminal(Typist("perhaps", keys.NO))
+    person, shown = terminal(Typist("perhaps", keyboard.NO))
     assert person.decide("SSQ T is 60, above 30. Go on?") is False
     assert "SSQ" not in shown.getvalue()  # it stands in the prompt
-    assert terminal(Typist(keys.YES))[0].decide("Go on?") is True
+    assert terminal(Typist(keyboard.YES))[0].decide("Go on?") is True
 
 
 def test_the_panel_lets_the_participant_wait():
     screen_, asked = ScriptedScreen([]), []
-    lines = iter([None, "hm\n", f"{keys.NO}\n"])
+    lines = iter([None, "hm\n", f"{keyboard.NO}\n"])
     person = PanelRespondent(screen_, waiting_line=lambda: next(lines), prompt=asked.append)
     assert person.decide("SSQ T is 60, above 30. Go on?") is False
     assert screen_.frames == 3

@@ -12,8 +12,7 @@ from tests.support.operator import ScriptedDesk, Wanted
 from tests.support.resume import go
 from tests.support.study import PROTOCOL, Scripted, tiny_protocol
 from vrcomfort.protocol.timeline import PlannedStep
-from vrcomfort.session.operator_control import OperatorControl
-from vrcomfort.session.remaining import SessionTime
+from vrcomfort.session.operator_control import OperatorControl, SessionTime
 
 
 @dataclass

@@ -14,7 +14,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.importing.mapping import Mapping
 from vrcomfort.protocol import Protocol
 from vrcomfort.questionnaire.instrument_file import InstrumentTable
-from vrcomfort.report.plan import Plan
+from vrcomfort.report.plan_files import AnalysisPlan as Plan
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.side_car import SideCar
 from vrcomfort.settings import Settings

@@ -11,8 +11,7 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, View, focal_length_px, yaw_pitch_roll
 from vrcomfort.headset.playback import default_fovs
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
-from vrcomfort.protocol.conditions import Peripheral, SpeedBlur, TurnRamp
-from vrcomfort.protocol.gaze_centre import GazeCentre
+from vrcomfort.protocol.conditions import GazeCentre, Peripheral, SpeedBlur, TurnRamp
 from vrcomfort.protocol.viewing import Visibility
 from vrcomfort.render.stimulus_check import StimulusSize, faults, measure, needlessly_meant, seen
 

@@ -18,9 +18,9 @@ from tests.support.operator import Given, ScriptedDesk
 from tests.support.resume import go, manifest, rows
 from tests.support.study import PROTOCOL, Scripted, tiny_protocol
 from tests.test_study_panel import ScriptedScreen, choose
+from vrcomfort.api.simulation import simulate_sessions
 from vrcomfort.cli.check import _check
 from vrcomfort.cli.session_devices import open_speaker
-from vrcomfort.cli.simulate import simulate_study
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.headset.sound import NobodyHears, Sound, SystemSpeaker, read_sound
@@ -432,8 +432,8 @@ def test_without_miniaudio_a_sentence_says_what_to_install(monkeypatch):
 
 def test_simulate_tells_instructions(tmp_path):
     told(tmp_path)
-    simulate_study(
+    simulate_sessions(
         load_protocol(tmp_path / "tiny.toml"), participants=1, out=tmp_path / "S", seed=None,
-        playback_options=((16, 16), None, None), exposure_s=None, frames=False, quiet=True,
+        size_px=(16, 16), exposure_s=None, frames=False,
     )  # fmt: skip
     assert len(events(tmp_path)) == 3

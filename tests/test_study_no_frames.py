@@ -8,7 +8,7 @@ import pytest
 
 from tests.support.session import go, manifest, rows
 from tests.support.study import PROTOCOL, tiny_protocol
-from vrcomfort.cli.simulate import simulate_study
+from vrcomfort.api.simulation import simulate_sessions
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.protocol import load_protocol
@@ -54,9 +54,9 @@ def test_exposures_last_as_long_and_have_no_frames(tmp_path):
 def test_whoever_withdraws_does_so_at_their_own_moment(tmp_path):
     text = PROTOCOL + "\n[simulation]\nrate_per_min = 600.0\nhazard_per_min = 1000.0\n"
     protocol = tiny_protocol(tmp_path, text)
-    (outcome,) = simulate_study(
+    (outcome,) = simulate_sessions(
         protocol, participants=1, out=tmp_path / "W", seed=None,
-        playback_options=((16, 16), None, None), exposure_s=None, frames=False, quiet=True,
+        size_px=(16, 16), exposure_s=None, frames=False,
     )  # fmt: skip
     assert outcome.status == "withdrawn"
     (trial,) = rows(tmp_path, "trials.csv", study="W")
@@ -65,19 +65,15 @@ def test_whoever_withdraws_does_so_at_their_own_moment(tmp_path):
 
 
 def test_a_study_without_frames_goes_on_without_frames_alone(tmp_path):
-    options = {"seed": None, "exposure_s": None, "quiet": True, "out": tmp_path / "study"}
-    play = ((32, 40), None, None)
+    play = {"size_px": (32, 40), "out": tmp_path / "study"}
     protocol = load_protocol("carnegie_2015")
-    simulate_study(protocol, participants=1, playback_options=play, frames=False, **options)
+    simulate_sessions(protocol, participants=1, frames=False, **play)
     with pytest.raises(InputError, match="begun with --no-frames"):
-        simulate_study(protocol, participants=2, playback_options=play, **options)
-    more = simulate_study(protocol, participants=2, playback_options=play, frames=False, **options)
+        simulate_sessions(protocol, participants=2, **play)
+    more = simulate_sessions(protocol, participants=2, frames=False, **play)
     assert [each.participant for each in more] == ["P02"]
     with pytest.raises(InputError, match="plays no head trace"):
-        simulate_study(
-            protocol, participants=3, playback_options=((32, 40), None, 20.0), frames=False,
-            **options,
-        )  # fmt: skip
+        simulate_sessions(protocol, participants=3, refresh_hz=20.0, frames=False, **play)
 
 
 def test_a_manifest_is_written_as_json_writes_it():

@@ -12,11 +12,10 @@ from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import HandInput, Inputs
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.respondent.base import Exposure, Form, Withdrew
-from vrcomfort.respondent.dwell import AWAY_S, DWELL_S
 from vrcomfort.respondent.panel import PanelRespondent
+from vrcomfort.respondent.panel_input import AWAY_S, DWELL_S, Pointing
 from vrcomfort.respondent.panel_layout import Act
 from vrcomfort.respondent.panel_picture import LOOKED, Page, Picture
-from vrcomfort.respondent.pointing import Pointing
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.rehearsal import aim_at
 

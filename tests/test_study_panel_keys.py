@@ -16,10 +16,9 @@ from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.respondent.base import Form, Withdrew
 from vrcomfort.respondent.panel import PanelRespondent
-from vrcomfort.respondent.panel_keys import KeyChoice, beside
+from vrcomfort.respondent.panel_input import KeyChoice, Pointing, beside
 from vrcomfort.respondent.panel_layout import Act, Cell, question_cells, review_cells
 from vrcomfort.respondent.panel_picture import Picture
-from vrcomfort.respondent.pointing import Pointing
 from vrcomfort.respondent.terminal import TerminalRespondent
 from vrcomfort.session.panel_screen import PanelScreen
 

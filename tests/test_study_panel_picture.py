@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vrcomfort.geometry import Pose, Quad, yaw_pitch_roll
-from vrcomfort.headset import pointer
-from vrcomfort.headset.pointer import pointer_picture, pointer_quad
+from vrcomfort.headset import inputs
+from vrcomfort.headset.inputs import pointer_picture, pointer_quad
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.respondent.panel_layout import (
     ANSWER_TOP_PX,
@@ -77,7 +77,7 @@ def test_pointing_changes_the_pointed_cell_and_nothing_else():
 
 def test_the_pointer_is_a_dot_with_a_rim_that_stands_where_it_points() -> None:
     picture = pointer_picture()
-    assert picture.shape == (*pointer.SIZE_PX[::-1], 4)
+    assert picture.shape == (*inputs.POINTER_SIZE_PX[::-1], 4)
     middle, corner, rim = picture[16, 16], picture[0, 0], picture[16, 3]
     assert middle.tolist() == [255, 210, 80, 255]
     assert corner[3] == 0

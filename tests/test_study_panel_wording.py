@@ -7,7 +7,7 @@ from PIL import Image
 
 from tests.support.study import PROTOCOL, tiny_protocol
 from tests.test_study_languages import BOTH, dutch
-from vrcomfort.cli.study_setup import RespondentKind, require_wording
+from vrcomfort.api.study_setup import RespondentKind, require_wording
 from vrcomfort.errors import InputError
 from vrcomfort.resources import data_folder
 from vrcomfort.session.panel_wording import undrawable_wording

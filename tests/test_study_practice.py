@@ -16,7 +16,7 @@ from tests.support.tasks import PROTOCOL, doing_protocol, room
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
-from vrcomfort.protocol.practice import Practice
+from vrcomfort.protocol.session_steps import Practice
 from vrcomfort.report.study_data import read_study
 from vrcomfort.report.withdrawals import early_endings
 from vrcomfort.respondent import SimulatedRespondent, Withdrew

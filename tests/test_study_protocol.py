@@ -12,8 +12,8 @@ from tests.support.study import PROTOCOL, tiny_protocol
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol, parse_protocol
+from vrcomfort.protocol.condition_check import NEEDS
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
-from vrcomfort.protocol.without_effect import NEEDS
 from vrcomfort.resources import data_folder
 from vrcomfort.settings.locate import locate
 

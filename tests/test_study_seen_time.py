@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from tests.support.resume import attempts, go, rows
 from tests.support.study import AheadHeadset, frame
 from vrcomfort.frame import HeadsetEvent
-from vrcomfort.headset.refresh_period import RefreshPeriod
+from vrcomfort.headset.timing import RefreshPeriod
 from vrcomfort.protocol import Ratings
 from vrcomfort.questionnaire import find_instrument
+from vrcomfort.session.frame_log import SeenTime, missed_refreshes
 from vrcomfort.session.interfaces import NoRelay
 from vrcomfort.session.ratings import RatingSchedule, RatingSchedules
-from vrcomfort.session.timing import SeenTime, missed_refreshes
 
 PERIOD_NS = 100_000_000
 

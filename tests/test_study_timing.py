@@ -22,8 +22,7 @@ from tests.support.study import (
 from vrcomfort.errors import InputError
 from vrcomfort.gpu.timer import GpuTime
 from vrcomfort.records import Recorder, read_participants
-from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.timing import Durations
+from vrcomfort.session.frame_log import Durations, FrameLog
 
 
 def test_a_flagged_trial_keeps_its_status_and_its_note(tmp_path):

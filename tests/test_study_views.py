@@ -17,7 +17,7 @@ from vrcomfort.protocol import View, load_protocol, parse_protocol
 from vrcomfort.records import session_folder
 from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.scene.floors import Floors
-from vrcomfort.session.standing import place_faults, stand, without_meshes
+from vrcomfort.session.start_pose import place_faults, stand, without_meshes
 from vrcomfort.settings.camera_path import PathPoint
 
 SIDE_CAR = """\

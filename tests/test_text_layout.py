@@ -13,7 +13,7 @@ from PIL import Image, ImageFont, features
 
 import vrcomfort
 from vrcomfort import text_layout
-from vrcomfort.cli.renderer import describe_machine
+from vrcomfort.api.rendering import describe_machine
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.texts import WORDS
 from vrcomfort.questionnaire import shipped_instruments

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from vrcomfort.geometry import Fov, Pose, axis_angle
-from vrcomfort.tradeoff.binocular import (
-    Eye,
+from vrcomfort.tradeoff.error_measures import (
+    EyeDepth,
     binocular_error,
     correspondence,
     radius_mismatch_px,
@@ -22,8 +22,8 @@ def eyes(distance_m, **turned):
     depth = np.full(SIZE_PX[::-1], NEAR_M / np.broadcast_to(distance_m, SIZE_PX[::-1]))
     half = np.array([IPD_M / 2, 0, 0])
     return (
-        Eye(Pose(-half, **turned), FOV, depth, NEAR_M),
-        Eye(Pose(half, **turned), FOV, depth, NEAR_M),
+        EyeDepth(Pose(-half, **turned), FOV, depth, NEAR_M),
+        EyeDepth(Pose(half, **turned), FOV, depth, NEAR_M),
     )
 
 

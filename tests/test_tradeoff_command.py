@@ -11,7 +11,7 @@ import pytest
 
 from tests.support.cluster import local_cluster
 from vrcomfort.cli import main
-from vrcomfort.tradeoff import files, truth
+from vrcomfort.tradeoff import files, references
 from vrcomfort.tradeoff.methods import methods
 from vrcomfort.tradeoff.store import Store
 
@@ -103,7 +103,7 @@ def test_a_run_that_was_stopped_goes_on_to_the_same_numbers(run, tmp_path, monke
             raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(truth._Keeper, "__call__", stop)
+        patch.setattr(references._Keeper, "__call__", stop)
         code, _, _ = run(*FEW, "--cache", tmp_path / "c2", "--out", stopped)
     assert code == 130
     code, out, _ = run(*FEW, "--cache", tmp_path / "c2", "--out", stopped)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vrcomfort.optics.ideal_scatter import Pinhole, ideal_scatter
 from vrcomfort.optics.lens_sampling import lens_and_shutter
+from vrcomfort.tradeoff.references import Pinhole, ideal_scatter
 
 LENS = lens_and_shutter(1024, lens=True, shutter=False, seed=1)
 SHUTTER = lens_and_shutter(512, lens=False, shutter=True, seed=1)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from matplotlib.transforms import Bbox
 
-from vrcomfort.tradeoff import labels
+from vrcomfort.tradeoff import figures
 from vrcomfort.tradeoff.figures import MARKER_PT, RING_PT, STYLE, coinciding, draw, joined
 
 DOCS = Path(__file__).parent.parent / "docs" / "tradeoff.md"
@@ -166,16 +166,16 @@ def test_methods_that_coincide_have_one_label():
 def test_a_place_is_found_in_a_crowd():
     """Nine markers in a row, whose labels are four times as wide as the gaps between them."""
     at = np.array([[100.0 + 10 * i, 100, 3] for i in range(9)])
-    crowd = labels.Crowd(np.array([0.0, 0, 280, 200]), at, np.zeros((0, 2, 2)))
-    boxes = [Bbox([b[:2], b[2:]]) for b in labels.place([(40, 10)] * 9, at, crowd)]
+    crowd = figures.Crowd(np.array([0.0, 0, 280, 200]), at, np.zeros((0, 2, 2)))
+    boxes = [Bbox([b[:2], b[2:]]) for b in figures.place([(40, 10)] * 9, at, crowd)]
     assert all(overlap(a, b) == 0 for a, b in combinations(boxes, 2))
     assert all(box.y1 < 97 or box.y0 > 103 or box.x1 < 97 or box.x0 > 183 for box in boxes)
-    assert labels.place([], np.zeros((0, 3)), crowd) == []
+    assert figures.place([], np.zeros((0, 3)), crowd) == []
 
 
 def test_a_line_leads_from_the_rim_to_the_nearest_point():
     marker = np.array([10.0, 10, 3])
-    line = labels.leader(np.array([30.0, 5, 50, 15]), marker)
+    line = figures.leader(np.array([30.0, 5, 50, 15]), marker)
     np.testing.assert_allclose(line, [[13, 10], [30, 10]])
-    assert labels.leader(np.array([15.0, 5, 35, 15]), marker) is None
-    assert math.hypot(15 - 10, 0) - 3 < labels.LEADER_PX
+    assert figures.leader(np.array([15.0, 5, 35, 15]), marker) is None
+    assert math.hypot(15 - 10, 0) - 3 < figures.LEADER_PX

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vrcomfort.tradeoff.pareto import Point, falls, front, log_slope, undecided, verdict
+from vrcomfort.tradeoff.results import Point, falls, front, log_slope, undecided, verdict
 
 numbers = st.floats(0.001, 1000)
 points = st.lists(st.builds(Point, st.text(max_size=3), numbers, numbers), max_size=12)

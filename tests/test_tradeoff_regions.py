@@ -3,15 +3,22 @@
 import numpy as np
 import pytest
 
-from vrcomfort.tradeoff.region_errors import region_errors
-from vrcomfort.tradeoff.regions import LAMP, REGIONS, Seen, border, regions, within
+from vrcomfort.tradeoff.error_measures import (
+    LAMP,
+    REGIONS,
+    PinholeView,
+    border,
+    region_errors,
+    regions,
+    within,
+)
 
 NEAR, FAR = 0.02 / 1.0, 0.02 / 4.0
 
 
 def seen(depth, radius, light=None):
     light = np.full((*depth.shape, 3), 0.5) if light is None else light
-    return Seen(depth, radius, light, whole_width_px=depth.shape[1])
+    return PinholeView(depth, radius, light, whole_width_px=depth.shape[1])
 
 
 def halves(near_px, far_px, size=60):

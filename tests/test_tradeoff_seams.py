@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vrcomfort.tradeoff.seams import flicker, high_pass, off_median
+from vrcomfort.tradeoff.error_measures import flicker, high_pass, off_median
 
 SIZE = 80
 

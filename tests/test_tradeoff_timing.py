@@ -8,12 +8,12 @@ from tests.support.waiting import WAIT_S
 from vrcomfort.gpu import timer as gpu_timer
 from vrcomfort.gpu.timer import Stopwatch
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.tradeoff import timing
+from vrcomfort.tradeoff import costs
+from vrcomfort.tradeoff.captures import context
 from vrcomfort.tradeoff.cases import Case, Scope, frames
+from vrcomfort.tradeoff.costs import clocked_parts, effect_s, rounds_of, time_case, told
 from vrcomfort.tradeoff.methods import base_condition
-from vrcomfort.tradeoff.shots import context
 from vrcomfort.tradeoff.store import scene_and_hash
-from vrcomfort.tradeoff.timing import clocked_parts, effect_s, rounds_of, time_case, told
 
 
 @pytest.mark.slow
@@ -91,8 +91,8 @@ def test_a_gpu_is_given_more_frames_than_a_software_rasteriser(ctx, monkeypatch)
 def test_percentiles_are_told_where_there_are_frames_enough_for_them(monkeypatch, on_gpu):
     if on_gpu:
         monkeypatch.setattr(gpu_timer, "SOFTWARE", ())
-    monkeypatch.setattr(timing, "P95_ROUNDS", 2)
-    monkeypatch.setattr(timing, "P99_ROUNDS", 3)
+    monkeypatch.setattr(costs, "P95_ROUNDS", 2)
+    monkeypatch.setattr(costs, "P99_ROUNDS", 3)
     few = Scope(size_px=(16, 20), poses=1, rounds=2, methods=("ours 8 samples",))
     timed_methods = []
     case = Case("temple", 0, "walk", "motion_blur")
@@ -108,7 +108,7 @@ def test_percentiles_are_told_where_there_are_frames_enough_for_them(monkeypatch
 
 @pytest.mark.slow
 def test_what_takes_long_is_timed_once(monkeypatch):
-    monkeypatch.setattr(timing, "SLOW_S", 0.0)
+    monkeypatch.setattr(costs, "SLOW_S", 0.0)
     scope = Scope(size_px=(16, 20), poses=1, rounds=2, methods=("ours 8 samples",))
     found = time_case(Case("temple", 0, "walk", "motion_blur"), scope, lambda: None)
     assert {each.rounds for each in found.methods} == {1}

@@ -2,11 +2,11 @@
 
 import pytest
 
+from vrcomfort.tradeoff.captures import context
 from vrcomfort.tradeoff.cases import Case, Scope
+from vrcomfort.tradeoff.costs import a_step, traffic_of, traffic_of_method
 from vrcomfort.tradeoff.methods import methods
-from vrcomfort.tradeoff.shots import context
 from vrcomfort.tradeoff.store import scene_and_hash
-from vrcomfort.tradeoff.traffic import a_step, traffic_of, traffic_of_method
 
 SCOPE = Scope(size_px=(32, 40), poses=1, eyes=1)
 CASE = Case("temple", 0, "still", "depth_of_field")

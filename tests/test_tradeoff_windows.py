@@ -7,13 +7,22 @@ import pytest
 
 from vrcomfort.errors import InputError
 from vrcomfort.optics.circle_of_confusion import max_radius_px
-from vrcomfort.tradeoff import windows
-from vrcomfort.tradeoff.cases import Case, Scope, cases, condition_of, drawn, frames
-from vrcomfort.tradeoff.eye_view import judged_area
+from vrcomfort.tradeoff.captures import capture, radius_px
+from vrcomfort.tradeoff.cases import (
+    ALIGNED_PX,
+    HEADSET_PX,
+    WINDOWS,
+    Case,
+    ImageWindow,
+    Scope,
+    cases,
+    condition_of,
+    drawn,
+    frames,
+)
+from vrcomfort.tradeoff.measure import judged_area
 from vrcomfort.tradeoff.methods import base_condition
-from vrcomfort.tradeoff.shots import radius_px, shoot
 from vrcomfort.tradeoff.store import scene_and_hash
-from vrcomfort.tradeoff.windows import HEADSET_PX, WINDOWS, Window
 
 SIZE_PX = (128, 160)
 
@@ -21,7 +30,7 @@ SIZE_PX = (128, 160)
 @pytest.fixture
 def part(monkeypatch):
     """Return a case whose window is a part of a small image."""
-    window = Window("part", 32, 64, 32, 32)
+    window = ImageWindow("part", 32, 64, 32, 32)
     monkeypatch.setitem(WINDOWS, ("temple", 0), (window,))
     return Case("temple", 0, "still", "depth_of_field", window="part")
 
@@ -30,7 +39,7 @@ def shot(case, scope):
     scene, _ = scene_and_hash(case.scene)
     condition = condition_of(case, scope, base_condition(case.effect))
     size_px = drawn(case, scope).size_px
-    (found,) = shoot(scene, condition, frames(case, scope), size_px, eyes=1)
+    (found,) = capture(scene, condition, frames(case, scope), size_px, eyes=1)
     return found, condition
 
 
@@ -39,7 +48,7 @@ def test_a_part_shows_what_the_whole_shows_there(part):
     scope = Scope(size_px=SIZE_PX, eyes=1, poses=2)
     whole, whole_condition = shot(Case("temple", 0, "still", "depth_of_field"), scope)
     found, condition = shot(part, scope)
-    rows, columns = drawn(part, scope).within(Window("whole", 0, 0, *SIZE_PX))
+    rows, columns = drawn(part, scope).within(ImageWindow("whole", 0, 0, *SIZE_PX))
     assert found.sharp.shape[0] < SIZE_PX[1]
     difference = np.abs(found.sharp - whole.sharp[rows, columns])
     assert np.quantile(difference, 0.99) < 0.02  # an edge may fall on another sample
@@ -60,14 +69,14 @@ def test_discs_are_as_wide_in_a_part_as_in_the_whole(part):
 
 
 def test_what_is_drawn_reaches_as_far_as_discs_and_stays_on_the_grid():
-    whole = Window("w", 320, 640, 96, 64)
+    whole = ImageWindow("w", 320, 640, 96, 64)
     found = whole.drawn(HEADSET_PX, reach_px=64.0)
     assert (found.left_px, found.bottom_px) == (320 - 96, 640 - 96)
     assert found.size_px == (96 + 192, 64 + 192)
-    assert found.left_px % windows.ALIGNED_PX == found.bottom_px % windows.ALIGNED_PX == 0
+    assert found.left_px % ALIGNED_PX == found.bottom_px % ALIGNED_PX == 0
     rows, columns = whole.within(found)
     assert (rows, columns) == (slice(96, 160), slice(96, 192))
-    corner = Window("c", 0, 0, 64, 64).drawn(HEADSET_PX, reach_px=10.0)
+    corner = ImageWindow("c", 0, 0, 64, 64).drawn(HEADSET_PX, reach_px=10.0)
     assert (corner.left_px, corner.bottom_px, corner.width_px) == (0, 0, 96)
 
 
@@ -75,7 +84,7 @@ def test_shipped_windows_lie_in_the_image_and_on_the_grid():
     for window in (each for some in WINDOWS.values() for each in some):
         assert 0 <= window.left_px < window.left_px + window.width_px <= HEADSET_PX[0]
         assert 0 <= window.bottom_px < window.bottom_px + window.height_px <= HEADSET_PX[1]
-        assert window.left_px % windows.ALIGNED_PX == window.bottom_px % windows.ALIGNED_PX == 0
+        assert window.left_px % ALIGNED_PX == window.bottom_px % ALIGNED_PX == 0
 
 
 def test_a_window_is_judged_without_the_margin_of_the_whole_image():

@@ -13,8 +13,7 @@ from pydantic import BaseModel, ValidationError
 
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, axis_angle
-from vrcomfort.protocol.conditions import Condition
-from vrcomfort.protocol.gaze_centre import CentredEffect
+from vrcomfort.protocol.conditions import CentredEffect, Condition
 from vrcomfort.scene.animation import Animation, Channel
 from vrcomfort.scene.data import (
     DirectionalLight,

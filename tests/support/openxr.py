@@ -16,8 +16,7 @@ import pytest
 from numpy.typing import ArrayLike
 
 from vrcomfort.frame import Frame
-from vrcomfort.headset.monado import Monado, active_environment
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
+from vrcomfort.headset.monado import Monado, RemoteFeed, RemoteState, active_environment
 
 Script = Callable[[int], RemoteState]
 VALIDATION = "XR_APILAYER_LUNARG_core_validation"

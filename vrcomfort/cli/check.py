@@ -23,7 +23,7 @@ from vrcomfort.cli.terminal import (
 )
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
-from vrcomfort.protocol.instruments import missing_wording
+from vrcomfort.protocol.load import missing_wording
 from vrcomfort.tasks import OwnTask
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def _check(
     name: str, size: str | None, refresh_hz: float | None, moments: int, draw: bool, advance: Any
 ) -> _Checked:
     from vrcomfort.cli.check_stimuli import open_vignettes
-    from vrcomfort.session.standing import shortened_turns
+    from vrcomfort.session.start_pose import shortened_turns
 
     try:
         protocol = load_protocol(name)
@@ -121,7 +121,7 @@ def _check(
 
 def _of_places(protocol: Protocol) -> list[InputError]:
     from vrcomfort.scene.load import load_scene
-    from vrcomfort.session.standing import place_faults
+    from vrcomfort.session.start_pose import place_faults
 
     return list(place_faults(protocol, load_scene))
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vrcomfort.cli.playback import PlaybackSetup
+from vrcomfort.api.playback import PlaybackSetup
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, focal_length_px, yaw_pitch_roll
 from vrcomfort.optics.motion import clear_deg, moved_towards, widest_angle_deg
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from vrcomfort.render.stimulus_check import Fault, Moment, Seen, StimulusSize
     from vrcomfort.scene.camera_path import CameraPath
     from vrcomfort.scene.data import Scene
-    from vrcomfort.session.standing import Standing
+    from vrcomfort.session.start_pose import Standing
 
 PROBE_WIDTH_PX = 160
 _MOMENT_S, _SUSTAINED = 0.1, 300
@@ -100,7 +100,7 @@ def moments_of(
 
 
 def _standing(protocol: Protocol, name: str, scene: Scene) -> Standing:
-    from vrcomfort.session.standing import stand
+    from vrcomfort.session.start_pose import stand
 
     return stand(scene, protocol.view(name), walks=protocol.locomotion.mode != "off")
 

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import shutil
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from vrcomfort.api.outputs import output_folder
+from vrcomfort.api.reports import write_report
+from vrcomfort.api.simulation import simulate_sessions
+from vrcomfort.api.views import render_views
 from vrcomfort.cli.options import Quiet, Seed, output_option
-from vrcomfort.cli.render_still import PoseText, still
-from vrcomfort.cli.simulate import simulate_study
-from vrcomfort.cli.terminal import console, output_folder, progress_bar, warn
+from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
 
 PROTOCOL = "carnegie_2015"
 SIZE_PX = (320, 400)
 PICTURE_SIZE_PX = (640, 800)
-PICTURE_POSES = {"temple": "-1,1.6,-4.3,47,-4,0", "mountain": "1.2,1.5,-1.9,-32,-8,0"}
+PICTURE_POSES = {"temple": (-1, 1.6, -4.3, 47, -4, 0), "mountain": (1.2, 1.5, -1.9, -32, -8, 0)}
 """Close to something detailed, with the room or the range behind it."""
 REFRESH_HZ = 4.0
 EXPOSURE_S = 4.0
@@ -48,14 +51,16 @@ def demo(
     study, pictures = _fresh(out)
     say = console(quiet).print
     say(f"Simulating {participants} participants, two sessions each ...")
-    outcomes = simulate_study(
+    outcomes = simulate_sessions(
         load_protocol(PROTOCOL),
         participants=participants,
         out=study,
         seed=seed,
-        playback_options=(SIZE_PX, None, REFRESH_HZ),
+        size_px=SIZE_PX,
+        refresh_hz=REFRESH_HZ,
         exposure_s=EXPOSURE_S,
-        quiet=quiet,
+        note=warn,
+        progress=partial(progress_bar, quiet=quiet),
     )
     if outcomes[-1].status == "aborted":
         raise KeyboardInterrupt  # as the session has heard it, which then closed its files
@@ -64,7 +69,7 @@ def demo(
     files = _pictures(pictures, quiet)
     say("Writing the report ...")
     with progress_bar("report", None, quiet=quiet):
-        report = _report(study, out / "report")
+        report = write_report(study, out / "report", plan=PROTOCOL, note=warn).index
     console().print(f"\nStudy:    {study}")
     for file in files:
         console().print(f"Picture:  {file}")
@@ -88,24 +93,15 @@ def _pictures(folder: Path, quiet: bool) -> list[Path]:
     """Draw each scene under each condition at a place where the difference shows."""
     study = load_protocol(PROTOCOL)
     return [
-        still(
+        render_views(
             scene,
             condition,
-            poses=(PoseText("pose", PICTURE_POSES[scene]), PoseText("previous pose")),
+            pose=PICTURE_POSES[scene],
             size_px=PICTURE_SIZE_PX,
             ipd_m=study.headset.ipd_m,
-            out=folder / f"{scene}_{condition.name}",
-            quiet=quiet,
-        )
+            note=warn,
+            progress=partial(progress_bar, quiet=quiet),
+        ).write(folder / f"{scene}_{condition.name}")
         for scene in study.scenes
         for condition in study.conditions
     ]
-
-
-def _report(study: Path, out: Path) -> Path:
-    from vrcomfort.report import build_report
-
-    summary = build_report(study, plan=PROTOCOL, out=output_folder(out))
-    for warning in summary.warnings:
-        warn(warning)
-    return out / "index.html"

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
+from vrcomfort.api.outputs import output_folder
 from vrcomfort.cli.options import Json, ProtocolArgument, Quiet, Seed, StudySeed, output_option
-from vrcomfort.cli.terminal import answer, console, output_folder, progress_bar
+from vrcomfort.cli.terminal import answer, console, progress_bar
 from vrcomfort.design import Audit, Design, FactorAudit, StudyAudit, audit, build_design
 from vrcomfort.protocol import Protocol, Sequence, load_protocol
 

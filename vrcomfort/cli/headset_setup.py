@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-from typing import Protocol as Shape
+from typing import TYPE_CHECKING
 
+from vrcomfort.api.playback import open_trace
+from vrcomfort.api.rendering import describe_machine
+from vrcomfort.api.study_setup import HeadsetSetup
 from vrcomfort.cli.doctor import require_bindings
-from vrcomfort.cli.playback import open_trace
-from vrcomfort.cli.renderer import describe_machine
-from vrcomfort.cli.terminal import ask_to_type
+from vrcomfort.cli.terminal import ask_to_type, warn
 from vrcomfort.errors import InputError, pip_install
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.viewing import Answering
@@ -22,54 +22,13 @@ from vrcomfort.settings import read_text
 if TYPE_CHECKING:
     import moderngl
 
-    from vrcomfort.geometry import Pose
-    from vrcomfort.headset.base import Headset
     from vrcomfort.headset.desktop import DesktopSettings
-    from vrcomfort.headset.mirror import Mirror
     from vrcomfort.headset.watchdog import Watchdog
-    from vrcomfort.headset.window import Window
-    from vrcomfort.records import Machine
-    from vrcomfort.render.pipeline import StereoRenderer
-    from vrcomfort.respondent import Respondent
-    from vrcomfort.respondent.dwell import LookDown
+    from vrcomfort.headset.window import Mirror, Window
     from vrcomfort.respondent.panel import PanelRespondent
-    from vrcomfort.scene.floors import Floors
+    from vrcomfort.respondent.panel_input import LookDown
     from vrcomfort.session.panel_screen import PanelScreen
     from vrcomfort.session.rehearsal import Rehearsal
-
-    class LiveHeadset(Headset, Shape):
-        """A headset on somebody's head, or a window before them."""
-
-        def place(self, *, spawn: Pose, floors: Floors | None = None, on_foot: bool = True) -> None:
-            """Put the participant on `spawn`."""
-
-
-@dataclass(frozen=True)
-class HeadsetSetup:
-    """What a session in a headset needs.
-
-    Parameters
-    ----------
-    panel, screen
-        A respondent who answers in the headset, and where the questions stand.
-    watchdog
-        Of the headset's runtime, where it has one.
-    """
-
-    headset: LiveHeadset
-    renderer: StereoRenderer
-    panel: Respondent
-    screen: PanelScreen
-    machine: Machine
-    watchdog: Watchdog | None = None
-
-    def headset_for(self, scene_name: str, scene: Any) -> LiveHeadset:
-        """Lead the participant to the scene's starting point."""
-        from vrcomfort.scene.floors import Floors
-
-        del scene_name
-        self.headset.place(spawn=scene.spawn, floors=Floors(scene.walkable), on_foot=scene.on_foot)
-        return self.headset
 
 
 def open_window(
@@ -181,7 +140,7 @@ def rehearse(
     from vrcomfort.headset.monado import Monado
     from vrcomfort.session.rehearsal import Rehearsal
 
-    head_trace = open_trace(trace)
+    head_trace = open_trace(trace, note=warn)
     script = _read_answers(answers) if answers else []
     with Monado() as monado, monado.feed() as feed:
         if watchdog is not None:
@@ -294,14 +253,14 @@ def open_mirror(owned: ExitStack) -> tuple[Mirror, moderngl.Context]:
     """Open an operator's window; its context is to draw the frames."""
     title = "vrcomfort: what the participant sees"
     window, ctx = open_window(owned, title, (480, 600), participant=False)
-    from vrcomfort.headset.mirror import Mirror
+    from vrcomfort.headset.window import Mirror
 
     return Mirror(ctx, window), ctx
 
 
 def look_down_of(wish: Answering) -> LookDown | None:
     """Return how a look asks to stop an exposure; None where the protocol wants none."""
-    from vrcomfort.respondent.dwell import LookDown
+    from vrcomfort.respondent.panel_input import LookDown
 
     return LookDown(wish.stop_down_deg, wish.stop_down_s) if wish.stop_by_looks else None
 
@@ -310,7 +269,7 @@ def _person(
     protocol: Protocol, screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool
 ) -> PanelRespondent:
     """Return whoever answers on the panel: a participant, or the script of a rehearsal."""
-    from vrcomfort.respondent import keys
+    from vrcomfort.respondent.keyboard import YES
     from vrcomfort.respondent.panel import PanelRespondent
 
     dwell_s = protocol.answering.dwell_s
@@ -328,7 +287,7 @@ def _person(
         screen,
         watch=rehearsal.watch,
         chose=rehearsal.chose,
-        waiting_line=cycle(("", keys.YES)).__next__,  # says nothing, and goes on
+        waiting_line=cycle(("", YES)).__next__,  # says nothing, and goes on
         keyboard=keyboard,
         dwell_s=dwell_s,
         words=protocol.words,

@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
+from vrcomfort.api.outputs import output_file
 from vrcomfort.cli.options import Quiet, output_option, output_path
-from vrcomfort.cli.terminal import console, output_file, warn
+from vrcomfort.cli.terminal import console, warn
 from vrcomfort.errors import InputError
 
 

@@ -232,12 +232,12 @@ def schema(
 
 def _model(kind: FileKind) -> type[BaseModel]:
     from vrcomfort.protocol import Protocol
-    from vrcomfort.report.plan import Plan
+    from vrcomfort.report.plan_files import AnalysisPlan
     from vrcomfort.scene.side_car import SideCar
 
     models: dict[FileKind, type[BaseModel]] = {
         FileKind.PROTOCOL: Protocol,
-        FileKind.PLAN: Plan,
+        FileKind.PLAN: AnalysisPlan,
         FileKind.SIDE_CAR: SideCar,
     }
     return models[kind]

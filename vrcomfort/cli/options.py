@@ -6,11 +6,14 @@ import shlex
 import sys
 from pathlib import Path
 from subprocess import list2cmdline
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from vrcomfort.errors import InputError
+
+if TYPE_CHECKING:
+    from vrcomfort.protocol import Condition, Protocol
 
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only what was asked for.")]
 Json = Annotated[bool, typer.Option("--json", help="Answer as JSON, for programs.")]
@@ -158,3 +161,28 @@ ConditionOption = Annotated[
         "motion blur with their default settings."
     ),
 ]
+
+
+def pick_condition(
+    protocol: str | None, condition: str | None
+) -> tuple[Protocol | None, Condition]:
+    """Return the condition that a pair of options names; without both, the default.
+
+    Raises
+    ------
+    InputError
+        If only one of the two is given, or the protocol has no such condition.
+    """
+    from vrcomfort.api.views import DEFAULT_CONDITION
+    from vrcomfort.protocol import load_protocol
+
+    if protocol is None:
+        if condition is not None:
+            raise InputError("--condition needs --protocol, the file that defines it")
+        return None, DEFAULT_CONDITION
+    study = load_protocol(protocol)
+    names = [each.name for each in study.conditions]
+    if condition is None or condition not in names:
+        given = f"no condition {condition!r}" if condition else "--condition is missing"
+        raise InputError(f"{given}; protocol {study.name} has: {', '.join(names)}")
+    return study, study.condition(condition)

@@ -222,7 +222,7 @@ def _traffic(
     scene: Scene, condition: Condition, renderer: StereoRenderer
 ) -> dict[str, Traffic] | None:
     """Draw a frame where the scene begins; not of many views, which would take minutes."""
-    from vrcomfort.tradeoff.traffic import a_step, by_effect, traffic_of
+    from vrcomfort.tradeoff.costs import a_step, by_effect, traffic_of
 
     lens = condition.depth_of_field
     if lens is not None and lens.views > MOST_VIEWS:

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vrcomfort.cli.condition_choice import pick_condition
-from vrcomfort.cli.gaze_check import require_recorded_gaze
+from vrcomfort.api.outputs import output_file, output_folder
+from vrcomfort.api.playback import open_trace, require_recorded_gaze
+from vrcomfort.api.rendering import make_renderer
 from vrcomfort.cli.options import (
     ConditionOption,
     ProtocolOption,
@@ -20,11 +21,10 @@ from vrcomfort.cli.options import (
     RefreshRate,
     output_option,
     parse_size,
+    pick_condition,
 )
 from vrcomfort.cli.play_session import ReplayOptions, play_session
-from vrcomfort.cli.playback import open_trace
-from vrcomfort.cli.renderer import make_renderer
-from vrcomfort.cli.terminal import console, output_file, output_folder, progress_bar, warn
+from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.errors import InputError, spare
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol import Condition
@@ -289,7 +289,7 @@ def play(
         raise InputError("a head trace needs a scene to play in: --scene temple, for example")
     study, shown = pick_condition(protocol, condition)
     shown = shown if level is None else shown.at_level(level)
-    played = open_trace(source, trial=trial, gaze=gaze)
+    played = open_trace(source, trial=trial, gaze=gaze, note=warn)
     require_recorded_gaze([shown], played)
     if out is not None:
         spare([source, gaze], [out / name for name in WRITTEN])

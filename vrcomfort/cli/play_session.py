@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.cli.renderer import make_renderer, shader_hashes
+from vrcomfort.api.rendering import make_renderer, shader_hashes
 from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Condition, Protocol, load_protocol

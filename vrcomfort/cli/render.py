@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from functools import partial
+from typing import Annotated, Any
 
 import typer
 
-from vrcomfort.cli.condition_choice import pick_condition
+from vrcomfort.api.outputs import output_folder
+from vrcomfort.api.views import EYES, as_pose, render_views
 from vrcomfort.cli.options import (
     ConditionOption,
     Out,
@@ -15,10 +17,11 @@ from vrcomfort.cli.options import (
     SceneOption,
     Size,
     parse_size,
+    pick_condition,
 )
-from vrcomfort.cli.render_still import PoseText, still
-from vrcomfort.cli.terminal import console, output_folder
+from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.frame import MEAN_IPD_M
+from vrcomfort.geometry import Pose
 
 PoseOption = Annotated[
     str | None,
@@ -68,15 +71,49 @@ def render(
     - `vrcomfort render --scene mountain --pose 0,1.6,0,30,-5,0 --reference 256 --out picture`
     """
     study, shown = pick_condition(protocol, condition)
-    poses = PoseText("--pose", pose), PoseText("--previous-pose", previous_pose)
-    picture = still(
+    folder = output_folder(out)
+    views = render_views(
         scene,
         shown,
-        poses=poses,
+        pose=parse_pose("--pose", pose),
+        previous_pose=parse_pose("--previous-pose", previous_pose),
         size_px=parse_size(size),
         ipd_m=study.headset.ipd_m if study else MEAN_IPD_M,
-        out=output_folder(out),
         reference_samples=reference,
-        quiet=quiet,
+        note=warn,
+        progress=partial(progress_bar, quiet=quiet),
     )
+    picture = views.write(folder)
+    for name in EYES if reference else ():
+        words = _in_words(views.meta["reference"][name], reference)
+        console(quiet).print(f"{name} eye: {words}")
     console(quiet).print(f"Picture: {picture}")
+
+
+def parse_pose(option: str, text: str | None) -> Pose | None:
+    """Read ``X,Y,Z,YAW,PITCH,ROLL`` in metres and degrees; None of None.
+
+    Raises
+    ------
+    InputError
+        If it is not six numbers, or too far from the scene's origin.
+    """
+    if text is None:
+        return None
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    return as_pose(numbers, f"{option} {text!r}")
+
+
+def _in_words(found: dict[str, Any], samples: int) -> str:
+    """Return the error of an eye, how sure it is, and what was compared."""
+    psnr = "none" if found["psnr_db"] is None else f"{found['psnr_db']:.1f} dB"
+    enough = "the error counts" if found["counts"] else "more samples are needed to count"
+    return (
+        f"PSNR {psnr}, RMS {found['rms']:.2g}, FLIP {found['flip']:.2g} against {samples} samples "
+        f"of brute force, whose own RMS is {found['reference_rms']:.2g} ({enough}); "
+        f"{found['compared_px']} pixels were compared; a margin of {found['margin_px']} px and "
+        f"{found['left_out_px']} pixels that are too bright or unsure were left out"
+    )

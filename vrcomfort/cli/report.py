@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vrcomfort.cli.options import Json, MemoryOption, Quiet, output_option
-from vrcomfort.cli.terminal import console, output_folder, progress_bar, warn
+from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.errors import InputError
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def register(app: typer.Typer) -> None:
 def _list(asked: bool) -> None:
     """Print the shipped plans, one a line."""
     if asked:
-        from vrcomfort.report.plan import shipped_plans
+        from vrcomfort.report.plan_files import shipped_plans
 
         plans = shipped_plans()
         width = max(len(each.name) for each in plans)
@@ -121,28 +121,21 @@ def report(
     - `vrcomfort report my_study --plan carnegie_2015_as_printed --out report`
     - `vrcomfort report --plan plan_that_names_files.toml --out report`
     """
-    from vrcomfort.cli.report_file import study_of, study_of_plan
-    from vrcomfort.records.recording import Memory
-    from vrcomfort.report import build_report
+    from vrcomfort.api.reports import write_report
 
     forms = _forms(figures)
-    folder = output_folder(out)
     with progress_bar("analysing", None, quiet=quiet):
-        source = study_of_plan(plan, folder) if study is None else study_of(study, folder)
-        summary = build_report(
-            source,
+        summary = write_report(
+            study,
+            out,
             plan=plan,
             instrument=instrument,
-            out=folder,
             simulated=simulated or None,
             forms=forms,
-            memory=Memory.of_text(memory),
+            memory=memory,
             cluster=cluster,
+            note=warn,
         )
-    if summary.without_primary:
-        warn(summary.without_primary)
-    for warning in summary.warnings:
-        warn(warning)
     if as_json:
         typer.echo((out / "results.json").read_text(encoding="utf-8"))
     else:

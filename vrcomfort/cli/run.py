@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vrcomfort.cli.gaze_check import require_eye_tracker, require_recorded_gaze
+from vrcomfort.api.playback import (
+    PlaybackSetup,
+    open_trace,
+    require_eye_tracker,
+    require_recorded_gaze,
+)
+from vrcomfort.api.study_setup import RespondentKind, StudySetup, outcome_sentence, require_wording
 from vrcomfort.cli.headset_setup import desktop_setup, openxr_setup, rehearse, tracks_eyes
 from vrcomfort.cli.options import (
     CovariateOption,
@@ -28,18 +34,18 @@ from vrcomfort.cli.options import (
     parse_size,
     typed_words,
 )
-from vrcomfort.cli.playback import PlaybackSetup, open_trace
 from vrcomfort.cli.session_devices import open_console, open_relays, open_speaker
-from vrcomfort.cli.study_setup import RespondentKind, StudySetup, outcome_sentence, require_wording
-from vrcomfort.cli.terminal import complain, console, progress_bar, warn
+from vrcomfort.cli.terminal import complain, console, dialogue, progress_bar, warn
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.headset.watchdog import EXIT_RUNTIME_LOST, Watchdog
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
-    from vrcomfort.cli.headset_setup import HeadsetSetup
+    from vrcomfort.api.study_setup import HeadsetSetup
+    from vrcomfort.cli.session_devices import ConsoleSetup
     from vrcomfort.operator_interface import SessionProgress
     from vrcomfort.records.consents import Given
+    from vrcomfort.respondent import Respondent
     from vrcomfort.session import RunOutcome
     from vrcomfort.session.rehearsal import Rehearsal
 
@@ -240,11 +246,13 @@ def run(
     playback = PlaybackSetup(
         size_px or (640, 800),
         study.headset.ipd_m,
-        open_trace(trace) if trace else None,
+        open_trace(trace, note=warn) if trace else None,
         refresh_hz,
         real_time=respondent is not RespondentKind.SIMULATED,
     )
-    study_setup = StudySetup(study, out, playback, seed, exposure_s, group_readable=group_readable)
+    study_setup = StudySetup(
+        study, out, playback, seed, exposure_s, group_readable=group_readable, note=warn
+    )
     kind = respondent or usual_respondent(headset, with_console=with_console)
     require_console(kind, with_console=with_console)
     require_wording(study, kind, in_headset=headset is not HeadsetKind.PLAYBACK)
@@ -275,7 +283,9 @@ def run(
         from vrcomfort.session import run as run_sessions
 
         try:
-            settings = study_setup.settings(enrolment, kind, headset_setup, console)
+            person = _respondent(kind, study, headset_setup, console)
+            operators = console.operators if console else None
+            settings = study_setup.settings(enrolment, person, headset_setup, operators)
             settings = replace(
                 settings,
                 ipd_measured_m=None if ipd_mm is None else ipd_mm / 1000,
@@ -362,6 +372,26 @@ def _connect(
         one_eye = options["--one-eye"]
         return owned.enter_context(desktop_setup(protocol, size_px=size_px, one_eye=one_eye))
     return None
+
+
+def _respondent(
+    kind: RespondentKind,
+    protocol: Protocol,
+    headset: HeadsetSetup | None,
+    console: ConsoleSetup | None,
+) -> Respondent | None:
+    """Return the person, by where they answer; None of a simulated participant."""
+    from vrcomfort.respondent import TerminalRespondent
+
+    if kind is RespondentKind.SIMULATED:
+        return None
+    if kind is RespondentKind.TERMINAL:
+        return TerminalRespondent(dialogue())
+    if console is not None and kind is RespondentKind.CONSOLE:
+        return console.respondent(headset.screen if headset else None, protocol.words)
+    if headset is None:
+        raise InputError("--respondent panel needs a headset to answer in")
+    return headset.panel
 
 
 def _tell(outcome: RunOutcome, out: Path, quiet: bool) -> None:

@@ -56,7 +56,7 @@ def open_console() -> Iterator[ConsoleSetup]:
         If it does not start.
     """
     from vrcomfort.console import OperatorConsole, ServerProcess
-    from vrcomfort.headset.eye_pictures import EyePictures
+    from vrcomfort.headset.eye_painter import EyePictures
     from vrcomfort.session.operator_control import OperatorControl
 
     terminal = dialogue()

@@ -1,4 +1,4 @@
-"""Terminal output: printing, notes, errors, progress; folders for results.
+"""Terminal output: printing, notes, errors, progress.
 
 Everything that is printed may be data, in which square brackets are square brackets: nothing here
 reads markup. Styled text has a `style`.
@@ -7,11 +7,9 @@ reads markup. Styled text has a `style`.
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from threading import Event, Thread
 from typing import Any, Self
 
@@ -20,8 +18,6 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TimeRemainingColumn
 from rich.table import Column
 from rich.text import Text
-
-from vrcomfort.errors import InputError, spare
 
 EXIT_BAD_INPUT = 2
 
@@ -140,42 +136,3 @@ def _how_far(title: str, done: float, total: float | None, unit: str) -> str:
     if total is None:
         return title
     return f"{title}: {done:.0f} of {total:.0f} {unit}".rstrip()
-
-
-# Folders and files for results: never among recordings.
-
-
-def output_folder(path: Path) -> Path:
-    """Make the folder for results that can be made again; its old files are replaced.
-
-    Raises
-    ------
-    InputError
-        If `path` is a file, takes no files, or holds recordings, which are never overwritten.
-    """
-    if path.exists() and not path.is_dir():
-        raise InputError("is a file; --out needs a folder", file=path)
-    _refuse_recordings(path)
-    path.mkdir(parents=True, exist_ok=True)
-    if not os.access(path, os.W_OK):  # now, and not after minutes of work
-        raise InputError("cannot be written to; choose another --out", file=path)
-    return path
-
-
-def output_file(path: Path, source: Path) -> Path:
-    """Return `path` for what is made of `source` and can be made again; an old one is replaced.
-
-    Raises
-    ------
-    InputError
-        If it would lie among recordings, or is the source itself.
-    """
-    _refuse_recordings(path.resolve().parent)  # where a link leads
-    spare([source], [path])
-    return path
-
-
-def _refuse_recordings(folder: Path) -> None:
-    if any((folder / name).exists() for name in ("participants.csv", "manifest.json")):
-        message = "is a study folder, or a session of one; choose another --out for the results"
-        raise InputError(message, file=folder)

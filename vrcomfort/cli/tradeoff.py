@@ -10,8 +10,9 @@ from typing import Annotated, TypeVar
 
 import typer
 
+from vrcomfort.api.outputs import output_folder
 from vrcomfort.cli.options import Quiet, output_option, parse_size
-from vrcomfort.cli.terminal import console, output_folder, progress_bar, warn
+from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.errors import InputError
 
 Name = TypeVar("Name", bound=str)
@@ -173,7 +174,7 @@ def _tradeoff_of_focus(
 ) -> None:
     """Measure the searches for the focus, and write focus.md and two tables."""
     from vrcomfort.tradeoff import focus_search as focus
-    from vrcomfort.tradeoff.shots import context
+    from vrcomfort.tradeoff.captures import context
 
     sizes = (QUICK_SIZE_PX,) if quick else focus.SIZES_PX
     sizes = (parse_size(size),) if size else sizes

@@ -10,8 +10,7 @@ from vrcomfort.design.random_numbers import generator
 from vrcomfort.protocol import Protocol, Trial
 from vrcomfort.protocol import Sequence as TrialSequence
 from vrcomfort.protocol.levels import part_trials
-from vrcomfort.protocol.order import Group
-from vrcomfort.protocol.parts import Part, PartOrder, orders_of
+from vrcomfort.protocol.order import Group, Part, PartOrder, orders_of
 
 _PARTS = 8
 

@@ -12,9 +12,8 @@ import numpy as np
 
 from vrcomfort.frame import MEAN_IPD_M, Frame, HeadsetEvent
 from vrcomfort.geometry import Fov, Pose, Quad, View, yaw_pitch_roll
-from vrcomfort.headset import pointer
 from vrcomfort.headset.eye_painter import Box, EyePainter, WindowPanel, fitted
-from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
+from vrcomfort.headset.inputs import POINTER_SIZE_PX, HandInput, Inputs, KeyInput, pointer_picture
 from vrcomfort.headset.locomotion import WALKING_SPEED_M_S, Locomotion, wish_of
 from vrcomfort.headset.window import Window
 from vrcomfort.scene.floors import Floors
@@ -214,8 +213,8 @@ class DesktopHeadset:
         if quad is None:
             return
         if self._pointer is None:
-            self._pointer = WindowPanel(self._ctx, pointer.SIZE_PX, quad)
-            self._pointer.draw(pointer.pointer_picture())
+            self._pointer = WindowPanel(self._ctx, POINTER_SIZE_PX, quad)
+            self._pointer.draw(pointer_picture())
         self._pointer.quad = quad
 
     def _next_frame(self) -> Frame:

@@ -1,13 +1,12 @@
 """Protocols: what a study shows, asks and when; read from TOML and validated."""
 
-from vrcomfort.protocol.asking import Ask, Ratings, Unfocused
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
-from vrcomfort.protocol.load import load_protocol, parse_protocol
+from vrcomfort.protocol.load import load_protocol, parse_protocol, with_task_code
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import Allocation, Covariate, Group, Order, Sequence, Trial
+from vrcomfort.protocol.questions import Ask, Ratings, Unfocused
 from vrcomfort.protocol.simulation import Simulation
-from vrcomfort.protocol.tasks import with_task_code
-from vrcomfort.protocol.views import View
+from vrcomfort.protocol.viewing import View
 
 __all__ = [
     "Allocation",

@@ -1,25 +1,56 @@
-"""What the types of a protocol cannot say: names that must exist, orders that must be whole."""
+"""Checks of a protocol as a whole: names, views, and all other checks."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path as FilePath
 
-from vrcomfort.protocol.adjustment_check import adjustment_problems
-from vrcomfort.protocol.breaks import break_problems
-from vrcomfort.protocol.free_texts import free_text_problems
-from vrcomfort.protocol.instructions import instruction_problems
+from vrcomfort.protocol.condition_check import adjustment_problems, without_effect
 from vrcomfort.protocol.levels import trial_counts
 from vrcomfort.protocol.model import Protocol
-from vrcomfort.protocol.order_check import group_problems, order_problems, unknown_name
-from vrcomfort.protocol.part_check import part_problems
-from vrcomfort.protocol.practice_check import practice_problems
-from vrcomfort.protocol.view_check import view_problems
-from vrcomfort.protocol.without_effect import without_effect
+from vrcomfort.protocol.order_check import (
+    group_problems,
+    order_problems,
+    part_problems,
+    practice_problems,
+    unknown_name,
+)
+from vrcomfort.protocol.questions import free_text_problems
+from vrcomfort.protocol.session_steps import break_problems, instruction_problems
+from vrcomfort.protocol.viewing import View
 from vrcomfort.resources import data_folder
-from vrcomfort.settings import Problem, repeated, reserved
-from vrcomfort.settings.hints import did_you_mean
+from vrcomfort.settings import KeyPath, Problem, repeated, reserved
 from vrcomfort.settings.locate import Path
+from vrcomfort.settings.reading import did_you_mean
+
+
+def view_problems(protocol: Protocol, shipped: list[str]) -> Iterator[Problem]:
+    """Yield what is wrong with views by themselves; their scenes are looked at elsewhere."""
+    yield from repeated(("views",), [view.name for view in protocol.views])
+    for index, view in enumerate(protocol.views):
+        path: KeyPath = ("views", index)
+        if view.name in shipped:
+            message = f"`{view.name}` is a shipped scene; give the view another name"
+            yield Problem((*path, "name"), message)
+        if view.name not in protocol.scenes:
+            message = f"no trial shows the view `{view.name}`; name it in `scenes`, or remove it"
+            yield Problem((*path, "name"), message)
+        places = [key for key in ("viewpoint", "path", "points") if getattr(view, key) is not None]
+        if len(places) > 1:
+            message = f"`{places[0]}` and `{places[1]}` exclude each other; keep one"
+            yield Problem((*path, places[1]), message)
+        if view.unwrapped and view.points is None:
+            message = "`unwrapped` does nothing without `points`; a side-car says it of its paths"
+            yield Problem((*path, "unwrapped"), message)
+        if view.points is not None and view.points[-1].time_s < protocol.length_s(view.name):
+            yield Problem((*path, "points"), too_short(protocol, view, view.points[-1].time_s))
+
+
+def too_short(protocol: Protocol, view: View, duration_s: float) -> str:
+    """Say that a path ends before its trial."""
+    length_s = protocol.length_s(view.name)
+    message = f"the path ends after {duration_s:g} s and the trial after {length_s:g} s"
+    return f"{message}; add a point, or set the view's `exposure_s`"
 
 
 def problems(protocol: Protocol) -> Iterator[Problem]:

@@ -1,4 +1,4 @@
-"""What a condition shows: the frozen settings of every effect, in physical units.
+"""Conditions: the frozen settings of every effect, in physical units.
 
 Every number that a paper gives is a named setting here; the paper's protocol file sets it.
 `None` in place of an effect's settings means that the effect has no pass, no texture and no cost.
@@ -12,9 +12,27 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from vrcomfort.protocol.gaze_centre import CentredEffect, GazeCentre
 from vrcomfort.protocol.quality_levels import Quality, filled, with_level
 from vrcomfort.settings import Name, Settings, Word
+
+CentredEffect: TypeAlias = Literal["autofocus_zone", "peripheral", "vignette"]
+
+
+class GazeCentre(Settings):
+    """What is centred on the gaze instead of on the head's forward axis.
+
+    While the tracker does not see the eyes, their last direction in the head's frame is held for
+    `hold_s`; then the head's forward axis is the centre, until they are seen again.
+    """
+
+    of: Annotated[tuple[CentredEffect, ...], Field(min_length=1)]
+    """`autofocus_zone`: the zone of `focus`; `peripheral`: the blur of `depth_of_field`;
+    `vignette`: its clear field."""
+    hold_s: Annotated[float, Field(ge=0, le=60)] = 0.5
+    """How long a gaze that is lost counts on: longer than a blink."""
+    without_gaze: Literal["stop", "head"] = "stop"
+    """What a headset without an eye tracker does: no session, or the centre is the head's axis."""
+
 
 Distance = Annotated[float, Field(ge=0.001, le=1e9)]
 """Metres: 1 mm, which is nearer than any near plane, to where every eye is at infinity."""

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 from vrcomfort.protocol.model import Protocol
-from vrcomfort.protocol.order import Group, Trial
-from vrcomfort.protocol.parts import Part, orders_of
+from vrcomfort.protocol.order import Group, Part, Trial, orders_of
 
 
 def trials_of(protocol: Protocol, group: Group | None = None) -> tuple[Trial, ...]:

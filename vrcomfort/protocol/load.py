@@ -1,26 +1,276 @@
-"""Finds, reads and checks protocol files."""
+"""Loads a protocol: its file, what it includes, its instruments and its tasks."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from pydantic import ValidationError
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.adjustment_check import adjusted_conditions
 from vrcomfort.protocol.check import folder_of, problems
+from vrcomfort.protocol.condition_check import adjusted_conditions
 from vrcomfort.protocol.factors import crossed, factor_problems
-from vrcomfort.protocol.instruments import find_instruments, instrument_problems
 from vrcomfort.protocol.model import Protocol
-from vrcomfort.protocol.tasks import find_tasks
+from vrcomfort.protocol.order import NO_TASK, written_orders
+from vrcomfort.protocol.questions import Ask, rise_problems, screening_problems
 from vrcomfort.protocol.texts import text_problems, translated
-from vrcomfort.questionnaire import Instrument
+from vrcomfort.questionnaire import Instrument, find_instrument
 from vrcomfort.resources import data_folder
-from vrcomfort.settings import Problem, in_words, read_text
-from vrcomfort.settings.hints import did_you_mean
+from vrcomfort.settings import (
+    KeyPath,
+    Problem,
+    did_you_mean,
+    in_words,
+    problems_of,
+    read_text,
+    repeated,
+)
 from vrcomfort.settings.include import Source
-from vrcomfort.tasks import TaskSettings
+from vrcomfort.tasks import OwnTask, TaskSettings, own_task_file, run_task_file
+
+MOST_ITEMS = 16
+"""What the list of all answers has room for, on the panel in the headset."""
+MOST_ANSWERS = 101
+MOST_LETTERS, MOST_OF_INSTRUCTION = 200, 110
+"""Of a question and of an instruction, which are then as small as can be read in a headset."""
+
+
+def find_instruments(protocol: Protocol) -> tuple[dict[str, Instrument], list[Problem]]:
+    """Return what the protocol calls an instrument → that instrument, and what is not found."""
+    beside = protocol.file.parent if protocol.file else None
+    found: dict[str, Instrument] = {}
+    faults: list[Problem] = []
+    for path, name in _named_instruments(protocol):
+        try:
+            found[name] = find_instrument(name, beside=beside)
+        except InputError as error:
+            faults.append(Problem(path, str(error)))
+    texts: dict[str, str] = {}
+    for path, name in _named_instruments(protocol):
+        if name in found and texts.setdefault(found[name].name, found[name].text) != (
+            found[name].text
+        ):
+            message = f"two instruments of this protocol are called `{found[name].name}`"
+            faults.append(Problem(path, f"{message}; rename one"))
+    return found, faults
+
+
+def _named_instruments(protocol: Protocol) -> Iterator[tuple[KeyPath, str]]:
+    for index, ask in enumerate(protocol.questionnaires):
+        yield ("questionnaires", index, "instrument"), ask.instrument
+    for index, ratings in enumerate(protocol.ratings):
+        yield ("ratings", index, "instrument"), ratings.instrument
+    for index, slider in enumerate(protocol.sliders):
+        yield ("sliders", index, "instrument"), slider.instrument
+
+
+def missing_wording(protocol: Protocol) -> Iterator[InputError]:
+    """Yield instruments whose items have no wording in a language in which people are asked.
+
+    Simulated participants answer them all the same.
+    """
+    told: list[str] = []
+    for language in [protocol.language] if protocol.language else protocol.languages or [None]:
+        spoken = protocol.spoken(language)
+        forms = [spoken.form(ask) for ask in spoken.questionnaires]
+        forms += [spoken.rated(each) for each in spoken.all_rated]
+        for (path, _), form in zip(_named_instruments(protocol), forms, strict=True):
+            if form.unworded:
+                message = _unworded(form, protocol.languages)
+                if message not in told:
+                    told.append(message)
+                    yield protocol.fault(path, message)
+
+
+def _unworded(form: Instrument, languages: tuple[str, ...]) -> str:
+    names = ", ".join(form.unworded)
+    table = f"[text.{form.language}.instruments.{form.name}.items]"
+    also = "" if form.language in languages else f', with `languages = ["{form.language}"]`'
+    return (
+        f"the {form.short} has no wording in `{form.language}` for {names}: people would be asked "
+        f"these names; write the questions into {table}{also}, or into an instrument file of yours"
+    )
+
+
+def instrument_problems(
+    protocol: Protocol, instruments: Mapping[str, Instrument]
+) -> Iterator[Problem]:
+    """Yield what keeps the instruments that were found from being asked."""
+    more = protocol.sliders or protocol.adjustments or protocol.free_texts
+    if not (protocol.questionnaires or protocol.ratings or protocol.tasks or more):
+        message = (
+            "nothing is asked, rated or done; add [[questionnaires]], [[ratings]] or [[tasks]]"
+        )
+        yield Problem((), message)
+    for path, name in _named_instruments(protocol):
+        if name in instruments:
+            yield from _unaskable(path, instruments[name])
+    for index, ask in enumerate(protocol.questionnaires):
+        found = instruments.get(ask.instrument)
+        if found and ask.language and found.in_language(ask.language) is None:
+            message = f"the {found.short} has no complete wording in `{ask.language}`"
+            hint = "leave `language` out, or translate it in a file of your own"
+            yield Problem(("questionnaires", index, "language"), f"{message}; {hint}")
+        if found and ask.compares:
+            yield from _compared(("questionnaires", index), ask, found)
+    yield from _of_ratings(protocol, instruments)
+    yield from _of_sliders(protocol, instruments)
+    whens: dict[str, set[str]] = {}
+    for ask in protocol.questionnaires:
+        if ask.instrument in instruments:
+            whens.setdefault(ask.instrument, set()).add(ask.when)
+    yield from rise_problems(protocol.stop, whens, instruments)
+    at_start = {name for name, when in whens.items() if "session_start" in when}
+    yield from screening_problems(protocol.screening, at_start, instruments, protocol.covariates)
+
+
+def _compared(path: KeyPath, ask: Ask, instrument: Instrument) -> Iterator[Problem]:
+    if ask.compares == "pair" and ask.when != "after_trial":
+        message = "a pair is compared after its second exposure"
+        yield Problem((*path, "when"), f'{message}; write when = "after_trial"')
+    for item in instrument.asked:
+        low, high, step = item.answers.low, item.answers.high, item.answers.step
+        if low not in (0, 1) or high < 2 or step != 1 or (ask.compares == "pair" and high != 2):
+            message = f"item {item.name} of the {instrument.short} is answered by"
+            needs = "1 and 2, or 0 to 2" if ask.compares == "pair" else "1, 2, …, or 0, 1, 2, …"
+            yield Problem((*path, "instrument"), f"{message} {low} to {high}; it needs {needs}")
+
+
+def _unaskable(path: KeyPath, instrument: Instrument) -> Iterator[Problem]:
+    if len(instrument.asked) > MOST_ITEMS:
+        message = f"the {instrument.short} has {len(instrument.asked)} items"
+        yield Problem(path, f"{message}; at most {MOST_ITEMS} can be asked, so divide it in two")
+    if not instrument.asked:
+        yield Problem(path, f"no item of the {instrument.short} is asked; leave it out")
+    if len(instrument.instruction) > MOST_OF_INSTRUCTION:
+        message = f"the instruction of the {instrument.short} has {len(instrument.instruction)}"
+        yield Problem(path, f"{message} letters; give one of at most {MOST_OF_INSTRUCTION}")
+    for item in instrument.asked:
+        if len(item.text) > MOST_LETTERS:
+            message = f"item {item.name} of the {instrument.short} has {len(item.text)} letters"
+            yield Problem(path, f"{message}; a question that is read has at most {MOST_LETTERS}")
+        if item.answers.count > MOST_ANSWERS:
+            message = f"item {item.name} of the {instrument.short} has {item.answers.count} answers"
+            yield Problem(path, f"{message}; give an `asked_step` with at most {MOST_ANSWERS}")
+        elif any(not isinstance(answer, int) or answer < 0 for answer in item.answers.asked):
+            message = f"item {item.name} of the {instrument.short} has answers that cannot be typed"
+            yield Problem(path, f"{message}; let `low` and `asked_step` be whole, and 0 or more")
+
+
+def _of_sliders(protocol: Protocol, instruments: Mapping[str, Instrument]) -> Iterator[Problem]:
+    called = [
+        found.name for each in protocol.all_rated if (found := instruments.get(each.instrument))
+    ]
+    for index, slider in enumerate(protocol.sliders):
+        path: KeyPath = ("sliders", index, "instrument")
+        found = instruments.get(slider.instrument)
+        if found is None:
+            continue
+        if len(found.asked) != 1:
+            message = f"the {found.short} has {len(found.asked)} items; a slider is one question"
+            yield Problem(path, f"{message}: ask it in [[questionnaires]]")
+        elif called.count(found.name) > 1:
+            message = f"the {found.short} is rated twice during exposure, and nobody could tell"
+            yield Problem(path, f"{message} the two apart; keep one")
+
+
+def _of_ratings(protocol: Protocol, instruments: Mapping[str, Instrument]) -> Iterator[Problem]:
+    for index, ratings in enumerate(protocol.ratings):
+        path: KeyPath = ("ratings", index)
+        found = instruments.get(ratings.instrument)
+        if found is None:
+            continue
+        if len(found.asked) != 1:
+            message = f"the {found.short} has {len(found.asked)} items; a rating is one question"
+            yield Problem((*path, "instrument"), f"{message}: ask it in [[questionnaires]]")
+            continue
+        answers = found.asked[0].answers
+        if ratings.stop_at is not None and not answers.low < ratings.stop_at <= answers.high:
+            message = f"the {found.short} goes from {answers.low} to {answers.high}"
+            hint = f"choose a stop rule above {answers.low}, and at most {answers.high}"
+            yield Problem((*path, "stop_at"), f"{message}; {hint}")
+
+
+def find_tasks(protocol: Protocol) -> tuple[dict[str, TaskSettings], list[Problem]]:
+    """Return name → settings of each task, and the faults. No task file is run."""
+    found: dict[str, TaskSettings] = {}
+    faults = list(repeated(("tasks",), [each.name for each in protocol.tasks]))
+    for index, task in enumerate(protocol.tasks):
+        if task.name == NO_TASK:
+            message = f"`{NO_TASK}` says that there is no task; give this one another name"
+            faults.append(Problem(("tasks", index, "name"), message))
+        found[task.name] = task
+        if isinstance(task, OwnTask):
+            try:
+                own_task_file(_folder(protocol), task.kind)
+            except InputError as error:
+                faults.append(Problem(("tasks", index, "kind"), str(error)))
+    return found, faults + list(_unknown_tasks(protocol))
+
+
+def with_task_code(protocol: Protocol) -> Protocol:
+    """Return the protocol with its own tasks ready to start: this runs their Python files.
+
+    Only what is about to hold a session calls it. Until then the settings of an own task are an
+    `OwnTask`, whatever keys they have.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be run, or does not take the settings.
+    """
+    own = [(k, task) for k, task in enumerate(protocol.tasks) if isinstance(task, OwnTask)]
+    ready, ran, faults = dict(protocol._tasks), {}, []
+    for index, task in own:
+        try:
+            model, ran[task.kind] = run_task_file(own_task_file(_folder(protocol), task.kind))
+            ready[task.name] = model.model_validate(task.model_dump(), strict=True)
+        except InputError as error:
+            faults.append(Problem(("tasks", index, "kind"), str(error)))
+        except ValidationError as error:
+            faults += [
+                Problem(("tasks", index, *each.path), each.message, each.missing)
+                for each in problems_of(model, error)
+            ]
+    if faults:
+        raise protocol.first_fault(faults)
+    prepared = protocol.model_copy()
+    prepared._tasks, prepared._task_code = ready, ran
+    return prepared
+
+
+def _folder(protocol: Protocol) -> Path:
+    return protocol.file.parent if protocol.file else Path()
+
+
+def _unknown_tasks(protocol: Protocol) -> Iterator[Problem]:
+    known = [task.name for task in protocol.tasks]
+    for path, name in _named_tasks(protocol):
+        if name not in (None, NO_TASK, *known):
+            hint = did_you_mean(str(name), known) if known else "add it to [[tasks]]"
+            yield Problem(path, f"there is no task `{name}`; {hint}")
+
+
+def _named_tasks(protocol: Protocol) -> Iterator[tuple[KeyPath, str | None]]:
+    yield ("task",), protocol.task
+    if not protocol.factors:
+        for index, condition in enumerate(protocol.conditions):
+            yield ("conditions", index, "task"), condition.task
+    for index, factor in enumerate(protocol.factors):
+        for number, level in enumerate(factor.levels):
+            yield ("factors", index, "levels", number, "task"), level.task
+    for index, sequence in enumerate(protocol.order.sequences):
+        for session, trials in enumerate(sequence.sessions):
+            for number, trial in enumerate(trials):
+                path = ("order", "sequences", index, "sessions", session, number, "task")
+                yield path, trial.task
+    for index, part, order in written_orders(protocol.parts):
+        for number, trial in enumerate(order.trials):
+            yield ("parts", index, "orders", part, "trials", number, "task"), trial.task
+    for index, practice in enumerate(protocol.practice):
+        for number, trial in enumerate(practice.trials):
+            yield ("practice", index, "trials", number, "task"), trial.task
 
 
 def load_protocol(name_or_path: str | Path) -> Protocol:

@@ -11,27 +11,30 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr, field_validator
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.adjustments import Adjustment
-from vrcomfort.protocol.asking import Ask, Ratings, Rest, Unfocused
-from vrcomfort.protocol.breaks import Breaks
+from vrcomfort.protocol.adjustments import Adjustment, Slider
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.protocol.consent import Consent
 from vrcomfort.protocol.factors import Factor
-from vrcomfort.protocol.free_texts import FreeText
-from vrcomfort.protocol.gaze_validation import GazeValidation
-from vrcomfort.protocol.instructions import Instruction
-from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
-from vrcomfort.protocol.parts import Part
-from vrcomfort.protocol.photodiode import Photodiode
-from vrcomfort.protocol.posture import Posture
-from vrcomfort.protocol.practice import Practice
-from vrcomfort.protocol.screening import Screening
+from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Part, Trial
+from vrcomfort.protocol.questions import (
+    Ask,
+    FreeText,
+    Ratings,
+    Rest,
+    Screening,
+    Stopping,
+    Unfocused,
+)
+from vrcomfort.protocol.session_steps import (
+    Breaks,
+    Consent,
+    GazeValidation,
+    Instruction,
+    Posture,
+    Practice,
+)
 from vrcomfort.protocol.simulation import Simulation
-from vrcomfort.protocol.sliders import Slider
-from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.texts import LanguageTable, Words, words_of
-from vrcomfort.protocol.viewing import Answering, Headset, Locomotion, Visibility
-from vrcomfort.protocol.views import View
+from vrcomfort.protocol.viewing import Answering, Headset, Locomotion, Photodiode, View, Visibility
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Problem, Settings, Word
 from vrcomfort.settings.include import Source

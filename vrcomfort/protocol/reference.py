@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
+from vrcomfort.protocol.condition_check import NEEDS
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order_check import OF_RULES
-from vrcomfort.protocol.without_effect import NEEDS
-from vrcomfort.settings.reference import reference
+from vrcomfort.settings.schema import reference
 
 HEAD = """\
 # Every key of a protocol

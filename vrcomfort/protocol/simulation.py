@@ -6,12 +6,39 @@ from typing import Annotated
 
 from pydantic import Field
 
-from vrcomfort.protocol.gaze_validation import SimulatedEyes
 from vrcomfort.settings import Settings
 
 Probability = Annotated[float, Field(ge=0, le=1)]
 Coefficient = Annotated[float, Field(ge=0, le=1e6)]
 PositiveCoefficient = Annotated[float, Field(ge=1e-6, le=1e6)]
+
+
+class SimulatedEyes(Settings):
+    """Eyes of simulated participants, where a headset or trace has none.
+
+    Fixations of log-normal length at places spread about the head's forward direction, saccades on
+    the main sequence (Bahill et al. 1975), blinks, and the error of a tracker: an offset for each
+    person, another for each of their eyes, and noise.
+    """
+
+    fixation_s: Annotated[float, Field(ge=0.05, le=60)] = 0.3
+    """Median length of a fixation."""
+    spread_deg: tuple[
+        Annotated[float, Field(ge=0, le=45)], Annotated[float, Field(ge=0, le=45)]
+    ] = (10.0, 7.0)
+    """Standard deviation of where they look, to the side and up."""
+    blink_every_s: Annotated[float, Field(ge=0.5, le=3600)] = 4.0
+    """Mean time between two blinks."""
+    blink_s: Annotated[float, Field(ge=0.01, le=1)] = 0.15
+    """How long a blink lasts, in which the tracker sees nothing."""
+    error_deg: Annotated[float, Field(ge=0, le=30)] = 0.5
+    """Standard deviation, over people and along each axis, of the tracker's offset."""
+    eye_error_deg: Annotated[float, Field(ge=0, le=30)] = 0.3
+    """The same of what each eye's own line of sight is off besides."""
+    noise_deg: Annotated[float, Field(ge=0, le=10)] = 0.1
+    """Standard deviation of a sample around it, along each axis."""
+    pupil_mm: Annotated[float, Field(ge=1, le=10)] = 4.0
+    """Diameter of the pupils that the tracker tells."""
 
 
 class Simulation(Settings):

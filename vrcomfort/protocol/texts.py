@@ -8,8 +8,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from vrcomfort.protocol.free_texts import Asked
-from vrcomfort.protocol.instructions import Instruction, InstructionWording, wording_problems
+from vrcomfort.protocol.questions import Asked
+from vrcomfort.protocol.session_steps import Instruction, InstructionWording, wording_problems
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.questionnaire.instrument_file import TranslationTable
 from vrcomfort.settings import KeyPath, Problem, Settings, did_you_mean, repeated

@@ -11,15 +11,17 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from vrcomfort.protocol.asking import Ask
-from vrcomfort.protocol.breaks import Breaks
-from vrcomfort.protocol.free_texts import FreeText
-from vrcomfort.protocol.gaze_validation import GazeValidation
-from vrcomfort.protocol.instructions import Instruction, When
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import Sequence
-from vrcomfort.protocol.posture import Posture
-from vrcomfort.protocol.practice import Practice
+from vrcomfort.protocol.questions import Ask, FreeText
+from vrcomfort.protocol.session_steps import (
+    Breaks,
+    GazeValidation,
+    Instruction,
+    Posture,
+    Practice,
+    When,
+)
 
 ITEM_S = 4.0
 """Planned for each item of a questionnaire."""

@@ -1,4 +1,4 @@
-"""What a study is seen in, how people answer in it, and how they move: tables of a protocol."""
+"""Views and devices: headset, locomotion, photodiode, and views of scenes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from vrcomfort.frame import MEAN_IPD_M
-from vrcomfort.settings import Settings
+from vrcomfort.settings import Name, Settings, Word
+from vrcomfort.settings.camera_path import PathPoints
 
 Ipd = Annotated[float, Field(ge=0.04, le=0.08)]
 PixelCount = Annotated[int, Field(ge=16, le=8192)]
@@ -82,3 +83,48 @@ class Locomotion(Settings):
     def step_at_once_m(self) -> float | None:
         """Return how far a teleport goes, None where nobody teleports."""
         return self.teleport_m if self.mode == "teleport" else None
+
+
+class Photodiode(Settings):
+    """A patch in a corner of both images, for a photodiode: black, and white in some frames."""
+
+    corner: Literal["upper_left", "upper_right", "lower_left", "lower_right"] = "lower_left"
+    """Where it is. Lenses may hide the corners: see what the headset shows there."""
+    size_deg: Annotated[float, Field(ge=0.5, le=45)] = 5.0
+    """Width and height as angles from the eye."""
+    inset_deg: Annotated[float, Field(ge=0, le=60)] = 0.0
+    """How far from the edges of the field it begins."""
+    white: Literal["onset", "every_other_frame"] = "onset"
+    """`onset`: for `onset_s` from the first frame of each exposure on. `every_other_frame`: in the
+    first drawn frame of each exposure, the third, the fifth …"""
+    onset_s: Annotated[float, Field(ge=0.001, le=60)] = 0.1
+    """How long it is white with `onset`."""
+
+
+class View(Settings):
+    """A scene from a place, along a path, or for a time of its own.
+
+    Its `name` stands in `scenes`, in sequences and in the column `scene`, beside those of whole
+    scenes.
+    """
+
+    name: Name
+    """What trials call it."""
+    scene: str
+    """A shipped scene by name, or a .glb/.gltf file relative to the protocol file."""
+    viewpoint: Word | None = None
+    """Where the participant begins: a name of [viewpoints] in the scene's side-car."""
+    path: Word | None = None
+    """Along which the participant is carried: a name of [paths] in the scene's side-car."""
+    points: PathPoints | None = None
+    """Instead of a name, the path itself: floor points with times."""
+    unwrapped: bool = False
+    """Of `points`: whether `yaw_deg` turns as far as is written, from 0 to 360 once round to the
+    left. Without it, headings turn the shorter way, and 360 degrees are none."""
+    exposure_s: Annotated[float, Field(ge=0.001, le=14_400)] | None = None
+    """How long a trial shows it; without it, the protocol's `exposure_s`."""
+
+    @property
+    def carried(self) -> bool:
+        """Return whether the participant is moved along a path, and does not walk."""
+        return self.path is not None or self.points is not None

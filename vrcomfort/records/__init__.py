@@ -14,6 +14,7 @@ from vrcomfort.records.interrupted import Interrupted, take_up
 from vrcomfort.records.kinds_of_participants import told_of_the_other_kind
 from vrcomfort.records.manifest import Machine, Manifest, facts_of_run, read_manifest
 from vrcomfort.records.met import what_was_met
+from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.row_files import Durability
 from vrcomfort.records.rows import Row
@@ -66,6 +67,8 @@ __all__ = [
     "Recorder",
     "Row",
     "ScreeningRow",
+    "Session",
+    "Study",
     "TaskRow",
     "TextRow",
     "TimingRow",

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeAlias
 
-from vrcomfort.records.recorded_rows import RecordedRow
+from vrcomfort.records.tables import RecordedRow
 from vrcomfort.records.times import within
 
 Attempt: TypeAlias = tuple[int, int]

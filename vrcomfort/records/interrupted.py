@@ -20,7 +20,6 @@ from vrcomfort.records.interruptions import OF_FRAMES
 from vrcomfort.records.json_file import damaged
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
-from vrcomfort.records.recorded_rows import RecordedRow, read_rows
 from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS
 from vrcomfort.records.session_rows import (
@@ -30,6 +29,7 @@ from vrcomfort.records.session_rows import (
     ScreeningRow,
     TextRow,
 )
+from vrcomfort.records.tables import RecordedRow, read_rows
 from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undone_trials
 
 _DECIMALS = 9

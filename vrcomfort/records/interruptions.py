@@ -23,7 +23,6 @@ from vrcomfort.records.exposure_rows import (
     TrialRow,
 )
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
-from vrcomfort.records.recorded_rows import RecordedRow
 from vrcomfort.records.rows import Row
 from vrcomfort.records.session_rows import (
     ClockRow,
@@ -33,6 +32,7 @@ from vrcomfort.records.session_rows import (
     ScreeningRow,
     TextRow,
 )
+from vrcomfort.records.tables import RecordedRow
 
 OF_FRAMES: tuple[type[Row], ...] = (GazeRow, ImageRow, BallRow)
 """Their rows have the time of a frame."""

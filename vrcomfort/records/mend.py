@@ -17,9 +17,9 @@ from vrcomfort.records.disk import (
     replace_text,
     sync_folder,
 )
-from vrcomfort.records.recorded_rows import split_line
 from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
+from vrcomfort.records.tables import split_line
 
 
 def mend(folder: Path, row_type: type[Row], access: Access) -> str | None:

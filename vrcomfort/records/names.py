@@ -1,12 +1,16 @@
-"""Names that every operating system takes for a file or folder."""
+"""Names of participants and studies: which can be names of folders, and their order."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from functools import lru_cache
 
+from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.file_names import is_reserved, same_file
+
+_NUMBER = re.compile(r"(\d+)")
 
 
 def check_participant(name: str) -> None:
@@ -36,3 +40,12 @@ def check_case(name: str, others: Iterable[str]) -> None:
         if other != name and same_file(other, name):
             message = f"participant `{name}` differs from `{other}`, who is enrolled, only in case"
             raise InputError(f"{message}; write {other}, or choose another name")
+
+
+@lru_cache(maxsize=65536)
+def natural(text: str) -> tuple[tuple[int, int, str], ...]:
+    """Return a sorting key in which runs of digits count as numbers: P2 before P10."""
+    parts = _NUMBER.split(text)
+    numbers = ((part, whole_or_none(part)) for part in parts if part)
+    keys = ((1, 0, part) if number is None else (0, number, "") for part, number in numbers)
+    return (*keys, (-1, 0, text))  # P9 and P09 have an order too, the same each time

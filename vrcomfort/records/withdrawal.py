@@ -13,7 +13,6 @@ from vrcomfort.records.disk import Access, replace_text
 from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
-from vrcomfort.records.recorded_rows import read_rows
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.records.study import (
@@ -25,6 +24,7 @@ from vrcomfort.records.study import (
     recorded_sessions,
     set_status,
 )
+from vrcomfort.records.tables import read_rows
 
 ENDED_THE_STUDY = ("withdrawn", "stopped")
 """Statuses of the trial in which a participant's study ended."""

@@ -12,8 +12,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.frame import FocusSample, Frame, GazeHit
 from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.optics.focus import Centre, GazeCentre
-from vrcomfort.protocol.conditions import Condition
-from vrcomfort.protocol.gaze_centre import CentredEffect
+from vrcomfort.protocol.conditions import CentredEffect, Condition
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
 from vrcomfort.render.display import ToneMapPass
 from vrcomfort.render.effects.depth_of_field.effect import LensViews

@@ -19,7 +19,7 @@ from vrcomfort.geometry import Fov
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import tone
-from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.viewing import Photodiode
 
 TONE_CURVE = {"COMPRESSION_START": tone.COMPRESSION_START, "DESATURATION": tone.DESATURATION}
 """Defines of ``include/tone.glsl``."""

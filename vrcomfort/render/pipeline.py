@@ -26,7 +26,7 @@ from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
 from vrcomfort.optics.focus import Centre
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.viewing import Photodiode
 from vrcomfort.render.camera import (
     NEAR_M,
     EyeCamera,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.records import BallRow, DialRow, EventRow, RatingRow, Row, TrialRow
-from vrcomfort.records.recorded_rows import RecordedRow, read_rows
+from vrcomfort.records.tables import RecordedRow, read_rows
 from vrcomfort.replay.frame_facts import FrameFacts
 from vrcomfort.scene.markers import Shown
 from vrcomfort.traces.trace import Trace

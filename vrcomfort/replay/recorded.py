@@ -14,7 +14,7 @@ from pydantic import BaseModel, ValidationError
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
 from vrcomfort.protocol import Condition
-from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.viewing import Photodiode
 from vrcomfort.records import (
     BallRow,
     FrameRow,

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import csv
 from collections import defaultdict
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vrcomfort.csv_table import number_or_none
+from vrcomfort.csv_table import CsvTable, number_or_none
+from vrcomfort.records.session_rows import QuestionnaireRow
 from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from pathlib import Path
+    from collections.abc import Iterator
 
     from vrcomfort.report.study_data import StudyData
 
@@ -25,7 +24,7 @@ FEWEST_ITEMS = 3
 _WHOSE = ("participant", "session", "trial", "condition", "timepoint", "instrument")
 
 
-def answering(study: StudyData, files: Iterable[Path]) -> dict[str, Any]:
+def answering(study: StudyData) -> dict[str, Any]:
     """Return what answering times and patterns say; `times` is None where none were recorded."""
     whole = [s for s in study.sheets if len(s.answers) >= FEWEST_ITEMS]
     alike = [s for s in whole if len(set(s.answers.values())) == 1]
@@ -38,15 +37,15 @@ def answering(study: StudyData, files: Iterable[Path]) -> dict[str, Any]:
              "answer": next(iter(s.answers.values()))}
             for s in same
         ],
-        "times": _times(files, {s.participant for s in study.sheets}),
+        "times": _times(study, {s.participant for s in study.sheets}),
     }  # fmt: skip
 
 
-def _times(files: Iterable[Path], people: set[str]) -> dict[str, Any] | None:
+def _times(study: StudyData, people: set[str]) -> dict[str, Any] | None:
     """Describe the seconds from one question to its answer, by questionnaire."""
     taken: dict[tuple[str, ...], list[float]] = defaultdict(list)
-    for file in files:
-        for whose, seconds in _seconds(file):
+    for table in study.folder.tables(QuestionnaireRow):
+        for whose, seconds in _seconds(table):
             if whose[0] in people:
                 taken[whose].append(seconds)
     if not taken:
@@ -65,17 +64,14 @@ def _times(files: Iterable[Path], people: set[str]) -> dict[str, Any] | None:
     }
 
 
-def _seconds(file: Path) -> Iterator[tuple[tuple[str, ...], float]]:
-    """Yield of each answer whose it is and how long it took; the file has been read as a whole."""
-    with file.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
-        rows = csv.reader(stream)
-        header = [name.strip().lower() for name in next(rows, [])]
-        if not {"asked_s", "answered_s", "participant"} <= set(header):
-            return
-        asked, answered = header.index("asked_s"), header.index("answered_s")
-        whose = [header.index(name) for name in _WHOSE if name in header]
-        for cells in rows:
-            if len(cells) == len(header) and cells[asked] and cells[answered]:
-                start, end = number_or_none(cells[asked]), number_or_none(cells[answered])
-                if start is not None and end is not None and end >= start:
-                    yield tuple([cells[place].strip() for place in whose]), end - start
+def _seconds(table: CsvTable) -> Iterator[tuple[tuple[str, ...], float]]:
+    """Yield the keys of each answer, and the seconds that it took."""
+    header = [name.lower() for name in table.header]
+    if not {"asked_s", "answered_s", "participant"} <= set(header):
+        return
+    asked, answered = header.index("asked_s"), header.index("answered_s")
+    whose = [header.index(name) for name in _WHOSE if name in header]
+    for cells in table.rows:
+        start, end = number_or_none(cells[asked]), number_or_none(cells[answered])
+        if start is not None and end is not None and end >= start:
+            yield tuple([cells[place].strip() for place in whose]), end - start

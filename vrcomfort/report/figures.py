@@ -9,6 +9,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from vrcomfort.report import palette
+from vrcomfort.report.analyses import analysis_figures
 from vrcomfort.report.canvas import (
     FAINT,
     GRID,
@@ -33,7 +34,6 @@ from vrcomfort.report.palette import colour_of, marker_of
 from vrcomfort.report.residuals import residual_figure
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.report.symptoms import recovery_course
-from vrcomfort.report.z_scores import z_score_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -77,7 +77,7 @@ def draw_figures(
     drawn["residuals"] = residual_figure(residuals, words)
     drawn |= _course_figures(results, courses, words)
     drawn |= gaze_and_head_figures(looked, words)
-    drawn["standardised"] = z_score_figure(results["z_scores"], words)
+    drawn |= analysis_figures(results, words)
     return {
         name: drawing
         for name, drawing in drawn.items()

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from vrcomfort.report import methods, palette, words
-from vrcomfort.report.answers import answers
+from vrcomfort.report.analyses import page_analyses
+from vrcomfort.report.answers import DIGITS, TESTS, answers
 from vrcomfort.report.courses.time_courses import MEANINGS, TITLES
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT
 from vrcomfort.report.families import disagreement, reported
-from vrcomfort.report.further_answers import DIGITS, METHODS, TESTS
-from vrcomfort.report.ordinal import ordinal_title
 from vrcomfort.report.references import entries
 from vrcomfort.report.withdrawals import with_labels
 from vrcomfort.stats.mixed import MOST_LEVELS
@@ -62,8 +61,7 @@ def render_page(
             tests=TESTS,
             shown_above="" if results["without_primary"] else _shown_above(results, figures),
             digits=DIGITS,
-            correlations=METHODS,
-            ordinal_title=ordinal_title,
+            analyses=list(page_analyses(results, vocabulary, results["plan"]["confidence"])),
             answers=answers(results, vocabulary),
             figures={name: _inlined(drawing.svg, name) for name, drawing in figures.items()},
             several=max(per_condition, default=0) > 1,

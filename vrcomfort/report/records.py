@@ -12,15 +12,13 @@ from vrcomfort.report.symptoms import recovery_rows, symptom_rows
 from vrcomfort.report.withdrawals import find_withdrawals
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
 
 
 def records(
-    study: StudyData, scored: Exposures, plan: Plan, results: dict[str, Any], source: Path
+    study: StudyData, scored: Exposures, plan: Plan, results: dict[str, Any]
 ) -> dict[str, Any]:
     """Return the parts of results.json that are counted, not tested."""
     names = [condition["name"] for condition in results["conditions"]]
@@ -31,14 +29,8 @@ def records(
         "symptoms": symptom_rows(scored, names, tests, study.instruments),
         "recovery_course": recovery_rows(scored),
         "counterbalancing": counterbalancing(scored.table, names, analysed),
-        "answering": answering(study, _files(source, "questionnaires.csv")),
+        "answering": answering(study),
         "stimulus_time": stimulus_time(study, names),
         "movement": movement(study, names),
         "frame_measures": frame_rows(study),
     }
-
-
-def _files(source: Path, name: str) -> list[Path]:
-    if source.is_file():
-        return [source] if source.name == name else []
-    return sorted(source.rglob(name))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +25,13 @@ from vrcomfort.questionnaire import (
 )
 from vrcomfort.recordings import ExposureFrames, frame_measures
 from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
+from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.json_file import DamagedError, read_json
 from vrcomfort.records.manifest_shape import DescribedShape, ManifestShape
+from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.recording import Memory
-from vrcomfort.records.session_rows import ScreeningRow
+from vrcomfort.records.rows import Row
+from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow, ScreeningRow
 from vrcomfort.records.study import DESCRIPTION
 from vrcomfort.report.gaps import gaps, unreadable
 from vrcomfort.report.ordering import natural
@@ -39,20 +42,15 @@ _KEYS = (
     "group", "part",
 )  # fmt: skip
 NEEDED = ("participant", "item", "response")
-_NEEDED_ELSEWHERE = {
-    "participants.csv": ("participant",),
-    "trials.csv": ("participant", "session", "trial", "condition", "scene", "status"),
-    "ratings.csv": ("missed",),
-    "tasks.csv": ("participant",),
-    "screening.csv": ("participant", "rule", "decision"),
-    "dials.csv": ("participant", "dial", "kind", "value"),
+_NEEDED_ELSEWHERE: Mapping[type[Row], tuple[str, ...]] = {
+    ParticipantRow: ("participant",),
+    TrialRow: ("participant", "session", "trial", "condition", "scene", "status"),
+    RatingRow: ("missed",),
+    TaskRow: ("participant",),
+    ScreeningRow: ("participant", "rule", "decision"),
+    DialRow: ("participant", "dial", "kind", "value"),
 }
-_COLUMNS: Mapping[str, tuple[str, ...]] = {
-    "participants.csv": ("participant", "status"),
-    **{each.FILE: each.columns() for each in (TrialRow, RatingRow, TaskRow, ScreeningRow, DialRow)},
-}
-"""Columns of every row; blank where the file lacks one."""
-_INSTEAD = ("tasks.csv", "dials.csv", "ratings.csv", "participants.csv")
+_INSTEAD = (TaskRow, DialRow, RatingRow, ParticipantRow)
 """What a study may have instead of questionnaires."""
 _NUMBERS = (
     "start_s", "end_s", "frames", "dropped", "missed", "missed_refreshes",
@@ -90,8 +88,18 @@ class StudyData:
     """Rows of screening.csv."""
     dials: tuple[dict[str, str], ...] = ()
     """Rows of dials.csv."""
-    source: Path = Path()
+    folder: Study = field(default_factory=lambda: Study("."))
     """What was read."""
+
+    @property
+    def source(self) -> Path:
+        """Return the folder, or file, that was read."""
+        return self.folder.folder
+
+    @property
+    def recorded_sessions(self) -> list[Session]:
+        """Return the sessions whose frames were recorded, in the order of their paths."""
+        return [Session(file.parent) for file in sorted(self.folder.files(FrameRow))]
 
     @property
     def planned_participants(self) -> int | None:
@@ -148,8 +156,9 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
         If there is no questionnaire, or a table is wrong, with file, line and column.
     """
     warnings = unreadable(source) if source.is_dir() else []
-    files = _files(source, "questionnaires.csv")
-    if not files and not any(_files(source, name) for name in _INSTEAD):
+    folder = Study(source)
+    files = folder.files(QuestionnaireRow)
+    if not files and not any(map(folder.files, _INSTEAD)):
         raise InputError("there is no questionnaires.csv in this folder", file=source)
     if source.is_file() and not source.stat().st_size:
         raise InputError("there is nothing in this file", file=source)
@@ -160,16 +169,20 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
         known[only.name] = only
     known = _as_asked(known, description.get("not_asked", {}))
     only = None if only is None else known[only.name]
-    sheets = [sheet for file in files for sheet in _sheets(file, source, known, only, warnings)]
+    sheets = [
+        sheet
+        for table in _tables(folder, QuestionnaireRow, warnings)
+        for sheet in _sheets(table, source, known, only, warnings)
+    ]
     if not sheets and only is not None:
         raise InputError(f"no {only.short} is answered in this table", file=source)
-    instead = (_table(source, name, []) for name in ("tasks.csv", "dials.csv"))
+    instead = (_table(folder, each, []) for each in (TaskRow, DialRow))
     if files and not sheets and not any(instead):
         raise InputError("no known questionnaire is answered in this table", file=source)
-    participants = _table(source, "participants.csv", warnings)
+    participants = _table(folder, ParticipantRow, warnings)
     manifests = _manifests(source, warnings)
     warnings += gaps(source, description, participants, manifests)
-    dials = _of_last_attempts(_table(source, "dials.csv", warnings))
+    dials = _of_last_attempts(_table(folder, DialRow, warnings))
     return StudyData(
         title=str(description.get("name") or source.resolve().name),
         protocol=description.get("protocol"),
@@ -177,15 +190,15 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
         instruments=known,
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
         participants=participants,
-        trials=_last_attempts(_table(source, "trials.csv", warnings)),
-        ratings=(*_table(source, "ratings.csv", warnings), *_slid(dials)),
+        trials=_last_attempts(_table(folder, TrialRow, warnings)),
+        ratings=(*_table(folder, RatingRow, warnings), *_slid(dials)),
         manifests=manifests,
         files=len(files),
         warnings=tuple(warnings),
-        tasks=_of_last_attempts(_table(source, "tasks.csv", warnings)),
+        tasks=_of_last_attempts(_table(folder, TaskRow, warnings)),
         dials=dials,
-        screening=_table(source, "screening.csv", warnings),
-        source=Path(source),
+        screening=_table(folder, ScreeningRow, warnings),
+        folder=folder,
     )
 
 
@@ -244,7 +257,7 @@ def of_one_kind(study: StudyData, *, simulated: bool) -> StudyData:
 
 
 def with_frames(
-    study: StudyData, source: Path, *, memory: Memory | None = None, cluster: str | None = None
+    study: StudyData, *, memory: Memory | None = None, cluster: str | None = None
 ) -> StudyData:
     """Return a study with the sums over the frames of its exposures, and notes on those not read.
 
@@ -260,13 +273,13 @@ def with_frames(
     InputError
         If no scheduler answers, or its workers do not see the study.
     """
-    files = sorted(source.rglob("frames.csv")) if source.is_dir() else []
+    files = study.folder.files(FrameRow)
     if not files:
         return study
     with workers(1, cluster) as work:
         frames, notes = frame_measures(files, memory, work)
     people = {trial["participant"] for trial in study.trials}
-    notes = [note.replace(f"{source}/", "") for note in notes]
+    notes = [note.replace(f"{study.source}/", "") for note in notes]
     return replace(
         study,
         frames=tuple(each for each in frames if each.participant in people),
@@ -293,36 +306,29 @@ def cut_short(trial: Mapping[str, str]) -> bool:
     return trial["status"] in _CUT_SHORT or ended_by not in _WHOLE
 
 
-def _files(source: Path, name: str) -> list[Path]:
-    if source.is_file():
-        return [source] if name == "questionnaires.csv" else []
-    if not source.is_dir():
-        raise InputError("there is no such file or folder", file=source)
-    return sorted(source.rglob(name), key=lambda path: natural(path.as_posix()))
-
-
-def _read(file: Path, source: Path, warnings: list[str]) -> CsvTable:
-    found = CsvTable.read(file, appended=True)
+def _tables(folder: Study, row_type: type[Row], warnings: list[str]) -> Iterator[CsvTable]:
+    """Yield the tables of a name; what was half-written is told."""
+    source = folder.folder
     prefix = f"{source}/" if source.is_dir() else f"{source.parent}/"
-    warnings.extend(warning.removeprefix(prefix) for warning in found.warnings)
-    return found
+    for found in folder.tables(row_type):
+        warnings.extend(warning.removeprefix(prefix) for warning in found.warnings)
+        yield found
 
 
-def _table(source: Path, name: str, warnings: list[str]) -> tuple[dict[str, str], ...]:
+def _table(folder: Study, row_type: type[Row], warnings: list[str]) -> tuple[dict[str, str], ...]:
     """Read what enriches a report; a file of that name from elsewhere is told and left alone."""
     rows: list[dict[str, str]] = []
-    for file in _files(source, name):
-        found = _read(file, source, warnings)
-        missing = [column for column in _NEEDED_ELSEWHERE[name] if column not in found.header]
+    columns = ("participant", "status") if row_type is ParticipantRow else row_type.columns()
+    for found in _tables(folder, row_type, warnings):
+        missing = [name for name in _NEEDED_ELSEWHERE[row_type] if name not in found.header]
         if missing and found.header:
-            place = file.relative_to(source)
+            place = found.file.relative_to(folder.folder)
             warnings.append(f"{place}: not used, because it has no column {missing[0]}")
         else:
             found.require_numbers(_NUMBERS)
-            blank = dict.fromkeys(_COLUMNS[name], "")
-            rows += ({**blank, **row} for row in found.dicts())
-    if name == "participants.csv":
-        _require_each_once(source, rows)
+            rows += ({**dict.fromkeys(columns, ""), **row} for row in found.dicts())
+    if row_type is ParticipantRow:
+        _require_each_once(folder.folder, rows)
     return tuple(rows)
 
 
@@ -398,7 +404,8 @@ def _description(source: Path, warnings: list[str]) -> dict[str, Any]:
 
 
 def _manifests(source: Path, warnings: list[str]) -> tuple[dict[str, Any], ...]:
-    files = _files(source, "manifest.json")
+    there = source.rglob("manifest.json") if source.is_dir() else ()
+    files = sorted(there, key=lambda path: natural(path.as_posix()))
     found = (_stored(file, ManifestShape, "manifest", source, warnings) for file in files)
     return tuple(content for content in found if content is not None)
 
@@ -422,18 +429,17 @@ def _as_asked(
 
 
 def _sheets(
-    file: Path,
+    found: CsvTable,
     source: Path,
     known: Mapping[str, Instrument],
     only: Instrument | None,
     warnings: list[str],
 ) -> list[Sheet]:
-    found = _read(file, source, warnings)
     if found.header:
         found.require(NEEDED)
         if len(_values(found, "timepoint")) < 2:  # else timepoints can be compared
             found.require(("condition",))
-    name = file.relative_to(source).as_posix() if source.is_dir() else file.name
+    name = found.file.relative_to(source).as_posix() if source.is_dir() else found.file.name
     sheets = []
     guessed = only or _of_the_items(found, known)
     for instrument in _instruments(found, name, known, guessed, warnings):

@@ -9,11 +9,18 @@ from dataclasses import replace
 
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Answers, Instrument
-from vrcomfort.respondent import keys
+from vrcomfort.respondent import keyboard
 from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
-from vrcomfort.respondent.dwell import DWELL_S, Dwell, LookDown, Progress
-from vrcomfort.respondent.lines import waiting_line
-from vrcomfort.respondent.panel_keys import KeyChoice, by_button
+from vrcomfort.respondent.keyboard import waiting_line
+from vrcomfort.respondent.panel_input import (
+    DWELL_S,
+    Dwell,
+    KeyChoice,
+    LookDown,
+    Pointing,
+    Screen,
+    by_button,
+)
 from vrcomfort.respondent.panel_layout import (
     Act,
     Cell,
@@ -24,8 +31,7 @@ from vrcomfort.respondent.panel_layout import (
     rest_cells,
     review_cells,
 )
-from vrcomfort.respondent.panel_picture import Page, Painter, stop_page, telling_page
-from vrcomfort.respondent.pointing import Pointing, Screen
+from vrcomfort.respondent.panel_picture import Page, Painter, Progress, stop_page, telling_page
 
 _AWAY_S = 60.0
 """So long, from each frame on, nobody need look into the headset."""
@@ -112,7 +118,7 @@ class PanelRespondent:
         looked = self._look_down is not None and self._look_down.update(
             pointing.down_deg, self._now_s()
         )
-        asked = looked or pointing.stop or keys.STOP in pointing.letters
+        asked = looked or pointing.stop or keyboard.STOP in pointing.letters
         if self._stopping is None and asked:
             self._stopping, self._stop_by_look = stop_page(self._words), looked
             self._keys.forget()
@@ -269,10 +275,10 @@ class PanelRespondent:
             If the participant stops, and says so twice.
         """
         page = Page(self._words.rest, self._words.wait_experimenter, rest_cells(self._words))
-        self._prompt(f"{question} ({keys.YES} = go on, {keys.NO} = stop)")
+        self._prompt(f"{question} ({keyboard.YES} = go on, {keyboard.NO} = stop)")
         self._keys.forget()
         self._dwell.forget()
-        decided = {keys.YES: True, "yes": True, keys.NO: False, "no": False}
+        decided = {keyboard.YES: True, "yes": True, keyboard.NO: False, "no": False}
         try:
             while True:
                 self._screen.allow_absence(_AWAY_S)

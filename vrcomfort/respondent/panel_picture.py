@@ -1,17 +1,20 @@
-"""Draws the panel's pages with Pillow."""
+"""Draws the panel's pages with Pillow, and reads pictures for them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from vrcomfort.errors import InputError
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.respondent.base import Telling
-from vrcomfort.respondent.dwell import STEPS, Progress
 from vrcomfort.respondent.panel_layout import (
     ANSWER_TOP_PX,
     FOOT_TOP_PX,
@@ -43,6 +46,28 @@ TELLING_TOP_PX, TELLING_BOTTOM_PX, LEADING_PX = MARGIN_PX, FOOT_TOP_PX - 60, 12
 TELLING_PX = (46, MIDDLE_PX, SMALL_PX)
 
 Picture = NDArray[np.uint8]
+
+STEPS = 8
+"""In so many steps the progress of a look is drawn."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What the panel shows of looks.
+
+    Parameters
+    ----------
+    cell
+        The one that is looked at.
+    step
+        How far the look has come, of `STEPS`.
+    prepared
+        The cell whose next look chooses it.
+    """
+
+    cell: Cell | None = None
+    step: int = 0
+    prepared: Cell | None = None
 
 
 @dataclass(frozen=True)
@@ -274,3 +299,46 @@ def _colour(cell: Cell, page: Page) -> tuple[int, ...]:
     if cell.act is Act.ANSWER and cell.value == page.chosen:
         return CHOSEN
     return STOP if cell.act in {Act.STOP, Act.WITHDRAW} else CELL
+
+
+Found = TypeVar("Found")
+
+_FORMATS = ("PNG", "JPEG")
+
+
+def read_picture(file: Path, room_px: tuple[int, int]) -> Picture:
+    """Return a picture as (height, width, 4) pixels.
+
+    Parameters
+    ----------
+    room_px
+        (width, height) that it may have: pictures are shown as they are, never smaller.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is neither PNG nor JPEG, or is larger than its room.
+    """
+    _require_room(file, _opened(file, lambda image: image.size), room_px)
+    return _opened(file, lambda image: np.asarray(image.convert("RGBA")))
+
+
+def _opened(file: Path, look: Callable[[Image.Image], Found]) -> Found:
+    try:
+        with warnings.catch_warnings(action="ignore"):  # of large ones, which are refused
+            opened = Image.open(file, formats=_FORMATS)
+        with opened:
+            return look(opened)
+    except Image.DecompressionBombError as error:
+        message = "this picture is far larger than the panel; make it smaller"
+        raise InputError(message, file=file) from error
+    except (OSError, SyntaxError, ValueError) as error:
+        message = "this is no picture that can be shown, or it is damaged; save it as PNG or JPEG"
+        raise InputError(message, file=file) from error
+
+
+def _require_room(file: Path, size_px: tuple[int, int], room_px: tuple[int, int]) -> None:
+    if size_px[0] > room_px[0] or size_px[1] > room_px[1]:
+        width, height = room_px
+        message = f"this picture has {size_px[0]} x {size_px[1]} pixels, and the panel has room for"
+        raise InputError(f"{message} {width} x {height} here; make it smaller", file=file)

@@ -20,10 +20,13 @@ from vrcomfort.protocol import Simulation
 from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
-from vrcomfort.respondent.simulated_eye_pair import EyePair
-from vrcomfort.respondent.simulated_eyes import Eyes
-from vrcomfort.respondent.simulated_hands import SimulatedHands
-from vrcomfort.respondent.turning import SimulatedAdjuster, SimulatedSlider, Turn
+from vrcomfort.respondent.simulated_eyes import EyePair, Eyes
+from vrcomfort.respondent.simulated_hands import (
+    SimulatedAdjuster,
+    SimulatedHands,
+    SimulatedSlider,
+    Turn,
+)
 from vrcomfort.tasks import Demand
 
 LOADINGS: Mapping[str, float] = {

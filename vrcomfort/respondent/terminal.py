@@ -1,4 +1,4 @@
-"""The experimenter asks aloud, as in Carnegie & Rhee (2015), and types the answers."""
+"""Answers that the experimenter asks for aloud and types, as in Carnegie & Rhee (2015)."""
 
 from __future__ import annotations
 
@@ -10,14 +10,54 @@ from rich.table import Table
 
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Answers, Instrument
-from vrcomfort.respondent import keys
+from vrcomfort.respondent import keyboard
 from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
-from vrcomfort.respondent.lines import input_over, waiting_line
-from vrcomfort.respondent.typed_rating import TypedRating
+from vrcomfort.respondent.keyboard import input_over, waiting_line
 
-_KEYS = f"number = answer, {keys.HELP}"
-_STOP = f"{keys.STOP} + Enter = withdraw"
-_YES_OR_NO = {keys.YES: True, "yes": True, keys.NO: False, "no": False}
+
+class TypedRating:
+    """The rating that is asked for, until it is given or its time is over.
+
+    Parameters
+    ----------
+    instrument
+        The scale; None while nothing is asked.
+    until_s
+        When the time is over, in seconds since the exposure began.
+    """
+
+    def __init__(self, instrument: Instrument | None = None, until_s: float = 0.0) -> None:
+        self._instrument = instrument
+        self._until_s = until_s
+        self.response: int | None = None
+
+    def close(self) -> None:
+        """End the time to answer, with the exposure."""
+        self._until_s = -1.0
+
+    def take(self, line: str, elapsed_s: float) -> str:
+        """Take a line; return what to say of one that is not recorded, else nothing."""
+        scale = self._instrument
+        if scale is None:
+            return f"{line!r} was not recorded: nothing was asked"
+        if self.response is not None:
+            return f"{line!r} was not recorded: {self.response} was given before"
+        if elapsed_s > self._until_s:
+            return self.too_late(line)
+        answers = scale.items[0].answers
+        if not (line.isdecimal() and answers.offers(int(line))):
+            return f"{line!r} was not recorded: {answers.asked_in_words} is a rating"
+        self.response = int(line)
+        return ""
+
+    def too_late(self, line: str) -> str:
+        """Return what to say of a line that nobody waits for any more."""
+        return f"{line!r} came too late and was not recorded"
+
+
+_KEYS = f"number = answer, {keyboard.HELP}"
+_STOP = f"{keyboard.STOP} + Enter = withdraw"
+_YES_OR_NO = {keyboard.YES: True, "yes": True, keyboard.NO: False, "no": False}
 _LOOKS_EVERY_S = 0.05
 """So often what is typed is looked at while something is told."""
 
@@ -166,15 +206,15 @@ class TerminalRespondent:
         Withdrew
             Where it is confirmed.
         """
-        asked, self._asked_whether_to_stop = self._asked_whether_to_stop, line == keys.STOP
+        asked, self._asked_whether_to_stop = self._asked_whether_to_stop, line == keyboard.STOP
         if self._asked_whether_to_stop:
-            self._console.print(keys.SURE, style="bold")
+            self._console.print(keyboard.SURE, style="bold")
             return True
-        if asked and line in {keys.YES, "yes"}:
+        if asked and line in {keyboard.YES, "yes"}:
             raise Withdrew(note)
         if asked:
             self._console.print("It goes on.")
-        return asked and line in {keys.NO, "no"}
+        return asked and line in {keyboard.NO, "no"}
 
     def _finish_asking_whether_to_stop(self) -> None:
         """Wait for the answer, where a step ends before it has come."""
@@ -204,7 +244,7 @@ class TerminalRespondent:
         self._console.print(f"Type the answer; an empty line ends it. {_STOP}.", style="dim")
         since_s, lines = self._now_s(), list[str]()
         while line := self._typed("> ").rstrip():
-            if not lines and line.strip().lower() == keys.STOP:
+            if not lines and line.strip().lower() == keyboard.STOP:
                 self._stop_if_sure()
             else:
                 lines.append(line)
@@ -214,8 +254,8 @@ class TerminalRespondent:
         """Ask the experimenter, who says yes or no."""
         self._finish_asking_whether_to_stop()
         self._clear_typed()
-        while (line := self._read(f"{question} ({keys.YES}/{keys.NO}) ")) not in _YES_OR_NO:
-            self._tell(f"type {keys.YES} to go on, {keys.NO} to stop")
+        while (line := self._read(f"{question} ({keyboard.YES}/{keyboard.NO}) ")) not in _YES_OR_NO:
+            self._tell(f"type {keyboard.YES} to go on, {keyboard.NO} to stop")
         return _YES_OR_NO[line]
 
     def _fill(self, instrument: Instrument, answers: dict[int, int | None], heard: Heard) -> None:
@@ -231,10 +271,10 @@ class TerminalRespondent:
         since = self._now_s()
         while True:
             line = self._line(f"{index + 1:2d}. {item.text}: ")
-            if line == keys.BACK:
+            if line == keyboard.BACK:
                 return False
-            response = None if line == keys.DECLINE else self._number(line, item.answers)
-            if line == keys.DECLINE or response is not None:
+            response = None if line == keyboard.DECLINE else self._number(line, item.answers)
+            if line == keyboard.DECLINE or response is not None:
                 answers[index] = response
                 heard(item.name, response, self._now_s() - since)
                 return True
@@ -252,12 +292,12 @@ class TerminalRespondent:
         """Return what is typed after a prompt; a wish to stop is asked once more."""
         while True:
             line = self._read(prompt)
-            if line != keys.STOP:
+            if line != keyboard.STOP:
                 return line
             self._stop_if_sure()
 
     def _stop_if_sure(self) -> None:
-        if self._read(f"{keys.SURE}: ") in {keys.YES, "yes"}:
+        if self._read(f"{keyboard.SURE}: ") in {keyboard.YES, "yes"}:
             raise Withdrew("withdrew at a question")
 
     def _read(self, prompt: str) -> str:

@@ -6,8 +6,7 @@ from vrcomfort.session.enrolment import OpenEnrolment, open_enrolment
 from vrcomfort.session.interfaces import HeadsetFor, LoadScene, Renderer
 from vrcomfort.session.manifest_writer import headset_facts
 from vrcomfort.session.no_frames import NoPictures, StillHeadset, scenes_for
-from vrcomfort.session.participant_sessions import RunOutcome
-from vrcomfort.session.run import run
+from vrcomfort.session.run import RunOutcome, run
 
 __all__ = [
     "Clock",

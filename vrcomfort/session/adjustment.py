@@ -12,16 +12,14 @@ import numpy as np
 from vrcomfort.frame import Frame
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.protocol import Condition
-from vrcomfort.protocol.adjustments import Adjustment, adjusted, value_of
-from vrcomfort.protocol.sliders import Dial, Slider
+from vrcomfort.protocol.adjustments import Adjustment, Dial, Slider, adjusted, value_of
 from vrcomfort.protocol.timeline import TrialPlace
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.records import DialRow
 from vrcomfort.respondent import SimulatedRespondent
-from vrcomfort.respondent.turning import Turn
+from vrcomfort.respondent.simulated_hands import Turn
 from vrcomfort.scene.markers import Shown
-from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog
+from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.interfaces import Doing
 from vrcomfort.session.task_run import HasInputs, task_random
 from vrcomfort.tasks import Demand

@@ -13,8 +13,7 @@ from vrcomfort.protocol import Condition
 from vrcomfort.protocol.timeline import WHOLE_SESSION, EyeHeightStep
 from vrcomfort.scene.data import Environment, Scene
 from vrcomfort.scene.markers import Shown
-from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog
+from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.manifest_writer import ManifestWriter

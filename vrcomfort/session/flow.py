@@ -28,19 +28,17 @@ from vrcomfort.records import Interrupted
 from vrcomfort.records.interruptions import RESUMED
 from vrcomfort.respondent import Withdrew
 from vrcomfort.scene.data import Scene
-from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog
+from vrcomfort.session.breaks import Rests
+from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.eye_height import EyeHeight
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.gaze_validation import Validation
 from vrcomfort.session.instructor import Instructor
-from vrcomfort.session.interview import FreeTexts, Interview, OpenQuestions
+from vrcomfort.session.interview import FreeTexts, Interview, OpenQuestions, Screener
 from vrcomfort.session.manifest_writer import ManifestWriter
+from vrcomfort.session.operator_control import SessionTime
 from vrcomfort.session.practice import PracticeRunner
-from vrcomfort.session.remaining import SessionTime
-from vrcomfort.session.rests import Rests
-from vrcomfort.session.screener import Screener
-from vrcomfort.session.stop_rules import ScoreWatch, StopRule, ends_of
+from vrcomfort.session.ratings import ScoreWatch, StopRule, ends_of
 from vrcomfort.session.trial import TrialRunner
 
 SessionStatus = Literal["completed", "ended", "withdrawn", "aborted"]

@@ -11,17 +11,16 @@ import numpy as np
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Array, EyeGaze, Gaze, Pose, normalize, yaw_pitch_roll
 from vrcomfort.protocol import Condition
-from vrcomfort.protocol.gaze_validation import GazeValidation, Point
+from vrcomfort.protocol.session_steps import GazeValidation, Point
 from vrcomfort.protocol.timeline import GazeValidationStep, TrialPlace
 from vrcomfort.records import FACTS, GazeValidationRow, set_fact
 from vrcomfort.scene.data import Environment, Scene
 from vrcomfort.scene.markers import Markers, Shown
-from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog
+from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.operator_control import Redone, Skipped
-from vrcomfort.session.stop_rules import StopRule
+from vrcomfort.session.ratings import StopRule
 from vrcomfort.session.task_run import task_random
 from vrcomfort.tasks import Ball, Demand
 from vrcomfort.traces.gaze_quality import GazeQuality, quality_of

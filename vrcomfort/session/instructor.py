@@ -10,14 +10,18 @@ from pathlib import Path
 from vrcomfort.errors import InputError
 from vrcomfort.headset.sound import Sound, read_sound
 from vrcomfort.protocol import Protocol
-from vrcomfort.protocol.instructions import Instruction
+from vrcomfort.protocol.session_steps import Instruction
 from vrcomfort.protocol.timeline import InstructionStep, TrialPlace
 from vrcomfort.respondent import Telling
 from vrcomfort.respondent.panel import PanelRespondent
-from vrcomfort.respondent.panel_picture import Painter, Picture, room_for_picture, telling_page
-from vrcomfort.respondent.picture_file import read_picture
-from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog
+from vrcomfort.respondent.panel_picture import (
+    Painter,
+    Picture,
+    read_picture,
+    room_for_picture,
+    telling_page,
+)
+from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.operator_control import Redone, Skipped
 
 SLICE_S = 0.1

@@ -27,7 +27,7 @@ from vrcomfort.scene.load import load_scene
 from vrcomfort.session.exposure import Ending, FrameLoop, Stimulus
 from vrcomfort.session.interfaces import LoadScene
 from vrcomfort.session.ratings import RatingSchedules
-from vrcomfort.session.standing import without_meshes
+from vrcomfort.session.start_pose import without_meshes
 from vrcomfort.stop_signals import interruptible
 
 STEPS_HZ = 20.0

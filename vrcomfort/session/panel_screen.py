@@ -12,12 +12,11 @@ import numpy as np
 from vrcomfort.errors import headset_ended
 from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad, heading
-from vrcomfort.headset.inputs import Inputs
-from vrcomfort.headset.pointer import pointer_quad
+from vrcomfort.headset.inputs import Inputs, pointer_quad
 from vrcomfort.protocol.texts import ENGLISH, Words
+from vrcomfort.respondent.panel_input import Pointing
 from vrcomfort.respondent.panel_layout import SIZE_PX
 from vrcomfort.respondent.panel_picture import Page, Painter, Picture
-from vrcomfort.respondent.pointing import Pointing
 
 DISTANCE_M = 1.25
 WIDTH_M = 1.04

@@ -10,18 +10,17 @@ import numpy as np
 
 from vrcomfort.errors import headset_ended
 from vrcomfort.protocol import Trial
-from vrcomfort.protocol.practice import Practice
+from vrcomfort.protocol.session_steps import Practice
 from vrcomfort.protocol.timeline import WHOLE_SESSION, PracticeStep, TrialPlace
 from vrcomfort.records import Interrupted, PracticeRow
 from vrcomfort.records.interrupted import Practised
 from vrcomfort.respondent import Withdrew
-from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog
+from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.no_frames import EventLoop
 from vrcomfort.session.operator_control import Redone, Skipped
-from vrcomfort.session.stop_rules import StopRule
+from vrcomfort.session.ratings import StopRule
 from vrcomfort.session.task_run import TaskRun, task_random
 from vrcomfort.session.trial import TrialRunner
 from vrcomfort.tasks import Result

@@ -13,7 +13,7 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, Quad, normalize, turn_to
-from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
+from vrcomfort.headset.monado import RemoteFeed, RemoteHand, RemoteState
 from vrcomfort.respondent.panel_layout import Act, Cell, cell_at
 from vrcomfort.respondent.panel_picture import Page
 from vrcomfort.session.panel_screen import PanelScreen

@@ -19,8 +19,7 @@ from vrcomfort.scene.boxes import node_box
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.markers import Markers, Shown
 from vrcomfort.scene.ray_cast import RayCaster
-from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog
+from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.settings import did_you_mean
 from vrcomfort.tasks import Ball, Demand, Moment, Result, Surroundings, Task, TaskSettings
 

@@ -16,19 +16,16 @@ from vrcomfort.protocol.timeline import TrialPlace
 from vrcomfort.records import ENDED_THE_STUDY, Interrupted, TrialRow
 from vrcomfort.respondent import Exposure, Withdrew
 from vrcomfort.session.adjustment import AdjustmentRun, Several, SliderRun
-from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog
+from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.exposure import FrameLoop, Stimulus
-from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.session.frame_log import FrameLog, timing_row, trial_flags
 from vrcomfort.session.interfaces import Doing
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.no_frames import EventLoop
 from vrcomfort.session.operator_control import Redone, Skipped
-from vrcomfort.session.ratings import RatingSchedules, schedules_of
-from vrcomfort.session.standing import Standing, stand
-from vrcomfort.session.stop_rules import StopRule, trial_ending
+from vrcomfort.session.ratings import RatingSchedules, StopRule, schedules_of, trial_ending
+from vrcomfort.session.start_pose import Standing, stand
 from vrcomfort.session.task_run import TaskRun
-from vrcomfort.session.timing import timing_row, trial_flags
 from vrcomfort.stop_signals import uninterrupted
 
 

@@ -1,12 +1,13 @@
 """Settings in TOML files: read strictly, and every fault said with its place."""
 
-from vrcomfort.settings.hints import did_you_mean
+from vrcomfort.settings.include import toml_key, toml_value
 from vrcomfort.settings.locate import Path as KeyPath
 from vrcomfort.settings.reading import (
     Name,
     Problem,
     Settings,
     Word,
+    did_you_mean,
     first_problem,
     in_words,
     parse_settings,
@@ -16,7 +17,6 @@ from vrcomfort.settings.reading import (
     reserved,
     union_tag,
 )
-from vrcomfort.settings.toml_text import toml_key, toml_value
 
 __all__ = [
     "KeyPath",

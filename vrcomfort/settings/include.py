@@ -1,10 +1,13 @@
-"""Settings in several files: `include` puts shared parts before what a file says itself."""
+"""Tables that a file includes from others, and TOML text."""
 
 from __future__ import annotations
 
 import hashlib
+import json
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import date, time
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -14,7 +17,38 @@ from vrcomfort.errors import InputError
 from vrcomfort.settings.locate import Path as KeyPath
 from vrcomfort.settings.locate import Places, locate
 from vrcomfort.settings.reading import Place, Problem, parse_data, problems_at, read_text, read_toml
-from vrcomfort.settings.toml_text import toml_key, toml_value
+
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
+
+
+def toml_key(key: str) -> str:
+    """Return a key, in quotes where it needs them."""
+    return key if _BARE.fullmatch(key) else toml_value(key)
+
+
+def toml_value(value: object) -> str:
+    """Return a value in one line of TOML.
+
+    Raises
+    ------
+    TypeError
+        If TOML has no such type.
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float):  # those of NumPy are such, and would write their type
+        return repr(int(value) if isinstance(value, int) else float(value))
+    if isinstance(value, str):  # as JSON has it, and DEL escaped
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, Mapping):
+        pairs = [f"{toml_key(str(key))} = {toml_value(each)}" for key, each in value.items()]
+        return f"{{ {', '.join(pairs)} }}" if pairs else "{}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(toml_value, value))}]"
+    if isinstance(value, date | time):
+        return value.isoformat()
+    raise TypeError(value)
+
 
 Model = TypeVar("Model", bound=BaseModel)
 

@@ -11,8 +11,7 @@ from vrcomfort.tasks.base import (
     TaskSettings,
     angle_deg,
 )
-from vrcomfort.tasks.kinds import AnyTask, OwnTask
-from vrcomfort.tasks.own import own_task_file, run_task_file
+from vrcomfort.tasks.kinds import AnyTask, OwnTask, own_task_file, run_task_file
 
 __all__ = [
     "AnyTask",

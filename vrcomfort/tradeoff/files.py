@@ -1,4 +1,4 @@
-"""Writes what was found: numbers, tables, figures, pictures and a page."""
+"""Files of a run: numbers, tables, figures, contact sheets and an HTML page."""
 
 from __future__ import annotations
 
@@ -9,17 +9,32 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+from scipy.ndimage import binary_dilation
+
+from vrcomfort.geometry import Array
 from vrcomfort.json_text import parse_json
+from vrcomfort.optics.tone import tone_mapped
+from vrcomfort.text_layout import TextCanvas
+from vrcomfort.tradeoff import tables
 from vrcomfort.tradeoff.cases import Case
 from vrcomfort.tradeoff.figures import pareto_figure
-from vrcomfort.tradeoff.keys import figure_name, key_of_row
-from vrcomfort.tradeoff.measure import Measured
+from vrcomfort.tradeoff.measure import MeasuredCase
 from vrcomfort.tradeoff.methods import EFFECTS
-from vrcomfort.tradeoff.page import render_page
-from vrcomfort.tradeoff.results import COUNTS, REGION_RMS, TRAFFIC
-from vrcomfort.tradeoff.sheets import contact_sheet
+from vrcomfort.tradeoff.results import (
+    COUNTS,
+    REGION_RMS,
+    TRAFFIC,
+    Key,
+    figure_name,
+    key_of_row,
+    title,
+)
 from vrcomfort.tradeoff.tables import markdown
 from vrcomfort.tradeoff.walk import MOTIONS, SCENES
+from vrcomfort.web_page import inline_svg, page_templates
 
 CSV_COLUMNS = (
     "scene", "effect", "pose", "motion", "lens", "window", "method", "family", "step",
@@ -35,7 +50,7 @@ CSV_COLUMNS = (
 CASE = tuple(field.name for field in fields(Case))
 
 
-def write_all(out: Path, found: dict[str, Any], measured: Sequence[Measured]) -> Path:
+def write_all(out: Path, found: dict[str, Any], measured: Sequence[MeasuredCase]) -> Path:
     """Write everything into `out`, in place of an earlier run's files; return the page's path."""
     _remove_earlier(out)
     for folder in ("figures", "sheets"):
@@ -95,7 +110,7 @@ def _write_figures(folder: Path, found: dict[str, Any]) -> dict[str, str]:
 
 
 def _write_sheets(
-    folder: Path, found: dict[str, Any], measured: Sequence[Measured]
+    folder: Path, found: dict[str, Any], measured: Sequence[MeasuredCase]
 ) -> dict[str, str]:
     """Write one contact sheet for each case; return their paths from the page, by case."""
     paths = {}
@@ -104,3 +119,130 @@ def _write_sheets(
         contact_sheet(each, exposure).save(folder / f"{each.case.name}.png")
         paths[each.case.name] = f"{folder.name}/{each.case.name}.png"
     return paths
+
+
+TEMPLATE = "tradeoff.html.j2"
+
+
+def render_page(found: dict[str, Any], figures: dict[str, str], sheets: dict[str, str]) -> str:
+    """Fill the template.
+
+    Parameters
+    ----------
+    figures
+        SVG text by scene and effect, inlined.
+    sheets
+        Paths of contact sheets, from the page, by case.
+    """
+    groups = list(dict.fromkeys(key_of_row(row) for row in found["table"]))
+    sections = [
+        {
+            "title": title(key),
+            "name": figure_name(key),
+            "lens": key[1] != "motion_blur",
+            "rows": [row for row in found["table"] if key_of_row(row) == key],
+            "front": next(each["front"] for each in found["fronts"] if key_of_row(each) == key),
+            "sheets": {name: path for name, path in sheets.items() if _is_of(name, key)},
+        }
+        for key in groups
+    ]
+    return (
+        page_templates()
+        .get_template(TEMPLATE)
+        .render(
+            r=found,
+            sections=sections,
+            columns=tables.COLUMNS,
+            regions=tables.REGION_COLUMNS,
+            notes=tables.notes(found),
+            verdicts=tables.VERDICT_COLUMNS,
+            headline=tables.headline(found),
+            both_eyes=[_emphasis(line) for line in tables.both_eyes(found)],
+            dials=tables.dials(found),
+            figures={name: inline_svg(svg, name) for name, svg in figures.items()},
+            gain=GAIN,
+        )
+    )
+
+
+def _is_of(name: str, key: Key) -> bool:
+    """Return whether the sheet of a case belongs to a group."""
+    scene, effect, lens = key
+    with_lens = effect == "motion_blur" or f"lens{lens}" in name.split("_")
+    return name.startswith(f"{scene}_{effect}_pose") and with_lens
+
+
+def _emphasis(line: str) -> list[str]:
+    """Return the parts of a line; every second one stood between asterisks."""
+    return line.split("*")
+
+
+CROP_PX = 240
+"""Larger images are cropped, at 100 %, to where blur changes most."""
+
+GAIN = 8.0
+"""Differences of display values are shown this much larger, around middle grey."""
+
+FADED = 0.35
+"""How much is left of a picture in the margin that counts in no error."""
+
+COLUMNS = 6
+GAP_PX, LABEL_PX, LETTERS_PX = 8, 22, 13
+INK, PAPER = (28, 28, 28), (255, 255, 255)
+
+
+def contact_sheet(found: MeasuredCase, exposure: float) -> Image.Image:
+    """Return a sheet: for each method its picture above its difference from the reference."""
+    reference = tone_mapped(found.pictures["reference"], exposure=exposure)
+    counted = found.counted
+    crop = _crop(reference, tone_mapped(found.pictures["no blur"], exposure=exposure), counted)
+    tiles = []
+    for name, picture in found.pictures.items():
+        shown = tone_mapped(picture, exposure=exposure)
+        difference = 0.5 + GAIN * (shown - reference) / 2
+        label = "reference (R1)" if name == "reference" else name
+        above, below = (_rgb8(_faded(each, counted)[crop]) for each in (shown, difference))
+        tiles.append((label, above, below))
+    return _sheet(tiles)
+
+
+def _faded(image: Array, counted: NDArray[np.bool_]) -> Array:
+    """Return the image with a pale margin, and a line around what counts."""
+    line = binary_dilation(counted, np.ones((3, 3, 1))) & ~counted
+    pale = 1 - FADED * (1 - np.clip(image, 0, 1))
+    found: Array = np.where(counted, image, np.where(line, 0.0, pale))
+    return found
+
+
+def _crop(reference: Array, sharp: Array, counted: NDArray[np.bool_]) -> tuple[slice, slice]:
+    """Return where a window holds most difference that counts between blurred and sharp."""
+    height, width = reference.shape[:2]
+    tall, wide = min(height, CROP_PX), min(width, CROP_PX)
+    change = np.where(counted, np.abs(reference - sharp), 0.0).sum(axis=-1)
+    total = np.pad(change, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
+    windows = total[tall:, wide:] - total[:-tall, wide:] - total[tall:, :-wide]
+    windows += total[:-tall, :-wide]
+    top, left = np.unravel_index(int(np.argmax(windows)), windows.shape)
+    return slice(int(top), int(top) + tall), slice(int(left), int(left) + wide)
+
+
+def _sheet(tiles: list[tuple[str, NDArray[np.uint8], NDArray[np.uint8]]]) -> Image.Image:
+    height, width, _ = tiles[0][1].shape
+    wide = max(width, 160)
+    step_x, step_y = wide + GAP_PX, LABEL_PX + 2 * height + 3 * GAP_PX
+    columns = min(COLUMNS, len(tiles))
+    rows = -(-len(tiles) // columns)
+    sheet = Image.new("RGB", (columns * step_x + GAP_PX, rows * step_y + GAP_PX), PAPER)
+    canvas = TextCanvas(sheet)
+    for index, (label, picture, difference) in enumerate(tiles):
+        row, column = divmod(index, columns)
+        x, y = GAP_PX + column * step_x, GAP_PX + row * step_y
+        canvas.write((x, y + 2), label, LETTERS_PX, fill=INK)
+        sheet.paste(Image.fromarray(picture), (x, y + LABEL_PX))
+        sheet.paste(Image.fromarray(difference), (x, y + LABEL_PX + height + GAP_PX // 2))
+    return sheet
+
+
+def _rgb8(values: Any) -> NDArray[np.uint8]:
+    pixels: NDArray[np.uint8] = np.round(np.clip(values, 0, 1) * 255).astype(np.uint8)
+    return pixels

@@ -27,7 +27,7 @@ from vrcomfort.gpu.timer import is_software
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.conditions import Condition, Focus
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.tradeoff.shots import context
+from vrcomfort.tradeoff.captures import context
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.walk import pairs, time_s
 
@@ -75,23 +75,23 @@ class ZoneError:
 
 
 @dataclass(frozen=True)
-class Search:
+class FocusMethod:
     """A way to find the focus; None as `focus` is no blur at all."""
 
     name: str
     focus: Focus | None
 
 
-def searches() -> list[Search]:
+def searches() -> list[FocusMethod]:
     """Return what is compared; the first has no blur, the second no search."""
     zone = _hillaire().focus
     zones = [
-        Search("autofocus_zone", _with(zone, zone_ratio=ratio, zone_mean_on=where))
+        FocusMethod("autofocus_zone", _with(zone, zone_ratio=ratio, zone_mean_on=where))
         for ratio, where in product(ZONE_RATIOS, ("cpu", "gpu"))
     ]
-    rays = Search("nine_ray", _with(zone, method="nine_ray"))
-    fixed = Search("fixed", Focus(method="fixed", fixed_m=1.5))
-    return [Search("no blur", None), fixed, *zones, rays]
+    rays = FocusMethod("nine_ray", _with(zone, method="nine_ray"))
+    fixed = FocusMethod("fixed", Focus(method="fixed", fixed_m=1.5))
+    return [FocusMethod("no blur", None), fixed, *zones, rays]
 
 
 def search_costs(
@@ -143,7 +143,7 @@ def zone_errors(scene: str, places: int, advance: Callable[[], None]) -> list[Zo
 class _Frames:
     """Draws a frame with a search, again and again."""
 
-    def __init__(self, scene: str, size_px: tuple[int, int], search: Search) -> None:
+    def __init__(self, scene: str, size_px: tuple[int, int], search: FocusMethod) -> None:
         self._ctx = context()
         self._renderer = StereoRenderer(self._ctx, size_px)
         self._renderer.begin(scene_and_hash(scene)[0], _condition(search))
@@ -166,7 +166,7 @@ def _dioptres(scene: str, ratio: float, side_px: int, frames: Sequence[Frame]) -
     """Return 1 / target at each frame: of the rule alone, for every frame is a cut."""
     zone = _with(_hillaire().focus, zone_ratio=ratio, zone_size_px=(side_px, side_px))
     renderer = StereoRenderer(context(), (32, 32))
-    renderer.begin(scene_and_hash(scene)[0], _condition(Search("autofocus_zone", zone)))
+    renderer.begin(scene_and_hash(scene)[0], _condition(FocusMethod("autofocus_zone", zone)))
     samples: list[FocusSample] = []
     for index, frame in enumerate(frames):
         cut = replace(frame, index=index, discontinuity=True)
@@ -176,7 +176,7 @@ def _dioptres(scene: str, ratio: float, side_px: int, frames: Sequence[Frame]) -
     return 1 / np.array([each.focus_raw_m for each in samples])
 
 
-def _condition(search: Search) -> Condition:
+def _condition(search: FocusMethod) -> Condition:
     if search.focus is None:
         return Condition(name="plain")
     blurred = _hillaire().depth_of_field
@@ -195,7 +195,7 @@ def _with(focus: Focus, **settings: Any) -> Focus:
 
 
 def _row(
-    scene: str, size_px: tuple[int, int], search: Search, seconds: Array, plain_s: Array
+    scene: str, size_px: tuple[int, int], search: FocusMethod, seconds: Array, plain_s: Array
 ) -> SearchCost:
     zone = search.focus if search.name == "autofocus_zone" else None
     frame_s = float(np.median(seconds))

@@ -1,4 +1,4 @@
-"""The errors of every method on one case."""
+"""Errors of every method on one case, against the references of its eyes."""
 
 from __future__ import annotations
 
@@ -11,42 +11,53 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vrcomfort.geometry import Array
 from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.render.image_error import (
     hdr_flip,
+    inside_margin,
     judged,
     margin_px,
+    pixels_per_degree,
     rms,
     ssim,
+    sure,
 )
 from vrcomfort.scene.data import Scene
-from vrcomfort.tradeoff.binocular import (
-    Correspondence,
-    binocular_error,
-    correspondence,
-    radius_mismatch_px,
-)
+from vrcomfort.tradeoff.captures import Capture, capture, context, radius_px
 from vrcomfort.tradeoff.cases import (
     Case,
+    ImageWindow,
     Scope,
     condition_of,
+    drawn,
     drawn_px,
     eyes_of,
     frames,
+    reference_condition,
+    window_of,
 )
-from vrcomfort.tradeoff.eye_view import EyeView, judged_area, view_of
-from vrcomfort.tradeoff.methods import Method, methods, pick
-from vrcomfort.tradeoff.region_errors import region_errors
-from vrcomfort.tradeoff.regions import Mask
-from vrcomfort.tradeoff.seams import flicker, off_median
-from vrcomfort.tradeoff.shots import context, shoot
+from vrcomfort.tradeoff.error_measures import (
+    Correspondence,
+    Mask,
+    PinholeView,
+    binocular_error,
+    border,
+    correspondence,
+    flicker,
+    off_median,
+    radius_mismatch_px,
+    region_errors,
+    regions,
+)
+from vrcomfort.tradeoff.methods import BlurMethod, methods, pick
+from vrcomfort.tradeoff.references import EyeReference, base_captures, references_of
 from vrcomfort.tradeoff.store import Store, key_of, method_code, scene_and_hash
-from vrcomfort.tradeoff.truth import base_shots
 
 SCATTER = "ideal scatter (R2)"
 
 
-class Measured(NamedTuple):
+class MeasuredCase(NamedTuple):
     """What is known of a case."""
 
     case: Case
@@ -73,8 +84,8 @@ class _View(NamedTuple):
 
 
 def measure(
-    case: Case, scope: Scope, store: Store, todo: Sequence[Method] | None = None
-) -> Measured:
+    case: Case, scope: Scope, store: Store, todo: Sequence[BlurMethod] | None = None
+) -> MeasuredCase:
     """Draw and judge methods (those of the scope); what is in the store is taken from there."""
     if todo is None:
         todo = pick(methods(case.effect, quick=scope.quick), scope.methods)
@@ -95,7 +106,7 @@ def measure(
     rows = [{**asdict(case), **json.loads(str(each["row"]))} for each in everything.values()]
     pictures = {name: each["picture"] for name, each in everything.items()}
     shown = {"reference": base["reference"], **pictures}
-    return Measured(case, rows, shown, _counted(case, scope), reused)
+    return MeasuredCase(case, rows, shown, _counted(case, scope), reused)
 
 
 def _counted(case: Case, scope: Scope) -> Mask:
@@ -105,7 +116,7 @@ def _counted(case: Case, scope: Scope) -> Mask:
     return counted[::-1]
 
 
-def _key(case: Case, scope: Scope, method: Method | None) -> str:
+def _key(case: Case, scope: Scope, method: BlurMethod | None) -> str:
     flags = scope.size_px, scope.samples, scope.poses, scope.eyes, scope.flicker
     facts = asdict(case), *flags, method_code()
     condition = method.condition.model_dump(mode="json") if method else None
@@ -120,25 +131,27 @@ def _view(case: Case, scope: Scope, store: Store) -> _View:
     later = view_of(replace(case, later=True), scope, store) if scope.flicker else ()
     pairs, mismatch = None, math.nan
     if eyes_of(case, scope) == 2:
-        left, right = base_shots(case, scope)
+        left, right = base_captures(case, scope)
         pairs = correspondence(left.eye, right.eye, margin_px=margin_px(scope.size_px))
         mismatch = radius_mismatch_px(pairs, eyes[0].radius_px, eyes[1].radius_px)
     return _View(scene, eyes, pairs, mismatch, later)
 
 
-def errors_of(case: Case, scope: Scope, method: Method, store: Store) -> dict[str, Any]:
+def errors_of(case: Case, scope: Scope, method: BlurMethod, store: Store) -> dict[str, Any]:
     """Return the errors of a method; of what there is in the store, only references are used."""
     return _drawn_errors(case, scope, method, _view(case, scope, store))[0]
 
 
-def _method_facts(case: Case, scope: Scope, method: Method, view: _View) -> dict[str, NDArray[Any]]:
+def _method_facts(
+    case: Case, scope: Scope, method: BlurMethod, view: _View
+) -> dict[str, NDArray[Any]]:
     errors, picture = _drawn_errors(case, scope, method, view)
     row = {"method": method.name, "family": method.family, "step": method.step}
     return {"row": np.array(json.dumps({**row, **errors})), "picture": picture[::-1]}
 
 
 def _drawn_errors(
-    case: Case, scope: Scope, method: Method, view: _View
+    case: Case, scope: Scope, method: BlurMethod, view: _View
 ) -> tuple[dict[str, Any], NDArray[np.float32]]:
     """Draw a method, and return its errors and the left eye's image."""
     images = images_of(case, scope, method, view.scene)
@@ -149,12 +162,12 @@ def _drawn_errors(
 
 
 def images_of(
-    case: Case, scope: Scope, method: Method, scene: Scene
+    case: Case, scope: Scope, method: BlurMethod, scene: Scene
 ) -> tuple[NDArray[np.float32], ...]:
     """Draw what a method shows to the eyes that are judged."""
     condition = condition_of(case, scope, method.condition)
     eyes = eyes_of(case, scope)
-    shots = shoot(scene, condition, frames(case, scope), drawn_px(case, scope), eyes=eyes)
+    shots = capture(scene, condition, frames(case, scope), drawn_px(case, scope), eyes=eyes)
     return tuple(shot.blurred for shot in shots)
 
 
@@ -270,3 +283,84 @@ def _known(values: dict[str, float]) -> dict[str, float | None]:
 def decibels(error: float) -> float | None:
     """Return PSNR with peak 1; None where there is no error (JSON has no infinity)."""
     return None if error == 0 else -20 * math.log10(error)
+
+
+class EyeView(NamedTuple):
+    """What an eye's image is judged by: everything of the size that is drawn, bottom row first."""
+
+    truth: EyeReference
+    sure: Mask
+    area: tuple[slice, slice]
+    """Rows and columns that are judged."""
+    radius_px: Array
+    regions: dict[str, Mask]
+    exposure: float
+    pixels_per_degree: float
+
+    def error(self, image: NDArray[np.floating]) -> Array:
+        """Return (h, w, 3): the image less R1, exposed; 0 where R1 is not sure."""
+        reference = np.mean(self.truth.halves, axis=0)
+        return np.where(self.sure, (image - reference) * self.exposure, 0.0)
+
+
+def view_of(case: Case, scope: Scope, store: Store) -> tuple[EyeView, ...]:
+    """Return what a case's images are judged by, for the left eye and, where it counts, the right.
+
+    References are drawn as far as the store has not got them.
+    """
+    shots = base_captures(case, scope)
+    truth = references_of(case, scope, shots, store)
+    return tuple(_eye_view(case, scope, *each) for each in zip(shots, truth, strict=True))
+
+
+def _eye_view(case: Case, scope: Scope, shot: Capture, truth: EyeReference) -> EyeView:
+    scene, _ = scene_and_hash(case.scene)
+    exposure = scene.environment.exposure
+    radius = radius_px(shot, reference_condition(case, scope))
+    seen = PinholeView(shot.depth, radius, shot.sharp * exposure, scope.size_px[0])
+    area, edges = judged_area(case, scope), _border(case, scope, radius)
+    inside = np.zeros(radius.shape, dtype=bool)
+    inside[area] = True
+    masks = {name: mask & inside for name, mask in regions(seen).items()}
+    ppd = pixels_per_degree(shot.camera.fov, drawn_px(case, scope))
+    known = sure(truth.halves, exposure=exposure)
+    return EyeView(truth, known, area, radius, {**masks, "image_border": edges}, exposure, ppd)
+
+
+def judged_area(case: Case, scope: Scope) -> tuple[slice, slice]:
+    """Return the rows and columns of what is drawn that are judged: nothing in the margin."""
+    rows, columns = inside_margin(scope.size_px)
+    if case.window is None:
+        return rows, columns
+    part, whole = drawn(case, scope), window_of(case)
+    bottom, top = max(whole.bottom_px, rows.start), min(_top(whole), rows.stop)
+    left, right = max(whole.left_px, columns.start), min(_right(whole), columns.stop)
+    inner = replace(
+        whole, left_px=left, bottom_px=bottom, width_px=right - left, height_px=top - bottom
+    )
+    return inner.within(part)
+
+
+def _right(window: ImageWindow) -> int:
+    return window.left_px + window.width_px
+
+
+def _top(window: ImageWindow) -> int:
+    return window.bottom_px + window.height_px
+
+
+def _border(case: Case, scope: Scope, radius: Array) -> Mask:
+    """Return the pixels into which blur comes from outside the image."""
+    part = drawn(case, scope)
+    sides = (
+        part.left_px == 0,
+        _right(part) == scope.size_px[0],
+        part.bottom_px == 0,
+        _top(part) == scope.size_px[1],
+    )
+    found = border(radius.shape, sides, math.ceil(float(np.abs(radius).max(initial=0))))
+    if case.window is None:
+        return found
+    inside = np.zeros_like(found)
+    inside[window_of(case).within(part)] = True
+    return found & inside

@@ -47,7 +47,7 @@ VIEWS = (1, 4, 16, 64, 256)
 
 
 @dataclass(frozen=True)
-class Method:
+class BlurMethod:
     """A condition, and where it stands in figures.
 
     Parameters
@@ -65,7 +65,7 @@ class Method:
     step: int | None = None
 
 
-def methods(effect: Effect, *, quick: bool = False) -> list[Method]:
+def methods(effect: Effect, *, quick: bool = False) -> list[BlurMethod]:
     """Return the methods for an effect; `quick` takes fewer steps of each dial."""
     return {"depth_of_field": _lens, "motion_blur": _shutter, "both": _both}[effect](quick)
 
@@ -75,7 +75,7 @@ def base_condition(effect: Effect) -> Condition:
     return _condition(effect, "reference", effect != "motion_blur", effect != "depth_of_field")
 
 
-def pick(found: list[Method], names: tuple[str, ...] | None) -> list[Method]:
+def pick(found: list[BlurMethod], names: tuple[str, ...] | None) -> list[BlurMethod]:
     """Return the methods with these names (all where None), and what has no blur."""
     if names is None:
         return found
@@ -109,7 +109,7 @@ def kinds(settings: type[BaseModel], name: str) -> tuple[str, ...]:
     return () if field is None else get_args(field.annotation)
 
 
-def _lens(quick: bool) -> list[Method]:
+def _lens(quick: bool) -> list[BlurMethod]:
     return [
         no_blur("depth_of_field"),
         *_sources("depth_of_field", DepthOfField, "kernel", _lens_condition),
@@ -118,7 +118,7 @@ def _lens(quick: bool) -> list[Method]:
     ]
 
 
-def _shutter(quick: bool) -> list[Method]:
+def _shutter(quick: bool) -> list[BlurMethod]:
     return [
         no_blur("motion_blur"),
         *_sources("motion_blur", MotionBlur, "method", _per_pixel_condition),
@@ -126,26 +126,26 @@ def _shutter(quick: bool) -> list[Method]:
     ]
 
 
-def _both(quick: bool) -> list[Method]:  # noqa: ARG001 - two orders, and no dial
+def _both(quick: bool) -> list[BlurMethod]:  # noqa: ARG001 - two orders, and no dial
     orders = ("depth_of_field_first", "motion_blur_first")
     ours = [
-        Method(order, "both", "ours", _condition("both", order, True, True, effect_order=order))
+        BlurMethod(order, "both", "ours", _condition("both", order, True, True, effect_order=order))
         for order in orders
     ]
     return [no_blur("both"), *ours]
 
 
-def no_blur(effect: Effect) -> Method:
+def no_blur(effect: Effect) -> BlurMethod:
     """Return the plain frame."""
-    return Method("no blur", effect, "none", Condition(name="no_blur", focus=FOCUS))
+    return BlurMethod("no blur", effect, "none", Condition(name="no_blur", focus=FOCUS))
 
 
-def _sources(effect: Effect, settings: type[BaseModel], field: str, make: Any) -> list[Method]:
+def _sources(effect: Effect, settings: type[BaseModel], field: str, make: Any) -> list[BlurMethod]:
     """Return one method for each value of a setting that is not ours (the first or its name)."""
     names = kinds(settings, field)
     ours = OURS if OURS in names else settings.model_fields[field].default if names else None
     return [
-        Method(name, effect, "source", make(name, **{field: name}))
+        BlurMethod(name, effect, "source", make(name, **{field: name}))
         for name in names
         if name != ours
     ]
@@ -153,9 +153,11 @@ def _sources(effect: Effect, settings: type[BaseModel], field: str, make: Any) -
 
 def _dial(
     effect: Effect, family: Family, field: str, steps: tuple[int, ...], make: Any
-) -> list[Method]:
+) -> list[BlurMethod]:
     return [
-        Method(_name(step, field), effect, family, make(f"{field}_{step}", **{field: step}), step)
+        BlurMethod(
+            _name(step, field), effect, family, make(f"{field}_{step}", **{field: step}), step
+        )
         for step in steps
     ]
 
@@ -164,7 +166,7 @@ def _name(step: int, field: str) -> str:
     return f"ours {step} {field if step > 1 else field.removesuffix('s')}"
 
 
-def _views(quick: bool) -> list[Method]:
+def _views(quick: bool) -> list[BlurMethod]:
     if "views" not in DepthOfField.model_fields:
         return []
     steps = VIEWS[:4] if quick else VIEWS

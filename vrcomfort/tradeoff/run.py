@@ -12,21 +12,20 @@ from vrcomfort.errors import InputError
 from vrcomfort.gpu.gl import describe
 from vrcomfort.gpu.timer import is_software
 from vrcomfort.render.image_error import margin_px
+from vrcomfort.tradeoff.captures import context
 from vrcomfort.tradeoff.cases import Case, Scope, cases, eyes_of
+from vrcomfort.tradeoff.costs import CaseTime, rounds_of, time_case, traffic_of_method
 from vrcomfort.tradeoff.files import write_all
-from vrcomfort.tradeoff.measure import Measured, measure
-from vrcomfort.tradeoff.methods import Method, effects_with, methods, pick
+from vrcomfort.tradeoff.measure import MeasuredCase, measure
+from vrcomfort.tradeoff.methods import BlurMethod, effects_with, methods, pick
+from vrcomfort.tradeoff.references import DrawnSamples, draw_reference
 from vrcomfort.tradeoff.results import results
-from vrcomfort.tradeoff.shots import context
 from vrcomfort.tradeoff.store import Store, scene_and_hash
 from vrcomfort.tradeoff.tables import doubts
-from vrcomfort.tradeoff.timing import CaseTime, rounds_of, time_case
-from vrcomfort.tradeoff.traffic import traffic_of_method
-from vrcomfort.tradeoff.truth import Drawn, draw_reference
 from vrcomfort.workers import Work, workers
 
 
-class Progress(Protocol):
+class StageProgress(Protocol):
     """Shows how far a stage is: called with its title and its steps, gives what advances it."""
 
     def __call__(self, title: str, steps: int, /) -> Callable[[], None]:
@@ -52,7 +51,7 @@ def tradeoff(
     jobs: int = 1,
     cluster: str | None = None,
     only_references: bool = False,
-    progress: Progress,
+    progress: StageProgress,
 ) -> Summary:
     """Measure everything in `scope` and write it into `out`; or only draw and keep references.
 
@@ -89,8 +88,8 @@ class _ReferenceJob(NamedTuple):
 
 
 def _draw(
-    work: Work, todo: list[Case], scope: Scope, store: Store, progress: Progress
-) -> list[Drawn]:
+    work: Work, todo: list[Case], scope: Scope, store: Store, progress: StageProgress
+) -> list[DrawnSamples]:
     jobs = [
         _ReferenceJob(case, eye)
         for case in _with_later(todo, scope)
@@ -110,13 +109,13 @@ def _with_later(todo: list[Case], scope: Scope) -> list[Case]:
     return [replace(case, later=later) for case in todo for later in times]
 
 
-def _draw_one(scope: Scope, store: Store, job: _ReferenceJob) -> Drawn:
+def _draw_one(scope: Scope, store: Store, job: _ReferenceJob) -> DrawnSamples:
     return draw_reference(job.case, scope, job.eye, store)
 
 
 def _measure(
-    work: Work, todo: list[Case], scope: Scope, store: Store, progress: Progress
-) -> list[Measured]:
+    work: Work, todo: list[Case], scope: Scope, store: Store, progress: StageProgress
+) -> list[MeasuredCase]:
     advance = progress("methods", len(todo))
     found = {}
     for one in work(partial(_measure_one, scope, store), todo):
@@ -125,11 +124,11 @@ def _measure(
     return [found[case] for case in todo]
 
 
-def _measure_one(scope: Scope, store: Store, case: Case) -> Measured:
+def _measure_one(scope: Scope, store: Store, case: Case) -> MeasuredCase:
     return measure(case, scope, store)
 
 
-def _time(todo: list[Case], scope: Scope, progress: Progress) -> list[CaseTime]:
+def _time(todo: list[Case], scope: Scope, progress: StageProgress) -> list[CaseTime]:
     """Time in this process alone, one case after the other: nothing else disturbs."""
     wholes = _wholes(todo)
     advance = progress("times", sum(len(_methods(case, scope)) for case in wholes))
@@ -137,7 +136,7 @@ def _time(todo: list[Case], scope: Scope, progress: Progress) -> list[CaseTime]:
 
 
 def _traffic(
-    todo: list[Case], scope: Scope, progress: Progress
+    todo: list[Case], scope: Scope, progress: StageProgress
 ) -> dict[tuple[Case, str], dict[str, Any]]:
     """Count what the effects of each method send through memory."""
     pairs = [(case, method) for case in _wholes(todo) for method in _methods(case, scope)]
@@ -154,7 +153,7 @@ def _wholes(todo: list[Case]) -> list[Case]:
     return list(dict.fromkeys(replace(case, window=None) for case in todo))
 
 
-def _methods(case: Case, scope: Scope) -> list[Method]:
+def _methods(case: Case, scope: Scope) -> list[BlurMethod]:
     return pick(methods(case.effect, quick=scope.quick), scope.methods)
 
 
@@ -181,7 +180,7 @@ def _timer() -> str:
     return "processor time of this process" if software else "time stamps of the GPU"
 
 
-def _reused(drawn: list[Drawn], measured: list[Measured]) -> str:
+def _reused(drawn: list[DrawnSamples], measured: list[MeasuredCase]) -> str:
     samples, reused = sum(d.samples for d in drawn), sum(min(d.reused, d.samples) for d in drawn)
     rows = sum(len(each.rows) - 1 for each in measured)
     kept = sum(each.reused for each in measured)

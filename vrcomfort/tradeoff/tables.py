@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
-from vrcomfort.tradeoff.keys import key_of_row, title
+from vrcomfort.tradeoff.costs import LONGEST_S, SLOW_S
+from vrcomfort.tradeoff.error_measures import REGIONS
 from vrcomfort.tradeoff.measure import SCATTER
-from vrcomfort.tradeoff.regions import REGIONS
-from vrcomfort.tradeoff.timing import LONGEST_S, SLOW_S
+from vrcomfort.tradeoff.results import key_of_row, title
 from vrcomfort.tradeoff.walk import TURN_DEG_PER_S
 
 Row = dict[str, Any]

@@ -6,7 +6,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
 
 from vrcomfort.exchange.verifying.findings import Verified
-from vrcomfort.records.recorded_rows import RecordedRow
+from vrcomfort.records.tables import RecordedRow
 from vrcomfort.records.times import TOLERANCE_S, before
 
 _REFUSED = "rather not say"

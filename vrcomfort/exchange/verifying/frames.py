@@ -12,7 +12,7 @@ from typing import NamedTuple
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.records.attempts import Attempt, FramesOfAttempts
 from vrcomfort.records.interruptions import SAFE_AFTER_S, Interruption
-from vrcomfort.records.recorded_rows import RecordedRow
+from vrcomfort.records.tables import RecordedRow
 from vrcomfort.records.times import TOLERANCE_S, before, within
 
 _BACKWARDS = "; the file was changed or mixed with another: restore it from a copy"

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from vrcomfort.exchange.verifying.findings import Verified
-from vrcomfort.records.recorded_rows import RecordedRow
+from vrcomfort.records.tables import RecordedRow
 from vrcomfort.records.times import before
 
 _STATUS = ("completed", "skipped", "redone", "withdrawn", "aborted")

@@ -42,7 +42,6 @@ from vrcomfort.records.exposure_rows import (
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.interruptions import OF_FRAMES, Interruption, interruptions
 from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.recorded_rows import RecordedRow
 from vrcomfort.records.rows import Row
 from vrcomfort.records.session_rows import (
     ClockRow,
@@ -51,6 +50,7 @@ from vrcomfort.records.session_rows import (
     ScreeningRow,
     TextRow,
 )
+from vrcomfort.records.tables import RecordedRow
 from vrcomfort.records.times import before, within
 
 _RESTORE = "restore the file that was changed"

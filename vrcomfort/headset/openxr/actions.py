@@ -1,22 +1,174 @@
-"""Buttons, thumb-sticks, aim, vibration and gaze."""
+"""Controllers, hands and eyes: bindings, buttons, thumb-sticks, aim, vibration and gaze."""
 
 from __future__ import annotations
 
 import ctypes
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import xr
 
-from vrcomfort.geometry import Pose
+from vrcomfort.geometry import EyeGaze, Pose, normalize, turn_to
 from vrcomfort.headset.inputs import HandInput, Inputs, SeenGaze
-from vrcomfort.headset.openxr.action_bindings import GAZE_PATH, GAZE_PROFILE, HANDS, PROFILES
-from vrcomfort.headset.openxr.convert import pose_from_xr
-from vrcomfort.headset.openxr.each_eye import EachEye, both
 from vrcomfort.headset.openxr.instance import Runtime
-from vrcomfort.headset.openxr.native import check, native, watched
+from vrcomfort.headset.openxr.native import check, native, native_extension, pose_from_xr, watched
 from vrcomfort.headset.openxr.spaces import LOCATION_FLAGS, VALID, Stage
+
+HANDS = ("left", "right")
+BOTH = {"aim": "input/aim/pose", "haptic": "output/haptic"}
+
+
+@dataclass(frozen=True)
+class Profile:
+    """The suggested bindings of one interaction profile.
+
+    Parameters
+    ----------
+    path
+        The profile, below ``/interaction_profiles/``.
+    left, right
+        Action to input or output path, below ``/user/hand/<hand>/``; the poses and the vibration
+        that all controllers share come on top.
+    extension
+        What must be switched on for it.
+    ticks
+        Whether it can vibrate: bare hands cannot.
+    """
+
+    path: str
+    left: dict[str, str]
+    right: dict[str, str]
+    extension: str | None = None
+    ticks: bool = True
+
+    def pairs(self) -> list[tuple[str, str]]:
+        """Return (action, full path) of each binding."""
+        return [
+            (action, f"/user/hand/{hand}/{place}")
+            for hand, own in zip(HANDS, (self.left, self.right), strict=True)
+            for action, place in {**BOTH, **own}.items()
+            if self.ticks or action != "haptic"
+        ]
+
+
+_TRIGGER = {"select": "input/trigger/value", "move": "input/thumbstick"}
+_XY = {**_TRIGGER, "back": "input/y/click", "stop": "input/menu/click"}
+_AB = {**_TRIGGER, "back": "input/b/click", "stop": "input/a/click"}
+_SIMPLE = {"select": "input/select/click", "stop": "input/menu/click"}
+_INDEX = {
+    "select": "input/trigger/click",
+    "back": "input/b/click",
+    "stop": "input/a/click",
+    "move": "input/thumbstick",
+}
+_VIVE = {
+    "select": "input/trigger/click",
+    "back": "input/squeeze/click",
+    "stop": "input/menu/click",
+    "move": "input/trackpad",
+}
+_WMR = {**_TRIGGER, "back": "input/squeeze/click", "stop": "input/menu/click"}
+_HP = {"stop": "input/menu/click"}
+_FOCUS3 = {"select": "input/trigger/click"}
+_BARE = {"select": "input/aim_activate_ext/value", "fist": "input/grasp_ext/value"}
+_NEO3 = {"stop": "input/menu/click"}
+
+PROFILES = (
+    Profile("khr/simple_controller", _SIMPLE, _SIMPLE),
+    Profile("oculus/touch_controller", _XY, _AB),
+    Profile("valve/index_controller", _INDEX, _INDEX),
+    Profile("htc/vive_controller", _VIVE, _VIVE),
+    Profile("microsoft/motion_controller", _WMR, _WMR),
+    Profile(
+        "hp/mixed_reality_controller",
+        _XY,
+        _AB | _HP,
+        xr.EXT_HP_MIXED_REALITY_CONTROLLER_EXTENSION_NAME,
+    ),
+    Profile(
+        "htc/vive_focus3_controller",
+        _XY | _FOCUS3,
+        _AB | _FOCUS3,
+        xr.HTC_VIVE_FOCUS3_CONTROLLER_INTERACTION_EXTENSION_NAME,
+    ),
+    Profile("bytedance/pico4_controller", _XY, _AB, xr.BD_CONTROLLER_INTERACTION_EXTENSION_NAME),
+    Profile(
+        "bytedance/pico_neo3_controller",
+        _XY,
+        _AB | _NEO3,
+        xr.BD_CONTROLLER_INTERACTION_EXTENSION_NAME,
+    ),
+    Profile(
+        "ext/hand_interaction_ext",
+        _BARE,
+        _BARE,
+        xr.EXT_HAND_INTERACTION_EXTENSION_NAME,
+        ticks=False,
+    ),
+)
+"""``stop`` is the menu button where an application may have it, else A: on the Index, and on right
+controllers whose menu button is the runtime's. Bare hands have none, and stop with two fists."""
+
+GAZE_PROFILE = "ext/eye_gaze_interaction"
+GAZE_PATH = "/user/eyes_ext/input/gaze_ext/pose"
+
+
+# Of the extensions that pyopenxr knows this is the only one on a PC that tells the eyes apart; none
+# tells the size of the pupils.
+EACH_EYE_EXTENSION = xr.FB_EYE_TRACKING_SOCIAL_EXTENSION_NAME
+
+EyeGazes = tuple[EyeGaze, EyeGaze]
+"""The left and the right one."""
+
+
+class EachEye:
+    """The eye tracker of a session.
+
+    Parameters
+    ----------
+    instance, session
+        OpenXR's handles; the extension is switched on.
+    """
+
+    def __init__(self, instance: xr.Instance, session: xr.Session) -> None:
+        self._tracker = watched(xr.create_eye_tracker_fb, session, xr.EyeTrackerCreateInfoFB())
+        self._get = native_extension(instance, "xrGetEyeGazesFB")
+        self._info, self._found = xr.EyeGazesInfoFB(), xr.EyeGazesFB()  # made once: hot
+
+    def read(self, space: xr.Space, time_ns: int) -> tuple[EyeGazes, int]:
+        """Return both eyes in a space, and when the tracker saw them (0: it does not say)."""
+        self._info.base_space, self._info.time = space, time_ns
+        self._get(self._tracker, ctypes.byref(self._info), ctypes.byref(self._found))
+        return eyes_from_xr(self._found), int(self._found.time)
+
+    def release(self) -> None:
+        """Destroy the tracker."""
+        with suppress(xr.exception.ResultException):
+            watched(xr.destroy_eye_tracker_fb, self._tracker)
+
+
+def eyes_from_xr(found: xr.EyeGazesFB) -> EyeGazes:
+    """Return the gazes that a tracker has found."""
+    left, right = (
+        EyeGaze(pose_from_xr(eye.gaze_pose)) if eye.is_valid else EyeGaze(Pose(), valid=False)
+        for eye in found.gaze
+    )
+    return left, right
+
+
+def combined_gaze(eyes: EyeGazes, time_ns: int) -> SeenGaze:
+    """Return where both eyes look: from between them, along the mean of their directions.
+
+    For runtimes that tell of each eye alone. It is valid where both eyes are seen.
+    """
+    left, right = eyes
+    if not (left.valid and right.valid):
+        return SeenGaze(Pose(), valid=False, eyes=eyes, time_ns=time_ns)
+    between = (left.pose.position + right.pose.position) / 2
+    along = normalize(left.pose.forward + right.pose.forward)
+    return SeenGaze(Pose(between, turn_to(along)), eyes=eyes, time_ns=time_ns)
+
 
 TICK_NS = 30_000_000
 TICK_AMPLITUDE = 0.4
@@ -131,7 +283,7 @@ class Actions:
         if self._each_eye is None:
             return combined
         eyes, seen_ns = self._each_eye.read(stage.space, time_ns)
-        return both(eyes, seen_ns) if combined is None else replace(combined, eyes=eyes)
+        return combined_gaze(eyes, seen_ns) if combined is None else replace(combined, eyes=eyes)
 
     def _read_combined(self, stage: Stage, time_ns: int) -> SeenGaze | None:
         if self._gaze_space is None:

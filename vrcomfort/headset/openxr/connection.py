@@ -10,13 +10,12 @@ import xr
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import HeadsetEvent
-from vrcomfort.headset.openxr import depth, display, display_clock
-from vrcomfort.headset.openxr.actions import Actions
-from vrcomfort.headset.openxr.each_eye import EXTENSION
+from vrcomfort.headset.openxr import display, layers
+from vrcomfort.headset.openxr.actions import EACH_EYE_EXTENSION, Actions
 from vrcomfort.headset.openxr.faults import running, starting
 from vrcomfort.headset.openxr.graphics_binding import Binding, current_binding, make_current
 from vrcomfort.headset.openxr.instance import connect
-from vrcomfort.headset.openxr.layers import EyeLayer, Mirror
+from vrcomfort.headset.openxr.layers import EyeLayer, TakeEyeImage
 from vrcomfort.headset.openxr.lifecycle import Lifecycle
 from vrcomfort.headset.openxr.native import watched
 from vrcomfort.headset.openxr.settings import OpenXrSettings
@@ -58,7 +57,7 @@ class Connection:
         self,
         ctx: moderngl.Context,
         settings: OpenXrSettings,
-        mirror: Mirror | None,
+        mirror: TakeEyeImage | None,
         notify: Callable[[HeadsetEvent], None],
     ) -> None:
         self._ctx = ctx
@@ -74,7 +73,7 @@ class Connection:
             raise
 
     def _open(
-        self, binding: Binding, mirror: Mirror | None, notify: Callable[[HeadsetEvent], None]
+        self, binding: Binding, mirror: TakeEyeImage | None, notify: Callable[[HeadsetEvent], None]
     ) -> None:
         self._platform = binding.platform
         self.runtime = connect(self._settings, binding.extensions, notify)
@@ -88,7 +87,7 @@ class Connection:
         formats = watched(xr.enumerate_swapchain_formats, self.session)
         self._format = choose_format(formats)
         self.size_px = self._settings.image_size_px or self.runtime.recommended_size_px
-        self._no_depth = depth.why_not(self.runtime.extensions, formats)
+        self._no_depth = layers.why_no_depth(self.runtime.extensions, formats)
         self.eyes = EyeLayer(self._ctx, self.eye_canvas, self.size_px, mirror, self._depth_images())
         self._owned.callback(self.eyes.release)
         self.actions = Actions(self.runtime, self.session)
@@ -126,8 +125,8 @@ class Connection:
             "image_format": FORMATS[self._format],
             "depth_layer": self._no_depth or DEPTH_FORMAT_NAME,
             "eye_tracker": "yes" if self.runtime.has_gaze or self.runtime.has_each_eye else "no",
-            "each_eye": EXTENSION if self.runtime.has_each_eye else "not told",
-            "display_clock": display_clock.extension(self.runtime) or "not told",
+            "each_eye": EACH_EYE_EXTENSION if self.runtime.has_each_eye else "not told",
+            "display_clock": display.clock_extension(self.runtime) or "not told",
             "extensions": " ".join(sorted(self.runtime.extensions)),
             "left_controller": self.actions.profile(0),
             "right_controller": self.actions.profile(1),
@@ -145,13 +144,13 @@ class Connection:
         """Take the context back after a call in which the runtime may have used it."""
         make_current(self._ctx)
 
-    def _depth_images(self) -> depth.DepthImages | None:
+    def _depth_images(self) -> layers.DepthImages | None:
         if not self._settings.depth:
             self._no_depth = "switched off"
         if self._no_depth:
             return None
         left, right = (self._swapchain(self.size_px, DEPTH_FORMAT, DEPTH_USAGE) for _ in range(2))
-        return depth.DepthImages(self._ctx, (left, right))
+        return layers.DepthImages(self._ctx, (left, right))
 
     def _swapchain(
         self, size_px: tuple[int, int], image_format: int, usage: xr.SwapchainUsageFlags

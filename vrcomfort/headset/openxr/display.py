@@ -1,8 +1,10 @@
-"""Optional news about the display: its refresh rates, and the corners nobody sees."""
+"""The display: refresh rates, its clock, and the area that the lenses hide."""
 
 from __future__ import annotations
 
 import ctypes
+import sys
+import time
 from collections.abc import Container
 from dataclasses import dataclass
 
@@ -11,11 +13,18 @@ import xr
 from numpy.typing import NDArray
 
 from vrcomfort.errors import InputError
-from vrcomfort.headset.openxr.instance import STEREO, call_extension
+from vrcomfort.headset.openxr.instance import (
+    CONVERTS_TIMESPEC,
+    CONVERTS_WIN32,
+    STEREO,
+    Runtime,
+    call_extension,
+)
 from vrcomfort.headset.openxr.native import watched
 
 REFRESH_RATE = xr.FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME
 VISIBILITY_MASK = xr.KHR_VISIBILITY_MASK_EXTENSION_NAME
+SECOND_NS = 1_000_000_000
 HIDDEN = xr.VisibilityMaskTypeKHR.HIDDEN_TRIANGLE_MESH
 
 
@@ -116,3 +125,35 @@ def _fill_mask(
     eye_and_kind = STEREO.value, eye, HIDDEN.value
     instance, name = session.instance, "xrGetVisibilityMaskKHR"
     call_extension(instance, name, session, *eye_and_kind, ctypes.byref(mask))
+
+
+def clock_extension(runtime: Runtime) -> str:
+    """Return the extension by which a runtime tells its clock; blank where it does not."""
+    taken = (name for name in (CONVERTS_TIMESPEC, CONVERTS_WIN32) if name in runtime.extensions)
+    return next(taken, "")
+
+
+def display_now_ns(runtime: Runtime) -> int | None:
+    """Return the present moment as a display time; None where the runtime does not tell.
+
+    The extension converts the system's monotonic clock, on Windows the performance counter.
+
+    Raises
+    ------
+    xr.exception.ResultException
+        If the runtime refuses, or is gone.
+    """
+    instance, told = runtime.instance, ctypes.c_int64()
+    if clock_extension(runtime) == CONVERTS_TIMESPEC:
+        seconds, rest_ns = divmod(time.clock_gettime_ns(time.CLOCK_MONOTONIC), SECOND_NS)
+        moment = xr.timespec(tv_sec=seconds, tv_nsec=rest_ns)
+        name = "xrConvertTimespecTimeToTimeKHR"
+        call_extension(instance, name, instance, ctypes.byref(moment), ctypes.byref(told))
+        return told.value
+    if sys.platform == "win32" and clock_extension(runtime) == CONVERTS_WIN32:
+        counter = ctypes.c_int64()
+        ctypes.windll.kernel32.QueryPerformanceCounter(ctypes.byref(counter))
+        name = "xrConvertWin32PerformanceCounterToTimeKHR"
+        call_extension(instance, name, instance, ctypes.byref(counter), ctypes.byref(told))
+        return told.value
+    return None

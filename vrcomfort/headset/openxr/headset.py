@@ -15,19 +15,19 @@ from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.locomotion import Locomotion
-from vrcomfort.headset.openxr import display, display_clock, faults, layers
+from vrcomfort.headset.openxr import display, faults, layers
 from vrcomfort.headset.openxr.connection import Connection
+from vrcomfort.headset.openxr.layers import Panels
+from vrcomfort.headset.openxr.lifecycle import Presence
 from vrcomfort.headset.openxr.native import native, watched
-from vrcomfort.headset.openxr.panels import Panels
-from vrcomfort.headset.openxr.participant_pose import ParticipantPose
-from vrcomfort.headset.openxr.presence import Presence
 from vrcomfort.headset.openxr.settings import OpenXrSettings
+from vrcomfort.headset.openxr.tracking import ParticipantPose
 from vrcomfort.headset.timing import Timing, rate_runtime
 from vrcomfort.headset.watchdog import RUNTIME_CALLS
 from vrcomfort.scene.floors import Floors
 
 if TYPE_CHECKING:
-    from vrcomfort.headset.mirror import Mirror
+    from vrcomfort.headset.window import Mirror
 
 SECOND_NS = 1_000_000_000
 EXIT_FRAMES = 100
@@ -63,7 +63,7 @@ class OpenXrHeadset:
         settings: OpenXrSettings | None = None,
         *,
         before_wait: Callable[[], None] | None = None,
-        mirror: layers.Mirror | None = None,
+        mirror: layers.TakeEyeImage | None = None,
         window: Mirror | None = None,
     ) -> None:
         self._before_wait, self._window = before_wait, window
@@ -133,7 +133,7 @@ class OpenXrHeadset:
     def display_now_ns(self) -> int | None:
         """Return the present moment as a display time; None where the runtime does not tell."""
         with faults.running():
-            return display_clock.now_ns(self._xr.runtime)
+            return display.display_now_ns(self._xr.runtime)
 
     @property
     def image_size_px(self) -> tuple[int, int]:

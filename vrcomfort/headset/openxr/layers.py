@@ -1,9 +1,11 @@
-"""What the runtime composes: the two eyes' images, and panels that stand in the room."""
+"""Composition layers: the two eyes' images with their depth, and panels in the room."""
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any, cast
 
 import moderngl
@@ -11,17 +13,101 @@ import numpy as np
 import xr
 from numpy.typing import NDArray
 
-from vrcomfort.geometry import Quad
-from vrcomfort.headset.openxr.convert import pose_to_xr
-from vrcomfort.headset.openxr.depth import DepthImages
+from vrcomfort.geometry import Pose, Quad
+from vrcomfort.headset.inputs import POINTER_SIZE_PX, pointer_picture
 from vrcomfort.headset.openxr.faults import running
-from vrcomfort.headset.openxr.native import native
-from vrcomfort.headset.openxr.swapchain import Canvas
+from vrcomfort.headset.openxr.native import native, pose_to_xr
+from vrcomfort.headset.openxr.swapchain import DEPTH_FORMAT, DEPTH_FORMAT_NAME, Canvas, Swapchain
+
+DEPTH_LAYER = xr.KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME
+DepthInfo = xr.CompositionLayerDepthInfoKHR
+
+_TEXTURE_2D = 0x0DE1
+
+
+class DepthImages:
+    """The two eyes' depth of a frame, copied bit for bit.
+
+    With it a runtime can shift the images with the head, not only turn them. The renderer's depth
+    is ``near_m / distance`` (reverse-Z): 1 on the near plane, 0 at infinity.
+    `XR_KHR_composition_layer_depth` calls the distance at depth 0 "near", at depth 1 "far".
+
+    Parameters
+    ----------
+    ctx
+        The context that the session was made with.
+    swapchains
+        Left and right, of `DEPTH_FORMAT`; they are released with this.
+    """
+
+    def __init__(self, ctx: moderngl.Context, swapchains: tuple[Swapchain, Swapchain]) -> None:
+        self._swapchains = swapchains
+        self._copy = _copier(ctx)
+        self._infos = tuple(
+            DepthInfo(each.sub_image, min_depth=0.0, max_depth=1.0, near_z=math.inf, far_z=1.0)
+            for each in swapchains
+        )
+        self._drawn = [False, False]
+
+    def draw(self, eye: int, depth: moderngl.Texture, near_m: float) -> None:
+        """Hand the depth of `eye` (0 left, 1 right) to the runtime, for the frame under way.
+
+        Raises
+        ------
+        ValueError
+            If it has not the size of the images.
+        """
+        swapchain = self._swapchains[eye]
+        if depth.size != swapchain.size_px:
+            raise ValueError(f"depth of {depth.size} pixels, wanted {swapchain.size_px}")
+        with swapchain.image() as index:
+            self._copy(depth.glo, swapchain.names[index], depth.size)
+        self._infos[eye].far_z = near_m
+        self._drawn[eye] = True
+
+    def take(self) -> tuple[int | None, int | None]:
+        """Return the addresses of what goes into the layer, once: both eyes' depth, or none."""
+        whole = all(self._drawn)
+        self._drawn = [False, False]
+        if not whole:
+            return None, None
+        left, right = self._infos
+        return ctypes.addressof(left), ctypes.addressof(right)
+
+    def release(self) -> None:
+        """Release the images."""
+        for swapchain in self._swapchains:
+            swapchain.release()
+
+
+def why_no_depth(extensions: frozenset[str], formats: Sequence[int]) -> str:
+    """Return why the runtime gets no depth, or an empty string where it does."""
+    if DEPTH_LAYER not in extensions:
+        return "not offered by the runtime"
+    if DEPTH_FORMAT not in formats:
+        return f"the runtime offers no {DEPTH_FORMAT_NAME} images"
+    return ""
+
+
+def _copier(ctx: moderngl.Context) -> Callable[[int, int, tuple[int, int]], None]:
+    """Return a function that copies a texture (source and target name, size) over another."""
+    kind = getattr(ctypes, "WINFUNCTYPE", ctypes.CFUNCTYPE)
+    loader = ctx.mglo._context
+    # A context of our own and one that a window made look functions up by different names.
+    find = getattr(loader, "load", None) or loader.load_opengl_function
+    call = kind(None, *[ctypes.c_int] * 15)(find("glCopyImageSubData"))
+    corner = (_TEXTURE_2D, 0, 0, 0, 0)
+
+    def copy(source: int, target: int, size_px: tuple[int, int]) -> None:
+        call(source, *corner, target, *corner, *size_px, 1)
+
+    return copy
+
 
 Eyes = tuple[moderngl.Texture, moderngl.Texture]
 Layer = Any
 MakeCanvas = Callable[[tuple[int, int]], Canvas]
-Mirror = Callable[[int, moderngl.Framebuffer], None]
+TakeEyeImage = Callable[[int, moderngl.Framebuffer], None]
 
 MOST_LAYERS = 16
 """Every runtime takes so many."""
@@ -56,7 +142,7 @@ class EyeLayer:
         ctx: moderngl.Context,
         make_canvas: MakeCanvas,
         size_px: tuple[int, int],
-        mirror: Mirror | None,
+        mirror: TakeEyeImage | None,
         depth: DepthImages | None,
     ) -> None:
         self._ctx = ctx
@@ -209,3 +295,79 @@ class FrameEnd:
             self._layers[index] = ctypes.cast(ctypes.byref(layer), _LayerPointer)
         self._info.display_time, self._info.layer_count = display_time_ns, len(layers)
         self._end(self._session, self._info)
+
+
+class Panels:
+    """Panels that stand in the room, and those that wait to be shown again.
+
+    Parameters
+    ----------
+    make_canvas
+        Makes a canvas of a size in pixels.
+    """
+
+    def __init__(self, make_canvas: MakeCanvas) -> None:
+        self._make_canvas = make_canvas
+        self._standing: list[PanelLayer] = []
+        self._hidden: list[PanelLayer] = []
+        self._pointer: PanelLayer | None = None
+        self._points = False
+
+    @running()
+    def show(self, size_px: tuple[int, int], quad: Quad) -> PanelLayer:
+        """Put a panel into the room: one that was hidden, or a new one."""
+        panel = next((each for each in self._hidden if each.size_px == size_px), None)
+        if panel is None:
+            panel = self._new(size_px, quad)
+        else:
+            self._hidden.remove(panel)
+            panel.move(quad)
+        self._standing.append(panel)
+        return panel
+
+    @running()
+    def prepare(self, size_px: tuple[int, int]) -> None:
+        """Make the images of a panel and of the pointer now, so that none are made in a scene."""
+        nowhere = Quad(Pose(), (1.0, 1.0))
+        self.point(nowhere)
+        self.point(None)
+        self._hidden.append(self._new(size_px, nowhere))
+
+    @running()
+    def point(self, quad: Quad | None) -> None:
+        """Put the pointer there, in front of all panels, or take it away."""
+        self._points = quad is not None
+        if quad is None:
+            return
+        if self._pointer is None:
+            self._pointer = self._new(POINTER_SIZE_PX, quad)
+            self._pointer.draw(pointer_picture())
+        self._pointer.move(quad)
+
+    @property
+    def shown(self) -> list[PanelLayer]:
+        """Return what is seen, from back to front."""
+        return [*self._standing, *([self._pointer] if self._pointer and self._points else [])]
+
+    def relocate(self, new_from_old: Pose) -> None:
+        """Leave all panels where they are in the world: the stage's origin has moved."""
+        for panel in self._standing:
+            panel.move(Quad(new_from_old @ panel.quad.pose, panel.quad.size_m))
+
+    def release(self) -> None:
+        """Release all images; a runtime that is gone keeps nothing."""
+        panels = [*self._standing, *self._hidden]
+        panels += [] if self._pointer is None else [self._pointer]
+        self._standing.clear()
+        self._hidden.clear()
+        self._pointer = None
+        with suppress(xr.exception.ResultException):
+            for panel in panels:
+                panel.release()
+
+    def _new(self, size_px: tuple[int, int], quad: Quad) -> PanelLayer:
+        return PanelLayer(self._make_canvas, size_px, quad, self._put_aside)
+
+    def _put_aside(self, panel: PanelLayer) -> None:
+        self._standing.remove(panel)
+        self._hidden.append(panel)

@@ -1,4 +1,4 @@
-"""The session's states, as the runtime drives them, and the other events it sends."""
+"""The session's states as the runtime drives them, and the participant's presence."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ import xr
 
 from vrcomfort.frame import HeadsetEvent
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.openxr.convert import pose_from_xr
-from vrcomfort.headset.openxr.faults import lost
+from vrcomfort.headset.inputs import Inputs
+from vrcomfort.headset.openxr.actions import HANDS
+from vrcomfort.headset.openxr.faults import asleep, lost
 from vrcomfort.headset.openxr.instance import STEREO
-from vrcomfort.headset.openxr.native import native, watched
-from vrcomfort.headset.refresh_period import RefreshPeriod
+from vrcomfort.headset.openxr.native import native, pose_from_xr, watched
+from vrcomfort.headset.timing import RefreshPeriod
 
 State = xr.SessionState
 POLL_S = 0.01
@@ -197,3 +198,88 @@ class Lifecycle:
 
     def _on_presence(self, event: Any) -> None:
         self._notify(HeadsetEvent("headset_on" if event.is_user_present else "headset_off"))
+
+
+class Presence:
+    """Waits for a participant who has taken the headset off, but not for ever.
+
+    Parameters
+    ----------
+    lifecycle
+        Of the session.
+    patience_s
+        How long nobody may look before the session is given up.
+    notify
+        Called when a controller is lost and found.
+
+    Attributes
+    ----------
+    away
+        Whether the participant sees nothing of the present frame.
+    leaving
+        Whether the session is being ended: a frame that is seen then earns no more patience.
+    """
+
+    def __init__(
+        self, lifecycle: Lifecycle, patience_s: float, notify: Callable[[HeadsetEvent], None]
+    ) -> None:
+        self._lifecycle = lifecycle
+        self._patience_s = patience_s
+        self._notify = notify
+        self._held = [True, True]
+        self.away = self.leaving = False
+        self.allow(0.0)
+
+    def allow(self, absence_s: float) -> None:
+        """Begin to be patient in so many seconds, not now."""
+        self.until(absence_s + self._patience_s)
+
+    def until(self, duration_s: float) -> None:
+        """Be patient for so many seconds from now."""
+        self._until_s = time.monotonic() + duration_s
+
+    def wait(self) -> bool:
+        """Wait until frames are wanted; return False where the session has ended.
+
+        Raises
+        ------
+        RuntimeLostError
+            If the headset sleeps on when patience is over.
+        """
+        running = self._lifecycle.wait_until_running(self._until_s - time.monotonic())
+        if not running and not self._lifecycle.ended:
+            raise asleep(self._patience_s)
+        return running
+
+    def update(self, inputs: Inputs, *, located: bool = True, rendered: bool = True) -> bool:
+        """Take note of a frame; return True where the participant comes back with it.
+
+        Parameters
+        ----------
+        located
+            Whether the head has ever been found: nothing is shown before.
+        rendered
+            Whether the runtime wants a picture: nothing is seen without.
+
+        Raises
+        ------
+        RuntimeLostError
+            If they have seen nothing until patience is over.
+        """
+        before, self.away = self.away, not (self._lifecycle.seen and located)
+        if rendered and not self.away:
+            if not self.leaving:
+                self.allow(0.0)
+        elif time.monotonic() > self._until_s:
+            raise asleep(self._patience_s)
+        if self._lifecycle.focused:  # else the runtime's own menu has the controllers
+            self._notice(inputs)
+        return before and not self.away
+
+    def _notice(self, inputs: Inputs) -> None:
+        for number, hand in enumerate(inputs.hands):
+            held = hand.aim is not None
+            if held != self._held[number]:
+                name = "controller_found" if held else "controller_lost"
+                self._notify(HeadsetEvent(name, HANDS[number]))
+            self._held[number] = held

@@ -1,4 +1,4 @@
-"""Calls into OpenXR: watched, and for every frame without new structures or exceptions."""
+"""Calls into OpenXR: watched, fast for every frame, and with poses in our types."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import xr
 
+from vrcomfort.geometry import Fov, Pose, View
 from vrcomfort.headset.watchdog import RUNTIME_CALLS
 
 Call = Callable[..., int]
@@ -85,3 +86,24 @@ def _raw(name: str) -> Call:
     function.argtypes = getattr(xr.raw_functions, name).argtypes
     function.restype = ctypes.c_int32
     return function  # type: ignore[no-any-return]
+
+
+def pose_from_xr(pose: xr.Posef) -> Pose:
+    """Return the same pose in float64."""
+    p, q = pose.position, pose.orientation
+    return Pose.of((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
+
+
+def pose_to_xr(pose: Pose) -> xr.Posef:
+    """Return the same pose, rounded to float32."""
+    return xr.Posef(
+        orientation=xr.Quaternionf(*map(float, pose.orientation)),
+        position=xr.Vector3f(*map(float, pose.position)),
+    )
+
+
+def view_from_xr(view: xr.View) -> View:
+    """Return an eye's pose and frustum."""
+    fov = view.fov
+    angles = Fov(fov.angle_left, fov.angle_right, fov.angle_up, fov.angle_down)
+    return View(pose_from_xr(view.pose), angles)

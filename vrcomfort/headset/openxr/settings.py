@@ -22,7 +22,7 @@ class OpenXrSettings:
     eye_height_m
         How far the floor is below the origin where the runtime does not know the floor.
     depth
-        Give depth to a runtime that can use it (see `openxr.depth`).
+        Give depth to a runtime that can use it (see `openxr.layers.DepthImages`).
     api_layers
         API layers to switch on, as validation does; what they say becomes events.
     image_timeout_s

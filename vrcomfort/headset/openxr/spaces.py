@@ -7,8 +7,7 @@ import xr
 
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.locomotion import floor_under
-from vrcomfort.headset.openxr.convert import pose_from_xr, pose_to_xr
-from vrcomfort.headset.openxr.native import native, raw_field, watched
+from vrcomfort.headset.openxr.native import native, pose_from_xr, pose_to_xr, raw_field, watched
 
 Space = xr.ReferenceSpaceType
 PREFERRED = (Space.STAGE, Space.LOCAL_FLOOR, Space.LOCAL)

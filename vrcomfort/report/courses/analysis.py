@@ -42,8 +42,6 @@ from vrcomfort.report.ordering import natural
 from vrcomfort.report.rows import INLINE, as_json, rounded
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.stats.means import MeanCurves
@@ -126,17 +124,13 @@ class TimeCourseAnalysis:
         return {"ratings": as_json(self.ratings), "leaving": as_json(self.leaving)}
 
 
-def analyse_time_courses(
-    study: StudyData, plan: Plan, results: Results, folder: Path
-) -> TimeCourseAnalysis:
+def analyse_time_courses(study: StudyData, plan: Plan, results: Results) -> TimeCourseAnalysis:
     """Analyse ratings during exposure, and time to withdrawal.
 
     Parameters
     ----------
     results
         Those of the report so far: conditions, contrasts and excluded participants.
-    folder
-        Folder of the study, with the frames that tell live from frozen time.
 
     Raises
     ------
@@ -145,7 +139,7 @@ def analyse_time_courses(
     """
     instrument = rated_instrument(study, plan.ratings.instrument)
     exposures = rated_exposures(
-        study, instrument, without=_left_out(study, results), clock=LiveClock(study, folder)
+        study, instrument, without=_left_out(study, results), clock=LiveClock(study)
     )
     conditions = _conditions(exposures, list(results["labels"]))
     exposures = [e for e in exposures if e.condition in conditions]

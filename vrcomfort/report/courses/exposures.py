@@ -11,6 +11,8 @@ import pandas as pd
 
 from vrcomfort.csv_table import number_in, number_or_none
 from vrcomfort.errors import InputError
+from vrcomfort.records.exposure_rows import TrialRow
+from vrcomfort.records.recording import Memory
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.report.withdrawals import undone_attempts
@@ -18,10 +20,10 @@ from vrcomfort.stats.rating_courses import RatingCourse
 
 if TYPE_CHECKING:
     from collections.abc import Container, Mapping
-    from pathlib import Path
 
     from numpy.typing import NDArray
 
+    from vrcomfort.records.reader import Session
     from vrcomfort.report.study_data import StudyData
 
     Floats = NDArray[np.float64]
@@ -75,23 +77,20 @@ class LiveTime:
 class LiveClock:
     """Reads frames.csv of those sessions alone in which time was lost."""
 
-    def __init__(self, study: StudyData, folder: Path) -> None:
-        self._files: dict[tuple[str, str], Path] = {}
+    def __init__(self, study: StudyData) -> None:
         lost = {(t["participant"], t["session"]) for t in study.trials if _lost_s(t) > 0.05}
-        if lost and folder.is_dir():
-            for file in sorted(folder.rglob("frames.csv")):
-                whose = _whose(file)
-                if whose in lost:
-                    self._files[whose] = file
-        self._read: dict[tuple[str, str], pd.DataFrame] = defaultdict(pd.DataFrame)
+        recorded = study.recorded_sessions if lost else ()
+        named = {_whose(session): session for session in recorded}
+        self._sessions = {whose: named[whose] for whose in lost & named.keys()}
+        self._read: dict[tuple[str, str], pd.DataFrame] = {}
 
     def of(self, key: tuple[str, ...], trial: Mapping[str, str]) -> LiveTime | None:
         """Return the live time of an exposure; None where nothing was lost, or no frame says it."""
         session = key[0], key[1]
-        if _lost_s(trial) <= 0.05 or session not in self._files:
+        if _lost_s(trial) <= 0.05 or session not in self._sessions:
             return None
         if session not in self._read:
-            self._read[session] = _frames(self._files[session])
+            self._read[session] = _frames(self._sessions[session])
         frames = self._read[session]
         start, end = float(trial["start_s"]), float(trial["end_s"])
         mine = frames[(frames["trial"] == float(trial["trial"])) & (frames["session_s"] >= start)]
@@ -109,23 +108,20 @@ def _lost_s(trial: Mapping[str, str]) -> float:
     return 0.0 if start is None or end is None or live is None else end - start - live
 
 
-def _whose(file: Path) -> tuple[str, str] | None:
-    trials = file.with_name("trials.csv")
-    if not trials.is_file():
-        return None
-    rows = pd.read_csv(trials, dtype=str, keep_default_na=False, nrows=1)
-    if rows.empty or not {"participant", "session"} <= set(rows.columns):
-        return None
-    return str(rows["participant"].iloc[0]), str(rows["session"].iloc[0])
+def _whose(session: Session) -> tuple[str, str]:
+    """Return participant and session as ``trials.csv`` has them; blank where it has none."""
+    row = next(session.text_rows(TrialRow), {})
+    return row.get("participant", ""), row.get("session", "")
 
 
-def _frames(file: Path) -> pd.DataFrame:
-    header = pd.read_csv(file, nrows=0).columns
-    if not set(_COLUMNS) <= set(header):
-        return pd.DataFrame(columns=list(_COLUMNS), dtype=np.float64)
-    rows = pd.read_csv(file, usecols=list(_COLUMNS), dtype=str, on_bad_lines="skip")
-    numbers: pd.DataFrame = rows.apply(pd.to_numeric, errors="coerce").dropna()
-    return numbers[numbers["should_render"] != 0]  # what nobody saw stood behind the frame before
+def _frames(session: Session) -> pd.DataFrame:
+    """Return the frames that were seen; none of a damaged recording, which is told elsewhere."""
+    try:
+        columns = session.recording().columns(_COLUMNS, Memory())
+    except InputError:
+        columns = dict.fromkeys(_COLUMNS, np.empty(0))
+    frames = pd.DataFrame(columns).dropna()
+    return frames[frames["should_render"] != 0]  # what nobody saw stood behind the frame before
 
 
 Key = tuple[str, str, str, str]

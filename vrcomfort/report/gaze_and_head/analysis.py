@@ -6,12 +6,12 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.report.gaze_and_head.exposures import (
     NOTHING,
     SIGNALS,
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vrcomfort.records.reader import Session
     from vrcomfort.records.recording import Memory
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.plan.gaze_and_head import GazeAndHead
@@ -234,10 +235,10 @@ def analyse_gaze_and_head(
     rates = _head_rates(study)
     exposures: list[SituatedExposure] = []
     notes = []
-    for file in sorted(study.source.rglob("frames.csv")) if study.source.is_dir() else []:
-        trials = [trial for trial in study.trials if _is_of(file, trial)]
+    for session in study.recorded_sessions:
+        trials = [trial for trial in study.trials if _is_of(session, trial)]
         try:
-            exposures += _session(file, trials, asked, rates, memory)
+            exposures += _session(session, trials, asked, rates, memory)
         except InputError as error:  # nothing of a session is kept if a part is damaged
             notes.append(str(error).replace(f"{study.source}/", ""))
     there = {each.situation for each in exposures}
@@ -263,8 +264,8 @@ def analyse_gaze_and_head(
     )
 
 
-def _is_of(file: Path, trial: dict[str, str]) -> bool:
-    names = file.parent.parent.name, file.parent.name
+def _is_of(session: Session, trial: dict[str, str]) -> bool:
+    names = session.folder.parent.name, session.folder.name
     return names == (f"sub-{trial['participant']}", f"ses-{trial['session']}")
 
 
@@ -286,16 +287,17 @@ def _head_rates(study: StudyData) -> dict[tuple[str, str, str], Rates]:
 
 
 def _session(
-    file: Path,
+    session: Session,
     trials: list[dict[str, str]],
     asked: GazeAndHead,
     rates: Mapping[tuple[str, str, str], Rates],
     memory: Memory | None,
 ) -> list[SituatedExposure]:
     """Return the exposures of a session that have frames."""
-    events = {name: times_of(file.parent, name, asked.during_s) for name in asked.during}
+    events = {name: times_of(session, name, asked.during_s) for name in asked.during}
     found = []
-    for trial, motion in zip(trials, read_motion(file, trials, memory), strict=True):
+    motions = read_motion(session.folder / FrameRow.FILE, trials, memory)
+    for trial, motion in zip(trials, motions, strict=True):
         if motion is None:
             continue
         keys = ExposureKeys(

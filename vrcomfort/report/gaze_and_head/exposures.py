@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vrcomfort.csv_table import CsvTable
+from vrcomfort.records.exposure_rows import TaskRow
 from vrcomfort.records.frame_rows import CUT
 from vrcomfort.records.recording import Categories, Memory, Recording
+from vrcomfort.records.session_rows import EventRow
 from vrcomfort.report.rows import INLINE
 from vrcomfort.rotations import rotate
 from vrcomfort.stats.gaze_and_head import (
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vrcomfort.csv_table import CsvTable
+    from vrcomfort.records.reader import Session
     from vrcomfort.report.plan.gaze_and_head import GazeAndHead
 
     Floats = NDArray[np.float64]
@@ -190,7 +193,7 @@ def _half_widths(part: dict[str, Floats]) -> Floats:
     return np.column_stack(half)
 
 
-def times_of(session: Path, name: str, otherwise_s: float) -> list[tuple[float, float]]:
+def times_of(session: Session, name: str, otherwise_s: float) -> list[tuple[float, float]]:
     """Return begin and end, in session time, of a session's events, or shots, of a name.
 
     Parameters
@@ -206,17 +209,14 @@ def times_of(session: Path, name: str, otherwise_s: float) -> list[tuple[float, 
         If a file is damaged, with its place.
     """
     begun = [
-        *_begun(session / "events.csv", "name", name),
-        *_begun(session / "tasks.csv", "kind", name),
+        *_begun(session.table(EventRow), "name", name),
+        *_begun(session.table(TaskRow), "kind", name),
     ]
     return [(onset, onset + (length or otherwise_s)) for onset, length in begun]
 
 
-def _begun(file: Path, column: str, name: str) -> list[tuple[float, float]]:
-    """Return onset and duration of the rows of a name; none of a file without these columns."""
-    if not file.is_file():
-        return []
-    table = CsvTable.read(file, appended=True)
+def _begun(table: CsvTable, column: str, name: str) -> list[tuple[float, float]]:
+    """Return onset and duration of the rows of a name; none of a table without these columns."""
     if not {column, "onset_s"} <= set(table.header):
         return []
     lasting = "duration_s" in table.header

@@ -1,0 +1,72 @@
+"""Where results, notes and progress go."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from typing import Any, Protocol
+
+from vrcomfort.errors import InputError, spare
+
+Note = Callable[[str], None]
+"""Takes a sentence that the user should know, although the work goes on."""
+
+
+def as_warning(sentence: str) -> None:
+    """Pass a note on as a Python warning."""
+    warnings.warn(sentence, stacklevel=3)
+
+
+class Progress(Protocol):
+    """Shows how far work has come; the command line has a bar for it."""
+
+    def __call__(
+        self, title: str, total: float | None, *, unit: str = ""
+    ) -> AbstractContextManager[Callable[..., None]]:
+        """Return a context whose value takes finished steps: ``advance(steps=1, title=None)``."""
+
+
+@contextmanager
+def no_progress(title: str, total: float | None, *, unit: str = "") -> Iterator[Callable[..., Any]]:
+    """Show nothing."""
+    del title, total, unit
+    yield lambda *_, **__: None
+
+
+def output_folder(path: Path) -> Path:
+    """Make the folder for results that can be made again; its old files are replaced.
+
+    Raises
+    ------
+    InputError
+        If `path` is a file, takes no files, or holds recordings, which are never overwritten.
+    """
+    if path.exists() and not path.is_dir():
+        raise InputError("is a file; --out needs a folder", file=path)
+    _refuse_recordings(path)
+    path.mkdir(parents=True, exist_ok=True)
+    if not os.access(path, os.W_OK):  # now, and not after minutes of work
+        raise InputError("cannot be written to; choose another --out", file=path)
+    return path
+
+
+def output_file(path: Path, source: Path) -> Path:
+    """Return `path` for what is made of `source` and can be made again; an old one is replaced.
+
+    Raises
+    ------
+    InputError
+        If it would lie among recordings, or is the source itself.
+    """
+    _refuse_recordings(path.resolve().parent)  # where a link leads
+    spare([source], [path])
+    return path
+
+
+def _refuse_recordings(folder: Path) -> None:
+    if any((folder / name).exists() for name in ("participants.csv", "manifest.json")):
+        message = "is a study folder, or a session of one; choose another --out for the results"
+        raise InputError(message, file=folder)

@@ -1,0 +1,181 @@
+"""Reports of studies, and of files that are imported for them."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vrcomfort.api.outputs import Note, as_warning, output_folder
+from vrcomfort.csv_table import CsvTable
+from vrcomfort.errors import InputError
+
+if TYPE_CHECKING:
+    from vrcomfort.records.reader import Study
+    from vrcomfort.report import Form, ReportSummary
+    from vrcomfort.report.plan import Plan
+
+IMPORTED = "imported"
+"""The folder inside the report that holds what was read of such a file, and how."""
+
+
+def write_report(
+    study: Study | str | Path | None,
+    out: str | Path,
+    *,
+    plan: Plan | str | Path | None = None,
+    instrument: str | None = None,
+    simulated: bool | None = None,
+    forms: Sequence[Form] = ("svg", "png", "pdf"),
+    memory: str = "512MB",
+    cluster: str | None = None,
+    note: Note = as_warning,
+) -> ReportSummary:
+    """Analyse a study and write its report, as `vrcomfort report` does.
+
+    Parameters
+    ----------
+    study : Study, str, Path or None
+        A study, its folder, any folder with ``questionnaires.csv`` files, or one file of answers:
+        tidy, or of a layout that is recognised without doubt. None: the files that `plan` names.
+    out : str or Path
+        Folder for ``index.html``, ``results.json``, ``tables/`` and ``figures/``; made if absent.
+    plan : Plan, str or Path, optional
+        An analysis plan, its file, or the name of a shipped one; without it, the protocol's own,
+        or one that is derived from the data.
+    instrument : str, optional
+        Name or file of the only questionnaire to report; all that were asked without it.
+    simulated : bool, optional
+        Of a study with both, the simulated participants; None: the real ones, where there are any.
+    forms : sequence of {"svg", "png", "pdf"}
+        Forms in which figures are written; none: no figures.
+    memory : str
+        The most memory that reading frames may take.
+    cluster : str, optional
+        Address of a running Dask scheduler.
+    note : callable
+        Takes sentences on the data; Python warnings without it.
+
+    Returns
+    -------
+    ReportSummary
+        Paths of what was written, the number of participants, and a sentence for each test.
+
+    Raises
+    ------
+    InputError
+        If the study or the plan cannot be used, or `out` cannot be written.
+
+    Examples
+    --------
+    >>> import vrcomfort
+    >>> summary = vrcomfort.write_report("pilot", "report", forms=())  # doctest: +SKIP
+    >>> summary.index  # doctest: +SKIP
+    """
+    from vrcomfort.records.reader import Study
+    from vrcomfort.records.recording import Memory
+    from vrcomfort.report import build_report
+    from vrcomfort.report.plan import Plan
+
+    folder = output_folder(Path(out))
+    if isinstance(plan, Plan):
+        plan = plan.file
+    source = study.folder if isinstance(study, Study) else study
+    source = (
+        _study_of_plan(plan, folder, note)
+        if source is None
+        else _study_of(Path(source), folder, note)
+    )
+    summary = build_report(
+        source,
+        plan=plan,
+        instrument=instrument,
+        out=folder,
+        simulated=simulated,
+        forms=forms,
+        memory=Memory.of_text(memory),
+        cluster=cluster,
+    )
+    for sentence in (summary.without_primary, *summary.warnings):
+        if sentence:
+            note(sentence)
+    return summary
+
+
+def _study_of(source: Path, out: Path, note: Note) -> Path:
+    """Return the source of a report: a folder or tidy file as it is, else its import.
+
+    Parameters
+    ----------
+    out
+        The report's folder, in which the import is kept.
+
+    Raises
+    ------
+    InputError
+        If a mapping is needed, with the command that writes one.
+    """
+    if not source.is_file() or _is_tidy(source):
+        return source
+    from vrcomfort.importing import MappingFile, parse_mapping, write_study
+    from vrcomfort.importing.suggest import suggest_mapping
+
+    found = suggest_mapping([source])
+    if found.doubts or found.imported is None:
+        raise InputError(_needs_mapping(source, found.doubts), file=source)
+    mapping = parse_mapping(found.text, None)
+    file = MappingFile(mapping, Path("suggested.toml"), found.text)
+    folder = out / IMPORTED
+    write_study(folder, found.imported, file, [source])
+    for sentence in (*found.notes, *found.imported.notes):
+        note(sentence)
+    note(f"{source}: understood without a mapping; how, {folder / 'mapping.toml'} says")
+    return folder
+
+
+def _study_of_plan(plan: str | Path | None, out: Path, note: Note) -> Path:
+    """Return the import of the files that a plan names, kept in the report's folder.
+
+    Raises
+    ------
+    InputError
+        If there is no plan or it names no files, or they are not as their mapping says.
+    """
+    from vrcomfort.report.plan import data_files
+    from vrcomfort.report.plan_files import find_plan
+
+    if plan is None:
+        raise InputError("give a study, or a --plan that names files in [data]")
+    file = find_plan(plan)
+    named = data_files(file)
+    if named is None:
+        message = "this plan names no files; give the study, or add [data] with files and mapping"
+        raise InputError(message, file=file)
+    from vrcomfort.importing import import_files, load_mapping, write_study
+
+    files, mapping = named
+    loaded = load_mapping(mapping)
+    imported = import_files(files, loaded.mapping, loaded.instruments)
+    for sentence in imported.notes:
+        note(sentence)
+    write_study(out / IMPORTED, imported, loaded, files)
+    return out / IMPORTED
+
+
+def _is_tidy(file: Path) -> bool:
+    """Return whether a file has the columns of ``questionnaires.csv``, or some of them."""
+    try:
+        first = next(CsvTable.parts(file, appended=True, most_rows=1))
+        header = {name.lower() for name in first.header}
+    except InputError:
+        return False
+    return not header or bool({"item", "response"} & header)
+
+
+def _needs_mapping(source: Path, doubts: tuple[str, ...]) -> str:
+    words = f"vrcomfort import {shlex.quote(str(source))} --suggest --out map.toml"
+    if not doubts:
+        return f"no questionnaire was found in this file; to say what is in it: {words}"
+    others = f" (and {len(doubts) - 1} more)" if len(doubts) > 1 else ""
+    return f"this file needs a mapping, for this is doubtful: {doubts[0]}{others} Write it: {words}"

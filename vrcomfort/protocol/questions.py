@@ -1,0 +1,246 @@
+"""Questions to participants, and rules on their answers: the tables of a protocol."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Literal, Self, TypeAlias
+
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from vrcomfort.protocol.conditions import Seconds
+from vrcomfort.protocol.order import Covariate
+from vrcomfort.questionnaire import Instrument
+from vrcomfort.settings import KeyPath, Problem, Settings, Word, did_you_mean
+
+Rest = Annotated[float, Field(ge=0, le=86_400)]
+"""Seconds, up to a day."""
+
+
+class Ask(Settings):
+    """A questionnaire and the moment at which it is asked."""
+
+    instrument: str = "ssq"
+    """A shipped instrument by name, or a TOML file relative to the protocol file."""
+    language: Word | None = None
+    """Of the wording, where the instrument has it in several; its own without it."""
+    timepoint: Word
+    """Of the answers in files: `baseline`, `post`, `recovery`, or a word of your own."""
+    when: Literal["session_start", "before_trial", "after_trial", "session_end"]
+    """`before_trial` and `after_trial`: of every exposure."""
+    wait_s: Rest = 0.0
+    """Rest without the headset before asking."""
+    compares: Literal["pair", "session", "study"] | None = None
+    """For instruments whose answers 1, 2, … are the first, the second, … way of rendering (0: no
+    preference): `pair`, the two exposures before, asked after every second one of a session;
+    `session` and `study`, the conditions of the session, or of all until then, as first met."""
+
+
+Unfocused: TypeAlias = Literal["pause", "flag"]
+
+
+class Ratings(Settings):
+    """A single-item scale answered during exposure."""
+
+    instrument: str = "fms"
+    """A shipped instrument with one question by name, or a TOML file of one."""
+    every_s: Seconds = 60.0
+    """From one question to the next."""
+    jitter_s: Annotated[float, Field(ge=0, le=7200)] = 0.0
+    """Each question comes up to so much sooner or later, drawn from the study's seed."""
+    timeout_s: Seconds = 15.0
+    """An answer that has not come by then is recorded as missed."""
+    missed_code: Annotated[int, Field(ge=1, le=9999)] = 1
+    """What the column `missed` has then; 0 is an answer."""
+    stop_at: Annotated[int, Field(ge=1, le=1000)] | None = None
+    """The stop rule: answers this high end what `stop_ends` says."""
+    stop_in_a_row: Annotated[int, Field(ge=1, le=100)] = 1
+    """So many of an exposure's answers, one after the other; missed ones do not count."""
+    stop_ends: Literal["exposure", "session", "study"] = "study"
+    """`exposure`: the session goes on after its questions. `session`: the participant may come back
+    for the next. `study`: the participant's study."""
+
+
+Asked = Annotated[str, Field(min_length=1, max_length=300)]
+
+
+class FreeText(Settings):
+    """A question that is answered in one's own words, which an experimenter types."""
+
+    name: Word
+    """As ``texts.csv`` has it."""
+    text: Asked
+    """What is asked, in the usual language."""
+    when: Literal["session_start", "before_trial", "after_trial", "session_end"]
+    """After the questionnaires of that moment; `before_trial` and `after_trial`: of every
+    exposure."""
+
+
+def free_text_problems(
+    questions: tuple[FreeText, ...],
+    languages: tuple[str, ...],
+    wordings: Mapping[str, Mapping[str, str]],
+) -> Iterator[Problem]:
+    """Yield what asks nothing, what lacks a wording, and wordings of nothing.
+
+    Parameters
+    ----------
+    languages
+        In which participants are asked, the usual one first.
+    wordings
+        Language → name → what is asked in it.
+    """
+    names = [each.name for each in questions]
+    for index, each in enumerate(questions):
+        if not each.text.strip():
+            path: KeyPath = ("free_texts", index, "text")
+            yield Problem(path, f"`{each.name}` asks nothing but blanks; write the question")
+    for language in languages[1:]:
+        for index, name in enumerate(names):
+            if name not in wordings.get(language, {}):
+                message = f"`{name}` is not worded in `{language}`"
+                path = ("free_texts", index, "text")
+                yield Problem(path, f"{message}; write it into [text.{language}.free_texts]")
+    for language, given in wordings.items():
+        for name in given:
+            if name not in names:
+                hint = did_you_mean(name, names) if names else "remove it"
+                message = f"there is no free text `{name}`; {hint}"
+                yield Problem(("text", language, "free_texts", name), message)
+
+
+Bound = Annotated[float, Field(ge=-1e6, le=1e6)]
+
+
+class Screening(Settings):
+    """A number that is told before the first exposure, and decided upon by the experimenter."""
+
+    instrument: str | None = None
+    """Asked at the session's start: its score."""
+    scale: str | None = None
+    """Of the instrument; without it, the one that is reported first."""
+    covariate: str | None = None
+    """Instead of an instrument: what was entered when they were enrolled; a number."""
+    above: Bound | None = None
+    """Told where the number is more."""
+    below: Bound | None = None
+    """Told where it is less."""
+    ends: Literal["session", "study"] = "study"
+    """What ends where the experimenter stops; after `session` they may come back for the next."""
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if (self.instrument is None) == (self.covariate is None):
+            message = "needs an `instrument` or a `covariate`, one of the two"
+            raise PydanticCustomError("screening_what", message)
+        if self.above is None and self.below is None:
+            message = "needs `above` or `below`: from where on it is told"
+            raise PydanticCustomError("screening_bounds", message)
+        if self.above is not None and self.below is not None and self.below > self.above:
+            message = "every number is above the one or below the other; swap `above` and `below`"
+            raise PydanticCustomError("screening_bounds", message)
+        return self
+
+    def broken(self, number: float) -> str | None:
+        """Return the bound that a number is beyond, in words; None where it is within."""
+        if self.above is not None and number > self.above:
+            return f"above {self.above:g}"
+        if self.below is not None and number < self.below:
+            return f"below {self.below:g}"
+        return None
+
+
+def screening_problems(
+    rules: tuple[Screening, ...],
+    at_start: set[str],
+    instruments: Mapping[str, Instrument],
+    covariates: tuple[Covariate, ...],
+) -> Iterator[Problem]:
+    """Yield what keeps rules from being looked at.
+
+    Parameters
+    ----------
+    at_start
+        Instruments that are asked at the session's start.
+    """
+    for index, rule in enumerate(rules):
+        path: KeyPath = ("screening", index)
+        if rule.instrument is not None:
+            yield from _of_instrument(rule, rule.instrument, path, at_start, instruments)
+        else:
+            yield from _of_covariate(str(rule.covariate), path, covariates)
+
+
+def _of_instrument(
+    rule: Screening,
+    name: str,
+    path: KeyPath,
+    at_start: set[str],
+    instruments: Mapping[str, Instrument],
+) -> Iterator[Problem]:
+    if name not in at_start:
+        message = f"`{name}` is not asked at session_start; ask it in [[questionnaires]]"
+        yield Problem((*path, "instrument"), message)
+        return
+    scales = [scale.name for scale in instruments[name].scales]
+    if rule.scale is not None and rule.scale not in scales:
+        message = f"the {instruments[name].short} has no scale `{rule.scale}`"
+        yield Problem((*path, "scale"), f"{message}; {did_you_mean(rule.scale, scales)}")
+
+
+def _of_covariate(name: str, path: KeyPath, covariates: tuple[Covariate, ...]) -> Iterator[Problem]:
+    known = {each.name: each for each in covariates}
+    if name not in known:
+        hint = did_you_mean(name, known) if known else "declare it in [[covariates]]"
+        yield Problem((*path, "covariate"), f"there is no covariate `{name}`; {hint}")
+    elif known[name].levels:
+        message = f"`{name}` is one of {', '.join(known[name].levels)}, and no number"
+        yield Problem((*path, "covariate"), f"{message}; screen by one that is")
+
+
+class ScoreRise(Settings):
+    """A score that has risen too far over that of the session's start."""
+
+    instrument: str = "ssq"
+    """Asked at the session's start and after exposures."""
+    scale: str = "T"
+    """Of the instrument."""
+    by: Annotated[float, Field(gt=0, le=1e6)]
+    """So much over the first score of the session, after a trial, ends what `ends` says."""
+    ends: Literal["session", "study"] = "session"
+    """`session`: the participant may come back for the next. `study`: the participant's study."""
+
+
+class Stopping(Settings):
+    """Who and what ends a session, or somebody's study; [[ratings]] have rules of their own."""
+
+    participant: Literal["session", "study"] = "study"
+    """What a participant's wish to stop ends; after `session` they may come back for the next."""
+    score_rise: tuple[ScoreRise, ...] = ()
+    """Rules on scores of questionnaires."""
+
+
+def rise_problems(
+    stop: Stopping, whens: Mapping[str, set[str]], instruments: Mapping[str, Instrument]
+) -> list[Problem]:
+    """Return what is wrong with rules on scores.
+
+    Parameters
+    ----------
+    whens
+        Instrument → when it is asked.
+    """
+    found: list[Problem] = []
+    for index, rule in enumerate(stop.score_rise):
+        path = ("stop", "score_rise", index)
+        asked = whens.get(rule.instrument, set())
+        if not {"session_start", "after_trial"} <= asked:
+            message = f"`{rule.instrument}` is not asked both at session_start and after_trial"
+            found.append(Problem((*path, "instrument"), f"{message}; ask it in [[questionnaires]]"))
+            continue
+        scales = [scale.name for scale in instruments[rule.instrument].scales]
+        if rule.scale not in scales:
+            message = f"the {instruments[rule.instrument].short} has no scale `{rule.scale}`"
+            hint = did_you_mean(rule.scale, scales)
+            found.append(Problem((*path, "scale"), f"{message}; {hint}"))
+    return found

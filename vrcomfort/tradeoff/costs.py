@@ -1,0 +1,431 @@
+"""Costs of a frame's passes: time in parts of a plain frame's, and traffic through memory.
+
+On a software rasteriser the time is the processor's: CPU seconds of this process. Traffic (bytes,
+reads, draws) is `gpu.traffic`'s, of one eye's image, effect by effect: it travels between machines,
+as times do not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any, NamedTuple, TypeAlias
+
+import moderngl
+import numpy as np
+
+from vrcomfort.frame import EYE_HEIGHT_M, Frame
+from vrcomfort.geometry import Array, Gaze, Pose, View, yaw_pitch_roll
+from vrcomfort.gpu import shaders
+from vrcomfort.gpu.timer import Lap, Stopwatch, is_software
+from vrcomfort.gpu.traffic import Draw, Recorder, Traffic, added_up
+from vrcomfort.headset.playback import default_fovs
+from vrcomfort.protocol.conditions import Condition
+from vrcomfort.render.condition_passes import RESOLVE
+from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.scene.data import Scene
+from vrcomfort.tradeoff.captures import context
+from vrcomfort.tradeoff.cases import Case, Scope, condition_of, eyes_of, frames
+from vrcomfort.tradeoff.methods import BlurMethod, methods, no_blur, pick
+from vrcomfort.tradeoff.store import scene_and_hash
+from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
+
+NO_EFFECT = ("focus", "scene", "tone_map")
+"""Parts that no effect has added, or (the focus search) that blurs of all methods share. So is
+`RESOLVE` but for the circles of confusion, which are what it costs more than in a plain frame."""
+
+SLOW_S = 12.0
+"""A method whose first frame takes longer is not timed again."""
+
+LONGEST_S = 40.0
+"""A method whose timed frames have taken so long together is not timed again."""
+
+GPU_ROUNDS, SOFTWARE_ROUNDS, QUICK_ROUNDS = 300, 9, 3
+"""Timed frames of each method; the last, on a software rasteriser, of a quick run."""
+
+P95_ROUNDS, P99_ROUNDS = 20, 100
+"""Fewest frames of which a 95th or 99th percentile is told: of fewer it would be the slowest."""
+
+Timed: TypeAlias = dict[str, tuple[float, int]]
+"""Seconds and calls of each part in one frame."""
+
+Laps: TypeAlias = dict[str, list[Lap]]
+"""What tells the seconds of each part in one frame, call by call."""
+
+Pair: TypeAlias = tuple[Frame | None, Frame]
+"""The frame before (None where nothing moves: it would be the same one) and the one to time."""
+
+
+class MethodTime(NamedTuple):
+    """What a method costs in a case: medians over rounds and their 5–95 %.
+
+    `cost` is 1 + effect ÷ plain, each round's effect by the plain frames before and after it.
+    Percentiles (nearest ranks) are None where rounds are too few for them.
+    """
+
+    method: str
+    cost: float
+    cost_interval: tuple[float, float]
+    frame_ms: float
+    effect_ms: float
+    effect_p95_ms: float | None
+    effect_p99_ms: float | None
+    parts_ms: dict[str, float]
+    rounds: int
+
+
+class CaseTime(NamedTuple):
+    """What the methods of a case cost, and how well that is known."""
+
+    case: Case
+    plain_ms: float
+    plain_again: tuple[float, float]
+    """A/A: 5 % and 95 % of the ratio of a plain frame to the one before it."""
+    methods: list[MethodTime]
+
+
+def rounds_of(scope: Scope, ctx: moderngl.Context) -> int:
+    """Return how many frames of each method are timed."""
+    if scope.rounds is not None:
+        return scope.rounds
+    if not is_software(ctx):
+        return GPU_ROUNDS
+    return QUICK_ROUNDS if scope.quick else SOFTWARE_ROUNDS
+
+
+def time_case(case: Case, scope: Scope, advance: Callable[[], None]) -> CaseTime:
+    """Time all methods of a case, one after the other, each in turn with plain frames.
+
+    Of a case with a window, the whole image is timed. What a GPU draws for a method is queued as a
+    whole, and its time stamps are read afterwards.
+    """
+    whole, todo = replace(case, window=None), methods(case.effect, quick=scope.quick)
+    plain = _Timer(whole, scope, no_blur(case.effect).condition)
+    plain.frame()
+    plains: list[Array] = []
+    found = []
+    for method in pick(todo, scope.methods):
+        found.append(time_method(method, whole, scope, plain, plains))
+        advance()
+    seconds = np.concatenate(plains)
+    again = np.concatenate([each[1:] / each[:-1] for each in plains])
+    return CaseTime(whole, float(np.median(seconds) * 1e3), _interval(again), found)
+
+
+def time_alone(method: BlurMethod, case: Case, scope: Scope) -> MethodTime:
+    """Time one method, in turn with plain frames."""
+    plain = _Timer(replace(case, window=None), scope, no_blur(case.effect).condition)
+    plain.frame()
+    return time_method(method, replace(case, window=None), scope, plain, [])
+
+
+def time_method(
+    method: BlurMethod, case: Case, scope: Scope, plain_frames: _Timer, plains: list[Array]
+) -> MethodTime:
+    """Time a method; the seconds of the plain frames in between are added to `plains`."""
+    timer = _Timer(case, scope, method.condition)
+    first = told(timer.frame())
+    rounds = 0
+    if whole_s(first) <= SLOW_S:
+        most = rounds_of(scope, context())
+        rounds = min(most, max(1, int(LONGEST_S / max(whole_s(first), 1e-9))))
+    queued, between = [], [plain_frames.frame()]
+    for _ in range(rounds):
+        queued.append(timer.frame())
+        between.append(plain_frames.frame())
+    if not queued:
+        between.append(plain_frames.frame())
+    timed = [told(laps) for laps in queued] or [first]
+    plain = [told(laps) for laps in between]
+    plain_s = np.array([whole_s(each) for each in plain])
+    plains.append(plain_s)
+    timer.release()
+    resolved = timed if method.condition.depth_of_field is None else plain
+    resolve_s = np.array([each[RESOLVE][0] for each in resolved])
+    resolve_s = resolve_s if resolved is timed else _between(resolve_s)
+    return _summary(method.name, timed, _between(plain_s), resolve_s)
+
+
+class _Timer:
+    """Draws a case's frame with a condition, again and again."""
+
+    def __init__(self, case: Case, scope: Scope, condition: Condition) -> None:
+        self._clock = Stopwatch(context())
+        before, frame = frames(case, scope)
+        self._pair: Pair = (before if case.motion != "still" else None, frame)
+        scene, _ = scene_and_hash(case.scene)
+        self._renderer = StereoRenderer(context(), scope.size_px, eyes=eyes_of(case, scope))
+        self._renderer.build(scene, condition_of(case, scope, condition))
+        leave_out_records(self._renderer.parts())
+
+    def frame(self) -> Laps:
+        """Draw a frame, and return what tells the seconds of its parts."""
+        before, frame = self._pair
+        if before is not None:
+            self._renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
+        with clocked_parts(self._clock, self._renderer) as laps:
+            self._renderer.render(frame, time_s(frame))
+        return laps
+
+    def release(self) -> None:
+        """Let go of what is on the GPU."""
+        self._renderer.release()
+
+
+@contextmanager
+def clocked_parts(clock: Stopwatch, renderer: StereoRenderer) -> Iterator[Laps]:
+    """Clock the parts that are drawn inside; parts within parts count as the outer one's."""
+    laps: Laps = {}
+
+    def around(name: str, draw: Callable[[], None]) -> None:
+        laps.setdefault(name, []).append(clock.lap(draw))
+
+    with outermost(around, renderer.parts()):
+        yield laps
+
+
+def told(laps: Laps) -> Timed:
+    """Return the seconds and calls of each part; waits for the GPU."""
+    return {name: (sum(lap() for lap in each), len(each)) for name, each in laps.items()}
+
+
+def whole_s(timed: Timed) -> float:
+    """Return the seconds of all parts of a frame."""
+    return sum(seconds for seconds, _ in timed.values())
+
+
+def effect_s(timed: Timed, plain_resolve_s: float = 0.0) -> float:
+    """Return the seconds that a frame's effects cost: all that no plain frame has.
+
+    `plain_resolve_s` is what `RESOLVE` would cost without them. Several views through the lens draw
+    the scene within their own part; one drawing of it for each eye is outside.
+    """
+    return sum(s for name, (s, _) in timed.items() if name not in NO_EFFECT) - plain_resolve_s
+
+
+def _between(seconds: Array) -> Array:
+    """Return the means of each two that follow each other."""
+    return (seconds[1:] + seconds[:-1]) / 2
+
+
+def _summary(
+    name: str, timed: Sequence[Timed], plain_s: Array, plain_resolve_s: Array
+) -> MethodTime:
+    frame_s = np.array([whole_s(each) for each in timed])
+    effects_s = np.array([effect_s(*each) for each in zip(timed, plain_resolve_s, strict=True)])
+    costs = 1 + effects_s / plain_s
+    names = list(dict.fromkeys(part for each in timed for part in each))
+    return MethodTime(
+        name,
+        float(np.median(costs)),
+        _interval(costs),
+        float(np.median(frame_s) * 1e3),
+        float(np.median(effects_s) * 1e3),
+        _percentile_ms(effects_s, 95, P95_ROUNDS),
+        _percentile_ms(effects_s, 99, P99_ROUNDS),
+        {part: float(np.median([each[part][0] for each in timed]) * 1e3) for part in names},
+        len(timed),
+    )
+
+
+def _percentile_ms(seconds: Array, percent: float, least: int) -> float | None:
+    if len(seconds) < least:
+        return None
+    return float(np.percentile(seconds, percent, method="inverted_cdf") * 1e3)
+
+
+def _interval(ratios: Any) -> tuple[float, float]:
+    low, high = np.percentile(ratios, [5, 95])
+    return float(low), float(high)
+
+
+WALK_M_PER_S, WALK_RAD_PER_S = 1.4, 0.5
+FRAME_NS = round(1e9 / REFRESH_HZ)
+
+
+def traffic_of(
+    ctx: moderngl.Context,
+    scene: Scene,
+    condition: Condition,
+    pair: tuple[Frame | None, Frame],
+    size_px: tuple[int, int],
+    *,
+    count_reads: bool = False,
+    records: bool = True,
+) -> dict[str, Traffic]:
+    """Draw the left eye of a frame, and return what each kind of pass sent through memory.
+
+    Parameters
+    ----------
+    pair
+        The frame before, None where nothing moves, and the one to look at.
+    count_reads
+        Compiles shaders that count their texture reads: slower, the same pictures.
+    records
+        Whether that is counted too which only the record of limits needs.
+    """
+    renderer = StereoRenderer(ctx, size_px, eyes=1)
+    with shaders.counting_reads() if count_reads else nullcontext():
+        renderer.build(scene, condition)
+    if not records:
+        leave_out_records(renderer.parts())
+    before, frame = pair
+    if before is not None:
+        renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
+    recorder = Recorder(ctx)
+    with recorder.recording(), _sorted_by_pass(recorder, renderer) as found:
+        renderer.render(frame, time_s(frame))
+    renderer.release()
+    sums = {name: added_up(draws) for name, draws in found.items()}
+    if count_reads:
+        return sums
+    return {name: each._replace(reads=None) for name, each in sums.items()}
+
+
+def traffic_of_method(method: BlurMethod, case: Case, scope: Scope) -> dict[str, Any]:
+    """Return what a method's effects send through memory for one eye's whole image.
+
+    ``reads_per_pixel`` and ``bytes_per_pixel`` of that image, ``passes`` and ``draws``.
+    """
+    whole = replace(case, window=None)
+    parts = _parts_of(method.condition, whole, scope)
+    found = of_effects(parts)
+    reads = found.reads or 0
+    if method.condition.depth_of_field is not None:
+        reads += (parts[RESOLVE].reads or 0) - _reads_of_plain_resolve(whole, scope)
+    pixels = scope.size_px[0] * scope.size_px[1]
+    return {
+        "reads_per_pixel": reads / pixels,
+        "bytes_per_pixel": found.bytes / pixels,
+        "passes": found.passes,
+        "draws": found.draws,
+    }
+
+
+def _parts_of(condition: Condition, case: Case, scope: Scope) -> dict[str, Traffic]:
+    scene, _ = scene_and_hash(case.scene)
+    before, frame = frames(case, scope)
+    return traffic_of(
+        context(),
+        scene,
+        condition_of(case, scope, condition),
+        (before if case.motion != "still" else None, frame),
+        scope.size_px,
+        count_reads=True,
+        records=False,
+    )
+
+
+@lru_cache(maxsize=1)
+def _reads_of_plain_resolve(case: Case, scope: Scope) -> int:
+    return _parts_of(no_blur(case.effect).condition, case, scope)[RESOLVE].reads or 0
+
+
+def a_step(spawn: Pose, size_px: tuple[int, int]) -> tuple[Frame, Frame]:
+    """Return two frames of a head that walks and turns where a scene begins: everything moves."""
+    left, right = default_fovs(size_px)
+    heads = [
+        Pose(np.array([0.0, EYE_HEIGHT_M, -metres]), yaw_pitch_roll(yaw_rad, 0.0, 0.0))
+        for metres, yaw_rad in (
+            (0.0, 0.0),
+            (WALK_M_PER_S / REFRESH_HZ, WALK_RAD_PER_S / REFRESH_HZ),
+        )
+    ]
+    before, after = (
+        Frame(
+            index=number,
+            predicted_display_time_ns=(number + 1) * FRAME_NS,
+            period_ns=FRAME_NS,
+            head_pose=head,
+            views=(View(head, left), View(head, right)),
+            avatar_pose=spawn,
+            discontinuity=number == 0,
+            gaze=Gaze(head),
+        )
+        for number, head in enumerate(heads)
+    )
+    return before, after
+
+
+def by_effect(found: dict[str, Traffic]) -> dict[str, Traffic]:
+    """Return what is an effect's.
+
+    Radii that are written where samples are resolved move no bytes that are not moved without them.
+    """
+    return {name: each for name, each in found.items() if name not in {*NO_EFFECT, RESOLVE}}
+
+
+def of_effects(found: dict[str, Traffic]) -> Traffic:
+    """Return what the effects of an eye's image amount to."""
+    effects = by_effect(found).values()
+    reads = [each.reads for each in effects if each.reads is not None]
+    return Traffic(
+        sum(each.passes for each in effects),
+        sum(each.draws for each in effects),
+        sum(each.bytes for each in effects),
+        sum(reads) if reads else None,
+    )
+
+
+@contextmanager
+def _sorted_by_pass(
+    recorder: Recorder, renderer: StereoRenderer
+) -> Iterator[dict[str, list[Draw]]]:
+    """Sort the draws by the outermost pass that makes them."""
+    found: dict[str, list[Draw]] = {}
+
+    def around(name: str, draw: Any) -> None:
+        first = len(recorder.draws)
+        draw()
+        found.setdefault(name, []).extend(recorder.draws[first:])
+
+    with outermost(around, renderer.parts()):
+        yield found
+
+
+Around = Callable[[str, Callable[[], None]], None]
+"""Called with the name of a part and what draws it."""
+
+
+def leave_out_records(parts: Sequence[tuple[str, Any]]) -> None:
+    """Let no effect draw what only the record of its limits needs: that is no part of a method."""
+    for _, part in parts:
+        if isinstance(part, DepthOfFieldPass):
+            part.leave_out_records()
+
+
+@contextmanager
+def outermost(around: Around, parts: Sequence[tuple[str, Any]]) -> Iterator[None]:
+    """Call `around` for each part whose `render` is called inside, unless another draws it.
+
+    Parameters
+    ----------
+    parts
+        Names and objects: those of :meth:`StereoRenderer.parts`.
+    """
+    depth = [0]
+
+    def wrapped(method: Callable[..., Any], name: str) -> Callable[..., Any]:
+        def render(*arguments: Any, **options: Any) -> Any:
+            if depth[0]:
+                return method(*arguments, **options)
+            depth[0] += 1
+            found = []
+            try:
+                around(name, lambda: found.append(method(*arguments, **options)))
+            finally:
+                depth[0] -= 1
+            return found[0]
+
+        return render
+
+    for name, part in parts:
+        part.render = wrapped(part.render, name)
+    try:
+        yield
+    finally:
+        for _, part in parts:
+            del part.render
