@@ -10,8 +10,7 @@ from pathlib import Path
 from vrcomfort.errors import InputError
 from vrcomfort.importing.courses import sum_up
 from vrcomfort.importing.facts import Numbers
-from vrcomfort.importing.files import read_grids
-from vrcomfort.importing.headings import as_table
+from vrcomfort.importing.files import as_table, read_grids
 from vrcomfort.importing.mapping import (
     Mapping,
     Table,

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.records import BallRow, DialRow, EventRow, RatingRow, Row, TrialRow
-from vrcomfort.records.tables import RecordedRow, read_rows
+from vrcomfort.records import BallRow, DialRow, EventRow, RatingRow, Session, TrialRow
+from vrcomfort.records.tables import RecordedRow
 from vrcomfort.replay.frame_facts import FrameFacts
 from vrcomfort.scene.markers import Shown
 from vrcomfort.traces.trace import Trace
@@ -79,7 +78,7 @@ class RecordedExposure:
 
 
 def read_exposures(
-    folder: Path, manifest: Mapping[str, Any], trace: Trace, frames: FrameFacts
+    session: Session, trace: Trace, frames: FrameFacts
 ) -> tuple[RecordedExposure, ...]:
     """Return the attempts of which a frame is recorded, in order.
 
@@ -90,13 +89,13 @@ def read_exposures(
     """
     return tuple(
         _exposures(
-            _attempts(rows_of(folder, TrialRow, manifest), manifest),
+            _attempts(session.rows(TrialRow), session.manifest),
             trace.time_ns,
             frames,
-            [_rating(row) for row in rows_of(folder, RatingRow, manifest)],
-            [_ball(row) for row in rows_of(folder, BallRow, manifest)],
-            [row for row in rows_of(folder, DialRow, manifest) if row["setting"]],
-            _trained_from_s(folder, manifest),
+            [_rating(row) for row in session.rows(RatingRow)],
+            [_ball(row) for row in session.rows(BallRow)],
+            [row for row in session.rows(DialRow) if row["setting"]],
+            _trained_from_s(session),
         )
     )
 
@@ -114,14 +113,13 @@ def _attempts(
         yield {**begun, "end_s": np.inf, "status": ""}
 
 
-def _trained_from_s(folder: Path, manifest: Mapping[str, Any]) -> list[float]:
+def _trained_from_s(session: Session) -> list[float]:
     """Return when each training began.
 
     Other frames that are no trial's (of practice, or of what is measured before a trial) are not
     shown again.
     """
-    events = rows_of(folder, EventRow, manifest)
-    return [event["onset_s"] for event in events if event["name"] == TRAINING]
+    return [event["onset_s"] for event in session.rows(EventRow) if event["name"] == TRAINING]
 
 
 def _exposures(
@@ -182,18 +180,3 @@ def _rating(row: RecordedRow) -> RecordedRating:
 
 def _ball(row: RecordedRow) -> tuple[int, Shown]:
     return row["xr_time_ns"], Shown(*(row[name] for name in Shown._fields))
-
-
-def rows_of(
-    folder: Path, row_type: type[Row], manifest: Mapping[str, Any]
-) -> Iterator[RecordedRow]:
-    """Yield the rows of a file, none where the session has not got it.
-
-    Raises
-    ------
-    InputError
-        If the file is damaged.
-    """
-    if (folder / row_type.FILE).exists():
-        version = manifest.get("schema_version", 1)
-        yield from read_rows(folder, row_type, version=version, cut=True)

@@ -19,12 +19,12 @@ from vrcomfort.records import (
     BallRow,
     FrameRow,
     ImageRow,
+    Session,
     TaskRow,
     TrialRow,
-    read_manifest,
 )
 from vrcomfort.records.schema import SCHEMA_VERSION
-from vrcomfort.replay.exposures import RecordedExposure, read_exposures, rows_of
+from vrcomfort.replay.exposures import RecordedExposure, read_exposures
 from vrcomfort.replay.frame_facts import read_frames
 from vrcomfort.settings import in_words
 from vrcomfort.traces.trace import Trace
@@ -118,10 +118,11 @@ def read_session(folder: Path) -> RecordedSession:
         those of this version.
     """
     require_session(folder)
-    manifest = read_manifest(folder)
+    session = Session(folder)
+    manifest = session.manifest
     patch = manifest.get("settings", {}).get("photodiode")
     trace, frames = read_frames(folder / FrameRow.FILE)
-    exposures = read_exposures(folder, manifest, trace, frames)
+    exposures = read_exposures(session, trace, frames)
     if not exposures:
         raise InputError("no frame of an exposure is recorded here", file=folder)
     if "image_size_px" not in manifest.get("headset", {}):
@@ -137,7 +138,7 @@ def read_session(folder: Path) -> RecordedSession:
         frames.drawn,
         frames.missed_refreshes,
         exposures,
-        _hashes(folder, manifest),
+        _hashes(session),
         (*_notes(folder, manifest), *trace.warnings),
     )
 
@@ -161,8 +162,8 @@ def require_session(folder: Path) -> None:
             raise InputError(f"{message}; restore it from a copy", file=folder)
 
 
-def _hashes(folder: Path, manifest: Mapping[str, Any]) -> dict[int, tuple[str, str]]:
-    rows = rows_of(folder, ImageRow, manifest)
+def _hashes(session: Session) -> dict[int, tuple[str, str]]:
+    rows = session.rows(ImageRow)
     return {row["xr_time_ns"]: (row["left_hash"], row["right_hash"]) for row in rows}
 
 

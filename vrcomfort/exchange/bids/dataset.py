@@ -21,13 +21,8 @@ from vrcomfort.exchange.bids.practice import write_practice
 from vrcomfort.exchange.bids.runs import Run, read_runs
 from vrcomfort.exchange.room import new_folder, require_whole
 from vrcomfort.records.events import EVENTS, shared_detail
-from vrcomfort.records.manifest import read_manifest
+from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.study import (
-    read_description,
-    read_participants,
-    recorded_sessions,
-)
 
 BIDS_VERSION = "1.11.1"
 _EVENT_COLUMNS = ("onset", "duration", "trial_type", "value", "condition", "scene")
@@ -77,7 +72,8 @@ def export_bids(study: Path, out: Path) -> list[str]:
 
 
 def _write(study: Path, out: Path) -> list[str]:
-    description = read_description(study)
+    recorded = Study(study)
+    description = recorded.description
     name, protocol = str(description.get("name") or study.name), str(description["protocol"])
     write_json(
         out / "dataset_description.json",
@@ -90,13 +86,13 @@ def _write(study: Path, out: Path) -> list[str]:
     )
     readme = _README.format(name=name, protocol=protocol, bids=BIDS_VERSION)
     (out / "README.md").write_text(readme, encoding="utf-8")
-    people = read_participants(study)
+    people = recorded.enrolled
     task = re.sub("[^A-Za-z0-9]", "", protocol) or "exposure"
     left_out: list[str] = []
-    begun = [row for row in people if recorded_sessions(study, row.participant)]
+    begun = [row for row in people if recorded.sessions_of(row.participant)]
     for row in begun:
-        for number in recorded_sessions(study, row.participant):
-            left_out += _session(study, out, row.participant, number, task)
+        for session in recorded.sessions_of(row.participant):
+            left_out += _session(session, out, task)
     others = list(dict.fromkeys(key for row in begun for key, _ in row.others))
     columns = ("participant_id", "sequence", "status", *others)
     table = [
@@ -106,7 +102,7 @@ def _write(study: Path, out: Path) -> list[str]:
     ]  # fmt: skip
     write_tsv(out / "participants.tsv", columns, table)
     write_json(out / "participants.json", _columns_of_participants(others))
-    write_phenotype(study, out, [row.participant for row in begun])
+    write_phenotype(recorded, out, [row.participant for row in begun])
     nobody = len(people) - len(begun)
     return [*left_out, *([f"{nobody} enrolled without a session"] if nobody else [])]
 
@@ -127,14 +123,13 @@ def _columns_of_participants(others: list[str]) -> dict[str, Any]:
     }
 
 
-def _session(study: Path, out: Path, who: str, number: int, task: str) -> list[str]:
+def _session(session: Session, out: Path, task: str) -> list[str]:
     """Write one session; return what was left out of it."""
-    source = session_folder(study, who, number)
-    manifest = read_manifest(source)
+    who, number, manifest = session.participant, session.number, session.manifest
     folder = session_folder(out, who, number)
     scans: list[tuple[str, str]] = []
     left_out = []
-    runs = read_runs(source)
+    runs = read_runs(session)
     for run in runs:
         if not run.frames:
             left_out.append(f"sub-{who}/ses-{number}: exposure {run.number} has no frames")
@@ -156,7 +151,7 @@ def _session(study: Path, out: Path, who: str, number: int, task: str) -> list[s
         _write_events(stem, run)
     if scans:
         write_tsv(folder / f"sub-{who}_ses-{number}_scans.tsv", ("filename", "acq_time"), scans)
-    write_practice(source, folder, f"sub-{who}_ses-{number}", task)
+    write_practice(session, folder, f"sub-{who}_ses-{number}", task)
     unknown = {each["name"] for run in runs for each in run.events} - EVENTS.keys()
     return [
         *left_out,

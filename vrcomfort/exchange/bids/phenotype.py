@@ -6,16 +6,13 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from vrcomfort.csv_table import CsvTable
 from vrcomfort.exchange.bids.files import write_json, write_tsv
 from vrcomfort.questionnaire import Instrument, instruments_in, shipped_instruments
-from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.recorder import session_folder
+from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.session_rows import QuestionnaireRow
-from vrcomfort.records.study import recorded_sessions
 
 
-def write_phenotype(study: Path, out: Path, participants: Iterable[str]) -> None:
+def write_phenotype(study: Study, out: Path, participants: Iterable[str]) -> None:
     """Write a table and its sidecar for each instrument that was answered.
 
     Raises
@@ -23,14 +20,13 @@ def write_phenotype(study: Path, out: Path, participants: Iterable[str]) -> None
     InputError
         If a table is damaged.
     """
-    known = {**shipped_instruments(), **instruments_in([study])}
+    known = {**shipped_instruments(), **instruments_in([study.folder])}
     tables: dict[str, dict[str, dict[str, str]]] = {}
     columns: dict[str, dict[str, dict[str, Any]]] = {}
     for name in participants:
-        for number in recorded_sessions(study, name):
-            file = session_folder(study, name, number) / QuestionnaireRow.FILE
-            asked_in = _languages(file.parent)
-            for row in CsvTable.read(file, appended=True).dicts():
+        for session in study.sessions_of(name):
+            asked_in = _languages(session)
+            for row in session.text_rows(QuestionnaireRow):
                 instrument = row["instrument"]
                 cells = tables.setdefault(instrument, {}).setdefault(f"sub-{name}", {})
                 said = columns.setdefault(instrument, {})
@@ -46,9 +42,9 @@ def write_phenotype(study: Path, out: Path, participants: Iterable[str]) -> None
         _write(out / "phenotype", instrument, rows, columns[instrument], known)
 
 
-def _languages(session: Path) -> dict[str, str]:
+def _languages(session: Session) -> dict[str, str]:
     """Return instrument → language in which a session asked it, as its manifest says."""
-    wordings = read_manifest(session).get("wordings") or []
+    wordings = session.manifest.get("wordings") or []
     return {str(each["instrument"]): str(each["language"]) for each in wordings}
 
 

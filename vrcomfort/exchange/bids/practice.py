@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from vrcomfort.csv_table import CsvTable
 from vrcomfort.exchange.bids.files import write_json, write_tsv
 from vrcomfort.records.exposure_rows import PracticeRow
+from vrcomfort.records.reader import Session
 from vrcomfort.records.rows import Column, declared
 from vrcomfort.records.schema import full_meaning
 
 _OF_THE_NAME = ("participant", "session")
 
 
-def write_practice(source: Path, folder: Path, whose: str, task: str) -> None:
+def write_practice(session: Session, folder: Path, whose: str, task: str) -> None:
     """Write the practice of one session, if it had any.
 
     Parameters
     ----------
-    source, folder
-        Of the session in the study, and in the dataset.
+    folder
+        Of the session in the dataset.
     whose
         Beginning of its files' names.
     task
@@ -30,8 +30,7 @@ def write_practice(source: Path, folder: Path, whose: str, task: str) -> None:
     InputError
         If the table is damaged.
     """
-    file = source / PracticeRow.FILE
-    rows = list(CsvTable.read(file, appended=True).dicts()) if file.exists() else []
+    rows = list(session.text_rows(PracticeRow))
     if not rows:
         return
     label = f"{task}practice"

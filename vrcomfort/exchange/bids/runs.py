@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 
-from vrcomfort.csv_table import CsvTable
 from vrcomfort.records.attempts import Attempt, FramesOfAttempts
 from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
+from vrcomfort.records.reader import Session
 from vrcomfort.records.session_rows import EventRow
 from vrcomfort.records.times import within
 
@@ -55,38 +52,35 @@ class Run:
         return within(time_s, float(self.trial["start_s"]), float(self.trial["end_s"]))
 
 
-def read_runs(folder: Path) -> list[Run]:
-    """Return the runs of a session's folder.
+def read_runs(session: Session) -> list[Run]:
+    """Return the runs of a session.
 
     Raises
     ------
     InputError
         If a table is damaged.
     """
-    runs = [
-        Run(number, trial) for number, trial in enumerate(_rows(folder / TrialRow.FILE), start=1)
-    ]
+    runs = [Run(number, row) for number, row in enumerate(session.text_rows(TrialRow), start=1)]
     times: dict[str, Run] = {}
     of_attempt = {run.attempt: run for run in runs}
     attempts = FramesOfAttempts(_numbers(run.trial) for run in runs)
-    for row in _stream(folder / FrameRow.FILE):
+    for row in session.text_rows(FrameRow):
         if (attempt := attempts.add(_numbers(row))) is not None:
             of_attempt[attempt].frames.append(row)
             times[row["xr_time_ns"]] = of_attempt[attempt]
-    if (folder / GazeRow.FILE).exists():
-        for row in _stream(folder / GazeRow.FILE):
-            if (run := times.get(row["xr_time_ns"])) is not None:
-                run.gaze.append(row)
-    for row in _rows(folder / RatingRow.FILE):
+    for row in session.text_rows(GazeRow):
+        if (run := times.get(row["xr_time_ns"])) is not None:
+            run.gaze.append(row)
+    for row in session.text_rows(RatingRow):
         run = _of(runs, row["trial"], float(row["onset_s"]))
         if run is not None:
             run.ratings.append(row)
     for kind in (TaskRow, DialRow):
-        for row in _rows(folder / kind.FILE) if (folder / kind.FILE).exists() else ():
+        for row in session.text_rows(kind):
             run = of_attempt.get((int(row["trial"]), int(row["attempt"])))
             if run is not None:
                 (run.tasks if kind is TaskRow else run.dials).append(row)
-    for row in _rows(folder / EventRow.FILE):
+    for row in session.text_rows(EventRow):
         run = next((each for each in runs if each.holds(float(row["onset_s"]))), None)
         if run is not None and row["name"] not in {"exposure", "answer"}:
             run.events.append(row)
@@ -101,13 +95,3 @@ def _numbers(row: Cells) -> dict[str, float]:
     """Return what tells which attempt a row is of."""
     whole = {name: int(row[name]) for name in _WHOLE if name in row}
     return {**whole, **{name: float(row[name]) for name in _TIMES if name in row}}
-
-
-def _rows(file: Path) -> Iterator[Cells]:
-    return CsvTable.read(file, appended=True).dicts()
-
-
-def _stream(file: Path) -> Iterator[Cells]:
-    """Yield the rows of a large file, which has been verified."""
-    with file.open(encoding="utf-8", newline="") as stream:
-        yield from csv.DictReader(stream)

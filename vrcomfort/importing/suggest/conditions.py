@@ -7,13 +7,12 @@ from collections.abc import Mapping, Sequence
 from difflib import SequenceMatcher
 from itertools import combinations
 
-from vrcomfort.importing.headings import is_number
-from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.fact_draft import FactDraft
-from vrcomfort.importing.suggest.roles import (
+from vrcomfort.importing.suggest.draft import FactDraft
+from vrcomfort.importing.suggest.evidence import (
+    COUNTS_EXPOSURES,
+    GROUPS_PEOPLE,
     MOST_CONDITIONS,
-    few_texts,
-    is_numeric,
+    candidates,
     texts,
     varies_within,
 )
@@ -35,7 +34,7 @@ class Conditions(FactDraft):
         self._repetitions()
 
     def _condition(self) -> None:
-        if "condition" in self._known.said or "condition" in self.found.columns:
+        if "condition" in self._answers.said or "condition" in self._context.columns:
             return
         columns = self._roles.facts.get("condition", [])
         columns = [c for c in columns if texts(self._table, c)]
@@ -52,7 +51,7 @@ class Conditions(FactDraft):
 
     def _several_conditions(self, columns: list[int]) -> None:
         names = ", ".join(repr(self.heading(c)) for c in columns)
-        within = [c for c in columns if varies_within(self._table, c, self.found.participant)]
+        within = [c for c in columns if varies_within(self._table, c, self._context.participant)]
         chosen = within or columns[:1]
         if len(chosen) == 1:
             self.use("condition", chosen[0])
@@ -62,59 +61,38 @@ class Conditions(FactDraft):
             self.doubt(f"Are conditions made of {names} together?", "they are, joined by _")
 
     def _join_condition(self, columns: Sequence[int]) -> None:
-        self.found.used |= set(columns)
-        self.found.columns["condition"] = tuple(columns)
+        self._context.used |= set(columns)
+        self._context.columns["condition"] = tuple(columns)
         names = [self.heading(c) for c in columns]
         joined = ["_".join(row[c] for c in columns) for row in self._table.rows]
         values = {text: text for text in dict.fromkeys(joined) if all(text.split("_"))}
         self.found.draft.put("condition", {"columns": names, "values": values})
 
     def _guess_condition(self) -> None:
-        """Take what varies within participants for the condition, else their group, and ask."""
-        who = self.found.participant
-        counted = [
-            self.found.columns[fact][0]
-            for fact in ("trial", "session", "period")
-            if fact in self.found.columns
-        ]
-        varies = who is not None and bool(counted) and varies_within(self._table, counted[0], who)
-        group = self.found.covariates.get("group", self.found.covariates.get("sequence"))
-        within = self._within()
-        if within is not None:
-            self.use("condition", within)
-            if within in self._roles.unknown:
-                self._roles.unknown.remove(within)
-            self.doubt(f"Is {self.heading(within)!r} the condition?", "it is")
-        elif varies and group is not None:
-            self._crossover(group, counted[0])
-        elif varies:
-            self._take(counted[0], "the condition?", "it is, for want of another")
-        elif group is not None:
-            self._take(group, "the condition, between participants?", "it is")
-        else:
+        """Take the column with the heaviest evidence for the condition, and ask."""
+        context = self._context
+        decided = [c for columns in context.columns.values() for c in columns]
+        decided += context.covariates.values()
+        columns = (*self._roles.unknown, *self._roles.facts["scene"], *decided)
+        found = candidates("condition", columns, context)
+        if not found:
             self.found.draft.put("condition", {"constant": "all"})
             self.doubt("No column says the condition: was there but one?", "one, called `all`")
-
-    def _take(self, column: int, what: str, assumed: str) -> None:
-        """Let the condition come from a column that says something else, too."""
-        self.found.draft.put("condition", {"column": self.heading(column)})
-        self.doubt(f"Is {self.heading(column)!r} {what}", assumed)
-
-    def _within(self) -> int | None:
-        """Return a column of a few texts that vary within participants, words before numbers."""
-        who, table = self.found.participant, self._table
-        columns = [
-            c
-            for c in (*self._roles.unknown, *self._roles.facts.get("scene", []))
-            if few_texts(table, c) and c not in self.found.used and not _all_one_each(table, c)
-        ]
-        found = [c for c in columns if who is not None and varies_within(table, c, who)]
-        return min(found, key=lambda c: is_numeric(table, c), default=None)
+        elif found[0].evidence is COUNTS_EXPOSURES and found[-1].evidence is GROUPS_PEOPLE:
+            self._crossover(found[-1].column, found[0].column)
+        elif found[0].column in decided:  # it keeps the role that it has
+            self.found.draft.put("condition", {"column": self.heading(found[0].column)})
+            self.doubt_of(found[0])
+        else:
+            self.use("condition", found[0].column)
+            if found[0].column in self._roles.unknown:
+                self._roles.unknown.remove(found[0].column)
+            self.doubt_of(found[0])
 
     def _crossover(self, group: int, number: int) -> None:
         """Take group and number of the exposure together for the condition."""
         self._join_condition([group, number])
-        self.found.covariates.setdefault("sequence", group)
+        self._context.covariates.setdefault("sequence", group)
         if not self._letters(group, number):
             a, b = self.heading(group), self.heading(number)
             question = f"Which condition did each {a} have in each {b} (a crossover)?"
@@ -139,27 +117,23 @@ class Conditions(FactDraft):
 
     def _repetitions(self) -> None:
         """Have exposures numbered where somebody has one condition and moment twice."""
-        if self._known.time is not None and "trial" not in self.found.columns:
-            runs = [c for c in self._roles.unknown if len(texts(self._table, c)) > 1]
-            runs = [c for c in runs if varies_within(self._table, c, self.found.participant)]
-            if runs:
-                self.use("trial", runs[0], count=True)
-                self.doubt(f"Does {self.heading(runs[0])!r} tell exposures apart?", "it does")
-                return
-        if "trial" in self.found.columns or self.found.participant is None:
+        if "trial" in self._context.columns:
             return
-        if self._known.time is not None:
+        if runs := candidates("trial", self._roles.unknown, self._context):
+            self.use("trial", runs[0].column, count=True)
+            self.doubt_of(runs[0])
+        if self._context.participant is None or self._context.time is not None:
             return
-        keys = [self.found.participant, *self._known.row_keys]
-        keys += [c for columns in self.found.columns.values() for c in columns]
+        keys = [self._context.participant, *self._answers.row_keys]
+        keys += [c for columns in self._context.columns.values() for c in columns]
         seen: dict[tuple[str, ...], tuple[int, tuple[str, ...]]] = {}
         again: dict[str, list[str]] = {}
-        for table in self._known.tables:
+        for table in self._answers.tables:
             for number, row in zip(table.numbers, table.rows, strict=True):
-                if not any(row[column] for column in self._known.taken):
+                if not any(row[column] for column in self._answers.taken):
                     continue
                 key = (table.file.name, table.sheet, *(row[c] for c in dict.fromkeys(keys)))
-                who = row[self.found.participant]
+                who = row[self._context.participant]
                 if key in seen and who:
                     first, cells = seen[key]
                     same = [f"row {number} is the same as row {first}"] if cells == row else []
@@ -173,7 +147,7 @@ class Conditions(FactDraft):
         self.found.draft.put("trial", {"count": True}, "exposures in the order of the rows")
         people = ", ".join([*again][:MOST_NAMED])
         more = f" and {len(again) - MOST_NAMED} more" if len(again) > MOST_NAMED else ""
-        columns = " (and conditions in a row)" if "condition" in self._known.said else ""
+        columns = " (and conditions in a row)" if "condition" in self._answers.said else ""
         question = f"One condition more than once: {people}{more}. Do rows{columns} stand in the "
         assumed = "they do; exposures are numbered so"
         same = [each for found in again.values() for each in found]
@@ -183,7 +157,7 @@ class Conditions(FactDraft):
 
     def _alike(self) -> None:
         """Ask whether words for conditions that are nearly the same are one."""
-        column = self.found.columns.get("condition", ())
+        column = self._context.columns.get("condition", ())
         cells = self._table.column(column[0]) if len(column) == 1 else ()
         counts = Counter(filter(None, cells))
         few = len(counts) <= MOST_CONDITIONS
@@ -216,11 +190,3 @@ def _near(a: str, b: str) -> bool:
 
 def _digits(text: str) -> list[str]:
     return [letter for letter in text if letter.isdecimal()]
-
-
-def _all_one_each(table: SourceTable, column: int) -> bool:
-    """Return whether a column counts its rows, or holds long texts, as no condition does."""
-    words = texts(table, column)
-    return any(len(word) > 40 for word in words) or (
-        all(map(is_number, words)) and any("." in word or "," in word for word in words)
-    )

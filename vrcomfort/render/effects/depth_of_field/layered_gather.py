@@ -104,7 +104,7 @@ class LayeredGatherKernel:
         return found
 
     def _gather_pass(self, layers: dict[str, moderngl.Texture], samples: int) -> FullscreenPass:
-        """Return what sums wide discs, in tiles of that class and beside them."""
+        """Return the pass that sums wide discs, in tiles of that class and beside them."""
         coarsest = blur_kernels.coarsest_of_one_surface(self._coc.limit_px, samples)
         read = {f"layers_{level}": layers[f"layers_{level}"] for level in range(1, coarsest + 1)}
         return self._pass(
@@ -128,7 +128,7 @@ class LayeredGatherKernel:
         defines: dict[str, int] | None = None,
         **options: Any,
     ) -> FullscreenPass:
-        """Return what draws the tiles of a class."""
+        """Return the pass that draws the tiles of a class."""
         of_class = _of_class(name, self._coc.tile_px, beside=0)
         return self._pass(
             fragment,
@@ -155,5 +155,5 @@ class LayeredGatherKernel:
 
 
 def _of_class(name: str, point_px: int, *, beside: int) -> dict[str, Any]:
-    """Return what ``tiles_of_class.vert`` needs."""
+    """Return the defines of ``tiles_of_class.vert``."""
     return {"CLASS": name, "POINT_PX": point_px, "BESIDE": beside}
