@@ -11,11 +11,9 @@ from typing import Any
 import pandas as pd
 
 from vrcomfort.report.analyses import csv_tables
-from vrcomfort.report.courses import TimeCourseAnalysis
-from vrcomfort.report.courses.analysis import course_tables
 from vrcomfort.report.exposures import Exposures, column_of
-from vrcomfort.report.gaze_and_head.analysis import GazeAndHeadAnalysis, gaze_and_head_tables
 from vrcomfort.report.rows import Cells
+from vrcomfort.report.sections import Section, section_tables
 
 Row = dict[str, Any]
 
@@ -26,9 +24,7 @@ so that one apostrophe can be taken off again, a text that begins with apostroph
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
 
 
-def all_tables(
-    results: Row, scored: Exposures, courses: TimeCourseAnalysis, looked: GazeAndHeadAnalysis
-) -> dict[str, str]:
+def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> dict[str, str]:
     """Return file name → CSV text."""
     columns = ["participant", "session", "position", "condition", "scene", "early"]
     weights = results["weights"]
@@ -63,7 +59,6 @@ def all_tables(
         "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
         "stimulus_time": results["stimulus_time"],
         "movement": results["movement"],
-        **gaze_and_head_tables(looked),
         "frame_measures": results["frame_measures"],
         "straight_lined": results["answering"]["straight_lined"],
         "anova": [row for found in results["anova"] for row in _flat_anova(found)],
@@ -83,7 +78,7 @@ def all_tables(
             row | {"participants": " ".join(row["participants"])} for row in results["deviations"]
         ],
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
-        **course_tables(courses),
+        **section_tables(sections),
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
 
