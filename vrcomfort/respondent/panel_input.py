@@ -245,7 +245,7 @@ class KeyChoice:
                 return
 
     def entered(self, cells: Sequence[Cell]) -> Cell | None:
-        """Return the cell that Enter chooses: the chosen one, else the confirmation of all answers."""
+        """Return the cell that Enter chooses: the chosen one, else the one that confirms all."""
         confirming = (each for each in cells if each.act is Act.CONFIRM)
         return self.cell or next(confirming, None)
 
