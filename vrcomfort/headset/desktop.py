@@ -14,7 +14,7 @@ from vrcomfort.frame import MEAN_IPD_M, Frame, HeadsetEvent
 from vrcomfort.geometry import Fov, Pose, Quad, View, yaw_pitch_roll
 from vrcomfort.headset.eye_painter import Box, EyePainter, WindowPanel, fitted
 from vrcomfort.headset.inputs import POINTER_SIZE_PX, HandInput, Inputs, KeyInput, pointer_picture
-from vrcomfort.headset.locomotion import WALKING_SPEED_M_S, Locomotion, wish_of
+from vrcomfort.headset.locomotion import WALKING_SPEED_M_S, Locomotion, move_command
 from vrcomfort.headset.window import Window
 from vrcomfort.scene.floors import Floors
 
@@ -250,11 +250,11 @@ class DesktopHeadset:
         if not self._in_scene:
             return  # nobody walks blindly
         self._pitch_rad = _within(self._pitch_rad + keys.look_up_rad, STEEPEST_RAD)
-        wish = wish_of(Inputs(keys=keys))
+        command = move_command(Inputs(keys=keys))
         if self._window.looks_aside or not self._on_foot:
             self._yaw_rad = _within(self._yaw_rad + keys.turn_rad, FURTHEST_RAD)
-            wish = wish.without_turn()
-        self._locomotion.step(self.head_pose, wish, passed_s)
+            command = command.without_turn()
+        self._locomotion.step(self.head_pose, command, passed_s)
         self._cut |= self._locomotion.teleported
 
     def _views(self, head: Pose) -> tuple[View, View]:

@@ -77,7 +77,7 @@ class Speaker(Protocol):
         """Play no more."""
 
 
-class NobodyHears:
+class SilentSpeaker:
     """For simulated participants, who know how long a sound is."""
 
     def play(self, sound: Sound) -> None:

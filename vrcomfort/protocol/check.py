@@ -17,7 +17,7 @@ from vrcomfort.protocol.order_check import (
 )
 from vrcomfort.protocol.questions import free_text_problems
 from vrcomfort.protocol.session_steps import break_problems, instruction_problems
-from vrcomfort.protocol.viewing import View
+from vrcomfort.protocol.viewing import SceneView
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import KeyPath, Problem, repeated, reserved
 from vrcomfort.settings.locate import Path
@@ -46,7 +46,7 @@ def view_problems(protocol: Protocol, shipped: list[str]) -> Iterator[Problem]:
             yield Problem((*path, "points"), too_short(protocol, view, view.points[-1].time_s))
 
 
-def too_short(protocol: Protocol, view: View, duration_s: float) -> str:
+def too_short(protocol: Protocol, view: SceneView, duration_s: float) -> str:
     """Say that a path ends before its trial."""
     length_s = protocol.length_s(view.name)
     message = f"the path ends after {duration_s:g} s and the trial after {length_s:g} s"

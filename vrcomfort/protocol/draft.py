@@ -146,7 +146,7 @@ HIGH = {"fms": 15, "misc": 7}
 
 
 @dataclass(frozen=True)
-class Draft:
+class ProtocolDraft:
     """What `vrcomfort new` has been told.
 
     Parameters

@@ -34,7 +34,14 @@ from vrcomfort.protocol.session_steps import (
 )
 from vrcomfort.protocol.simulation import Simulation
 from vrcomfort.protocol.texts import LanguageTable, Words, words_of
-from vrcomfort.protocol.viewing import Answering, Headset, Locomotion, Photodiode, View, Visibility
+from vrcomfort.protocol.viewing import (
+    Answering,
+    HeadsetSettings,
+    LocomotionSettings,
+    Photodiode,
+    SceneView,
+    Visibility,
+)
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Problem, Settings, Word
 from vrcomfort.settings.include import Source
@@ -79,7 +86,7 @@ class Protocol(Settings):
     `pause` counts no exposure then, `flag` counts it and flags the trial."""
     scenes: Annotated[tuple[str, ...], Field(min_length=1)]
     """Shipped scenes by name, .glb/.gltf files relative to the protocol file, or names of views."""
-    views: tuple[View, ...] = ()
+    views: tuple[SceneView, ...] = ()
     """Scenes from a place, along a path, or for a time of their own."""
     conditions: tuple[Condition, ...] = ()
     """Ways of rendering; or `factors`."""
@@ -128,7 +135,7 @@ class Protocol(Settings):
     exposure_ends: Literal["time", "task", "adjustment"] = "time"
     """`task`: an exposure is over when its task is done, `adjustment`: when what is adjusted in it
     is confirmed; at the latest after its time."""
-    headset: Headset = Headset()
+    headset: HeadsetSettings = HeadsetSettings()
     """What the study is meant to be seen in."""
     answering: Answering = Answering()
     """How they answer in it."""
@@ -138,7 +145,7 @@ class Protocol(Settings):
     """What need not be seen or told apart."""
     posture: Posture | None = None
     """Seated or standing, with the height of the eyes measured; not at all without it."""
-    locomotion: Locomotion = Locomotion()
+    locomotion: LocomotionSettings = LocomotionSettings()
     """How participants move."""
     simulation: Simulation = Simulation()
     """How simulated participants feel."""
@@ -307,10 +314,10 @@ class Protocol(Settings):
         """Return the length of the longest exposure."""
         return max(self.length_s(scene) for scene in self.scenes)
 
-    def view(self, scene: str) -> View:
+    def view(self, scene: str) -> SceneView:
         """Return the view of that name; of a whole scene, one that changes nothing."""
         named = (view for view in self.views if view.name == scene)
-        return next(named, View.model_construct(name=scene, scene=scene))
+        return next(named, SceneView.model_construct(name=scene, scene=scene))
 
     def condition(self, name: str) -> Condition:
         """Return the condition called `name`; loading made sure that trials name real ones."""

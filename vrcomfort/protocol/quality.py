@@ -16,9 +16,9 @@ from vrcomfort.protocol.conditions import EFFECTS, Condition
 from vrcomfort.protocol.quality_levels import (
     DIALLED,
     Effects,
-    Figure,
-    Measured,
+    MeasurementSource,
     Quality,
+    QualityFigure,
     QualityTable,
     quality_table,
 )
@@ -71,7 +71,7 @@ def effects_of(drawn: Collection[str]) -> Effects | None:
     return "motion_blur" if shutter else None
 
 
-def figure_for(condition: Condition, scene: str, drawn: Collection[str]) -> Figure | None:
+def figure_for(condition: Condition, scene: str, drawn: Collection[str]) -> QualityFigure | None:
     """Return the shipped figures of a condition's level in a scene; None: not measured.
 
     They are those of a camera that moves: where only objects are blurred, nothing was measured.
@@ -93,7 +93,9 @@ def figure_for(condition: Condition, scene: str, drawn: Collection[str]) -> Figu
     return next(found, None)
 
 
-def write_figures(file: Path, measured: Measured, figures: Iterable[Figure]) -> None:
+def write_figures(
+    file: Path, measured: MeasurementSource, figures: Iterable[QualityFigure]
+) -> None:
     """Put new figures into a table; what is above :data:`MARK` stays as it is."""
     chosen = file.read_text(encoding="utf-8").partition(MARK)[0].rstrip()
     blocks = [_toml("[measured]", measured), *(_toml("[[figures]]", each) for each in figures)]

@@ -36,7 +36,7 @@ class _Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Level(_Table):
+class QualityLevel(_Table):
     """Settings by effect; `lens` joins `depth_of_field` where its law is in `SAME_LENS`."""
 
     depth_of_field: dict[str, Value] = {}
@@ -50,7 +50,7 @@ class Level(_Table):
         return {**self.depth_of_field, **(self.lens if law in SAME_LENS else {})}
 
 
-class Measured(_Table):
+class MeasurementSource(_Table):
     """How the figures came about."""
 
     command: str
@@ -59,7 +59,7 @@ class Measured(_Table):
     how: str
 
 
-class Figure(_Table):
+class QualityFigure(_Table):
     """What a level was measured to cost and to get wrong in one scene; None was not measured."""
 
     level: Quality
@@ -78,9 +78,9 @@ class Figure(_Table):
 class QualityTable(_Table):
     """Content of ``quality.toml``."""
 
-    levels: dict[Quality, Level]
-    measured: Measured | None = None
-    figures: tuple[Figure, ...] = ()
+    levels: dict[Quality, QualityLevel]
+    measured: MeasurementSource | None = None
+    figures: tuple[QualityFigure, ...] = ()
 
 
 @cache
@@ -119,7 +119,7 @@ def with_level(condition: Mapping[str, Any], level: Quality) -> dict[str, Any]:
     return {**condition, **effects, "quality": level}
 
 
-def _filled_effect(level: Level, name: str, given: Any) -> Any:
+def _filled_effect(level: QualityLevel, name: str, given: Any) -> Any:
     if isinstance(given, Mapping):
         law = given.get("law", LENSLESS_LAW)
         return {**_fitting(level.settings(name, law=law), given), **given}

@@ -15,7 +15,7 @@ Ipd = Annotated[float, Field(ge=0.04, le=0.08)]
 PixelCount = Annotated[int, Field(ge=16, le=8192)]
 
 
-class Headset(Settings):
+class HeadsetSettings(Settings):
     """What the headset should be set to; a playback headset is built from it."""
 
     name: str = ""
@@ -64,7 +64,7 @@ class Visibility(Settings):
     """Pairs of conditions that differ by less than a pixel there."""
 
 
-class Locomotion(Settings):
+class LocomotionSettings(Settings):
     """How participants move through a scene."""
 
     mode: Literal["walk", "teleport", "off"] = "walk"
@@ -101,7 +101,7 @@ class Photodiode(Settings):
     """How long it is white with `onset`."""
 
 
-class View(Settings):
+class SceneView(Settings):
     """A scene from a place, along a path, or for a time of its own.
 
     Its `name` stands in `scenes`, in sequences and in the column `scene`, beside those of whole

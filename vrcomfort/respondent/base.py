@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, TypeAlias, runtime_checkable
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +53,7 @@ class Form:
 
 
 @dataclass(frozen=True, eq=False)
-class Telling:
+class InstructionContent:
     """What a participant is told at a moment.
 
     Parameters
@@ -87,28 +87,6 @@ class Written(NamedTuple):
     took_s: float
 
 
-@runtime_checkable
-class Writes(Protocol):
-    """Who answers in their own words: all but stand-ins of tests."""
-
-    def write(self, question: str) -> Written:
-        """Answer a question in one's own words.
-
-        Raises
-        ------
-        Withdrew
-            If the participant stops at it.
-        """
-
-
-@runtime_checkable
-class Decides(Protocol):
-    """Who can ask the experimenter: all but stand-ins of tests."""
-
-    def decide(self, question: str) -> bool:
-        """Return whether the experimenter wants to go on."""
-
-
 class Respondent(Protocol):
     """A participant, or whoever answers for one. All times are seconds since the exposure began."""
 
@@ -122,7 +100,7 @@ class Respondent(Protocol):
     def start_exposure(self, exposure: Exposure) -> None:
         """Take note that an exposure begins."""
 
-    def endure(self, elapsed_s: float) -> None:
+    def update(self, elapsed_s: float) -> None:
         """Live through the training or exposure up to now; called every frame.
 
         Raises
@@ -158,7 +136,9 @@ class Respondent(Protocol):
             If the participant stops here.
         """
 
-    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:
+    def read(
+        self, content: InstructionContent, elapsed_s: float, *, may_go_on: bool
+    ) -> float | None:
         """Live through a moment of what one is told.
 
         Returns
@@ -184,3 +164,15 @@ class Respondent(Protocol):
         Withdrew
             If the participant stops at a question; what was heard before is kept.
         """
+
+    def write(self, question: str) -> Written:
+        """Answer a question in one's own words.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops at it.
+        """
+
+    def decide(self, question: str) -> bool:
+        """Ask the experimenter; return whether the session goes on."""

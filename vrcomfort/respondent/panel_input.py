@@ -8,7 +8,7 @@ from typing import Protocol
 
 from vrcomfort.respondent import keyboard
 from vrcomfort.respondent.panel_layout import Act, Cell, answer_cells
-from vrcomfort.respondent.panel_picture import STEPS, Picture, Progress
+from vrcomfort.respondent.panel_picture import STEPS, DwellProgress, Picture
 
 
 @dataclass(frozen=True)
@@ -129,12 +129,12 @@ class Dwell:
         self._prepared = None
         return cell
 
-    def progress(self, now_s: float) -> Progress:
+    def progress(self, now_s: float) -> DwellProgress:
         """Return what is to be drawn."""
         if self._cell is None or self._spent:
-            return Progress(prepared=self._prepared)
+            return DwellProgress(prepared=self._prepared)
         share = (now_s - self._since_s) / self._dwell_s
-        return Progress(self._cell, min(int(share * STEPS), STEPS), self._prepared)
+        return DwellProgress(self._cell, min(int(share * STEPS), STEPS), self._prepared)
 
     def _has_left(self, now_s: float) -> bool:
         """Return whether somebody has looked elsewhere for long enough."""

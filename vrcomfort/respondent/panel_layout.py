@@ -114,7 +114,7 @@ def rest_cells(words: Words = ENGLISH) -> list[Cell]:
     return _row([(words.stop, Act.STOP)], FOOT_TOP_PX, FOOT_BOTTOM_PX)
 
 
-def telling_cells(words: Words = ENGLISH, *, ready: bool) -> list[Cell]:
+def instruction_cells(words: Words = ENGLISH, *, ready: bool) -> list[Cell]:
     """Return the cells below what is told: going on is one of them once one may."""
     foot = [(words.stop, Act.STOP)] + ([(words.proceed, Act.CONFIRM)] if ready else [])
     return _row(foot, FOOT_TOP_PX, FOOT_BOTTOM_PX)

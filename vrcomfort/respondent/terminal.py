@@ -11,7 +11,7 @@ from rich.table import Table
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keyboard
-from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
+from vrcomfort.respondent.base import Exposure, Form, Heard, InstructionContent, Withdrew, Written
 from vrcomfort.respondent.keyboard import input_over, waiting_line
 
 
@@ -92,7 +92,7 @@ class TerminalRespondent:
         self._rating = TypedRating()
         self._asked_whether_to_stop = False
         self._exposed = False
-        self._told: Telling | None = None
+        self._told: InstructionContent | None = None
 
     def start_session(self, session: int) -> None:
         """Say which session begins, and how to end it."""
@@ -105,7 +105,7 @@ class TerminalRespondent:
         self._finish_asking_whether_to_stop()
         self._console.print(f"Exposure {exposure.trial}, {exposure.scene}. {_STOP}.")
 
-    def endure(self, elapsed_s: float) -> None:
+    def update(self, elapsed_s: float) -> None:
         """Take what was typed: a withdrawal, or the rating that was asked for.
 
         Raises
@@ -124,7 +124,7 @@ class TerminalRespondent:
         self._console.print(f"Exposure over after {elapsed_s:.0f} s.")
 
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
-        """Show the question; the answer is picked up by `endure`."""
+        """Show the question; the answer is picked up by `update`."""
         self._rating = TypedRating(instrument, elapsed_s + timeout_s)
         self._console.print(f"{instrument.instruction} ({timeout_s:.0f} s)", style="bold")
 
@@ -148,7 +148,13 @@ class TerminalRespondent:
         self._finish_asking_whether_to_stop()
         self._console.print(f"{duration_s / 60:.1f} minutes of rest are over.")
 
-    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:  # noqa: ARG002
+    def read(
+        self,
+        content: InstructionContent,
+        elapsed_s: float,  # noqa: ARG002
+        *,
+        may_go_on: bool,
+    ) -> float | None:
         """Print what is told, to be read aloud; Enter goes on.
 
         Raises
@@ -158,10 +164,10 @@ class TerminalRespondent:
         InputError
             If nothing can be typed any more.
         """
-        if self._told is not telling:
-            self._told = telling
-            self._console.rule(telling.name)
-            self._console.print(telling.text or "(nothing to read)")
+        if self._told is not content:
+            self._told = content
+            self._console.rule(content.name)
+            self._console.print(content.text or "(nothing to read)")
             self._console.print(f"Enter = go on. {_STOP}.", style="dim")
         typed = self._waiting_line()
         if typed is None:

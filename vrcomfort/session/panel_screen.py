@@ -12,6 +12,7 @@ import numpy as np
 from vrcomfort.errors import headset_ended
 from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad, heading
+from vrcomfort.headset.base import HasHaptics, HasInputs
 from vrcomfort.headset.inputs import Inputs, pointer_quad
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.respondent.panel_input import Pointing
@@ -39,8 +40,8 @@ class Panel(Protocol):
         """Take the panel away."""
 
 
-class PanelHeadset(Protocol):
-    """What a headset needs so that questions can be asked in it."""
+class PanelHeadset(HasInputs, HasHaptics, Protocol):
+    """A headset in which questions can be asked."""
 
     @property
     def head_pose(self) -> Pose:
@@ -52,17 +53,11 @@ class PanelHeadset(Protocol):
     def submit(self, frame: Frame, eyes: None) -> None:
         """Show the panels alone."""
 
-    def inputs(self) -> Inputs:
-        """Return what hands and eyes do in the last frame."""
-
     def take_events(self) -> list[HeadsetEvent]:
         """Return what happened since the last call."""
 
     def allow_absence(self, duration_s: float) -> None:
         """Take note that nobody need look for so long."""
-
-    def tick(self, hand: int) -> None:
-        """Let a controller tick."""
 
     def show_panel(self, size_px: tuple[int, int], quad: Quad) -> Panel:
         """Put a panel into the room."""

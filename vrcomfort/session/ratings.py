@@ -154,7 +154,7 @@ class RatingSchedule:
         latency_s = None if response is None else now_s - pending.onset_s
         return Rated(pending.onset_s, latency_s, response)
 
-    def missed_while_frozen(self, elapsed_s: float, now_s: float, stretch: float) -> list[Rated]:
+    def missed_while_frozen(self, elapsed_s: float, now_s: float, time_scale: float) -> list[Rated]:
         """Return the ratings that are due after the picture stood still: nobody was asked.
 
         Also those that fell due before, while another question was open.
@@ -163,13 +163,13 @@ class RatingSchedule:
         ----------
         elapsed_s, now_s
             At the first frame after it, as for `update`.
-        stretch
+        time_scale
             Seconds of the protocol that each shown second stands for.
         """
         missed = []
         while (due_s := self.next_s) is not None and due_s <= elapsed_s:
             self._asked += 1
-            missed.append(Rated(now_s - (elapsed_s - due_s) / stretch, None, None))
+            missed.append(Rated(now_s - (elapsed_s - due_s) / time_scale, None, None))
         return missed
 
     @property
@@ -251,13 +251,13 @@ class RatingSchedules:
         return min(due, default=math.inf)
 
     def missed_while_frozen(
-        self, elapsed_s: float, now_s: float, stretch: float
+        self, elapsed_s: float, now_s: float, time_scale: float
     ) -> list[tuple[RatingSchedule, Rated]]:
         """Return the ratings of all questions that nobody was asked; see `RatingSchedule`."""
         return [
             (schedule, rated)
             for schedule in self._schedules
-            for rated in schedule.missed_while_frozen(elapsed_s, now_s, stretch)
+            for rated in schedule.missed_while_frozen(elapsed_s, now_s, time_scale)
         ]
 
     def close(self) -> tuple[RatingSchedule, Rated] | None:

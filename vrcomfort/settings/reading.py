@@ -227,10 +227,10 @@ def first_problem(found: Iterable[Problem], text: str, file: Path | None) -> Inp
     What is missing comes last: it is often there, misspelt.
     """
     places = locate(text)
-    return problems_at(found, lambda path: Place(0, file, *places.of(path)))
+    return problems_at(found, lambda path: SourcePlace(0, file, *places.of(path)))
 
 
-class Place(NamedTuple):
+class SourcePlace(NamedTuple):
     """Where something stands; places of several files sort by `part` first."""
 
     part: int
@@ -240,7 +240,7 @@ class Place(NamedTuple):
 
 
 def problems_at(
-    found: Iterable[Problem], place_of: Callable[[Sequence[str | int]], Place]
+    found: Iterable[Problem], place_of: Callable[[Sequence[str | int]], SourcePlace]
 ) -> InputError:
     """Return the fault that stands first; the others are its `others`. See `first_problem`."""
 

@@ -21,7 +21,7 @@ from vrcomfort.tasks.base import (
 )
 
 
-class Search(Pointed):
+class VisualSearch(Pointed):
     """Find a named thing, point at it and press: what was found, and in which time."""
 
     kind: Literal["search"]
@@ -42,7 +42,7 @@ class Search(Pointed):
 
 
 class _Search(Task):
-    def __init__(self, settings: Search, surroundings: Surroundings) -> None:
+    def __init__(self, settings: VisualSearch, surroundings: Surroundings) -> None:
         self._settings = settings
         things = [(name, surroundings.thing(name)) for name in settings.things]
         if settings.order == "shuffled":
