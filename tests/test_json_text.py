@@ -11,8 +11,8 @@ import pytest
 
 import vrcomfort
 from vrcomfort.errors import InputError
-from vrcomfort.importing.json_files import read_json_table
 from vrcomfort.importing.source import Reading
+from vrcomfort.importing.text_files import read_json_table
 from vrcomfort.json_text import parse_json
 from vrcomfort.scene.load import load_scene
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from vrcomfort.render.stimulus_check import Fault, Moment, StimulusExtent, StimulusSize
     from vrcomfort.scene.camera_path import CameraPath
     from vrcomfort.scene.data import Scene
-    from vrcomfort.session.start_pose import Standing
+    from vrcomfort.session.start_pose import StartPose
 
 PROBE_WIDTH_PX = 160
 _MOMENT_S, _SUSTAINED = 0.1, 300
@@ -99,16 +99,16 @@ def moments_of(
     return [(carried(before), carried(now)) for before, now in pairs]
 
 
-def _standing(protocol: Protocol, name: str, scene: Scene) -> Standing:
-    from vrcomfort.session.start_pose import stand
+def _standing(protocol: Protocol, name: str, scene: Scene) -> StartPose:
+    from vrcomfort.session.start_pose import start_pose_of
 
-    return stand(scene, protocol.view(name), walks=protocol.locomotion.mode != "off")
+    return start_pose_of(scene, protocol.view(name), walks=protocol.locomotion.mode != "off")
 
 
 def _walk(
     protocol: Protocol,
     name: str,
-    standing: Standing,
+    standing: StartPose,
     size_px: tuple[int, int],
     refresh_hz: float,
 ) -> list[Frame]:

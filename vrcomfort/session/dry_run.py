@@ -8,7 +8,7 @@ from pathlib import Path
 
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
-from vrcomfort.headset.sound import NobodyHears
+from vrcomfort.headset.sound import SilentSpeaker
 from vrcomfort.protocol import Protocol
 from vrcomfort.records import EventRow, Study
 from vrcomfort.respondent import SimulatedRespondent
@@ -103,7 +103,7 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
                 headset_for=lambda _name, _scene: StillHeadset(_steps_hz(protocol)),
                 load_scene=scenes_for(protocol),
                 renderer=NoPictures(),
-                speaker=NobodyHears(),
+                speaker=SilentSpeaker(),
                 jumps=True,
                 durability="session_end",
             ),
