@@ -26,7 +26,7 @@ from vrcomfort.report.canvas import (
     threads,
 )
 from vrcomfort.report.courses.figures import course_figure, survival_figure
-from vrcomfort.report.courses.survival import of_leaving, of_threshold
+from vrcomfort.report.courses.survival import times_to_threshold, times_to_withdrawal
 from vrcomfort.report.estimation import estimation_figure, group_figure
 from vrcomfort.report.gaze_and_head import gaze_and_head_figures
 from vrcomfort.report.ordering import natural
@@ -90,15 +90,15 @@ def _course_figures(
 ) -> dict[str, Drawing | None]:
     """Return the figures of ratings over time, and of the time to a rating and to leaving."""
     drawn: dict[str, Drawing | None] = {"ratings": course_figure(courses, words)}
-    confidence, found = results["plan"]["confidence"], results["ratings"]
-    if found is not None and found["reached"]:
-        events = of_threshold(courses.exposures, found["threshold"])
-        title = f"share below a rating of {found['threshold']:g}"
+    confidence, found = results["plan"]["confidence"], courses.ratings
+    if found is not None and found.reached:
+        events = times_to_threshold(courses.exposures, found.threshold)
+        title = f"share below a rating of {found.threshold:g}"
         drawn["survival_rating"] = survival_figure(
             "survival-rating", events, title, words, confidence
         )
-    if results["leaving"] is not None:
-        events = of_leaving(courses.exposures)
+    if courses.leaving is not None:
+        events = times_to_withdrawal(courses.exposures)
         drawn["survival_leaving"] = survival_figure(
             "survival-leaving", events, "share that went on", words, confidence
         )

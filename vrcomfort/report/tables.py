@@ -14,7 +14,7 @@ from vrcomfort.report.analyses import csv_tables
 from vrcomfort.report.courses import TimeCourseAnalysis
 from vrcomfort.report.courses.analysis import course_tables
 from vrcomfort.report.exposures import Exposures, column_of
-from vrcomfort.report.gaze_and_head import GazeAndHeadAnalysis
+from vrcomfort.report.gaze_and_head.analysis import GazeAndHeadAnalysis, gaze_and_head_tables
 from vrcomfort.report.rows import Cells
 
 Row = dict[str, Any]
@@ -63,7 +63,7 @@ def all_tables(
         "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
         "stimulus_time": results["stimulus_time"],
         "movement": results["movement"],
-        **_gaze_and_head(looked),
+        **gaze_and_head_tables(looked),
         "frame_measures": results["frame_measures"],
         "straight_lined": results["answering"]["straight_lined"],
         "anova": [row for found in results["anova"] for row in _flat_anova(found)],
@@ -83,7 +83,7 @@ def all_tables(
             row | {"participants": " ".join(row["participants"])} for row in results["deviations"]
         ],
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
-        **course_tables(results, courses),
+        **course_tables(courses),
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
 
@@ -147,16 +147,6 @@ def model_columns(results: Row, scored: Exposures) -> dict[str, list[Any]]:
 
 def _or_none(values: pd.Series) -> list[Any]:
     return [None if pd.isna(value) else value for value in values]
-
-
-def _gaze_and_head(looked: GazeAndHeadAnalysis) -> dict[str, list[Row]]:
-    return {
-        "gaze_and_head": looked.exposures,
-        "gaze_zones": looked.zones,
-        "gaze_nodes": looked.nodes,
-        "fixations": looked.fixations,
-        "head_spectra": looked.spectra,
-    }
 
 
 def _whole(value: float | None) -> int | None:

@@ -47,7 +47,7 @@ STEPS = (1, 2, 5, 10)
 
 def course_figure(courses: TimeCourseAnalysis, words: Vocabulary) -> Drawing | None:
     """Draw the means together, and each condition with its exposures; None without ratings."""
-    found, curves = courses.results["ratings"], courses.curves
+    found, curves = courses.ratings, courses.curves
     if found is None or curves is None or not curves.times_s.size:
         return None
     rows = -(-len(courses.conditions) // COLUMNS)
@@ -60,18 +60,18 @@ def course_figure(courses: TimeCourseAnalysis, words: Vocabulary) -> Drawing | N
             together = panels.pop(0)
             _draw_together(together, courses, words, scale)
             together.set_xlabel(f"time in exposure ({unit})")
-            together.set_ylabel(f"mean {found['short']} rating")
+            together.set_ylabel(f"mean {found.short} rating")
         for place, axes in enumerate(panels):
             _draw_condition(axes, courses, place, words, scale)
             first = place % COLUMNS == 0
             axes.tick_params(labelleft=first)
             if first:
-                axes.set_ylabel(f"{found['short']} rating")
+                axes.set_ylabel(f"{found.short} rating")
             if place + COLUMNS >= len(panels):
                 axes.set_xlabel(f"time in exposure ({unit})")
         gone = [e.ended_s for e in courses.exposures if e.left]
         longest = max([float(curves.times_s.max()), *gone])
-        _limits(panels, found["low"], found["high"], longest / scale)
+        _limits(panels, found.low, found.high, longest / scale)
     return drawing
 
 
