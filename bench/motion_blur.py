@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.gpu.traffic import Recorder, added_up
+from vrcomfort.gpu.traffic import DrawRecorder, added_up
 from vrcomfort.protocol.conditions import MotionBlur
 from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.effects.motion_blur import MotionBlurPass
@@ -106,7 +106,7 @@ def _traffic(shot: Capture, settings: dict[str, Any], frame: EyeFrame) -> str:
     """Return texture reads and bytes for each pixel, as two cells of the table."""
     with shaders.counting_reads():
         effect = _pass(context(), shot, settings)
-    recorder = Recorder(context())
+    recorder = DrawRecorder(context())
     with recorder.recording():
         effect.render(frame)
     moved, pixels = added_up(recorder.draws), shot.depth.size

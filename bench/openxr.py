@@ -216,7 +216,7 @@ class Bench:
             if log is not None:
                 log.add(frame, rendered, trial=1, session_s=frame.index / REFRESH_HZ)
             if respondent is not None:
-                respondent.endure(frame.index / REFRESH_HZ)
+                respondent.update(frame.index / REFRESH_HZ)
             laps.append(self._clock.lap())
             self._ctx.finish()
             self.yardsticks_s[-1].append(yardstick_s())

@@ -17,7 +17,7 @@ from bench.effects import frame_seconds
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.quality import write_figures
-from vrcomfort.protocol.quality_levels import Effects, Figure, Measured, Quality
+from vrcomfort.protocol.quality_levels import Effects, MeasurementSource, Quality, QualityFigure
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
@@ -49,7 +49,7 @@ def condition_of(effects: Effects, level: Quality) -> Condition:
     )
 
 
-def measure(ctx: moderngl.Context, *, scope: Scope, rounds: int) -> Iterator[Figure]:
+def measure(ctx: moderngl.Context, *, scope: Scope, rounds: int) -> Iterator[QualityFigure]:
     """Yield the figures of every level, effect and scene."""
     errors = _errors(scope)
     kinds = [(effects, level) for effects in get_args(Effects) for level in get_args(Quality)]
@@ -67,7 +67,7 @@ def measure(ctx: moderngl.Context, *, scope: Scope, rounds: int) -> Iterator[Fig
         for (effects, level), ratio in ratios.items():
             found = errors[name, effects, level]
             reads = _reads(ctx, scene, conditions[effects, level])
-            yield Figure(
+            yield QualityFigure(
                 level=level,
                 effects=effects,
                 scene=name,
@@ -116,7 +116,7 @@ def main() -> None:
     ctx = create_context()
     scope = Scope(motions=("walk",), samples=options.samples)
     cost, error = ("×".join(map(str, size)) for size in (COST_SIZE_PX, scope.size_px))
-    measured = Measured(
+    measured = MeasurementSource(
         command=f"python -m bench.quality --samples {options.samples} --rounds {options.rounds}",
         device=str(ctx.info["GL_RENDERER"]),
         date=datetime.datetime.now(datetime.UTC).date().isoformat(),

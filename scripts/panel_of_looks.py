@@ -9,9 +9,8 @@ from PIL import Image
 
 from vrcomfort.protocol.texts import ENGLISH
 from vrcomfort.questionnaire import shipped_instruments
-from vrcomfort.respondent.panel_input import Progress
 from vrcomfort.respondent.panel_layout import ends_of, question_cells
-from vrcomfort.respondent.panel_picture import Page, Painter
+from vrcomfort.respondent.panel_picture import DwellProgress, Page, Painter
 
 
 def main(out: Path) -> None:
@@ -21,7 +20,7 @@ def main(out: Path) -> None:
     cells = question_cells(item.answers, first=True)
     title = f"1 of {len(ssq.items)}. {ssq.instruction}"
     page = Page(title, item.text, cells, ends_of(item.answers), 0.0, hint=ENGLISH.look_twice)
-    picture = Painter().draw(page, cells[1], Progress(cells[1], 5, cells[1]))
+    picture = Painter().draw(page, cells[1], DwellProgress(cells[1], 5, cells[1]))
     Image.fromarray(picture).convert("RGB").save(out / "panel_looks.png", optimize=True)
 
 

@@ -14,7 +14,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.protocol import Simulation
 from vrcomfort.questionnaire import score, shipped_instruments
-from vrcomfort.report.choices import choices_of
+from vrcomfort.report.analyses.preference import choices_of
 from vrcomfort.report.study_data import read_study
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.respondent.base import Form

@@ -44,7 +44,7 @@ def test_a_pause_stops_the_clock_and_is_recorded_with_its_duration(tmp_path):
     trial = rows(tmp_path, "trials")[0]
     assert (trial["frames"], trial["live_s"]) == ("100", "10.0")
     assert float(trial["hidden_s"]) == pytest.approx(2.5, abs=0.11)
-    assert respondent.felt_s == [10.0, 10.0]
+    assert respondent.perceived_s == [10.0, 10.0]
     (pause,) = (row for row in rows(tmp_path, "events") if row["name"] == "pause")
     assert float(pause["duration_s"]) == pytest.approx(2.5, abs=0.11)
     assert pause["detail"].startswith("exposure 1 of 2, attempt 1: plain")

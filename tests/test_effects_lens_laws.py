@@ -178,7 +178,7 @@ def test_the_largest_diameter_can_be_an_angle(ctx):
         f"depth of field: circles of confusion of up to {2999.9 * limit_px:.1f} px (radius) were "
         f"limited to {limit_px:.1f} px",
     )
-    effect.forget()
+    effect.reset()
     assert effect.clamps() == ()
     # A narrower field of view has more pixels to the minute of arc; its own limit is the one told.
     effect.render(fov=Fov(-0.2, 0.2, 0.15, -0.15), near_m=NEAR_M, head_from_eye=Pose())

@@ -60,7 +60,7 @@ def test_the_image_is_that_of_a_level_which_falls_with_time(relocation, level, s
 def test_a_sharp_image_is_not_changed_in_any_bit(relocation):
     effect, rgb = relocation(duration_s=0.5)
     np.testing.assert_array_equal(after_cut(effect, 0.5), rgb)
-    effect.forget()
+    effect.reset()
     effect.render(seen(time_ns=99 * SECOND_NS, step=RESTING))
     np.testing.assert_array_equal(rgb_of(effect.target), rgb)
 

@@ -24,7 +24,7 @@ from tests.support.study import (
     tiny_protocol,
 )
 from tests.support.waiting import WAIT_S
-from vrcomfort.cli.session_devices import Relays, open_relays
+from vrcomfort.cli.session_devices import Outlets, open_outlets
 from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Gaze
@@ -97,7 +97,7 @@ def loopback(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         os.environ["LSLAPICFG"] = before
 
 
-def go(folder: Path, relay: Relays) -> None:
+def go(folder: Path, outlet: Outlets) -> None:
     text = PROTOCOL.replace("wait_s = 60.0", "wait_s = 0.0")
     run(
         tiny_protocol(folder, text),
@@ -109,7 +109,7 @@ def go(folder: Path, relay: Relays) -> None:
         renderer=LateFocus(),
         clock=WallClock(),
         sessions=[1],
-        relay=relay,
+        outlet=outlet,
     )
 
 
@@ -120,12 +120,12 @@ def received(tmp_path_factory: pytest.TempPathFactory, loopback: None) -> tuple[
     study = f"test{os.getpid()}"
     words = [sys.executable, "-c", RECEIVER, study, str(WAIT_S)]
     with (
-        open_relays(study, "P01", lsl=True, ttl=None, simulated=False) as relay,
+        open_outlets(study, "P01", lsl=True, ttl=None, simulated=False) as outlet,
         subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other,
     ):
         assert other.stdout is not None
         assert other.stdout.readline() == "ready\n"
-        go(folder, relay)
+        go(folder, outlet)
         recorded = folder / "S" / "sub-P01" / "ses-1"
         kinds = {"head": "frames", "gaze": "gaze", "ratings": "ratings"}
         counts = {kind: len(read_rows(recorded / f"{kinds[kind]}.csv")) for kind in kinds}
@@ -190,6 +190,6 @@ def test_without_pylsl_a_sentence_says_what_to_install(monkeypatch: pytest.Monke
     monkeypatch.setitem(sys.modules, "pylsl", None)
     with (
         pytest.raises(InputError, match=r"pip install pylsl$"),
-        open_relays("s", "P01", lsl=True, ttl=None, simulated=False),
+        open_outlets("s", "P01", lsl=True, ttl=None, simulated=False),
     ):
         pass

@@ -12,7 +12,7 @@ import pytest
 from tests.support.waiting import WAIT_S
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.queued import Queued
-from vrcomfort.exchange.ttl import TtlRelay, byte_of
+from vrcomfort.exchange.ttl import TtlOutlet, byte_of
 
 needs_a_terminal = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pty")
 
@@ -49,27 +49,27 @@ def test_work_that_fails_is_counted_and_the_rest_is_done() -> None:
 def test_a_serial_port_gets_a_byte_as_an_exposure_begins_and_ends() -> None:
     pytest.importorskip("serial")
     ours, theirs = os.openpty()
-    with TtlRelay(os.ttyname(theirs)) as relay:
+    with TtlOutlet(os.ttyname(theirs)) as outlet:
         for trial in (0, 3, 500):
-            relay.begin_exposure(trial, "plain", None)
-            relay.end_exposure(trial)
+            outlet.begin_exposure(trial, "plain", None)
+            outlet.end_exposure(trial)
     got = b""
     while len(got) < 6:  # a terminal passes them on when it has time
         got += os.read(ours, 100)
     os.close(ours)
     os.close(theirs)
     assert list(got) == [1, 129, 4, 132, 127, 255]
-    assert relay.take_left_out() == 0
+    assert outlet.take_left_out() == 0
     assert len({byte_of(trial) for trial in range(127)}) == 127
 
 
 def test_a_port_that_is_not_there_is_refused_in_a_sentence() -> None:
     pytest.importorskip("serial")
     with pytest.raises(InputError, match="the serial port /dev/none cannot be opened"):
-        TtlRelay("/dev/none")
+        TtlOutlet("/dev/none")
 
 
 def test_without_pyserial_a_sentence_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "serial", None)
     with pytest.raises(InputError, match=r"pip install pyserial$"):
-        TtlRelay("COM3")
+        TtlOutlet("COM3")

@@ -21,7 +21,7 @@ from vrcomfort.render.effects.depth_of_field.coc_passes import (
     eye_uniforms,
 )
 from vrcomfort.render.focus.rules import make_focus_pass
-from vrcomfort.render.focus.search import Sight
+from vrcomfort.render.focus.search import HeadView
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.plan import plan_effect
@@ -189,7 +189,7 @@ def found(ctx, content, settings, *, along_ray=True, **more):
     gpu = GpuScene(ctx, content)
     focus = make_focus_pass(ctx, gpu, settings, near_m=NEAR_M, along_ray=along_ray)
     gpu.update(0.0, Pose())
-    focus.render(Sight(0, 0, Pose(), **more))
+    focus.render(HeadView(0, 0, Pose(), **more))
     (sample,) = focus.drain()
     return sample
 

@@ -12,7 +12,7 @@ from vrcomfort.optics.focus import gaze_tangents
 from vrcomfort.protocol import Condition, DepthOfField
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.focus.rules import make_focus_pass
-from vrcomfort.render.focus.search import Sight
+from vrcomfort.render.focus.search import HeadView
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.pipeline import StereoRenderer
 
@@ -43,7 +43,7 @@ def samples(ctx, gazes, *, settings=SETTINGS, head=None, cuts=()):
     found = []
     for index, gaze in enumerate(gazes):
         found += focus.render(
-            Sight(
+            HeadView(
                 frame_index=index,
                 display_time_ns=index * 10_000_000,
                 world_from_head=head,
@@ -89,7 +89,7 @@ def test_the_rays_are_where_the_twin_says(ctx):
     focus = make_focus_pass(ctx, gpu, SETTINGS)
     gpu.update(0.0, Pose())
     gaze = gaze_at(25.0, -10.0)
-    focus.render(Sight(frame_index=0, display_time_ns=0, world_from_head=Pose(), gaze=gaze))
+    focus.render(HeadView(frame_index=0, display_time_ns=0, world_from_head=Pose(), gaze=gaze))
     (found,) = focus.drain()
     rays = np.concatenate([gaze_tangents(gaze.pose, 1.5), -np.ones((9, 1))], axis=1)
     normal = turn.matrix()[:3, 2]

@@ -8,7 +8,7 @@ from vrcomfort.geometry import Gaze, Pose, yaw_pitch_roll
 from vrcomfort.protocol.condition_check import NEEDS
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.focus.rules import make_focus_pass
-from vrcomfort.render.focus.search import Sight
+from vrcomfort.render.focus.search import HeadView
 from vrcomfort.render.gpu_scene import GpuScene
 
 OTHER = {
@@ -82,7 +82,7 @@ def course(ctx, content, settings):
         head = Pose(np.array([0.02 * index, 0.0, 0.04 * index]), angles)
         gpu.update(0.0, head)
         gaze = Gaze(Pose(np.zeros(3), yaw_pitch_roll(0.1, 0.05 * index, 0.0)))
-        sight = Sight(index, time_ns, head, gaze=gaze, scene_time_s=0.4 * index)
+        sight = HeadView(index, time_ns, head, gaze=gaze, scene_time_s=0.4 * index)
         samples += focus.render(sight)
     return [sample.focus_m for sample in (*samples, *focus.drain())]
 

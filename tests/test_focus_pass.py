@@ -13,7 +13,7 @@ from vrcomfort.gpu.gl import LATENCY
 from vrcomfort.optics.refocus import LAWS
 from vrcomfort.protocol.conditions import Focus, FocusRuleName
 from vrcomfort.render.focus.rules import RULES, FixedFocus, make_focus_pass
-from vrcomfort.render.focus.search import Sight
+from vrcomfort.render.focus.search import HeadView
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.scene.animation import Animation, Channel
 from vrcomfort.scene.data import Image, Material, Node, Primitive, Scene
@@ -64,7 +64,7 @@ def samples_of(
     for index, (time_s, head) in enumerate(zip(times_s, heads, strict=True)):
         gpu.update(time_s, head)
         samples += focus.render(
-            Sight(
+            HeadView(
                 frame_index=index,
                 display_time_ns=index * step_ns,
                 world_from_head=head,
@@ -209,7 +209,7 @@ def test_samples_come_a_fixed_number_of_frames_late_and_all_of_them(ctx):
         [
             sample.frame_index
             for sample in focus.render(
-                Sight(frame_index=index, display_time_ns=index, world_from_head=Pose())
+                HeadView(frame_index=index, display_time_ns=index, world_from_head=Pose())
             )
         ]
         for index in range(7)
@@ -235,7 +235,7 @@ def test_the_texture_holds_the_last_frames_focus(ctx):
     gpu = GpuScene(ctx, scene_of([wall(2.5)]))
     focus = make_focus_pass(ctx, gpu, Focus())
     gpu.update(0.0, HEAD)
-    focus.render(Sight(frame_index=0, display_time_ns=0, world_from_head=HEAD))
+    focus.render(HeadView(frame_index=0, display_time_ns=0, world_from_head=HEAD))
     x, y, bits, w = np.frombuffer(focus.texture.read(), np.float32)
     assert (x, y) == pytest.approx((2.5, 2.5), rel=1e-6)
     assert (bits, w) == (511, 1)
@@ -246,7 +246,7 @@ def test_a_ray_draws_only_what_it_meets(ctx):
     gpu = GpuScene(ctx, scene_of(around))
     focus = make_focus_pass(ctx, gpu, Focus())
     gpu.update(0.0, HEAD)
-    focus.render(Sight(frame_index=0, display_time_ns=0, world_from_head=HEAD))
+    focus.render(HeadView(frame_index=0, display_time_ns=0, world_from_head=HEAD))
     assert focus.triangles == 9 * 2
 
 
@@ -258,7 +258,7 @@ def test_fixed_focus_draws_nothing(ctx):
     gpu = GpuScene(ctx, scene_of([wall(2.5)]))
     focus = make_focus_pass(ctx, gpu, Focus(method="fixed", fixed_m=1.5))
     assert isinstance(focus, FixedFocus)
-    (sample,) = focus.render(Sight(frame_index=4, display_time_ns=0, world_from_head=HEAD))
+    (sample,) = focus.render(HeadView(frame_index=4, display_time_ns=0, world_from_head=HEAD))
     assert (sample.frame_index, sample.focus_m, sample.focus_raw_m) == (4, 1.5, 1.5)
     assert np.isnan(sample.rays_m).all()
     assert not sample.used.any()

@@ -8,7 +8,7 @@ from tests.oracles.raycast import cast
 from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.focus.rules import make_focus_pass
-from vrcomfort.render.focus.search import Sight
+from vrcomfort.render.focus.search import HeadView
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene
@@ -39,7 +39,7 @@ def gpu_samples(ctx, scene, poses):
     for index, (time_s, head) in enumerate(poses):
         gpu.update(time_s, head)
         samples += focus.render(
-            Sight(frame_index=index, display_time_ns=index, world_from_head=head)
+            HeadView(frame_index=index, display_time_ns=index, world_from_head=head)
         )
     return [*samples, *focus.drain()]
 

@@ -14,7 +14,7 @@ from vrcomfort.optics import autofocus_zone as zone
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.focus.autofocus_zone import screen_tangents
 from vrcomfort.render.focus.rules import RULES, make_focus_pass
-from vrcomfort.render.focus.search import Sight
+from vrcomfort.render.focus.search import HeadView
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.scene.data import Material
 
@@ -109,7 +109,7 @@ def test_the_plan_counts_the_passes_that_are_drawn(ctx, statistic, size_px):
     render = FullscreenPass.render
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(FullscreenPass, "render", lambda *a: (drawn.append(1), render(*a)))
-        focus.render(Sight(0, 0, Pose()))
+        focus.render(HeadView(0, 0, Pose()))
     assert f"by the GPU in {len(drawn)} pass" in RULES["autofocus_zone"].plan(settings).reason
 
 
@@ -119,7 +119,7 @@ def sample(ctx, content, settings, *, head=None, tangents=(1.0, 0.8)):
     focus = make_focus_pass(ctx, gpu, settings, near_m=NEAR_M)
     gpu.update(0.0, head)
     focus.render(
-        Sight(frame_index=3, display_time_ns=0, world_from_head=head, screen_tangents=tangents)
+        HeadView(frame_index=3, display_time_ns=0, world_from_head=head, screen_tangents=tangents)
     )
     (found,) = focus.drain()
     return found, focus

@@ -18,12 +18,12 @@ from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, axis_angle, focal_length_px, yaw_pitch_roll
 from vrcomfort.optics import autofocus_zone as zone
-from vrcomfort.optics.focus import AHEAD, GazeCentre
+from vrcomfort.optics.focus import AHEAD, GazeFollower
 from vrcomfort.protocol import Condition, DepthOfField
 from vrcomfort.protocol.conditions import Focus, Peripheral, Vignette
 from vrcomfort.render.effects.vignette import VignettePass
 from vrcomfort.render.focus.rules import make_focus_pass
-from vrcomfort.render.focus.search import Sight
+from vrcomfort.render.focus.search import HeadView
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
@@ -45,7 +45,7 @@ BLINK = looking(0.0, valid=False)
 
 
 def test_a_gaze_that_is_lost_is_held_and_then_the_head_counts():
-    centre, aside = GazeCentre(0.2), looking(15.0, -5.0)
+    centre, aside = GazeFollower(0.2), looking(15.0, -5.0)
     assert centre.at(BLINK, 0).source == "head"  # never seen yet
     followed = centre.at(aside, 10 * MS)
     assert followed.source == "gaze"
@@ -61,8 +61,8 @@ def test_a_gaze_that_is_lost_is_held_and_then_the_head_counts():
 
 
 def test_nobody_looks_behind():
-    assert GazeCentre(1.0).at(looking(100.0), 0).source == "head"
-    assert GazeCentre(1.0).at(looking(60.0), 0).tangents[0] == pytest.approx(-np.sqrt(3))
+    assert GazeFollower(1.0).at(looking(100.0), 0).source == "head"
+    assert GazeFollower(1.0).at(looking(60.0), 0).tangents[0] == pytest.approx(-np.sqrt(3))
 
 
 tangent = st.floats(-4, 4)
@@ -90,7 +90,7 @@ def focus_of(ctx, settings, centre, *, along_ray=False):
     gpu = GpuScene(ctx, board_aside())
     focus = make_focus_pass(ctx, gpu, settings, near_m=NEAR_M, along_ray=along_ray)
     gpu.update(0.0, Pose())
-    focus.render(Sight(0, 0, Pose(), screen_tangents=(1.0, 0.8), zone_centre=centre))
+    focus.render(HeadView(0, 0, Pose(), screen_tangents=(1.0, 0.8), zone_centre=centre))
     (found,) = focus.drain()
     return found.focus_m
 

@@ -9,7 +9,7 @@ import pytest
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.shaders import with_counted_reads
-from vrcomfort.gpu.traffic import Recorder, added_up
+from vrcomfort.gpu.traffic import DrawRecorder, added_up
 
 SIZE = (12, 10)
 PIXELS = 120
@@ -22,7 +22,7 @@ def fullscreen(ctx, fragment, source, name="source", size_px=SIZE, **options):
 
 
 def recorded(ctx, *passes):
-    recorder = Recorder(ctx)
+    recorder = DrawRecorder(ctx)
     with recorder.recording():
         for each in passes:
             each.render()
@@ -112,7 +112,7 @@ def test_part_of_a_target_is_part_of_the_bytes(ctx):
 
 def test_a_copied_texture_is_read_and_written(ctx):
     source, target = (gl.color_texture(ctx, SIZE) for _ in range(2))
-    copy, recorder = gl.copier(ctx), Recorder(ctx)
+    copy, recorder = gl.copier(ctx), DrawRecorder(ctx)
     with recorder.recording():
         copy(source, target)
     copy(source, target)
@@ -153,7 +153,7 @@ def test_reads_within_reads_in_macros_in_branches_and_before_a_discard_count(ctx
     program = ctx.program(VERTEX, with_counted_reads(NESTED, lambda _: ""))
     program.extra = "nested"
     source, target = (gl.color_texture(ctx, (8, 4)) for _ in range(2))
-    array, recorder = ctx.vertex_array(program, []), Recorder(ctx)
+    array, recorder = ctx.vertex_array(program, []), DrawRecorder(ctx)
     source.use(0)
     with ctx.scope(ctx.framebuffer([target])), recorder.recording():
         array.render(moderngl.TRIANGLES, vertices=3)

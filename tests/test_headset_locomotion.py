@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Pose, axis_angle, yaw_pitch_roll
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
-from vrcomfort.headset.locomotion import LONGEST_S, Locomotion, Wish, wish_of
+from vrcomfort.headset.locomotion import LONGEST_S, Locomotion, MoveCommand, move_command
 from vrcomfort.scene.floors import STEP_M, Floors
 from vrcomfort.scene.load import load_scene
 from vrcomfort.scene.side_car import read_side_car
@@ -73,11 +73,11 @@ def placed(pieces: list[Piece], x: float = 1.0, z: float = 0.5, yaw: float = 0.0
 
 
 HEAD = Pose(np.array([0.0, 1.6, 0.0]))
-EAST = Wish(right=1.0)
+EAST = MoveCommand(right=1.0)
 
 stick = st.floats(-1, 1)
-wishes = st.builds(Wish, stick, stick, st.floats(-0.5, 0.5), stick)
-strides = st.lists(st.tuples(wishes, st.integers(1, 40)), min_size=1, max_size=8)
+commands = st.builds(MoveCommand, stick, stick, st.floats(-0.5, 0.5), stick)
+strides = st.lists(st.tuples(commands, st.integers(1, 40)), min_size=1, max_size=8)
 houses = st.sampled_from([[L_SHAPE], STAIRS, HOUSE, CLIFF])
 
 
@@ -85,13 +85,13 @@ houses = st.sampled_from([[L_SHAPE], STAIRS, HOUSE, CLIFF])
 @settings(max_examples=60)
 @given(houses, strides, st.floats(0.001, LONGEST_S))
 def test_nobody_leaves_the_floor_or_is_too_fast(
-    pieces: list[Piece], way: list[tuple[Wish, int]], frame_s: float
+    pieces: list[Piece], way: list[tuple[MoveCommand, int]], frame_s: float
 ) -> None:
     walker = placed(pieces)
     before = feet_of(walker, HEAD)
-    for wish, frames in way:
+    for command, frames in way:
         for _ in range(frames):
-            walker.step(HEAD, wish, frame_s)
+            walker.step(HEAD, command, frame_s)
             feet = feet_of(walker, HEAD)
             assert distance_beside(pieces, feet) < 1e-6
             assert np.linalg.norm(feet - before) <= SPEED_M_S * frame_s + 1e-6
@@ -102,13 +102,13 @@ def test_nobody_leaves_the_floor_or_is_too_fast(
 @settings(max_examples=25)
 @given(houses, strides)
 def test_the_same_wishes_lead_to_the_same_place(
-    pieces: list[Piece], way: list[tuple[Wish, int]]
+    pieces: list[Piece], way: list[tuple[MoveCommand, int]]
 ) -> None:
     one, other = placed(pieces), placed(pieces)
     for walker in (one, other):
-        for wish, frames in way:
+        for command, frames in way:
             for _ in range(frames):
-                walker.step(HEAD, wish, FRAME_S)
+                walker.step(HEAD, command, FRAME_S)
     assert one.avatar == other.avatar
 
 
@@ -119,14 +119,14 @@ heads = st.builds(
 
 
 @pytest.mark.slow
-@given(houses, st.lists(st.tuples(wishes, heads), max_size=20))
+@given(houses, st.lists(st.tuples(commands, heads), max_size=20))
 def test_who_leans_beside_the_floor_gets_no_further_away_by_walking(
-    pieces: list[Piece], way: list[tuple[Wish, Pose]]
+    pieces: list[Piece], way: list[tuple[MoveCommand, Pose]]
 ) -> None:
     walker = placed(pieces)
-    for wish, head in way:
+    for command, head in way:
         before = distance_beside(pieces, feet_of(walker, head))
-        walker.step(head, Wish(wish.right, wish.forward), 0.05)
+        walker.step(head, MoveCommand(command.right, command.forward), 0.05)
         assert distance_beside(pieces, feet_of(walker, head)) <= before + 1e-6
 
 
@@ -137,9 +137,9 @@ def test_feet_follow_the_torso_wherever_the_head_looks(
     walker = Locomotion(SPEED_M_S)
     walker.send(spawn=Pose(orientation=axis_angle([0.0, 1.0, 0.0], yaw)), floors=Floors())
     walker.arrive(HEAD)
-    walker.step(HEAD, Wish(turn_rad=turn), FRAME_S)
+    walker.step(HEAD, MoveCommand(turn_rad=turn), FRAME_S)
     before = feet_of(walker, looking)
-    walker.step(looking, Wish(forward=0.3), FRAME_S)
+    walker.step(looking, MoveCommand(forward=0.3), FRAME_S)
     moved = feet_of(walker, looking) - before
     expected = Pose(orientation=axis_angle([0.0, 1.0, 0.0], yaw + turn)).forward
     assert moved == pytest.approx(expected * SPEED_M_S * FRAME_S, abs=1e-12)
@@ -149,7 +149,7 @@ def test_feet_follow_the_torso_wherever_the_head_looks(
 def test_turning_leaves_the_feet_where_they_are(turn: float, head: Pose) -> None:
     walker = placed([L_SHAPE])
     before = feet_of(walker, head)
-    walker.step(head, Wish(turn_rad=turn), FRAME_S)
+    walker.step(head, MoveCommand(turn_rad=turn), FRAME_S)
     assert feet_of(walker, head) == pytest.approx(before, abs=1e-12)
 
 
@@ -190,7 +190,7 @@ def test_a_trembling_head_climbs_stairs_too() -> None:
     assert feet_of(walker, HEAD)[1] == pytest.approx(0.54)
     for _ in range(300):
         head = Pose(HEAD.position + rng.normal(0.0, 0.003, 3))
-        walker.step(head, Wish(right=-1.0), FRAME_S)
+        walker.step(head, MoveCommand(right=-1.0), FRAME_S)
     assert feet_of(walker, HEAD)[1] == pytest.approx(0.0, abs=1e-9)
 
 
@@ -204,7 +204,7 @@ def test_a_cliff_is_not_climbed() -> None:
 def test_walls_are_slid_along() -> None:
     walker = placed([box(0, -1, 9, 1)], x=1.0, z=0.0)
     for _ in range(360):
-        walker.step(HEAD, Wish(right=1.0, forward=1.0), FRAME_S)
+        walker.step(HEAD, MoveCommand(right=1.0, forward=1.0), FRAME_S)
     half = np.sqrt(0.5)
     assert feet_of(walker, HEAD) == pytest.approx([1 + 4 * SPEED_M_S * half, 0, -1], abs=1e-6)
 
@@ -216,13 +216,13 @@ def test_a_hiccup_is_no_leap() -> None:
 
 
 def test_sticks_and_keys_mean_the_same_speed_and_rest_in_the_middle() -> None:
-    assert wish_of(Inputs(left=HandInput(thumbstick=(0.1, -0.1)))) == Wish()
+    assert move_command(Inputs(left=HandInput(thumbstick=(0.1, -0.1)))) == MoveCommand()
     walker = placed([])
-    walker.step(HEAD, wish_of(Inputs(left=HandInput(thumbstick=(0.0, 0.5)))), FRAME_S)
+    walker.step(HEAD, move_command(Inputs(left=HandInput(thumbstick=(0.0, 0.5)))), FRAME_S)
     with_keys = placed([])
-    with_keys.step(HEAD, wish_of(Inputs(keys=KeyInput(walk=(0, 1)))), FRAME_S)
+    with_keys.step(HEAD, move_command(Inputs(keys=KeyInput(walk=(0, 1)))), FRAME_S)
     assert walker.avatar == with_keys.avatar
-    assert wish_of(Inputs(right=HandInput(thumbstick=(1.0, 0.0)))).turn_rate == -1.0
+    assert move_command(Inputs(right=HandInput(thumbstick=(1.0, 0.0)))).turn_rate == -1.0
 
 
 def test_without_a_floor_the_ground_is_level_and_endless() -> None:
@@ -242,9 +242,9 @@ def test_shipped_scenes_can_be_walked(name: str) -> None:
     rng = np.random.default_rng(1)
     seen = []
     for _ in range(60):
-        wish = Wish(*rng.uniform(-1, 1, 2))
+        command = MoveCommand(*rng.uniform(-1, 1, 2))
         for _ in range(40):
-            walker.step(HEAD, wish, 0.05)
+            walker.step(HEAD, command, 0.05)
         seen.append(feet_of(walker, HEAD))
         assert distance_beside(list(scene.walkable), seen[-1]) < 1e-6
     assert np.ptp(np.array(seen)[:, 0]) > 5
@@ -265,7 +265,7 @@ def test_a_ramp_in_a_side_car_rises_from_foot_to_top(tmp_path: Path) -> None:
         read_side_car(scene)
 
 
-ASIDE, MIDDLE = Wish(turn_rate=-1.0), Wish()
+ASIDE, MIDDLE = MoveCommand(turn_rate=-1.0), MoveCommand()
 
 
 def snapping(degrees=30.0) -> Locomotion:
@@ -277,8 +277,8 @@ def snapping(degrees=30.0) -> Locomotion:
 
 def test_a_snap_turn_comes_once_for_each_push_of_the_stick() -> None:
     walker = snapping()
-    wishes = [ASIDE, MIDDLE, ASIDE, ASIDE, MIDDLE, Wish(turn_rate=0.3), ASIDE]
-    turned = [walker.step(HEAD, wish, FRAME_S) for wish in wishes]
+    commands = [ASIDE, MIDDLE, ASIDE, ASIDE, MIDDLE, MoveCommand(turn_rate=0.3), ASIDE]
+    turned = [walker.step(HEAD, command, FRAME_S) for command in commands]
     # A stick that is held aside on arrival turns nobody.
     assert turned == [False, False, True, False, False, True, False]
     assert walker.avatar.orientation == pytest.approx([0, 0, 0, 1], abs=1e-12)
@@ -288,11 +288,11 @@ def test_a_stick_that_trembles_where_it_begins_to_turn_turns_once() -> None:
     walker = snapping()
     places = [0.1, 0.2, 0.251, 0.249, 0.252, 0.248, 0.26, 0.9, 0.9, 0.26, 0.249, 0.251, 0.2, 0.0]
     turned = [
-        walker.step(HEAD, wish_of(Inputs(right=HandInput(thumbstick=(x, 0.0)))), FRAME_S)
+        walker.step(HEAD, move_command(Inputs(right=HandInput(thumbstick=(x, 0.0)))), FRAME_S)
         for x in places
     ]
     assert turned.count(True) == 1
-    assert walker.step(HEAD, wish_of(Inputs(right=HandInput(thumbstick=(0.9, 0.0)))), FRAME_S)
+    assert walker.step(HEAD, move_command(Inputs(right=HandInput(thumbstick=(0.9, 0.0)))), FRAME_S)
 
 
 @given(heads, st.floats(1, 180))
@@ -310,5 +310,5 @@ def test_a_snap_turn_has_its_angle_about_the_head(head: Pose, degrees: float) ->
 
 def test_the_mouse_turns_smoothly_beside_snap_turns() -> None:
     walker = snapping()
-    assert not walker.step(HEAD, Wish(turn_rad=0.1), FRAME_S)
+    assert not walker.step(HEAD, MoveCommand(turn_rad=0.1), FRAME_S)
     np.testing.assert_allclose(walker.avatar.orientation, axis_angle([0.0, 1.0, 0.0], 0.1))

@@ -95,25 +95,25 @@ class Person:
         self.screen = screen
         self.panel.start_exposure(Exposure(1, 1, "room", "plain", 60.0))
 
-    def endure(self, seconds: float) -> None:
+    def update(self, seconds: float) -> None:
         for _ in range(round(seconds / FRAME_S)):
             self.now_s += FRAME_S
-            self.panel.endure(self.now_s)
+            self.panel.update(self.now_s)
 
     def choose(self, act: Act) -> None:
         """Look at an answer, away, and at it again."""
         cell = next(each for each in stop_page().cells if each.act is act)
         for _ in range(2):
             self.headset.look(0.0, 60.0)
-            self.endure(0.5)
+            self.update(0.5)
             self.headset.look_at(cell.center)
-            self.endure(1.2)
+            self.update(1.2)
 
 
 def test_whoever_looks_down_and_chooses_to_stop_by_looks_has_withdrawn() -> None:
     person = Person(LookDown())
     person.headset.look(*DOWN)
-    person.endure(2.5)
+    person.update(2.5)
     assert person.screen.quad is not None  # the question stands before them
     ahead = person.screen.quad.pose.position
     assert ahead[1] == pytest.approx(1.5)  # at the height of their eyes, not on the floor
@@ -124,24 +124,24 @@ def test_whoever_looks_down_and_chooses_to_stop_by_looks_has_withdrawn() -> None
 def test_whoever_did_not_mean_it_goes_on() -> None:
     person = Person(LookDown())
     person.headset.look(*DOWN)
-    person.endure(2.5)
+    person.update(2.5)
     person.choose(Act.BACK)
     assert person.screen.quad is None
     person.headset.look(0.0)
-    person.endure(5.0)
+    person.update(5.0)
     assert person.screen.quad is None
 
 
 def test_looking_down_alone_never_ends_anything() -> None:
     person = Person(LookDown())
     person.headset.look(*DOWN)
-    person.endure(120.0)  # no exception: the question stands, and is not answered
+    person.update(120.0)  # no exception: the question stands, and is not answered
 
 
 def test_a_protocol_may_do_without() -> None:
     person = Person(None)
     person.headset.look(*DOWN)
-    person.endure(10.0)
+    person.update(10.0)
     assert person.screen.quad is None
 
 
@@ -149,13 +149,13 @@ def test_a_controller_in_hand_takes_no_look_down_away_and_answers() -> None:
     person = Person(LookDown())
     person.headset.now = Inputs(right=HandInput(Pose()))
     person.headset.look(*DOWN)
-    person.endure(2.5)
+    person.update(2.5)
     assert person.screen.quad is not None
     stop = next(each for each in stop_page().cells if each.act is Act.WITHDRAW)
     aim = aim_at(person.screen.quad, stop.center)
     person.headset.now = Inputs(right=HandInput(aim, select=True))
     with pytest.raises(Withdrew):
-        person.endure(FRAME_S)
+        person.update(FRAME_S)
 
 
 @pytest.mark.parametrize("points_with_head", [False, True])
@@ -166,7 +166,7 @@ def test_looks_answer_what_a_look_has_asked_though_a_controller_lies_beside(
     behind = Pose(np.array([0.0, 0.8, 0.0]), yaw_pitch_roll(np.pi, 0.0, 0.0))
     person.headset.now = Inputs(left=HandInput(behind))
     person.headset.look(*DOWN)
-    person.endure(2.5)
+    person.update(2.5)
     with pytest.raises(Withdrew):
         person.choose(Act.WITHDRAW)
 
@@ -174,7 +174,7 @@ def test_looks_answer_what_a_look_has_asked_though_a_controller_lies_beside(
 def test_looks_do_not_answer_what_a_button_has_asked() -> None:
     person = Person(LookDown())
     person.headset.now = Inputs(left=HandInput(Pose(), stop=True))
-    person.endure(FRAME_S)
+    person.update(FRAME_S)
     person.headset.now = Inputs(left=HandInput(Pose()))
     person.choose(Act.WITHDRAW)
     assert person.screen.quad is not None
@@ -186,7 +186,7 @@ def test_the_eyes_count_where_they_are_seen() -> None:
     for gaze, stands in ((Gaze(Pose(), True), False), (Gaze(down, True), True)):
         person.headset.now = Inputs(gaze=SeenGaze(gaze.pose, gaze.valid))
         person.headset.look(*DOWN)  # the head looks down in both
-        person.endure(3.0)
+        person.update(3.0)
         assert (person.screen.quad is not None) is stands
 
 
@@ -194,7 +194,7 @@ def test_a_rating_gives_way_to_the_wish_to_stop() -> None:
     person = Person(LookDown())
     person.panel.prompt(shipped_instruments()["fms"], 0.0, 60.0)
     person.headset.look(*DOWN)
-    person.endure(3.0)
+    person.update(3.0)
     with pytest.raises(Withdrew):
         person.choose(Act.WITHDRAW)
 
@@ -219,10 +219,10 @@ class Leaver(Looker):
         return super()._turn()
 
 
-def endure(person: PanelRespondent, headset: Any) -> None:
+def update(person: PanelRespondent, headset: Any) -> None:
     for frame in islice(headset.frames(), 3000):
         headset.submit(frame, None)
-        person.endure(float(frame.index))
+        person.update(float(frame.index))
 
 
 @needs_monado[0]
@@ -241,5 +241,5 @@ def test_a_head_stops_an_exposure_through_the_runtime(
             person = PanelRespondent(leaver.screen, look_down=LookDown(least_s=0.5), dwell_s=0.4)
             person.start_exposure(Exposure(1, 1, "room", "plain", 60.0))
             with pytest.raises(Withdrew):
-                endure(person, headset)
+                update(person, headset)
     assert leaver.looks_at >= 2

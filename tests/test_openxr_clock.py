@@ -10,7 +10,7 @@ import pytest
 
 from tests.support.openxr import Participant, needs_monado
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.base import TellsTime
+from vrcomfort.headset.base import HasDisplayClock
 from vrcomfort.headset.monado import RemoteFeed, RemoteState
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
@@ -27,7 +27,7 @@ def test_frames_are_to_be_seen_soon_after_they_are_asked_for(
     settings = OpenXrSettings(image_size_px=(32, 24))
     ahead_ms = []
     with OpenXrHeadset(ctx, settings, before_wait=participant) as headset:
-        assert isinstance(headset, TellsTime)
+        assert isinstance(headset, HasDisplayClock)
         assert headset.details["display_clock"] == "XR_KHR_convert_timespec_time"
         for frame in islice(headset.frames(), 30):
             now_ns = headset.display_now_ns()

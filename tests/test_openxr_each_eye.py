@@ -13,7 +13,7 @@ import xr
 
 from vrcomfort.cli import doctor
 from vrcomfort.headset.openxr import actions
-from vrcomfort.headset.openxr.capabilities import HeadsetFacts
+from vrcomfort.headset.openxr.capabilities import SystemFacts
 from vrcomfort.headset.openxr.instance import Runtime
 from vrcomfort.headset.openxr.native import pose_to_xr
 
@@ -85,6 +85,6 @@ def test_a_runtime_without_the_extension_has_no_eyes():
     ],
 )
 def test_doctor_says_what_is_known_of_eyes(facts, words):
-    findings = doctor._openxr_headset(HeadsetFacts("headset", (1, 1), **facts))
+    findings = doctor._openxr_headset(SystemFacts("headset", (1, 1), **facts))
     told = {each.part: each.found for each in findings if each.part != "headset"}
     assert told == words

@@ -15,7 +15,7 @@ from tests.test_console_verbal import Experimenter
 from tests.test_study_panel import ScriptedScreen, choose
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import find_instrument
-from vrcomfort.respondent import Form, Telling, Withdrew
+from vrcomfort.respondent import Form, InstructionContent, Withdrew
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_input import Pointing
 from vrcomfort.respondent.panel_layout import Act
@@ -24,7 +24,16 @@ from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.panel_screen import PanelScreen, words_picture
 from vrcomfort.session.verbal import VerbalRespondent
 
-SHOWS = {"Page", "Cell", "Telling", "words_picture", "rest_on", "_rest_on", "_show", "telling_page"}
+SHOWS = {
+    "Page",
+    "Cell",
+    "InstructionContent",
+    "words_picture",
+    "rest_on",
+    "_rest_on",
+    "_show",
+    "instruction_page",
+}
 """What puts texts before a participant's eyes."""
 ELSEWHERE = {"render", "replay", "tradeoff", "report", "exchange", "console/server.py"}
 """Where words of the same names show something else: pages of a browser, pictures of a report."""
@@ -101,7 +110,7 @@ def drawn(monkeypatch):
     draw = Painter.draw
 
     def watched(self, page, *more):
-        told = [page.telling.text] if page.telling else []
+        told = [page.content.text] if page.content else []
         texts.extend([page.title, page.question, page.hint, *told])
         texts.extend(cell.text for cell in page.cells if cell.act is not Act.ANSWER)
         return draw(self, page, *more)
@@ -136,13 +145,13 @@ def test_rests_ratings_instructions_and_stopping_are_in_the_participants_languag
     person = PanelRespondent(screen, words=XX, now_s=lambda: float(next(clock)))
     person.resting(300.0)
     person.resting(30.0)
-    person.read(Telling("a", sound_s=1.0), 0.0, may_go_on=True)
+    person.read(InstructionContent("a", sound_s=1.0), 0.0, may_go_on=True)
     person.leave()
     person.prompt(rating, 0.0, 10.0)
     for pointing in (Pointing(unable=True), Pointing(unable=True), Pointing(unable=True),
                      Pointing((0.5, 0.5), dwelling=True), Pointing(stop=True)):  # fmt: skip
         screen.do(pointing)
-        person.endure(1.0)
+        person.update(1.0)
     assert strangers(drawn, {rating.instruction}) == set()
     wanted = {XX.rest, XX.rest_soon, XX.proceed, XX.listen_sound, XX.no_controller, XX.look_twice}
     assert wanted | {"§5"} <= set(drawn)
@@ -179,5 +188,5 @@ def test_a_page_of_whoever_leaves_names_nothing_else(drawn):
     screen = ScriptedScreen([choose(Act.STOP), choose(Act.WITHDRAW)])
     person = PanelRespondent(screen, watch=screen.watch, words=XX)
     with pytest.raises(Withdrew):
-        person.read(Telling("a", "§Words"), 0.0, may_go_on=True)
+        person.read(InstructionContent("a", "§Words"), 0.0, may_go_on=True)
     assert strangers(drawn, set()) == set()

@@ -12,7 +12,7 @@ from scipy.stats import t as t_distribution
 
 from tests.support.report import build_report, carnegie_like
 from vrcomfort.errors import InputError
-from vrcomfort.report.plan import read_plan
+from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.power import (
     Effect,
     cells,

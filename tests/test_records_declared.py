@@ -99,8 +99,8 @@ def test_every_column_is_declared_whole():
 
 def test_what_the_report_needs_are_columns_of_the_schema():
     """A report reads tables of others, too, so its needs are its own; its words are these."""
-    for name, needed in _NEEDED_ELSEWHERE.items():
-        assert set(needed) <= set(TABLES[name].columns()), name
+    for table, needed in _NEEDED_ELSEWHERE.items():
+        assert set(needed) <= set(table.columns()), table.FILE
     known = {column.name: column for table in TABLES.values() for column in declared(table)}
     assert all(known[name].type is not str for name in _NUMBERS)
     assert {*NEEDED} <= set(QuestionnaireRow.columns())

@@ -13,8 +13,9 @@ from tests.support import designs
 from tests.support.report import build_report, write_csv
 from vrcomfort.errors import InputError
 from vrcomfort.report.exposures import Exposures
-from vrcomfort.report.plan import load_plan
+from vrcomfort.report.plan_files import load_plan
 from vrcomfort.report.results import analyse
+from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import read_study
 from vrcomfort.stats.mann_whitney import mann_whitney
 from vrcomfort.stats.t_tests import two_sample_t
@@ -29,7 +30,8 @@ def analysed(folder: Path, plan: str | Path) -> tuple[dict[str, Any], Exposures]
         file.write_text(f'name = "p"\ntitle = "Plan"\n{plan}\n')
         plan = file
     study = read_study(folder)
-    return analyse(study, load_plan(plan, study.instruments.values()))
+    results, scored = analyse(study, load_plan(plan, study.instruments.values()))
+    return as_json(results), scored
 
 
 def results_of(folder: Path, plan: str | Path) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import pytest
 
 from tests.support.report import ITEMS, build_report, foreign
 from vrcomfort.errors import InputError
-from vrcomfort.report.plan import read_plan
+from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.results import analyse
 from vrcomfort.report.study_data import read_study
 from vrcomfort.stats.anova import anova

@@ -16,9 +16,9 @@ from vrcomfort.errors import InputError
 from vrcomfort.records import RatingRow, TrialRow
 from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.report.build import choose_plan
+from vrcomfort.report.derived_plan import plan_of
 from vrcomfort.report.exposures import score_exposures
 from vrcomfort.report.gaps import unreadable
-from vrcomfort.report.plan.derived import plan_of
 from vrcomfort.report.quality import quality
 from vrcomfort.report.stimulus_time import stimulus_time
 from vrcomfort.report.study_data import read_study

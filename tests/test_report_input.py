@@ -9,7 +9,7 @@ from tests.support.report import Study, answers, build_report, foreign, manifest
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import score_file, shipped_instruments
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.plan import load_plan
+from vrcomfort.report.plan_files import load_plan
 from vrcomfort.report.study_data import read_study
 from vrcomfort.resources import data_folder
 

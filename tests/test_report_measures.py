@@ -22,7 +22,7 @@ from vrcomfort.report.measures import (
     values_of,
 )
 from vrcomfort.report.measures.model import in_steps
-from vrcomfort.report.plan import load_plan
+from vrcomfort.report.plan_files import load_plan
 from vrcomfort.report.results import analyse
 from vrcomfort.report.study_data import read_study, with_frames
 

@@ -11,8 +11,9 @@ import pytest
 
 from tests.support.report import ITEMS, build_report, write_csv
 from vrcomfort.errors import InputError
-from vrcomfort.report.plan import load_plan, read_plan
+from vrcomfort.report.plan_files import load_plan, read_plan
 from vrcomfort.report.results import analyse
+from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import read_study
 from vrcomfort.stats.ordinal import ordinal_model
 
@@ -53,7 +54,7 @@ def answered(folder: Path, *, scenes: tuple[str, ...] = ("hall", "garden")) -> P
 
 def results_of(folder: Path, text: str = PLAN) -> dict:
     study = read_study(folder)
-    return analyse(study, read_plan(text, None))[0]
+    return as_json(analyse(study, read_plan(text, None))[0])
 
 
 @pytest.mark.slow

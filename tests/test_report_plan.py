@@ -21,7 +21,9 @@ from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.records import QuestionnaireRow
 from vrcomfort.report.build import choose_plan
-from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, read_plan, shipped_plans
+from vrcomfort.report.derived_plan import plan_of
+from vrcomfort.report.plan_files import AnalysisPlan as Plan
+from vrcomfort.report.plan_files import find_plan, load_plan, read_plan, shipped_plans
 from vrcomfort.report.results import analyse
 from vrcomfort.report.study_data import read_study
 from vrcomfort.stats.multiplicity import holm

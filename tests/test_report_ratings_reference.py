@@ -15,7 +15,8 @@ from vrcomfort.importing.mapping import load_mapping
 from vrcomfort.importing.study import write_study
 from vrcomfort.report.build import build_report, choose_plan
 from vrcomfort.report.courses import analyse_time_courses
-from vrcomfort.report.results import analyse, plain
+from vrcomfort.report.results import analyse
+from vrcomfort.report.rows import as_json, rounded
 from vrcomfort.report.study_data import read_study
 
 FMS = Path(__file__).parent / "data" / "fms"
@@ -40,7 +41,7 @@ def results(study):
     data = read_study(study)
     plan = choose_plan(data, FMS / "plan.toml")
     found, _ = analyse(data, plan)
-    return found | plain(analyse_time_courses(data, plan, found).results)
+    return as_json(found | rounded(analyse_time_courses(data, plan, found).results))
 
 
 SEARCH = 1e-8

@@ -9,10 +9,11 @@ import pytest
 
 from tests.support.report import Study, answers, build_report, foreign, write_csv
 from tests.test_report_study import report
+from vrcomfort.report.analyses import sentences
 from vrcomfort.report.answers import answer
+from vrcomfort.report.derived_plan import plan_of
 from vrcomfort.report.families import disagreement, holds, is_shown, reported
-from vrcomfort.report.further_answers import further_answers
-from vrcomfort.report.plan import load_plan, plan_of
+from vrcomfort.report.plan_files import load_plan
 from vrcomfort.report.results import analyse
 from vrcomfort.report.study_data import read_study
 from vrcomfort.report.vocabulary import Vocabulary
@@ -107,13 +108,13 @@ def test_no_sentence_contradicts_an_interval_beside_it(tmp_path, seed):
     results = analysed(random_study(tmp_path, seed), PLAN.format(choices=choices) + design)
     words = Vocabulary.of(results)
     tests = [*results["tests"], *results["comparisons"]]
-    said = [answer(test, words) for test in tests] + further_answers(results, words)
+    said = [answer(test, words) for test in tests] + sentences(results, words)
     assert said
     for line in said:
-        if "could not be" in line["claim"] or "nobody" in line["claim"]:
+        if "could not be" in line.claim or "nobody" in line.claim:
             continue
-        assert bool(SHOWN.search(line["claim"])) != bool(NOT_SHOWN.search(line["claim"])), line
-        assert not contradictions(line["text"], line["claim"]), line["text"]
+        assert bool(SHOWN.search(line.claim)) != bool(NOT_SHOWN.search(line.claim)), line
+        assert not contradictions(line.text, line.claim), line.text
 
 
 @pytest.mark.parametrize("seed", range(9))
@@ -270,4 +271,4 @@ def test_the_derived_plan_of_many_conditions_has_no_contradiction_either(tmp_pat
     results = analyse(study, plan_of(study))[0]
     words = Vocabulary.of(results)
     for line in (answer(test, words) for test in results["tests"]):
-        assert not contradictions(line["text"], line["claim"]), line["text"]
+        assert not contradictions(line.text, line.claim), line.text

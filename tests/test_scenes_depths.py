@@ -7,7 +7,7 @@ import pytest
 
 from tests.oracles.raycast import cast
 from vrcomfort.geometry import Pose, yaw_pitch_roll
-from vrcomfort.headset.locomotion import Locomotion, Wish
+from vrcomfort.headset.locomotion import Locomotion, MoveCommand
 from vrcomfort.scene.floors import Floors
 from vrcomfort.scene.load import load_scene
 
@@ -75,7 +75,7 @@ def test_the_stair_is_walked_at_the_total_speed(depths):
     way_m, before, seconds = 0.0, None, 0.0
     heights = []
     while seconds < 6.0:
-        walker.step(head, Wish(0.0, 1.0), FRAME_S)
+        walker.step(head, MoveCommand(0.0, 1.0), FRAME_S)
         feet = np.array((walker.avatar @ head).position) - [0.0, 1.6, 0.0]
         heights.append(feet[1])
         if before is not None and feet[1] < 1.7 - 1e-9:

@@ -11,7 +11,7 @@ from tests.test_study_panel import ScriptedScreen, choose
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.protocol.texts import ENGLISH
-from vrcomfort.respondent import SimulatedRespondent, Telling, Withdrew
+from vrcomfort.respondent import InstructionContent, SimulatedRespondent, Withdrew
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_layout import Act
 from vrcomfort.session import NoPictures, StillHeadset
@@ -35,9 +35,9 @@ class Lingering(Scripted):
 
     lingers_s = 50.0
 
-    def read(self, telling, _elapsed_s, **_more):
-        assert telling.away
-        self.told.append(telling)
+    def read(self, content, _elapsed_s, **_more):
+        assert content.away
+        self.told.append(content)
         left_s = self.lingers_s - 30.0 - _elapsed_s
         return left_s if left_s > 1e-6 else None
 
@@ -151,8 +151,8 @@ def test_whoever_stops_in_a_break_has_withdrawn(tmp_path):
 def test_the_panel_lets_the_headset_be_taken_off_in_a_break():
     screen = ScriptedScreen([choose(Act.CONFIRM)])
     person = PanelRespondent(screen, watch=screen.watch)
-    telling = Telling("Rest", ENGLISH.rest_ready, away=True)
-    assert person.read(telling, 0.0, may_go_on=True) is None
+    content = InstructionContent("Rest", ENGLISH.rest_ready, away=True)
+    assert person.read(content, 0.0, may_go_on=True) is None
     assert screen.absences_s
 
 

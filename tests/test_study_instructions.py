@@ -23,12 +23,17 @@ from vrcomfort.cli.check import _check
 from vrcomfort.cli.session_devices import open_speaker
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying import verify_study
-from vrcomfort.headset.sound import NobodyHears, Sound, SystemSpeaker, read_sound
+from vrcomfort.headset.sound import SilentSpeaker, Sound, SystemSpeaker, read_sound
 from vrcomfort.protocol import load_protocol
-from vrcomfort.respondent import SimulatedRespondent, Telling, TerminalRespondent, Withdrew
+from vrcomfort.respondent import (
+    InstructionContent,
+    SimulatedRespondent,
+    TerminalRespondent,
+    Withdrew,
+)
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_layout import Act
-from vrcomfort.respondent.panel_picture import TEXT, Painter, telling_page
+from vrcomfort.respondent.panel_picture import TEXT, Painter, instruction_page
 from vrcomfort.session import NoPictures, StillHeadset
 from vrcomfort.session.instructor import instruction_faults
 from vrcomfort.session.operator_control import OperatorControl
@@ -89,7 +94,7 @@ def events(tmp_path: Path, name: str = "instruction") -> list[tuple[float, str]]
 @pytest.mark.smoke
 def test_what_was_told_and_how_long_is_recorded(tmp_path):
     person = Scripted()
-    go(tmp_path, person, protocol=told(tmp_path), speaker=NobodyHears())
+    go(tmp_path, person, protocol=told(tmp_path), speaker=SilentSpeaker())
     first, second, last = events(tmp_path)
     assert first[0] == pytest.approx(1.5)  # nobody goes on before the sound is over
     assert first[1] == (
@@ -111,7 +116,7 @@ def test_without_a_sound_device_the_text_stands_in(tmp_path):
     assert person.told[0].text == "Welcome to the study."
     assert "sound welcome.wav not played: no sound device" in events(tmp_path)[0][1]
     person = Scripted()
-    go(tmp_path, person, protocol=told(tmp_path, text), speaker=NobodyHears(), study="H")
+    go(tmp_path, person, protocol=told(tmp_path, text), speaker=SilentSpeaker(), study="H")
     assert person.told[0].text == ""
     assert person.told[0].sound_s == pytest.approx(1.5)
 
@@ -129,7 +134,7 @@ def test_simulated_participants_read_and_hear_without_frames(tmp_path):
     protocol = told(tmp_path)
     person = SimulatedRespondent(protocol.simulation, participant="P01", seed=0)
     go(
-        tmp_path, person, protocol=protocol, speaker=NobodyHears(), jumps=True,
+        tmp_path, person, protocol=protocol, speaker=SilentSpeaker(), jumps=True,
         headset_for=lambda *_: StillHeadset(), renderer=NoPictures(),
     )  # fmt: skip
     durations = [each for each, _ in events(tmp_path)]
@@ -168,10 +173,10 @@ def test_the_experimenter_may_cut_it_short_and_repeat_it(tmp_path):
 
 def test_an_interrupted_instruction_is_told_again_on_resuming(tmp_path):
     class Interrupted(Scripted):
-        def read(self, telling, elapsed_s, *, may_go_on):
-            if telling.name == "second":
+        def read(self, content, elapsed_s, *, may_go_on):
+            if content.name == "second":
                 raise KeyboardInterrupt
-            return super().read(telling, elapsed_s, may_go_on=may_go_on)
+            return super().read(content, elapsed_s, may_go_on=may_go_on)
 
     protocol = told(tmp_path)
     assert go(tmp_path, Interrupted(), protocol=protocol).status == "aborted"
@@ -302,8 +307,8 @@ def test_check_tells_of_a_text_that_does_not_fit(tmp_path):
 def test_the_panel_shows_the_picture_as_it_is_and_a_button_once_one_may_go_on():
     picture = np.zeros((120, 300, 4), dtype=np.uint8)
     picture[...] = 10, 200, 30, 255
-    telling = Telling("a", "Look at this.", picture)
-    drawn = Painter().draw(telling_page(telling, ready=False), None)
+    content = InstructionContent("a", "Look at this.", picture)
+    drawn = Painter().draw(instruction_page(content, ready=False), None)
     green = (drawn == picture[0, 0]).all(axis=2)
     assert green.sum() == 120 * 300
     rows_, columns = np.nonzero(green)
@@ -312,9 +317,9 @@ def test_the_panel_shows_the_picture_as_it_is_and_a_button_once_one_may_go_on():
     pages = []
     screen = ScriptedScreen([choose(Act.CONFIRM)])
     person = PanelRespondent(screen, watch=lambda page: (pages.append(page), screen.watch(page)))
-    assert person.read(telling, 0.0, may_go_on=False) == 0.0
+    assert person.read(content, 0.0, may_go_on=False) == 0.0
     assert pages == []
-    assert person.read(telling, 1.0, may_go_on=True) is None
+    assert person.read(content, 1.0, may_go_on=True) is None
     person.leave()
     assert screen.pictures[-1] is None
 
@@ -323,20 +328,20 @@ def test_stopping_at_an_instruction_is_asked_twice():
     screen = ScriptedScreen([choose(Act.STOP), choose(Act.WITHDRAW)])
     person = PanelRespondent(screen, watch=screen.watch)
     with pytest.raises(Withdrew):
-        person.read(Telling("a", "Words"), 0.0, may_go_on=True)
+        person.read(InstructionContent("a", "Words"), 0.0, may_go_on=True)
 
 
 def test_a_sound_alone_asks_to_listen():
-    page = telling_page(Telling("a", sound_s=2.0), ready=False)
-    assert page.telling is not None
-    assert page.telling.text == "Please listen."
+    page = instruction_page(InstructionContent("a", sound_s=2.0), ready=False)
+    assert page.content is not None
+    assert page.content.text == "Please listen."
 
 
 def test_the_experimenter_reads_it_aloud_and_enter_goes_on():
     lines = iter([None, "", None, ""])
     person = TerminalRespondent(Console(quiet=True), waiting_line=lambda: next(lines))
-    telling = Telling("a", "Words")
-    waits = [person.read(telling, 0.0, may_go_on=ready) for ready in (False, False, True, True)]
+    content = InstructionContent("a", "Words")
+    waits = [person.read(content, 0.0, may_go_on=ready) for ready in (False, False, True, True)]
     assert [each is None for each in waits] == [False, False, False, True]
 
 
@@ -345,10 +350,10 @@ def test_a_session_does_not_wait_for_lines_that_cannot_come(tmp_path, monkeypatc
     with (tmp_path / "typed").open() as typed:
         monkeypatch.setattr(sys, "stdin", typed)
         person = TerminalRespondent(Console(quiet=True))
-        telling = Telling("a", "Words")
-        assert person.read(telling, 0.0, may_go_on=True) is None
+        content = InstructionContent("a", "Words")
+        assert person.read(content, 0.0, may_go_on=True) is None
         with pytest.raises(InputError, match="input ended"):
-            person.read(telling, 0.0, may_go_on=True)
+            person.read(content, 0.0, may_go_on=True)
 
 
 def silent_speaker() -> SystemSpeaker:

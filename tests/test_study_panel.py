@@ -117,7 +117,7 @@ def test_a_wish_to_stop_an_exposure_is_asked_once_more_in_the_scene() -> None:
 
     def do(pointing: Pointing, at_s: float) -> None:
         screen.do(pointing)
-        person.endure(at_s)
+        person.update(at_s)
 
     do(Pointing(stop=True), 0.1)
     do(Pointing(), 0.2)
@@ -138,9 +138,9 @@ def test_a_scale_is_there_again_after_a_wish_to_stop_was_taken_back() -> None:
     person.prompt(FMS, 0.0, 5.0)
     for pointing in (Pointing(stop=True), Pointing(), Pointing(letters="n")):
         screen.do(pointing)
-        person.endure(1.0)
+        person.update(1.0)
     screen.do(Pointing(digits="7", enter=True))
-    person.endure(1.5)
+    person.update(1.5)
     assert person.rating(1.5) == 7
 
 
@@ -150,7 +150,7 @@ def test_a_rating_is_taken_while_the_exposure_runs() -> None:
     person.prompt(FMS, 1.0, 5.0)
     assert person.rating(1.0) is None
     screen.next_frame()
-    person.endure(1.1)
+    person.update(1.1)
     assert person.rating(1.1) == 7
     assert screen.pictures[-1] is None
 
@@ -160,12 +160,12 @@ def test_a_rating_counts_as_long_as_its_scale_is_there(late_s: float, rating: in
     screen = ScriptedScreen([choose(Act.ANSWER, 7)])
     person = PanelRespondent(screen, watch=screen.watch)
     person.prompt(FMS, 1.0, 5.0)
-    person.endure(1.1)
+    person.update(1.1)
     if late_s > 6.5:
-        person.endure(6.1)
+        person.update(6.1)
         assert screen.pictures[-1] is None
     screen.next_frame()
-    person.endure(late_s)  # the frame in which it becomes late may still bring the answer
+    person.update(late_s)  # the frame in which it becomes late may still bring the answer
     assert person.rating(late_s) == rating
 
 
@@ -178,7 +178,7 @@ def test_a_panel_without_anything_to_point_with_says_so_after_a_while() -> None:
     def shown(pointing: Pointing, at_s: float) -> Picture:
         now["s"] = at_s
         screen.do(pointing)
-        person.endure(at_s)
+        person.update(at_s)
         picture = screen.pictures[-1]
         assert picture is not None
         return picture
@@ -267,11 +267,11 @@ def test_a_pointer_that_moves_on_a_cell_redraws_nothing() -> None:
     screen.pictures.clear()
     for frame in range(5):
         screen.do(Pointing((0.1 + 0.001 * frame, 0.1)))
-        person.endure(0.1 * frame)
+        person.update(0.1 * frame)
     assert len(screen.pictures) == 1
     assert screen.points == [(0.1 + 0.001 * frame, 0.1) for frame in range(5)]
     screen.do(Pointing())
-    person.endure(0.6)
+    person.update(0.6)
     assert len(screen.pictures) == 1
     assert screen.points[-1] is None
 

@@ -47,7 +47,7 @@ def test_a_headset_taken_off_stops_the_exposure_clock(tmp_path: Path) -> None:
         ("completed", "100", "0"),
         ("completed", "100", "0"),
     ]
-    assert respondent.felt_s == [10.0, 10.0]
+    assert respondent.perceived_s == [10.0, 10.0]
     names = [row["name"] for row in read_rows(folder / "events.csv")]
     assert names.count("headset_off") == names.count("headset_on") == 2
 

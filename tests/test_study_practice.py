@@ -239,7 +239,7 @@ def test_the_experimenter_may_repeat_and_end_it(tmp_path):
 
 def test_who_withdraws_in_practice_has_withdrawn(tmp_path):
     class Leaving(Scripted):
-        def endure(self, elapsed_s):
+        def update(self, elapsed_s):
             if elapsed_s > 2:
                 raise Withdrew("had enough")
 

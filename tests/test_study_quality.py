@@ -11,10 +11,10 @@ from vrcomfort.protocol import quality as dial
 from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
 from vrcomfort.protocol.quality_levels import (
     Effects,
-    Figure,
-    Level,
-    Measured,
+    MeasurementSource,
     Quality,
+    QualityFigure,
+    QualityLevel,
     QualityTable,
     quality_table,
 )
@@ -116,7 +116,7 @@ def test_an_unknown_level_is_told_with_its_place(tmp_path):
 
 
 def test_settings_of_a_lens_are_left_out_where_no_lens_follows_the_law():
-    level = Level(depth_of_field={"samples": 4}, lens={"views": 16})
+    level = QualityLevel(depth_of_field={"samples": 4}, lens={"views": 16})
     assert level.settings("depth_of_field", law="linear") == {"samples": 4}
     assert level.settings("depth_of_field", law="thin_lens") == {"samples": 4}
     assert level.settings("depth_of_field", law="dioptre") == {"samples": 4, "views": 16}
@@ -182,8 +182,8 @@ def test_the_shipped_figures_are_complete_and_say_where_they_are_from():
 def test_writing_figures_keeps_the_levels_and_replaces_the_rest(tmp_path):
     file = tmp_path / "quality.toml"
     file.write_text(TABLE.read_text(encoding="utf-8"), encoding="utf-8")
-    measured = Measured(command='do "it"', device="none", date="2026-01-01", how="±1")
-    figure = Figure(level="fast", effects="both", scene="s", cost_ratio=1.5, flip=0.25)
+    measured = MeasurementSource(command='do "it"', device="none", date="2026-01-01", how="±1")
+    figure = QualityFigure(level="fast", effects="both", scene="s", cost_ratio=1.5, flip=0.25)
     for _ in range(2):
         dial.write_figures(file, measured, [figure])
     text = file.read_text(encoding="utf-8")

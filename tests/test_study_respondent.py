@@ -35,7 +35,7 @@ def expose(
     person.start_exposure(Exposure(1, 1, "room", condition, seconds))
     for elapsed_s in np.arange(0, seconds, step_s):
         try:
-            person.endure(elapsed_s)
+            person.update(elapsed_s)
         except Withdrew:
             seconds = elapsed_s
             break
@@ -228,35 +228,35 @@ def test_ratings_and_withdrawals_are_typed_during_exposure():
     person, _ = terminal(Typist(), lambda: next(lines))
     person.start_exposure(Exposure(1, 1, "room", "secret_condition", 60))
     person.prompt(FMS, 0.0, 10.0)
-    person.endure(0.1)
+    person.update(0.1)
     assert person.rating(0.1) is None
-    person.endure(0.2)
+    person.update(0.2)
     assert person.rating(0.2) == 7
     person.prompt(FMS, 30.0, 10.0)
-    person.endure(30.1)
-    person.endure(30.2)
+    person.update(30.1)
+    person.update(30.2)
     assert person.rating(30.2) is None
     for _ in range(4):
-        person.endure(30.3)
+        person.update(30.3)
     with pytest.raises(Withdrew):
-        person.endure(30.4)
+        person.update(30.4)
 
 
 def test_what_is_typed_too_late_or_for_nothing_is_said_to_be_lost():
     lines = iter(["4", "5", "30", "6", "7", "8"])
     person, shown = terminal(Typist(), lambda: next(lines))
     person.start_exposure(Exposure(1, 1, "room", "none", 60))
-    person.endure(1.0)
+    person.update(1.0)
     person.prompt(FMS, 10.0, 5.0)
-    person.endure(15.1)
+    person.update(15.1)
     assert person.rating(15.1) is None
     person.prompt(FMS, 20.0, 5.0)
     for elapsed_s in (21.0, 22.0):
-        person.endure(elapsed_s)
+        person.update(elapsed_s)
     assert person.rating(22.0) == 6
     person.prompt(FMS, 30.0, 5.0)
     for elapsed_s in (31.0, 32.0):
-        person.endure(elapsed_s)
+        person.update(elapsed_s)
     assert person.rating(32.0) == 7
     told = [line for line in shown.getvalue().splitlines() if line.startswith("'")]
     assert told == [
@@ -270,7 +270,7 @@ def test_what_is_typed_too_late_or_for_nothing_is_said_to_be_lost():
 def test_a_wish_to_stop_that_the_exposure_overtook_is_asked_at_the_next_question():
     lines = iter(["q", None])
     person, _ = terminal(Typist("y"), lambda: next(lines))
-    person.endure(59.9)
+    person.update(59.9)
     person.end_exposure(60.0)
     with pytest.raises(Withdrew):
         person.ask(POST, lambda *_: None)

@@ -15,7 +15,7 @@ from vrcomfort.headset.timing import RefreshPeriod
 from vrcomfort.protocol import Ratings
 from vrcomfort.questionnaire import find_instrument
 from vrcomfort.session.frame_log import SeenTime, missed_refreshes
-from vrcomfort.session.interfaces import NoRelay
+from vrcomfort.session.interfaces import NoOutlet
 from vrcomfort.session.ratings import RatingSchedule, RatingSchedules
 
 PERIOD_NS = 100_000_000
@@ -173,11 +173,11 @@ class Covered(AheadHeadset):
 def test_frames_that_are_not_seen_are_recorded_and_no_exposure(tmp_path):
     told = []
 
-    class Told(NoRelay):
+    class Told(NoOutlet):
         def show(self, frame, seen_ns):
             told.append((frame.should_render, seen_ns))
 
-    go(tmp_path, headset_for=lambda *_: Covered(), relay=Told())
+    go(tmp_path, headset_for=lambda *_: Covered(), outlet=Told())
     trial, timing = rows(tmp_path, "trials")[0], rows(tmp_path, "timing")[0]
     assert float(trial["live_s"]) == pytest.approx(10.0)
     assert float(trial["hidden_s"]) == pytest.approx(8.8)

@@ -36,7 +36,7 @@ def test_a_whole_participant(tmp_path):
         ("completed", "", "100")
     }
     assert status(tmp_path) == ("completed", "")
-    assert respondent.felt_s == [10.0] * 4
+    assert respondent.perceived_s == [10.0] * 4
     assert manifest(tmp_path)["status"] == "completed"
     assert manifest(tmp_path)["headset"]["refresh_hz"] == 10.0
 
@@ -152,7 +152,7 @@ def test_a_shortened_exposure_is_recorded_and_felt_in_full(tmp_path):
     respondent = Scripted()
     go(tmp_path, respondent, sessions=[1], exposure_s=1.0)
     assert rows(tmp_path, "trials.csv")[0]["frames"] == "10"
-    assert respondent.felt_s == [10.0, 10.0]
+    assert respondent.perceived_s == [10.0, 10.0]
     assert [exposure.duration_s for exposure in respondent.exposures] == [10.0, 10.0]
     assert manifest(tmp_path)["exposure_override_s"] == 1.0
     assert len(rows(tmp_path, "ratings.csv")) == 4

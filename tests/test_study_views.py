@@ -12,12 +12,12 @@ from tests.support.study import PROTOCOL, AheadHeadset, LateFocus, Scripted, rea
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.locomotion import Locomotion, Wish
-from vrcomfort.protocol import View, load_protocol, parse_protocol
+from vrcomfort.headset.locomotion import Locomotion, MoveCommand
+from vrcomfort.protocol import SceneView, load_protocol, parse_protocol
 from vrcomfort.records import session_folder
 from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.scene.floors import Floors
-from vrcomfort.session.start_pose import place_faults, stand, without_meshes
+from vrcomfort.session.start_pose import place_faults, start_pose_of, without_meshes
 from vrcomfort.settings.camera_path import PathPoint
 
 SIDE_CAR = """\
@@ -346,8 +346,8 @@ def test_streaks_are_those_of_the_path(tmp_path):
 """
     assert fastest_m_s(ride) == pytest.approx(5.0, abs=0.5)
     assert fastest_m_s("") == pytest.approx(1.4, abs=0.5)  # on foot, at a walk
-    standing = View(name="temple", scene="temple")
-    assert stand(without_meshes("temple"), standing, walks=False).scene.on_foot is False
+    standing = SceneView(name="temple", scene="temple")
+    assert start_pose_of(without_meshes("temple"), standing, walks=False).scene.on_foot is False
 
 
 class TestLocomotionModes:
@@ -357,12 +357,12 @@ class TestLocomotionModes:
         walker = Locomotion(1.4, **settings)
         walker.send(spawn=Pose(), floors=Floors(), on_foot=on_foot)
         walker.arrive(self.HEAD)
-        walker.step(self.HEAD, Wish(), 0.01)
+        walker.step(self.HEAD, MoveCommand(), 0.01)
         return walker
 
     def test_nobody_walks_or_turns_where_locomotion_is_off(self):
         walker = self.walker(on_foot=False)
-        walker.step(self.HEAD, Wish(forward=1.0, turn_rate=1.0, turn_rad=0.5), 0.1)
+        walker.step(self.HEAD, MoveCommand(forward=1.0, turn_rate=1.0, turn_rad=0.5), 0.1)
         assert walker.avatar.position.tolist() == [0.0, 0.0, 0.0]
         assert walker.avatar.orientation.tolist() == [0.0, 0.0, 0.0, 1.0]
 
@@ -370,7 +370,7 @@ class TestLocomotionModes:
         walker = self.walker(teleport_m=2.0)
         jumps = []
         for pushed in (True, True, False, True):
-            walker.step(self.HEAD, Wish(forward=float(pushed)), 0.1)
+            walker.step(self.HEAD, MoveCommand(forward=float(pushed)), 0.1)
             jumps.append((walker.teleported, float(walker.avatar.position[2])))
         assert jumps == [(True, -2.0), (False, -2.0), (False, -2.0), (True, -4.0)]
 

@@ -62,10 +62,10 @@ def test_a_withdrawal_is_heard_while_the_headset_is_off(tmp_path: Path):
     class Leaves(Scripted):
         calls = 0
 
-        def endure(self, elapsed_s: float) -> None:
+        def update(self, elapsed_s: float) -> None:
             self.calls += 1
             self.withdraw_at_s = 0.0 if self.calls > 50 else None
-            super().endure(elapsed_s)
+            super().update(elapsed_s)
 
     assert go(tmp_path, Leaves(), headset_for=lambda *_: TakenOff()).status == "withdrawn"
 

@@ -35,7 +35,7 @@ from vrcomfort.tasks.aiming import Aiming
 from vrcomfort.tasks.exploration import Exploration
 from vrcomfort.tasks.fixation import Fixation
 from vrcomfort.tasks.follow_path import FollowPath
-from vrcomfort.tasks.search import Search
+from vrcomfort.tasks.search import VisualSearch
 
 
 def around(seed=0, *, free_m=np.inf, duration_s=60.0):
@@ -131,7 +131,7 @@ def test_places_of_the_scene_never_come_twice_in_a_row():
 
 
 def test_a_search_ends_with_what_was_pointed_at_and_goes_on_after_its_time():
-    settings = Search(
+    settings = VisualSearch(
         name="find", kind="search", things=("lamp", "vase"), order="as_written", within_s=5.0
     )
     task = settings.start(around())

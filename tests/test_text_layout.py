@@ -18,9 +18,9 @@ from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.texts import WORDS
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.respondent import Telling
+from vrcomfort.respondent import InstructionContent
 from vrcomfort.respondent.panel_layout import LIST_LETTERS, review_cells
-from vrcomfort.respondent.panel_picture import Page, Painter, telling_page
+from vrcomfort.respondent.panel_picture import Page, Painter, instruction_page
 from vrcomfort.text_layout import TextCanvas, as_drawn, composed, font_for, undrawable, usual_font
 
 ROOT = Path(vrcomfort.__file__).parent.parent
@@ -176,7 +176,7 @@ def test_a_label_of_two_lines_is_as_wide_as_the_wider_one():
 def test_a_page_has_one_font_and_the_usual_one_where_it_has_all_letters():
     assert font_for("Nausea", "“none” …") is usual_font()
     assert font_for("Nausea", "keine Übelkeit").name == "DejaVu Sans"
-    assert telling_page(Telling("a", "Grüße"), ready=True).font.name == "DejaVu Sans"
+    assert instruction_page(InstructionContent("a", "Grüße"), ready=True).font.name == "DejaVu Sans"
 
 
 def test_all_shipped_words_are_drawn():

@@ -27,7 +27,7 @@ from vrcomfort.protocol import load_protocol
 from vrcomfort.questionnaire import read_instrument, score_file, shipped_instruments
 from vrcomfort.records import GazeRow, QuestionnaireRow
 from vrcomfort.records.rows import csv_line
-from vrcomfort.report.plan import load_plan
+from vrcomfort.report.plan_files import load_plan
 from vrcomfort.report.study_data import read_study
 from vrcomfort.resources import Folder, data_folder
 from vrcomfort.scene.load import load_scene

@@ -16,7 +16,7 @@ from vrcomfort.geometry import Fov, Pose, View
 from vrcomfort.protocol import Condition, Protocol, load_protocol
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.resources import data_folder
-from vrcomfort.respondent import Exposure, Form, Heard, Telling, Withdrew
+from vrcomfort.respondent import Exposure, Form, Heard, InstructionContent, Withdrew
 
 PROTOCOL = """\
 name = "tiny"
@@ -206,8 +206,8 @@ class Scripted:
     rates: int | None = 4
     name: str = "scripted"
     exposures: list[Exposure] = field(default_factory=list)
-    felt_s: list[float] = field(default_factory=list)
-    told: list[Telling] = field(default_factory=list)
+    perceived_s: list[float] = field(default_factory=list)
+    told: list[InstructionContent] = field(default_factory=list)
 
     def start_session(self, session: int) -> None:
         self.session = session
@@ -215,12 +215,12 @@ class Scripted:
     def start_exposure(self, exposure: Exposure) -> None:
         self.exposures.append(exposure)
 
-    def endure(self, elapsed_s: float) -> None:
+    def update(self, elapsed_s: float) -> None:
         if self.withdraw_at_s is not None and elapsed_s >= self.withdraw_at_s:
             raise Withdrew("had enough")
 
     def end_exposure(self, elapsed_s: float) -> None:
-        self.felt_s.append(elapsed_s)
+        self.perceived_s.append(elapsed_s)
 
     def prompt(self, _instrument: Instrument, elapsed_s: float, _timeout_s: float) -> None:
         self.asked_s = elapsed_s
@@ -234,8 +234,10 @@ class Scripted:
     def rest(self, duration_s: float) -> None:
         self.rested_s = duration_s
 
-    def read(self, telling: Telling, _elapsed_s: float, *, may_go_on: bool) -> float | None:
-        self.told.append(telling)
+    def read(
+        self, content: InstructionContent, _elapsed_s: float, *, may_go_on: bool
+    ) -> float | None:
+        self.told.append(content)
         return None if may_go_on else 0.5
 
     def leave(self) -> None:

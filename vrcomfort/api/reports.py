@@ -203,7 +203,8 @@ def _study_of_plan(plan: str | Path | None, out: Path, note: Note) -> Path:
     InputError
         If there is no plan or it names no files, or they are not as their mapping says.
     """
-    from vrcomfort.report.plan import data_files, find_plan
+    from vrcomfort.report.plan import data_files
+    from vrcomfort.report.plan_files import find_plan
 
     if plan is None:
         raise InputError("give a study, or a --plan that names files in [data]")

@@ -179,7 +179,7 @@ class StudySetup:
             The operator's control; without it there is Ctrl-C alone.
         """
         from vrcomfort import session
-        from vrcomfort.headset.sound import NobodyHears
+        from vrcomfort.headset.sound import SilentSpeaker
         from vrcomfort.operator_interface import NoOperator
         from vrcomfort.session.operator_control import OperatorControl
 
@@ -197,7 +197,7 @@ class StudySetup:
             watchdog=headset.watchdog if headset else None,
             operators=operators or OperatorControl(NoOperator()),
             durability=self._durability,
-            speaker=NobodyHears() if simulated else None,
+            speaker=SilentSpeaker() if simulated else None,
             jumps=not self._frames,
         )
 

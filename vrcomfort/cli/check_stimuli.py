@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
     from vrcomfort.frame import Frame
     from vrcomfort.protocol.conditions import Vignette
-    from vrcomfort.render.stimulus_check import Fault, Moment, Seen, StimulusSize
+    from vrcomfort.render.stimulus_check import Fault, Moment, StimulusExtent, StimulusSize
     from vrcomfort.scene.camera_path import CameraPath
     from vrcomfort.scene.data import Scene
-    from vrcomfort.session.start_pose import Standing
+    from vrcomfort.session.start_pose import StartPose
 
 PROBE_WIDTH_PX = 160
 _MOMENT_S, _SUSTAINED = 0.1, 300
@@ -38,7 +38,7 @@ _QUICK_LOOK_DEG_PER_S = 200.0
 class Stimuli:
     """Amounts of every condition in every scene, and what is wrong with them."""
 
-    rows: list[Seen]
+    rows: list[StimulusExtent]
     faults: list[Fault]
     excused: list[str]
 
@@ -99,16 +99,16 @@ def moments_of(
     return [(carried(before), carried(now)) for before, now in pairs]
 
 
-def _standing(protocol: Protocol, name: str, scene: Scene) -> Standing:
-    from vrcomfort.session.start_pose import stand
+def _standing(protocol: Protocol, name: str, scene: Scene) -> StartPose:
+    from vrcomfort.session.start_pose import start_pose_of
 
-    return stand(scene, protocol.view(name), walks=protocol.locomotion.mode != "off")
+    return start_pose_of(scene, protocol.view(name), walks=protocol.locomotion.mode != "off")
 
 
 def _walk(
     protocol: Protocol,
     name: str,
-    standing: Standing,
+    standing: StartPose,
     size_px: tuple[int, int],
     refresh_hz: float,
 ) -> list[Frame]:

@@ -24,7 +24,7 @@ from vrcomfort.resources import data_folder
 if TYPE_CHECKING:
     import moderngl
 
-    from vrcomfort.headset.openxr.capabilities import HeadsetFacts, RuntimeFacts, SessionFacts
+    from vrcomfort.headset.openxr.capabilities import RuntimeFacts, SessionFacts, SystemFacts
     from vrcomfort.headset.timing import TimingTest
 
 
@@ -163,7 +163,7 @@ def _openxr_runtime(facts: RuntimeFacts) -> Iterator[DoctorFinding]:
     yield DoctorFinding("extensions", True, words, needed=False, details=facts.extensions)
 
 
-def _openxr_headset(facts: HeadsetFacts) -> Iterator[DoctorFinding]:
+def _openxr_headset(facts: SystemFacts) -> Iterator[DoctorFinding]:
     width, height = facts.recommended_size_px
     yield _there("headset", f"{facts.name}, {width}×{height} pixels per eye recommended")
     yield DoctorFinding(

@@ -42,6 +42,10 @@ def import_answers(
         list[Path] | None,
         typer.Option(metavar="FILE.toml", help="With --suggest: an instrument of your own."),
     ] = None,
+    vocabulary: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE.toml", help="With --suggest: labels and words of your own."),
+    ] = None,
     preview: Annotated[
         bool, typer.Option("--preview", help="Print what would be imported; write nothing.")
     ] = False,
@@ -57,7 +61,7 @@ def import_answers(
     if suggest == (mapping is not None):
         raise InputError("give either --suggest or --mapping MAP.toml; start with --suggest")
     if mapping is None:
-        _suggest(files, None if preview else out, instrument or [], quiet)
+        _suggest(files, None if preview else out, instrument or [], vocabulary or [], quiet)
     elif out is None and not preview:
         raise InputError("--out is missing: the study folder to make (or give --preview)")
     else:
@@ -78,7 +82,9 @@ def _import(files: list[Path], mapping: Path, out: Path | None, quiet: bool) -> 
         console(quiet).print(f"\nStudy: {out}")
 
 
-def _suggest(files: list[Path], out: Path | None, own: list[Path], quiet: bool) -> None:
+def _suggest(
+    files: list[Path], out: Path | None, own: list[Path], vocabularies: list[Path], quiet: bool
+) -> None:
     """Write a mapping, or print it; what people read beside it goes to stderr then."""
     from vrcomfort.importing import preview
     from vrcomfort.importing.suggest import suggest_mapping
@@ -86,7 +92,7 @@ def _suggest(files: list[Path], out: Path | None, own: list[Path], quiet: bool) 
 
     beside = out.parent if out is not None else Path()
     known = {os.path.relpath(file, beside): find_instrument(file) for file in own}
-    found = suggest_mapping(files, known)
+    found = suggest_mapping(files, known, vocabularies)
     for note in found.notes:
         warn(note)
     if found.imported is not None and (out is not None or not quiet):

@@ -15,7 +15,7 @@ from vrcomfort.cli.terminal import answer, console, dialogue, warn
 from vrcomfort.errors import InputError
 from vrcomfort.escaping import escape_unprintable
 from vrcomfort.protocol import parse_protocol
-from vrcomfort.protocol.draft import Draft
+from vrcomfort.protocol.draft import ProtocolDraft
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import did_you_mean
 
@@ -90,7 +90,7 @@ def new(
     )
     scenes = tuple(scene or asks.words("Scenes, with commas", "temple", _shipped_scenes()))
     wanted = participants or asks.number("How many participants are planned", 16)
-    draft = Draft(
+    draft = ProtocolDraft(
         name=file.stem,
         title=_line(title or asks.text("What is the study called", file.stem.replace("_", " "))),
         compared=compared.value,
@@ -144,10 +144,10 @@ def _shipped_scenes() -> list[str]:
     return sorted(path.stem for path in data_folder("scenes").glob("*.glb"))
 
 
-def _balanced(draft: Draft, file: Path) -> Draft:
+def _balanced(draft: ProtocolDraft, file: Path) -> ProtocolDraft:
     """Return the draft with the next number of participants that fills all orders alike."""
     from vrcomfort.design import build_design
-    from vrcomfort.design.balance import cannot_balance
+    from vrcomfort.design.audit import cannot_balance
 
     design = build_design(parse_protocol(draft.toml(), file=file))
     people = draft.participants
@@ -232,12 +232,12 @@ def schema(
 
 def _model(kind: FileKind) -> type[BaseModel]:
     from vrcomfort.protocol import Protocol
-    from vrcomfort.report.plan import Plan
+    from vrcomfort.report.plan_files import AnalysisPlan
     from vrcomfort.scene.side_car import SideCar
 
     models: dict[FileKind, type[BaseModel]] = {
         FileKind.PROTOCOL: Protocol,
-        FileKind.PLAN: Plan,
+        FileKind.PLAN: AnalysisPlan,
         FileKind.SIDE_CAR: SideCar,
     }
     return models[kind]

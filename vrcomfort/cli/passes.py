@@ -14,7 +14,7 @@ from vrcomfort.cli.terminal import answer, console, progress_bar, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Condition, Protocol, load_protocol
 from vrcomfort.protocol.quality import figure_for, level_of
-from vrcomfort.protocol.quality_levels import Figure, Measured, quality_table
+from vrcomfort.protocol.quality_levels import MeasurementSource, QualityFigure, quality_table
 
 if TYPE_CHECKING:
     from vrcomfort.gpu.traffic import Traffic
@@ -93,7 +93,7 @@ class PlannedPasses:
     quality: str
     passes: list[PlannedPass]
     draws_effects: bool
-    figure: Figure | None
+    figure: QualityFigure | None
     megabytes: dict[str, float] | None
     traffic: dict[str, Traffic] | None
 
@@ -351,7 +351,7 @@ def _notes(found: StudyPasses) -> list[str]:
     ]
 
 
-def _about_figures(measured: Measured) -> str:
+def _about_figures(measured: MeasurementSource) -> str:
     return (
         f"× plain (frames without effects), PSNR and FLIP are those of the quality level: measured "
         f"on {measured.device}, {measured.date} ({measured.how}), not with the laws, modes and "

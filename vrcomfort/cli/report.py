@@ -26,7 +26,7 @@ def register(app: typer.Typer) -> None:
 def _list(asked: bool) -> None:
     """Print the shipped plans, one a line."""
     if asked:
-        from vrcomfort.report.plan import shipped_plans
+        from vrcomfort.report.plan_files import shipped_plans
 
         plans = shipped_plans()
         width = max(len(each.name) for each in plans)

@@ -34,7 +34,7 @@ from vrcomfort.cli.options import (
     parse_size,
     typed_words,
 )
-from vrcomfort.cli.session_devices import open_console, open_relays, open_speaker
+from vrcomfort.cli.session_devices import open_console, open_outlets, open_speaker
 from vrcomfort.cli.terminal import complain, console, dialogue, progress_bar, warn
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.headset.watchdog import EXIT_RUNTIME_LOST, Watchdog
@@ -275,8 +275,8 @@ def run(
         _tell_of_the_other_kind(out, kind)
         headset_setup = _connect(owned, headset, study, size_px, options, rehearsal, watchdog)
         simulated = kind is RespondentKind.SIMULATED
-        relays = open_relays(study.name, participant, lsl=lsl, ttl=ttl, simulated=simulated)
-        relay = owned.enter_context(relays)
+        outlets = open_outlets(study.name, participant, lsl=lsl, ttl=ttl, simulated=simulated)
+        outlet = owned.enter_context(outlets)
         speaker = None if simulated else owned.enter_context(open_speaker(study))
         console = owned.enter_context(open_console()) if with_console else None
         progress = console.progress if console else owned.enter_context(SessionBars(quiet)).tell
@@ -289,7 +289,7 @@ def run(
             settings = replace(
                 settings,
                 ipd_measured_m=None if ipd_mm is None else ipd_mm / 1000,
-                relay=relay,
+                outlet=outlet,
                 speaker=speaker or settings.speaker,
                 progress=progress,
             )

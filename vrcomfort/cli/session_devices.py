@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from vrcomfort.operator_interface import ProgressCallback
     from vrcomfort.protocol.texts import Words
     from vrcomfort.records import EventRow, RatingRow
-    from vrcomfort.session.interfaces import Relay
+    from vrcomfort.session.interfaces import Outlet
     from vrcomfort.session.operator_control import OperatorControl
     from vrcomfort.session.panel_screen import PanelScreen
     from vrcomfort.session.verbal import VerbalRespondent
@@ -77,10 +77,10 @@ def open_console() -> Iterator[ConsoleSetup]:
 
 
 @dataclass(frozen=True)
-class Relays:
+class Outlets:
     """Several that are told the same; the first clock there is counts."""
 
-    each: tuple[Relay, ...]
+    each: tuple[Outlet, ...]
 
     def now_s(self) -> float | None:
         """Return the first one's clock."""
@@ -117,9 +117,9 @@ class Relays:
 
 
 @contextmanager
-def open_relays(
+def open_outlets(
     study: str, participant: str, *, lsl: bool, ttl: str | None, simulated: bool
-) -> Iterator[Relays]:
+) -> Iterator[Outlets]:
     """Open what was asked for.
 
     Raises
@@ -128,21 +128,21 @@ def open_relays(
         If a library or a port is missing.
     """
     with ExitStack() as owned:
-        opened: list[Relay] = []
+        opened: list[Outlet] = []
         if lsl:
-            from vrcomfort.exchange.lsl import LslRelay
+            from vrcomfort.exchange.lsl import LslOutlet
 
-            opened.append(owned.enter_context(LslRelay(study, participant)))
+            opened.append(owned.enter_context(LslOutlet(study, participant)))
         if ttl is not None:
-            from vrcomfort.exchange.ttl import TtlRelay
+            from vrcomfort.exchange.ttl import TtlOutlet
 
-            opened.append(owned.enter_context(TtlRelay(ttl)))
+            opened.append(owned.enter_context(TtlOutlet(ttl)))
         if opened and simulated:
             warn(
                 "a simulated participant lives faster than the clock: what other devices are told "
                 "comes as fast, and no clocks are recorded"
             )
-        yield Relays(tuple(opened))
+        yield Outlets(tuple(opened))
 
 
 # The sound device of a session whose instructions are heard.

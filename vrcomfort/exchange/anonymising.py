@@ -19,7 +19,6 @@ import numpy as np
 
 from vrcomfort import __version__
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.private_facts import EPOCH, Moved, of_manifest
 from vrcomfort.exchange.room import new_folder, require_whole
 from vrcomfort.json_text import json_of
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
@@ -27,12 +26,80 @@ from vrcomfort.records.checksums import seal
 from vrcomfort.records.disk import Access, make_folders, replace_text
 from vrcomfort.records.events import EVENTS, shared_detail
 from vrcomfort.records.frame_rows import FrameRow
-from vrcomfort.records.manifest import read_manifest
+from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.rows import ALWAYS, GAZE, MOTION, Needs, Trait, csv_line
+from vrcomfort.records.rows import ALWAYS, GAZE, MOTION, Needs, Row, Trait, csv_line
 from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS, TABLES, SharedFile
 from vrcomfort.records.session_rows import IPD_RULE, EventRow, ParticipantRow, ScreeningRow
-from vrcomfort.records.study import DESCRIPTION, access_of, read_participants, recorded_sessions
+from vrcomfort.records.study import DESCRIPTION, access_of
+
+EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
+"""Where moments are moved to: midnight, so that the time of day goes, too."""
+
+_OF_EYES = ("ipd_m",)
+_REMOVED = "left out"
+
+
+@dataclass(frozen=True)
+class Moved:
+    """How a participant's moments are moved.
+
+    Parameters
+    ----------
+    first
+        Becomes `EPOCH`.
+    all_one
+        All others become that as well.
+    """
+
+    first: datetime
+    all_one: bool
+
+    def __call__(self, text: str) -> str:
+        """Return a moment, ISO 8601 in UTC."""
+        moment = datetime.fromisoformat(text)
+        gone = moment - self.first
+        return EPOCH.isoformat() if self.all_one else (EPOCH + gone).isoformat(timespec="seconds")
+
+
+def of_manifest(manifest: dict[str, Any], participant: str, moved: Moved) -> dict[str, Any]:
+    """Return a session's manifest for another name, without typed texts, dates and eyes."""
+    found = _of_run(manifest, moved)
+    found["participant"] = participant
+    found["earlier_runs"] = [_of_run(run, moved) for run in manifest.get("earlier_runs", [])]
+    found["memory"] = None
+    found["eye_heights"] = [
+        {**each, "measured_m": None, "offset_m": None} for each in manifest.get("eye_heights", [])
+    ]
+    if ended := manifest.get("exposure_ended"):
+        found["exposure_ended"] = {**ended, "at": moved(ended["at"])}
+    if early := manifest.get("ended"):
+        found["ended"] = {**early, "reason": _REMOVED}
+    if begun := manifest.get("under_way"):
+        found["under_way"] = {**begun, "participant": participant}
+    found["withdrawals_undone"] = [
+        {**each, "at": moved(each["at"]), "reason": _REMOVED}
+        for each in manifest.get("withdrawals_undone", [])
+    ]
+    return found
+
+
+def _of_run(run: dict[str, Any], moved: Moved) -> dict[str, Any]:
+    """Return what every run of a session says of itself."""
+    found = dict(run)
+    for key in ("started_at", "finished_at"):
+        if found.get(key):
+            found[key] = moved(found[key])
+    if "participant" in found:
+        found.pop("participant")
+    if found.get("clock_set_back"):
+        found["clock_set_back"] = [_REMOVED for _ in found["clock_set_back"]]
+    if "ipd_measured_m" in found:
+        found["ipd_measured_m"] = None
+    if isinstance(found.get("headset"), dict):
+        found["headset"] = {k: v for k, v in found["headset"].items() if k not in _OF_EYES}
+    return found
+
 
 RECORD = "anonymised.json"
 Dates: TypeAlias = Literal["shift", "remove"]
@@ -78,12 +145,13 @@ def anonymise(study: Path, out: Path, wishes: Wishes) -> dict[str, Any]:
     """
     require_whole(study)
     _require_room_for_key(study, out, wishes.key)
-    rows = read_participants(study)
+    recorded = Study(study)
+    rows = recorded.enrolled
     names = new_names([row.participant for row in rows], wishes.seed)
     access = access_of(study)
     with new_folder(study, out) as draft:
         make_folders(draft, draft, access)
-        record = _write(study, draft, names, wishes, access)
+        record = _write(recorded, draft, names, wishes, access)
         if wishes.key is not None:
             lines = [csv_line(("participant", "anonymous"))]
             replace_text(wishes.key, "".join(lines + [csv_line(pair) for pair in names.items()]))
@@ -110,19 +178,21 @@ def _require_room_for_key(study: Path, out: Path, key: Path | None) -> None:
 
 
 def _write(
-    study: Path, out: Path, names: Mapping[str, str], wishes: Wishes, access: Access
+    recorded: Study, out: Path, names: Mapping[str, str], wishes: Wishes, access: Access
 ) -> dict[str, Any]:
+    study = recorded.folder
     text = (study / DESCRIPTION).read_text(encoding="utf-8")
     replace_text(out / DESCRIPTION, text, access)
     _copy_instruments(study, out, access)
-    rows = {row.participant: row for row in read_participants(study)}
+    rows = {row.participant: row for row in recorded.enrolled}
     of_gaze = (name for name, table in TABLES.items() if table.NEEDS == GAZE)
     kept = wishes.kept(gaze_recorded=any(any(study.rglob(name)) for name in of_gaze))
     unknown: set[str] = set()
     for old in sorted(names, key=lambda each: names[each]):
-        moved = _moved(study, rows[old], wishes)
-        for number in recorded_sessions(study, old):
-            _Session(study, out, old, names[old], number, moved, kept, access, unknown).write()
+        sessions = recorded.sessions_of(old)
+        moved = _moved(rows[old], sessions, wishes)
+        for session in sessions:
+            _Copy(session, out, names[old], moved, kept, access, unknown).write()
     _write_participants(out, rows, names, kept, access)
     record = _record(study, list(rows.values()), wishes, kept, unknown)
     replace_text(out / RECORD, json_of(record) + "\n", access)
@@ -135,12 +205,11 @@ def _copy_instruments(study: Path, out: Path, access: Access) -> None:
         replace_text(out / INSTRUMENTS / file.name, file.read_text(encoding="utf-8"), access)
 
 
-def _moved(study: Path, row: ParticipantRow, wishes: Wishes) -> Moved:
+def _moved(row: ParticipantRow, sessions: Sequence[Session], wishes: Wishes) -> Moved:
     """Return where a participant's moments go: the first of them to the epoch."""
     texts = [row.enrolled_at]
-    for number in recorded_sessions(study, row.participant):
-        manifest = read_manifest(session_folder(study, row.participant, number))
-        runs = [manifest, *manifest.get("earlier_runs", [])]
+    for session in sessions:
+        runs = [session.manifest, *session.manifest.get("earlier_runs", [])]
         texts += [str(run["started_at"]) for run in runs if run.get("started_at")]
     moments = []
     for text in texts:
@@ -175,14 +244,12 @@ def _write_participants(
 
 
 @dataclass(frozen=True)
-class _Session:
-    """One session on its way."""
+class _Copy:
+    """The copy of a session that is being made."""
 
-    study: Path
+    session: Session
     out: Path
-    old: str
     new: str
-    number: int
     moved: Moved
     kept: Needs
     access: Access
@@ -191,28 +258,38 @@ class _Session:
 
     def write(self) -> None:
         """Write its files, and their checksums."""
-        source = session_folder(self.study, self.old, self.number)
-        folder = session_folder(self.out, self.new, self.number)
+        folder = session_folder(self.out, self.new, self.session.number)
         make_folders(self.out, folder, self.access)
-        manifest = of_manifest(read_manifest(source), self.new, self.moved)
+        manifest = of_manifest(self.session.manifest, self.new, self.moved)
         text = json_of(manifest) + "\n"
         replace_text(folder / "manifest.json", text, self.access)
-        begin_ns = _begin_ns(source)
+        begin_ns = _begin_ns(self.session)
         for row_type in (*SESSION_ROWS, *OPTIONAL_ROWS):
-            name = row_type.FILE
-            if (source / name).exists() and not SharedFile.of(row_type).lacking(self.kept):
-                change = self._change(name, begin_ns)
-                _rewrite(source / name, folder / name, change, self.access)
+            if self.session.has(row_type) and not SharedFile.of(row_type).lacking(self.kept):
+                self._rewrite(row_type, folder / row_type.FILE, begin_ns)
         if manifest["status"] != "running":
             seal(folder, self.access)
 
-    def _change(self, name: str, begin_ns: int) -> Callable[[dict[str, str]], dict[str, str]]:
-        """Return what a row of a file becomes.
+    def _rewrite(self, row_type: type[Row], target: Path, begin_ns: int) -> None:
+        """Copy a table row by row."""
+        target.touch(mode=self.access.file_mode, exist_ok=False)
+        target.chmod(self.access.file_mode)
+        change = self._change(row_type, begin_ns)
+        header = self.session.header(row_type)
+        with target.open("w", encoding="utf-8", newline="") as stream:
+            writer = csv.DictWriter(stream, header, lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(map(change, self.session.text_rows(row_type)))
+
+    def _change(
+        self, row_type: type[Row], begin_ns: int
+    ) -> Callable[[dict[str, str]], dict[str, str]]:
+        """Return the function that makes a row of a table anonymous.
 
         The runtime's clock begins at 0 with the session's first frame: else it would tell in which
         order participants of one day came.
         """
-        private = SharedFile.of(TABLES[name]).blank(self.kept)
+        private = SharedFile.of(row_type).blank(self.kept)
 
         def change(row: dict[str, str]) -> dict[str, str]:
             row.update((column, "") for column in private if column in row)
@@ -220,9 +297,9 @@ class _Session:
                 row["participant"] = self.new
             if "xr_time_ns" in row:
                 row["xr_time_ns"] = str(int(row["xr_time_ns"]) - begin_ns)
-            if name == ScreeningRow.FILE and row["rule"].startswith(IPD_RULE):
+            if row_type is ScreeningRow and row["rule"].startswith(IPD_RULE):
                 row["value"] = ""
-            if name == EventRow.FILE:
+            if row_type is EventRow:
                 row["detail"] = shared_detail(row["name"], row["detail"])
                 self.unknown.update({row["name"]} - EVENTS.keys())
             return row
@@ -230,27 +307,10 @@ class _Session:
         return change
 
 
-def _begin_ns(source: Path) -> int:
+def _begin_ns(session: Session) -> int:
     """Return the runtime's time of a session's first frame."""
-    with (source / FrameRow.FILE).open(encoding="utf-8", newline="") as stream:
-        first = next(csv.DictReader(stream), None)
+    first = next(session.text_rows(FrameRow), None)
     return int(first["xr_time_ns"]) if first else 0
-
-
-def _rewrite(
-    source: Path, target: Path, change: Callable[[dict[str, str]], dict[str, str]], access: Access
-) -> None:
-    """Copy a CSV file row by row."""
-    target.touch(mode=access.file_mode, exist_ok=False)
-    target.chmod(access.file_mode)
-    with (
-        source.open(encoding="utf-8", newline="") as read,
-        target.open("w", encoding="utf-8", newline="") as written,
-    ):
-        rows = csv.DictReader(read)
-        writer = csv.DictWriter(written, rows.fieldnames or (), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(map(change, rows))
 
 
 def _record(

@@ -30,7 +30,7 @@ _TRIES = 3
 _UNITS = {"x": "meters", "y": "meters", "z": "meters"}
 
 
-class LslRelay:
+class LslOutlet:
     """Sends what happens in a session to LabStreamingLayer, from a thread of its own.
 
     Markers are JSON: ``{"name": "exposure_begins", "trial": 1, …}``. Head, gaze and that an

@@ -8,25 +8,19 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from vrcomfort import __version__
-from vrcomfort.csv_table import CsvTable
 from vrcomfort.exchange.room import new_folder, require_whole
 from vrcomfort.json_text import json_of
 from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
-from vrcomfort.records.recorder import session_folder
+from vrcomfort.records.reader import Study
 from vrcomfort.records.rows import Row
 from vrcomfort.records.schema import described, unit_of
 from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow, ScreeningRow, TextRow
-from vrcomfort.records.study import (
-    DESCRIPTION,
-    read_description,
-    read_participants,
-    recorded_sessions,
-)
+from vrcomfort.records.study import DESCRIPTION, read_description
 
 _README = """# {name}
 
@@ -76,9 +70,10 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
     description = read_description(study)
     name, protocol = str(description.get("name") or study.name), str(description["protocol"])
     label = re.sub("[^A-Za-z0-9]", "", protocol) or "comfort"
-    tables = [_participants(study, label)]
-    tables += [_of_sessions(study, label, kind) for kind in (TrialRow, QuestionnaireRow, RatingRow)]
-    some = {kind: _of_sessions(study, label, kind) for kind in _OPTIONAL}
+    read = Study(study)
+    tables = [_participants(read, label)]
+    tables += [_of_sessions(read, label, kind) for kind in (TrialRow, QuestionnaireRow, RatingRow)]
+    some = {kind: _of_sessions(read, label, kind) for kind in _OPTIONAL}
     tables += [table for table in some.values() if table.rows]
     there = [table for table in tables if table.rows]
     with new_folder(study, out) as draft:
@@ -114,8 +109,8 @@ def _file(label: str, kind: str) -> str:
     return f"study-{label}_description-{kind}_data.csv"
 
 
-def _participants(study: Path, label: str) -> _Table:
-    rows = read_participants(study)
+def _participants(study: Study, label: str) -> _Table:
+    rows = study.enrolled
     others = list(dict.fromkeys(name for row in rows for name, _ in row.others))
     own = [name for name in ParticipantRow.columns() if name != "note"]
     cells = [
@@ -126,22 +121,16 @@ def _participants(study: Path, label: str) -> _Table:
     return _Table(_file(label, "participants"), (*own, *others), cells)
 
 
-def _of_sessions(study: Path, label: str, row_type: type[Row]) -> _Table:
+def _of_sessions(study: Study, label: str, row_type: type[Row]) -> _Table:
     """Return the rows of one kind of file, of all sessions."""
     columns = row_type.columns()
     rows = [
         [row.get(name, "") for name in columns]
-        for file in _files(study, row_type.FILE)
-        if file.exists()
-        for row in CsvTable.read(file, appended=True).dicts()
+        for person in study.enrolled
+        for session in study.sessions_of(person.participant)
+        for row in session.text_rows(row_type)
     ]
     return _Table(_file(label, Path(row_type.FILE).stem), columns, rows)
-
-
-def _files(study: Path, name: str) -> Iterator[Path]:
-    for row in read_participants(study):
-        for number in recorded_sessions(study, row.participant):
-            yield session_folder(study, row.participant, number) / name
 
 
 def _description(

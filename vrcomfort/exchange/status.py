@@ -5,30 +5,27 @@ from __future__ import annotations
 import shlex
 import shutil
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from vrcomfort import __version__
-from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of, protocol_of
 from vrcomfort.records.exposure_rows import TrialRow
-from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.recorder import session_folder
+from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.session_rows import ParticipantRow
-from vrcomfort.records.study import (
-    DESCRIPTION,
-    enrolment_of,
-    read_description,
-    read_participants,
-    recorded_sessions,
-)
+from vrcomfort.records.study import DESCRIPTION, enrolment_of, read_description
 
 IMPORT = "import.json"
 OPEN = ("interrupted", "running or killed")
+
+Content: TypeAlias = dict[str, Any]
+"""Of a manifest."""
+Begun: TypeAlias = tuple[Session, Content | InputError]
+"""A session, and its manifest or what is wrong with it."""
 
 
 @dataclass(frozen=True)
@@ -119,10 +116,13 @@ def status_of(study: Path) -> StudyState:
     if not (study / DESCRIPTION).is_file():
         raise InputError(f"this is no study folder: it has no {DESCRIPTION}", file=study)
     description = read_description(study)
-    rows = read_participants(study)
-    manifests = {row.participant: _manifests(study, row.participant) for row in rows}
-    read = [each for sessions in manifests.values() for each in sessions.values()]
-    known = [each for each in read if not isinstance(each, InputError)]
+    recorded = Study(study)
+    rows = recorded.enrolled
+    begun = {
+        row.participant: [(each, _manifest(each)) for each in recorded.sessions_of(row.participant)]
+        for row in rows
+    }
+    known = [each for those in begun.values() for each in _readable(those)]
     last = max(known, key=lambda each: str(each["started_at"]), default=None)
     design, not_known = _design(last)
     state = StudyState(
@@ -130,7 +130,7 @@ def status_of(study: Path) -> StudyState:
         name=str(description.get("name", "")),
         protocol=description["protocol"],
         seed=description["seed"],
-        people=[_person(study, row, manifests[row.participant], design, last) for row in rows],
+        people=[_person(study, row, begun[row.participant], design, last) for row in rows],
         statuses=dict(Counter(row.status for row in rows)),
         not_known=not_known,
         schema_versions=dict(Counter(str(each.get("schema_version", 1)) for each in known)),
@@ -144,14 +144,16 @@ def status_of(study: Path) -> StudyState:
     return state
 
 
-def _manifests(study: Path, participant: str) -> dict[int, dict[str, Any] | InputError]:
-    found: dict[int, dict[str, Any] | InputError] = {}
-    for number in recorded_sessions(study, participant):
-        try:
-            found[number] = read_manifest(session_folder(study, participant, number))
-        except InputError as error:
-            found[number] = error
-    return found
+def _manifest(session: Session) -> Content | InputError:
+    """Return a session's manifest, or what is wrong with it."""
+    try:
+        return session.manifest
+    except InputError as error:
+        return error
+
+
+def _readable(begun: Iterable[Begun]) -> list[Content]:
+    return [manifest for _, manifest in begun if not isinstance(manifest, InputError)]
 
 
 def _design(last: Mapping[str, Any] | None) -> tuple[Design | None, str]:
@@ -183,18 +185,14 @@ def _next_participant(state: StudyState, rows: Sequence[ParticipantRow], design:
 def _person(
     study: Path,
     row: ParticipantRow,
-    manifests: Mapping[int, dict[str, Any] | InputError],
+    begun: Sequence[Begun],
     design: Design | None,
     last: Mapping[str, Any] | None,
 ) -> PersonState:
     planned = _planned(design, row.sequence)
-    sessions = tuple(
-        _session(study, row.participant, number, manifest, planned)
-        for number, manifest in manifests.items()
-    )
+    sessions = tuple(_session(session, manifest, planned) for session, manifest in begun)
     step, options = _next_step(row, sessions, len(planned) if planned else None)
-    read = [each for each in manifests.values() if not isinstance(each, InputError)]
-    own = read[-1] if read else last
+    own = next(reversed(_readable(begun)), last)
     command = "" if options is None else _command(study, row.participant, own, options)
     group, note = row.group or "", row.note
     return PersonState(
@@ -213,26 +211,23 @@ def _planned(design: Design | None, sequence: str) -> list[int] | None:
 
 
 def _session(
-    study: Path,
-    participant: str,
-    number: int,
-    manifest: dict[str, Any] | InputError,
-    planned: Sequence[int] | None,
+    session: Session, manifest: Content | InputError, planned: Sequence[int] | None
 ) -> SessionState:
+    number = session.number
     exposures = planned[number - 1] if planned and number <= len(planned) else None
-    done = _exposures(session_folder(study, participant, number) / TrialRow.FILE)
+    done = _exposures(session)
     if isinstance(manifest, InputError):
         return SessionState(number, "damaged", done, exposures, fault=str(manifest))
     names = {"aborted": "interrupted", "running": "running or killed"}
-    status = names.get(manifest["status"], manifest["status"])
+    status = str(names.get(manifest["status"], manifest["status"]))
     flagged = len(manifest["timing_flags"])
     return SessionState(number, status, done, exposures, manifest["started_at"], flagged)
 
 
-def _exposures(trials: Path) -> int:
+def _exposures(session: Session) -> int:
     """Count the exposures that were shown whole."""
     try:
-        rows = CsvTable.read(trials, appended=True).dicts()
+        rows = session.text_rows(TrialRow)
         return len({row["trial"] for row in rows if row["status"] == "completed"})
     except (InputError, KeyError):
         return 0

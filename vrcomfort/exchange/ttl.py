@@ -18,7 +18,7 @@ LAST_TRIAL = 126
 END = 128
 
 
-class TtlRelay:
+class TtlOutlet:
     """Writes to a serial port from a thread of its own.
 
     An exposure begins with its trial's number + 1 (training is 1, and trials from 126 on are 127),

@@ -12,8 +12,8 @@ import numpy as np
 from vrcomfort.gpu import gl, shaders
 
 
-class Fields(Protocol):
-    """A named tuple whose fields are the names of a program's uniforms."""
+class UniformTuple(Protocol):
+    """A named tuple with the names of a program's uniforms as fields."""
 
     @property
     def _fields(self) -> tuple[str, ...]: ...
@@ -21,14 +21,14 @@ class Fields(Protocol):
     def __iter__(self) -> Iterator[Any]: ...
 
 
-class Together:
+class UniformGroup:
     """Several tuples of uniforms."""
 
     def __init__(self, *parts: Uniforms) -> None:
-        self.parts: tuple[Fields, ...] = tuple(one for part in parts for one in _parts(part))
+        self.parts: tuple[UniformTuple, ...] = tuple(one for part in parts for one in _parts(part))
 
 
-Uniforms: TypeAlias = Fields | Together
+Uniforms: TypeAlias = UniformTuple | UniformGroup
 
 
 _FILTERS = {
@@ -126,15 +126,15 @@ class FullscreenPass:
         for unit, sampler in self._samplers:
             sampler.use(unit)
         if self._writes_depth:
-            self._ctx.depth_func = "1"
+            self._ctx.depth_func = "1"  # moderngl's GL_ALWAYS: fragments replace any depth
         self._triangle.render(self._mode, vertices=self._vertices)
         for unit, sampler in self._samplers:
-            sampler.clear(unit)
+            sampler.clear(unit)  # samplers override the textures of passes that follow
 
     def _set(self, uniforms: Uniforms) -> None:
         for part in _parts(uniforms):
             for name, value in zip(part._fields, part, strict=True):
-                if self._values.get(name) != value:  # the program keeps the others
+                if self._values.get(name) != value:  # a program keeps uniforms between draws
                     self._values[name] = value
                     self._write(name, value)
 
@@ -146,8 +146,8 @@ class FullscreenPass:
             member.value = value
 
 
-def _parts(uniforms: Uniforms) -> tuple[Fields, ...]:
-    return uniforms.parts if isinstance(uniforms, Together) else (uniforms,)
+def _parts(uniforms: Uniforms) -> tuple[UniformTuple, ...]:
+    return uniforms.parts if isinstance(uniforms, UniformGroup) else (uniforms,)
 
 
 def _textures(given: moderngl.Texture | Sequence[moderngl.Texture]) -> Sequence[moderngl.Texture]:
@@ -227,6 +227,6 @@ class MaxReductionPass:
         """Return the greatest value since the pass was made; waits for the GPU."""
         return float(np.frombuffer(self.target.read(), dtype=np.float32)[0])
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Start again from 0."""
         self._framebuffer.clear()

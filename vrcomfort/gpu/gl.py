@@ -42,6 +42,7 @@ _SRGB8_ALPHA8, _TEXTURE_SAMPLES, _SAMPLE_POSITION = 0x8C43, 0x9106, 0x8E50
 _TEXTURE_2D_ARRAY, _RGBA8, _RGBA, _UNSIGNED_BYTE = 0x8C1A, 0x8058, 0x1908, 0x1401
 
 _UNIFORM_ALIGNMENT = 256
+"""The most that GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT may be."""
 
 
 def create_context() -> moderngl.Context:
@@ -120,7 +121,7 @@ def depth_texture(
 
 
 def clearer(ctx: moderngl.Context) -> Callable[[moderngl.Framebuffer, Sequence[float]], None]:
-    """Return what fills the first colour target of a framebuffer alone; the others stay."""
+    """Return a function that fills a framebuffer's first colour target; the others stay."""
     uint, pointer = ctypes.c_uint, ctypes.POINTER(ctypes.c_float)
     clear = function(ctx, "glClearNamedFramebufferfv", uint, uint, ctypes.c_int, pointer)
 
@@ -219,7 +220,7 @@ def buffer(ctx: moderngl.Context, data: bytes) -> moderngl.Buffer:
 
 
 def dynamic_buffer(ctx: moderngl.Context, size_bytes: int) -> moderngl.Buffer:
-    """Return a buffer whose content changes from frame to frame."""
+    """Return a buffer that is rewritten every frame."""
     return _entered_buffer(ctx, ctx.buffer(reserve=size_bytes, dynamic=True))
 
 
@@ -229,7 +230,7 @@ def uniform_stride(size_bytes: int) -> int:
 
 
 def _entered_buffer(ctx: moderngl.Context, made: moderngl.Buffer) -> moderngl.Buffer:
-    entry = gpu_memory.Allocation("buffer", f"{made.size} bytes", made.size)
+    entry = gpu_memory.GpuAllocation("buffer", f"{made.size} bytes", made.size)
     gpu_memory.account(ctx).add(made, entry)
     return made
 

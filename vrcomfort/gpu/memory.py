@@ -1,4 +1,4 @@
-"""What a pipeline holds on the GPU: every texture and buffer that `gl` made, and its bytes.
+"""GPU memory account: every texture and buffer that `gl` made, and its bytes.
 
 Bytes are those of the format that was asked for, all samples and mipmap levels included. What a
 driver adds to it (padding, compression data) is its own, and so are the runtime's swapchains.
@@ -22,45 +22,45 @@ _KINDS: tuple[Kind, ...] = ("target", "image", "buffer")
 
 
 @dataclass(frozen=True)
-class Allocation:
-    """One texture or buffer; `what` says its size and format in words."""
+class GpuAllocation:
+    """One texture or buffer, with its size and format in words."""
 
     kind: Kind
     what: str
     bytes: int
 
 
-class Account:
+class MemoryAccount:
     """Everything that was made in one context and still lives; entries go with their objects."""
 
     def __init__(self) -> None:
-        self._made: WeakKeyDictionary[object, tuple[int, Allocation]] = WeakKeyDictionary()
+        self._made: WeakKeyDictionary[object, tuple[int, GpuAllocation]] = WeakKeyDictionary()
         self._count = 0
 
     def add(
         self,
         thing: moderngl.Texture | moderngl.TextureArray | moderngl.Buffer,
-        allocation: Allocation,
+        allocation: GpuAllocation,
     ) -> None:
-        """Enter what has just been allocated."""
+        """Enter a new allocation."""
         self._made[thing] = self._count, allocation
         self._count += 1
 
     def mark(self) -> int:
-        """Return a mark: what is entered from now on lies after it."""
+        """Return a mark; later entries lie after it."""
         return self._count
 
-    def between(self, first: int, last: int) -> tuple[Allocation, ...]:
-        """Return what was entered between two marks and is still there, in order."""
+    def between(self, first: int, last: int) -> tuple[GpuAllocation, ...]:
+        """Return the live entries between two marks, in order."""
         living = sorted(self._made.values(), key=lambda entry: entry[0])
         return tuple(entry for number, entry in living if first <= number < last)
 
 
-def account(ctx: moderngl.Context) -> Account:
+def account(ctx: moderngl.Context) -> MemoryAccount:
     """Return the account of a context."""
-    if not isinstance(ctx.extra, Account):
-        ctx.extra = Account()
-    found: Account = ctx.extra
+    if not isinstance(ctx.extra, MemoryAccount):
+        ctx.extra = MemoryAccount()
+    found: MemoryAccount = ctx.extra
     return found
 
 
@@ -82,7 +82,7 @@ def texture(
     samples: int = 0,
     mipmaps: bool = False,
     layers: int = 1,
-) -> Allocation:
+) -> GpuAllocation:
     """Return the entry of a texture, or of an array of them; `dtype` is moderngl's."""
     texel_bytes = components * _DTYPE_BYTES[dtype]
     words = [f"{size_px[0]}×{size_px[1]}", f"{components} × {8 * _DTYPE_BYTES[dtype]} bit"]
@@ -90,10 +90,10 @@ def texture(
     words += ["mipmaps"] if mipmaps else []
     words += [f"{layers} layers"] if layers > 1 else []
     size = layers * texture_bytes(size_px, texel_bytes, samples=samples, mipmaps=mipmaps)
-    return Allocation(kind, ", ".join(words), size)
+    return GpuAllocation(kind, ", ".join(words), size)
 
 
-def megabytes(allocations: Iterable[Allocation]) -> dict[str, float]:
+def megabytes(allocations: Iterable[GpuAllocation]) -> dict[str, float]:
     """Return 10⁶ bytes of each kind, and of all as ``total``."""
     found: dict[str, float] = dict.fromkeys(_KINDS, 0.0)
     for each in allocations:

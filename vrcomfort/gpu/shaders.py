@@ -30,7 +30,7 @@ _counting: ContextVar[bool] = ContextVar("counting", default=False)
 
 @contextmanager
 def counting_reads() -> Iterator[None]:
-    """Compile what is built inside so that it counts its texture reads: `gpu.texel_reads`."""
+    """Compile programs built inside so that they count their texture reads."""
     token = _counting.set(True)
     try:
         yield

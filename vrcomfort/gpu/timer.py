@@ -45,7 +45,7 @@ class GpuTimer:
 
     @contextmanager
     def frame(self, index: int) -> Iterator[None]:
-        """Time what is drawn inside."""
+        """Time the draws inside."""
         name = self._free.pop()
         self._pending.append((index, name))
         self._begin(_TIME_ELAPSED, name)
@@ -71,7 +71,7 @@ class GpuTimer:
 
 
 class Stopwatch:
-    """Times what is drawn: for benchmarks, also inside a frame that is timed.
+    """Times draws: for benchmarks, also inside a frame that is timed.
 
     Time stamps of the GPU, or where those mean nothing the processor's time that this process has
     used, all threads together, between two ``finish``: what else runs on the machine hardly changes
@@ -90,7 +90,7 @@ class Stopwatch:
             self._result = gl.function(ctx, "glGetQueryObjectui64v", *result)
 
     def lap(self, draw: Callable[[], object]) -> Lap:
-        """Draw, and return what tells the seconds that it takes: asked once, it may wait then."""
+        """Draw, and return a function that gives the seconds; it may wait, and is called once."""
         if self.on_gpu:
             return self._gpu_lap(draw)
         self._ctx.finish()

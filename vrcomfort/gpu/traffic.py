@@ -1,4 +1,4 @@
-"""What a frame sends through the GPU's memory: draws, passes, bytes and texture reads.
+"""Memory traffic of a frame: draws, passes, bytes and texture reads.
 
 This travels between machines, as times do not. It is found by asking OpenGL at each draw which
 textures the program reads, where it draws, and how many fragments it has drawn.
@@ -25,7 +25,7 @@ from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.timer import queries
 
 
-class Surface(NamedTuple):
+class TextureLevel(NamedTuple):
     """A level of a texture: its OpenGL name, size, and bytes for each texel (all samples)."""
 
     name: int
@@ -57,7 +57,7 @@ class Draw:
     """
 
     shader: str
-    targets: tuple[Surface, ...]
+    targets: tuple[TextureLevel, ...]
     fragments: int
     bytes: float
     reads: int | None
@@ -75,7 +75,7 @@ class Traffic(NamedTuple):
 
 
 def added_up(draws: Sequence[Draw]) -> Traffic:
-    """Return what some draws that follow each other amount to."""
+    """Return the sums over consecutive draws."""
     reads = [draw.reads for draw in draws if draw.reads is not None]
     return Traffic(
         passes=_passes(draws),
@@ -109,7 +109,7 @@ def _next_level(a: Draw, b: Draw) -> bool:
     )
 
 
-class Recorder:
+class DrawRecorder:
     """Notes every draw that is made through moderngl between :meth:`recording`'s begin and end.
 
     Programs that were built inside :func:`shaders.counting_reads` count their reads too.
@@ -122,7 +122,7 @@ class Recorder:
 
     @contextmanager
     def recording(self) -> Iterator[None]:
-        """Note what is drawn inside, in `draws`."""
+        """Record the draws inside, in `draws`."""
         arrays: Any = moderngl.VertexArray
         draw, indirect = arrays.render, arrays.render_indirect
 
@@ -175,7 +175,7 @@ class Recorder:
         self.draws.append(Draw("copy", (), 0, 2 * level.bytes, 0))
 
 
-def _covered(fragments: int, targets: Sequence[Surface]) -> float:
+def _covered(fragments: int, targets: Sequence[TextureLevel]) -> float:
     """Return which part of its target a draw covers; all of a target that has no pixels."""
     pixels = max((each.size_px[0] * each.size_px[1] for each in targets), default=0)
     return min(1.0, fragments / pixels) if pixels else 1.0
@@ -198,7 +198,7 @@ _MOST_COLOURS = 8
 
 
 class _State:
-    """Asks OpenGL what is bound."""
+    """Queries of OpenGL state: bound textures, targets, fragments."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         uint, out = ctypes.c_uint, ctypes.c_void_p
@@ -224,7 +224,7 @@ class _State:
         (self._query,) = queries(ctx, self, 1)
         self._samplers: dict[int, list[tuple[int, int]]] = {}
 
-    def inputs(self, program: int) -> list[Surface]:
+    def inputs(self, program: int) -> list[TextureLevel]:
         """Return the levels of all textures that a program may read, each once."""
         if program not in self._samplers:
             self._samplers[program] = self._sampler_locations(program)
@@ -240,8 +240,8 @@ class _State:
         self._gl["glActiveTexture"](active)
         return list(found.values())
 
-    def targets(self) -> list[Surface]:
-        """Return what colour is drawn into."""
+    def targets(self) -> list[TextureLevel]:
+        """Return the colour targets."""
         if not self._integer(_FRAMEBUFFER_BINDING):
             return []
         found = []
@@ -254,7 +254,7 @@ class _State:
         return found
 
     def blends(self) -> bool:
-        """Return whether what is drawn is blended with what is there."""
+        """Return whether draws are blended."""
         return bool(self._enabled(_BLEND))
 
     def fragments_of(self, draw: Callable[[], None]) -> int:
@@ -268,15 +268,15 @@ class _State:
         self._gl["glGetQueryObjectui64v"](self._query, _QUERY_RESULT, ctypes.byref(found))
         return found.value
 
-    def level(self, texture: int, level: int) -> Surface:
+    def level(self, texture: int, level: int) -> TextureLevel:
         """Return the size and format of a level of a texture."""
         ask = "glGetTextureLevelParameteriv"
         width, height = (self._get(ask, texture, level, side) for side in (_WIDTH, _HEIGHT))
         bits = sum(self._get(ask, texture, level, each) for each in _BITS)
         samples = max(1, self._get(ask, texture, level, _SAMPLES))
-        return Surface(texture, (width, height), bits / 8 * samples)
+        return TextureLevel(texture, (width, height), bits / 8 * samples)
 
-    def _levels(self, texture: int, sampler: int) -> Iterator[Surface]:
+    def _levels(self, texture: int, sampler: int) -> Iterator[TextureLevel]:
         """Yield the levels that may be read: all between the bounds, or one without mipmaps."""
         first = self._get("glGetTextureParameteriv", texture, _BASE_LEVEL)
         last = self._get("glGetTextureParameteriv", texture, _MAX_LEVEL)

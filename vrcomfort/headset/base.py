@@ -1,4 +1,4 @@
-"""What every headset gives and takes: frames with poses, and images."""
+"""The interface of all headsets, and the capabilities that some of them have."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from vrcomfort.frame import Frame, HeadsetEvent
+from vrcomfort.headset.inputs import Inputs
 
 if TYPE_CHECKING:
     import moderngl
@@ -16,7 +17,7 @@ class Headset(Protocol):
 
     @property
     def name(self) -> str:
-        """Return what the manifest calls this headset."""
+        """Return the headset's name for the manifest."""
 
     @property
     def refresh_hz(self) -> float:
@@ -28,7 +29,7 @@ class Headset(Protocol):
 
     @property
     def details(self) -> dict[str, Any]:
-        """Return what else the manifest should know: runtime, tracked space, image format ..."""
+        """Return further facts for the manifest: runtime, tracked space, image format ..."""
 
     def frames(self) -> Iterator[Frame]:
         """Yield frames until the headset (or its trace) ends; each must be submitted."""
@@ -37,12 +38,47 @@ class Headset(Protocol):
         """Show the two images (linear sRGB already tone-mapped, RGBA8), or nothing for `None`."""
 
     def take_events(self) -> list[HeadsetEvent]:
-        """Return what happened since the last call: taken off, tracking lost, recentered ..."""
+        """Return the events since the last call: taken off, tracking lost, recentered ..."""
+
+
+# Capabilities that only some headsets have; a session asks for each with `isinstance`.
 
 
 @runtime_checkable
-class TellsTime(Protocol):
-    """A headset whose display times can be put on the system's clock."""
+class HasDisplayClock(Protocol):
+    """A headset with display times that can be converted to the system's clock."""
 
     def display_now_ns(self) -> int | None:
         """Return the present moment as a display time; None where it is not known."""
+
+
+@runtime_checkable
+class HasInputs(Protocol):
+    """A headset with controllers, tracked hands, an eye tracker or keys."""
+
+    def inputs(self) -> Inputs:
+        """Return the inputs of hands, eyes and keys in the last frame."""
+
+
+@runtime_checkable
+class HasHaptics(Protocol):
+    """A headset with controllers that vibrate."""
+
+    def tick(self, hand: int) -> None:
+        """Let a controller tick (0 left, 1 right)."""
+
+
+@runtime_checkable
+class HasArrowKeys(Protocol):
+    """A headset with a window: its arrow keys walk unless something else takes them."""
+
+    arrows_turn: bool
+    """Whether the arrow keys turn a dial."""
+
+
+@runtime_checkable
+class CanRecenter(Protocol):
+    """A headset with a forward direction that can be set anew."""
+
+    def recenter(self) -> None:
+        """Make the floor point and heading of the head the origin."""

@@ -14,7 +14,7 @@ from vrcomfort.frame import MEAN_IPD_M, Frame, HeadsetEvent
 from vrcomfort.geometry import Fov, Pose, Quad, View, yaw_pitch_roll
 from vrcomfort.headset.eye_painter import Box, EyePainter, WindowPanel, fitted
 from vrcomfort.headset.inputs import POINTER_SIZE_PX, HandInput, Inputs, KeyInput, pointer_picture
-from vrcomfort.headset.locomotion import WALKING_SPEED_M_S, Locomotion, wish_of
+from vrcomfort.headset.locomotion import WALKING_SPEED_M_S, Locomotion, move_command
 from vrcomfort.headset.window import Window
 from vrcomfort.scene.floors import Floors
 
@@ -115,7 +115,7 @@ class DesktopHeadset:
 
     @property
     def name(self) -> str:
-        """Return what the manifest calls this headset."""
+        """Return the headset's name for the manifest."""
         return "desktop"
 
     @property
@@ -180,13 +180,13 @@ class DesktopHeadset:
         self._window.show()
 
     def take_events(self) -> list[HeadsetEvent]:
-        """Return what happened since the last call."""
+        """Return the events since the last call."""
         events = list(self._events)
         self._events.clear()
         return events
 
     def inputs(self) -> Inputs:
-        """Return what keys and mouse do in the present frame; the mouse is the right hand."""
+        """Return the inputs of keys and mouse in the present frame; the mouse is the right hand."""
         return self._inputs
 
     def allow_absence(self, duration_s: float) -> None:
@@ -250,11 +250,11 @@ class DesktopHeadset:
         if not self._in_scene:
             return  # nobody walks blindly
         self._pitch_rad = _within(self._pitch_rad + keys.look_up_rad, STEEPEST_RAD)
-        wish = wish_of(Inputs(keys=keys))
+        command = move_command(Inputs(keys=keys))
         if self._window.looks_aside or not self._on_foot:
             self._yaw_rad = _within(self._yaw_rad + keys.turn_rad, FURTHEST_RAD)
-            wish = wish.without_turn()
-        self._locomotion.step(self.head_pose, wish, passed_s)
+            command = command.without_turn()
+        self._locomotion.step(self.head_pose, command, passed_s)
         self._cut |= self._locomotion.teleported
 
     def _views(self, head: Pose) -> tuple[View, View]:
@@ -263,7 +263,7 @@ class DesktopHeadset:
         return View(head @ Pose(-half), fov), View(head @ Pose(half), fov)
 
     def _cursor_ray(self) -> Pose | None:
-        """Return the ray through the cursor, from the eye over whose image it is."""
+        """Return the ray through the cursor, from the eye of the image under it."""
         columns = self._settings.columns
         right, down = self._window.cursor
         eye = min(int(max(right, 0.0) * columns), columns - 1)

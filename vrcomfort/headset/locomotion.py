@@ -32,8 +32,8 @@ LONGEST_S = 0.1
 
 
 @dataclass(frozen=True)
-class Wish:
-    """What the participant wants to do.
+class MoveCommand:
+    """The participant's locomotion input.
 
     Parameters
     ----------
@@ -53,9 +53,9 @@ class Wish:
     turn_rate: float = 0.0
     stick_at_rest: bool = True
 
-    def without_turn(self) -> Wish:
+    def without_turn(self) -> MoveCommand:
         """Return the same walk without turning."""
-        return Wish(self.right, self.forward, stick_at_rest=self.stick_at_rest)
+        return MoveCommand(self.right, self.forward, stick_at_rest=self.stick_at_rest)
 
 
 class Locomotion:
@@ -125,10 +125,10 @@ class Locomotion:
         return True
 
     def relocate(self, new_from_old: Pose) -> None:
-        """Take note that the stage's origin has moved: nobody moves in the world by that."""
+        """Follow a move of the stage's origin, without moving the participant in the world."""
         self.avatar = self.avatar @ new_from_old.inverse()
 
-    def step(self, head: Pose, wish: Wish, duration_s: float) -> bool:
+    def step(self, head: Pose, command: MoveCommand, duration_s: float) -> bool:
         """Walk and turn for one frame.
 
         Who leans or steps beside the floor walks as if from the nearest point on it, and so
@@ -143,14 +143,14 @@ class Locomotion:
         if not self._on_foot:
             return False
         seconds = min(duration_s, LONGEST_S)
-        snap_rad = self._snap_rad(wish)
-        smooth_rad = wish.turn_rate * TURNING_SPEED_RAD_S * seconds
+        snap_rad = self._snap_rad(command)
+        smooth_rad = command.turn_rate * TURNING_SPEED_RAD_S * seconds
         stick_rad = smooth_rad if self._snap_turn_rad is None else snap_rad
-        self._turn(head, wish.turn_rad + stick_rad)
-        length = np.hypot(wish.right, wish.forward)
+        self._turn(head, command.turn_rad + stick_rad)
+        length = np.hypot(command.right, command.forward)
         walk_m = self._way_m(seconds, pushed=length > 1e-9)
         if walk_m:
-            wanted = np.array([wish.right, wish.forward]) / length
+            wanted = np.array([command.right, command.forward]) / length
             self._walk(head, self._world_from_torso(wanted), walk_m)
         return snap_rad != 0
 
@@ -162,14 +162,14 @@ class Locomotion:
         self.teleported = pushed and not before
         return self._teleport_m if self.teleported else 0.0
 
-    def _snap_rad(self, wish: Wish) -> float:
+    def _snap_rad(self, command: MoveCommand) -> float:
         """Return the snap turn to the left that begins now, or 0."""
-        before, pushed = self._stick_aside, wish.turn_rate != 0
+        before, pushed = self._stick_aside, command.turn_rate != 0
         # A stick that trembles where it begins to turn is pushed once.
-        self._stick_aside = pushed or (before and not wish.stick_at_rest)
+        self._stick_aside = pushed or (before and not command.stick_at_rest)
         if self._snap_turn_rad is None or before or not pushed:
             return 0.0
-        return float(np.copysign(self._snap_turn_rad, wish.turn_rate))
+        return float(np.copysign(self._snap_turn_rad, command.turn_rate))
 
     def _turn(self, head: Pose, angle_rad: float) -> None:
         """Turn the stage about the place where the participant stands."""
@@ -195,12 +195,12 @@ class Locomotion:
         return np.array([right * cosine - forward * sine, -right * sine - forward * cosine])
 
 
-def wish_of(inputs: Inputs) -> Wish:
-    """Return what thumb-sticks, keys and mouse ask for: left to walk, right to turn."""
+def move_command(inputs: Inputs) -> MoveCommand:
+    """Return the command of thumb-sticks, keys and mouse: left to walk, right to turn."""
     keys, stick = inputs.keys, inputs.left.thumbstick
     right, forward = stick if np.hypot(*stick) > DEAD_ZONE else (0.0, 0.0)
     turn = inputs.right.thumbstick[0]
-    return Wish(
+    return MoveCommand(
         right=right + keys.walk[0],
         forward=forward + keys.walk[1],
         turn_rad=keys.turn_rad,

@@ -77,8 +77,8 @@ class Speaker(Protocol):
         """Play no more."""
 
 
-class NobodyHears:
-    """For simulated participants, who know how long a sound is."""
+class SilentSpeaker:
+    """Plays nothing: simulated participants know how long a sound is."""
 
     def play(self, sound: Sound) -> None:
         """Do nothing."""
@@ -177,7 +177,7 @@ def _chunks(samples: bytes) -> Generator[bytes, int, None]:
 
 @contextmanager
 def _no_chatter() -> Iterator[None]:
-    """Keep what ALSA's library writes about devices that are not there off the terminal."""
+    """Keep messages of ALSA's library about missing devices off the terminal."""
     if sys.platform != "linux":
         yield
         return

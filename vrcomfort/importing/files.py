@@ -1,16 +1,24 @@
-"""Reads a file of any kind into tables."""
+"""Reads a file of any kind into tables, and tells their headings from data."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
+from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import InputError
-from vrcomfort.importing.headings import as_table
-from vrcomfort.importing.json_files import read_json_table
-from vrcomfort.importing.source import Grid, Reading, SourceTable
-from vrcomfort.importing.text_files import read_text_table
+from vrcomfort.importing.source import Grid, Reading, SourceTable, require_room, unique
+from vrcomfort.importing.text_files import read_json_table, read_text_table
 from vrcomfort.importing.workbooks import read_workbook
 
+JOIN = " / "
+"""Between the rows of a heading that has several."""
+
+_IMPORT_ID = re.compile(r"\{\s*['\"]ImportId['\"]")
+_NUMBER = re.compile(r"[-+]?\d+([.,]\d+)?")
 _UNREAD = {
     ".xls": "Excel's former format; save it as .xlsx",
     ".xlsb": "a binary workbook; save it as .xlsx",
@@ -53,3 +61,219 @@ def read_tables(file: Path, reading: Reading | None = None) -> list[SourceTable]
         If the file, or a table of it, cannot be read; with the row.
     """
     return [as_table(grid) for grid in read_grids(file, reading or Reading())]
+
+
+def as_table(grid: Grid) -> SourceTable:
+    """Tell headings from data, as the reading says, or by what the rows look like.
+
+    Raises
+    ------
+    InputError
+        If a row that is to be a heading is not there, a data row is wider than the headings, or
+        nothing is below the headings.
+    """
+    if not grid.rows:
+        raise _fault(grid, "there is no row with anything in it")
+    _width(grid)
+    if grid.reading.transpose:
+        grid = transposed(grid)
+    found = _detected(grid) if grid.reading.heading_rows is None else grid.reading
+    heading_rows = found.heading_rows or ()
+    by_number = dict(zip(grid.numbers, grid.rows, strict=True))
+    for number in heading_rows:
+        if number not in by_number:
+            raise _fault(grid, f"row {number} is to be a heading, and is blank or not there")
+    skipped = {*heading_rows, *found.skip_rows}
+    last_heading = max(heading_rows, default=-1)
+    data = [(n, row) for n, row in by_number.items() if n not in skipped and n > last_heading]
+    if not data:
+        raise _fault(grid, "there is no row of data below the headings")
+    headings = _joined([by_number[number] for number in heading_rows])
+    width = len(headings) or max(len(row) for _, row in data)
+    headings = [*headings, *[""] * (width - len(headings))]
+    used = max(
+        [i + 1 for _, row in data for i, cell in enumerate(row) if cell]
+        + [i + 1 for i, heading in enumerate(headings) if heading],
+    )
+    if used > width:
+        number = next(n for n, row in data if any(row[width:]))
+        message = "this row has cells beyond the last heading; texts with a separator need quotes"
+        raise _fault(grid, f"row {number}: {message}")
+    return SourceTable(
+        grid.file,
+        grid.sheet,
+        unique(headings[:used]),
+        tuple(_labels(grid, found, used)),
+        tuple((*row[:used], *[""] * (used - len(row))) for _, row in data),
+        tuple(number for number, _ in data),
+        found,
+        grid.notes,
+    )
+
+
+def transposed(grid: Grid) -> Grid:
+    """Return the columns of a grid as rows, numbered from 1; blank ones are left out."""
+    width = _width(grid)
+    filled = [(*row, *[""] * (width - len(row))) for row in grid.rows]
+    kept = [(n, row) for n, row in enumerate(zip(*filled, strict=True), start=1) if any(row)]
+    rows, numbers = tuple(row for _, row in kept), tuple(number for number, _ in kept)
+    return replace(grid, rows=rows, numbers=numbers, named=False)
+
+
+def _width(grid: Grid) -> int:
+    """Return the length of the longest row.
+
+    Raises
+    ------
+    InputError
+        If padding all rows to it would take more than `MOST_CELLS`.
+    """
+    number, row = max(zip(grid.numbers, grid.rows, strict=True), key=lambda each: len(each[1]))
+    sheet = f"sheet {grid.sheet}, " if grid.sheet else ""
+    require_room(len(grid.rows), len(row), grid.file, f"{sheet}row {number} is the longest")
+    return len(row)
+
+
+def _fault(grid: Grid, message: str) -> InputError:
+    sheet = f"sheet {grid.sheet}: " if grid.sheet else ""
+    return InputError(f"{sheet}{message}", file=grid.file)
+
+
+def _joined(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Join the rows of a heading; in all but the last, a text holds until the next one."""
+    if len(rows) < 2:
+        return [*rows[0]] if rows else []
+    width = max(map(len, rows))
+    filled = []
+    for row in rows[:-1]:
+        text, out = "", []
+        for cell in [*row, *[""] * (width - len(row))]:
+            text = cell or text
+            out.append(text)
+        filled.append(out)
+    last = [*rows[-1], *[""] * (width - len(rows[-1]))]
+    return [
+        JOIN.join(dict.fromkeys(part for part in (*above, below) if part))
+        for *above, below in zip(*filled, last, strict=True)
+    ]
+
+
+def _labels(grid: Grid, reading: Reading, width: int) -> list[str]:
+    """Return what skipped rows below the heading say of each column, without Qualtrics' ids."""
+    first = max(reading.heading_rows or (), default=0)
+    rows = [
+        row
+        for number, row in zip(grid.numbers, grid.rows, strict=True)
+        if number in reading.skip_rows and number > first and not _is_import_ids(row)
+    ]
+    columns = [[row[i] for row in rows if i < len(row) and row[i]] for i in range(width)]
+    return [" ".join(texts) for texts in columns]
+
+
+def _detected(grid: Grid) -> Reading:
+    """Return which rows are headings: none, or one, below up to two that span several columns."""
+    rows, numbers = grid.rows, grid.numbers
+    reading = grid.reading
+    if grid.named:
+        return reading._replace(heading_rows=(numbers[0],))
+    ids = next((i for i, row in enumerate(rows[:4]) if _is_import_ids(row)), None)
+    if ids is not None:  # Qualtrics: names, question texts, import ids
+        skipped = tuple(numbers[1 : ids + 1])
+        return reading._replace(heading_rows=(numbers[0],), skip_rows=skipped)
+    first = _first_of_the_table(rows)
+    titles = tuple(numbers[:first])
+    rest = rows[first:]
+    if upper := _upper_headings(rest):
+        several = tuple(numbers[first : first + upper + 1])
+        return reading._replace(heading_rows=several, skip_rows=titles)
+    if not _is_heading(rest):
+        return reading._replace(heading_rows=(), skip_rows=titles)
+    return reading._replace(heading_rows=(numbers[first],), skip_rows=titles)
+
+
+def _is_import_ids(row: Sequence[str]) -> bool:
+    return sum(_IMPORT_ID.match(cell) is not None for cell in row) * 2 > sum(map(bool, row))
+
+
+def _first_of_the_table(rows: Sequence[Sequence[str]]) -> int:
+    """Return where the table begins below lines of title: they fill few of its columns."""
+    width = max(_filled(row) for row in rows[:50])
+    for index, row in enumerate(rows[:20]):
+        if _is_title(rows[index:]) and width > 2:
+            continue
+        if _filled(row) * 2 > width or (width <= 2 and _filled(row) == width):
+            return index
+        below = rows[index + 1 : index + 2]
+        if below and _filled(row) > 1 and _upper_headings(rows[index:]):
+            return index
+    return 0
+
+
+def _is_title(rows: Sequence[Sequence[str]]) -> bool:
+    """Return whether the first row is one text, perhaps merged over cells, and nowhere below."""
+    first, *below = rows
+    texts = {cell for cell in first if cell}
+    return bool(first[0]) and len(texts) == 1 and not any(first[0] in row for row in below)
+
+
+def _filled(row: Sequence[str]) -> int:
+    return sum(map(bool, row))
+
+
+def is_number(cell: str) -> bool:
+    """Return whether a cell looks like a number, with a point or a comma."""
+    return _NUMBER.fullmatch(cell) is not None
+
+
+def _is_heading(rows: Sequence[Sequence[str]]) -> bool:
+    """Return whether the first row names columns: it differs from what stands below it."""
+    first, below = rows[0], rows[1:60]
+    if not below:
+        return True
+    count = [number for number in map(whole_or_none, first) if number is not None and number >= 0]
+    if len(count) >= 3 and all(b - a == 1 for a, b in pairwise(count)):
+        return True  # the numbers of items
+    numeric_below = [
+        index
+        for index in range(len(first))
+        if (cells := [row[index] for row in below if index < len(row) and row[index]])
+        and sum(map(is_number, cells)) * 2 > len(cells)
+    ]
+    if numeric_below:
+        named = [i for i in numeric_below if first[i] and not is_number(first[i])]
+        return len(named) * 2 >= len(numeric_below)
+    # All are words: a row of data has words that stand in its column again.
+    again = [
+        index
+        for index, cell in enumerate(first)
+        if cell and any(index < len(row) and row[index] == cell for row in below)
+    ]
+    return len(again) * 2 < _filled(first)
+
+
+def _upper_headings(rows: Sequence[Sequence[str]]) -> int:
+    """Return how many rows stand over several columns of the row of headings below them."""
+    if len(rows) > 3 and any(rows[0]) and _is_upper_heading(rows[1:]):
+        first = [row[0] if row else "" for row in rows[:3]]
+        if all(cell in {"", first[2]} for cell in first):  # blank, or merged, above the last one
+            return 2
+    return int(_is_upper_heading(rows))
+
+
+def _is_upper_heading(rows: Sequence[Sequence[str]]) -> bool:
+    """Return whether the first row stands over several columns of a second row of headings."""
+    if len(rows) < 3:
+        return False
+    upper, lower = rows[0], rows[1]
+    texts = [cell for cell in upper if cell]
+    spans = _filled(upper) < _filled(lower) or len(set(texts)) < len(texts)
+    words = [cell for cell in lower if cell]
+    no_data = sum(map(is_number, words)) * 2 < len(words) or _counts_up(words)
+    repeats = len(set(words)) < len(words)
+    return bool(spans and no_data and texts and repeats and _is_heading(rows[1:]))
+
+
+def _counts_up(words: Sequence[str]) -> bool:
+    return [*words[-3:]] == sorted(set(words[-3:]), key=words.index) and all(
+        is_number(word) for word in words[-3:]
+    )

@@ -1,4 +1,4 @@
-"""Float64 models of what shaders compute: focus, circle of confusion, blur kernels, motion, tone.
+"""Float64 models behind the shaders: focus, circle of confusion, blur kernels, motion, tone.
 
 No OpenGL. Formulas that only shaders have are written once more in ``tests/oracles``: a shader is
 right when it agrees with its twin.

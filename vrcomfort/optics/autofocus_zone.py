@@ -176,6 +176,6 @@ def weighted(
 
 
 def outweighs(semantic_weight: ArrayLike, settings: ZoneSettings) -> NDArray[np.bool_]:
-    """Return (h, w) bool: what weighs more than the least, as single floats tell."""
+    """Return (h, w) bool: weights above the least, compared in single precision."""
     least, most = np.float32(settings.semantic_min), np.float32(settings.semantic_max)
     return np.minimum(np.asarray(semantic_weight, dtype=np.float32), most) > least

@@ -29,7 +29,7 @@ LEAST_TEXELS = 16
 
 
 def exact_px(samples: int) -> float:
-    """Return the radius of a disc that so many pixels fill: up to there all of them are summed."""
+    """Return the radius of a disc of `samples` pixels: up to there all of them are summed."""
     return sqrt(samples / pi)
 
 
@@ -42,7 +42,7 @@ def gather_mips(limit_px: float, samples: int) -> int:
 
 
 def coarser_behind(samples: int) -> bool:
-    """Return whether what is behind a surface is summed one level coarser than the surface.
+    """Return whether the background of a surface is summed one mip coarser than the surface.
 
     It fills only a part of a pixel; a disc has a quarter of the texels there.
     """

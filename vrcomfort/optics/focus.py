@@ -105,7 +105,7 @@ class Centre(NamedTuple):
         return x / -z, y / -z
 
 
-class GazeCentre:
+class GazeFollower:
     """Follows the gaze; where that is lost, holds its last direction for a while, then looks ahead.
 
     Parameters
@@ -116,9 +116,9 @@ class GazeCentre:
 
     def __init__(self, hold_s: float) -> None:
         self._hold_ns = round(hold_s * 1e9)
-        self.forget()
+        self.reset()
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Be as if the eyes had never been seen."""
         self._last: tuple[int, Array] | None = None
 
@@ -128,7 +128,7 @@ class GazeCentre:
         A gaze further than 85° from the head's forward axis is none: no eye looks there.
         """
         if self._last is not None and time_ns < self._last[0]:
-            self.forget()
+            self.reset()
         if head_from_gaze is not None and head_from_gaze.valid:
             direction = head_from_gaze.pose.forward
             if direction[2] < -WIDEST_GAZE:

@@ -153,7 +153,7 @@ def view_points(count: int, radius: float) -> Array:
 
 
 def edge_error(points: ArrayLike, radius: float) -> float:
-    """Return how far views from (n, 2) points make of an edge what a whole lens makes of it.
+    """Return the error at an edge of views from (n, 2) points, against the whole lens.
 
     The root mean square over directions, and over places within 1.2 radii of the lens, of an edge
     between 0 and 1.

@@ -87,7 +87,7 @@ def speed_m_s(before: Pose, now: Pose, /, *, seconds: float) -> float:
 
 
 def ramp(value: float, /, start: float, end: float) -> float:
-    """Return 0 up to `start`, 1 from `end` on, and what is linear between."""
+    """Return 0 up to `start`, 1 from `end` on, linear between."""
     return min(max((value - start) / (end - start), 0.0), 1.0)
 
 

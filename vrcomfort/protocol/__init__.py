@@ -1,4 +1,4 @@
-"""Protocols: what a study shows, asks and when; read from TOML and validated."""
+"""Protocols: a study's stimuli, order, questions and timing, read from TOML and validated."""
 
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.protocol.load import load_protocol, parse_protocol, with_task_code
@@ -6,7 +6,7 @@ from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import Allocation, Covariate, Group, Order, Sequence, Trial
 from vrcomfort.protocol.questions import Ask, Ratings, Unfocused
 from vrcomfort.protocol.simulation import Simulation
-from vrcomfort.protocol.viewing import View
+from vrcomfort.protocol.viewing import SceneView
 
 __all__ = [
     "Allocation",
@@ -20,11 +20,11 @@ __all__ = [
     "Order",
     "Protocol",
     "Ratings",
+    "SceneView",
     "Sequence",
     "Simulation",
     "Trial",
     "Unfocused",
-    "View",
     "load_protocol",
     "parse_protocol",
     "with_task_code",

@@ -17,7 +17,7 @@ from vrcomfort.protocol.order_check import (
 )
 from vrcomfort.protocol.questions import free_text_problems
 from vrcomfort.protocol.session_steps import break_problems, instruction_problems
-from vrcomfort.protocol.viewing import View
+from vrcomfort.protocol.viewing import SceneView
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import KeyPath, Problem, repeated, reserved
 from vrcomfort.settings.locate import Path
@@ -25,7 +25,7 @@ from vrcomfort.settings.reading import did_you_mean
 
 
 def view_problems(protocol: Protocol, shipped: list[str]) -> Iterator[Problem]:
-    """Yield what is wrong with views by themselves; their scenes are looked at elsewhere."""
+    """Yield faults of views by themselves; their scenes are checked elsewhere."""
     yield from repeated(("views",), [view.name for view in protocol.views])
     for index, view in enumerate(protocol.views):
         path: KeyPath = ("views", index)
@@ -46,7 +46,7 @@ def view_problems(protocol: Protocol, shipped: list[str]) -> Iterator[Problem]:
             yield Problem((*path, "points"), too_short(protocol, view, view.points[-1].time_s))
 
 
-def too_short(protocol: Protocol, view: View, duration_s: float) -> str:
+def too_short(protocol: Protocol, view: SceneView, duration_s: float) -> str:
     """Say that a path ends before its trial."""
     length_s = protocol.length_s(view.name)
     message = f"the path ends after {duration_s:g} s and the trial after {length_s:g} s"
@@ -54,7 +54,7 @@ def too_short(protocol: Protocol, view: View, duration_s: float) -> str:
 
 
 def problems(protocol: Protocol) -> Iterator[Problem]:
-    """Yield every fault of a protocol whose types are right."""
+    """Yield every fault of a protocol that pydantic has accepted."""
     yield from reserved(("name",), protocol.name)
     if not protocol.conditions:
         message = "there is nothing to show; add a [[conditions]] table, or [[factors]]"

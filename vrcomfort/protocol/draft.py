@@ -1,4 +1,4 @@
-"""Writes a commented protocol from a few answers, for a study that nobody has written yet."""
+"""Writes a commented protocol for a new study from a few answers."""
 
 from __future__ import annotations
 
@@ -146,8 +146,8 @@ HIGH = {"fms": 15, "misc": 7}
 
 
 @dataclass(frozen=True)
-class Draft:
-    """What `vrcomfort new` has been told.
+class ProtocolDraft:
+    """The answers given to `vrcomfort new`.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ MOST_CONDITIONS = 64
 
 
 class LevelName(Settings):
-    """What a level is called."""
+    """A level's name and label."""
 
     name: Name
     """Part of the names of conditions."""
@@ -23,16 +23,16 @@ class LevelName(Settings):
     """In words; part of the labels of conditions."""
 
 
-class Level(ConditionSettings, LevelName):
-    """A level of a factor: what it sets of a condition, and nothing else."""
+class FactorLevel(ConditionSettings, LevelName):
+    """A level of a factor: the settings of a condition that it changes."""
 
 
 class Factor(Settings):
-    """A within-subject factor, whose levels are crossed with those of the others."""
+    """A within-subject factor; its levels are crossed with those of the others."""
 
     name: Word
     """What conditions' `levels` and `max_run` call it."""
-    levels: Annotated[tuple[Level, ...], Field(min_length=2, max_length=16)]
+    levels: Annotated[tuple[FactorLevel, ...], Field(min_length=2, max_length=16)]
     """At least two."""
 
 
@@ -41,7 +41,7 @@ def crossed(factors: tuple[Factor, ...]) -> tuple[Condition, ...]:
     return tuple(_condition(factors, levels) for levels in product(*(f.levels for f in factors)))
 
 
-def _condition(factors: tuple[Factor, ...], levels: tuple[Level, ...]) -> Condition:
+def _condition(factors: tuple[Factor, ...], levels: tuple[FactorLevel, ...]) -> Condition:
     settings: dict[str, Any] = {}
     for level in levels:
         _merge(settings, level.model_dump(exclude_unset=True, exclude=set(LevelName.model_fields)))
@@ -80,7 +80,7 @@ def factor_problems(factors: tuple[Factor, ...]) -> Iterator[Problem]:
                     yield Problem(path, f"{message}; let one factor alone say it")
 
 
-def _set_by(level: Level) -> Iterator[KeyPath]:
+def _set_by(level: FactorLevel) -> Iterator[KeyPath]:
     """Yield the key paths that a level sets; an effect's table is the effect itself, too."""
     for name, value in level.model_dump(exclude_unset=True).items():
         if name in LevelName.model_fields:

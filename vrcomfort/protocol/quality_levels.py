@@ -36,7 +36,7 @@ class _Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Level(_Table):
+class QualityLevel(_Table):
     """Settings by effect; `lens` joins `depth_of_field` where its law is in `SAME_LENS`."""
 
     depth_of_field: dict[str, Value] = {}
@@ -50,7 +50,7 @@ class Level(_Table):
         return {**self.depth_of_field, **(self.lens if law in SAME_LENS else {})}
 
 
-class Measured(_Table):
+class MeasurementSource(_Table):
     """How the figures came about."""
 
     command: str
@@ -59,8 +59,8 @@ class Measured(_Table):
     how: str
 
 
-class Figure(_Table):
-    """What a level was measured to cost and to get wrong in one scene; None was not measured."""
+class QualityFigure(_Table):
+    """The measured cost and error of a level in one scene; None was not measured."""
 
     level: Quality
     effects: Effects
@@ -78,9 +78,9 @@ class Figure(_Table):
 class QualityTable(_Table):
     """Content of ``quality.toml``."""
 
-    levels: dict[Quality, Level]
-    measured: Measured | None = None
-    figures: tuple[Figure, ...] = ()
+    levels: dict[Quality, QualityLevel]
+    measured: MeasurementSource | None = None
+    figures: tuple[QualityFigure, ...] = ()
 
 
 @cache
@@ -91,7 +91,7 @@ def quality_table() -> QualityTable:
 
 
 def filled(condition: Any) -> Any:
-    """Return a condition, as a protocol file has it, with what its level says and it does not.
+    """Return a condition of a protocol file, completed with the settings of its level.
 
     Anything that is no condition with a known level is returned as it is, for others to refuse.
     """
@@ -119,7 +119,7 @@ def with_level(condition: Mapping[str, Any], level: Quality) -> dict[str, Any]:
     return {**condition, **effects, "quality": level}
 
 
-def _filled_effect(level: Level, name: str, given: Any) -> Any:
+def _filled_effect(level: QualityLevel, name: str, given: Any) -> Any:
     if isinstance(given, Mapping):
         law = given.get("law", LENSLESS_LAW)
         return {**_fitting(level.settings(name, law=law), given), **given}
@@ -131,7 +131,7 @@ def _filled_effect(level: Level, name: str, given: Any) -> Any:
 
 
 def _fitting(settings: dict[str, Value], own: Mapping[str, Any]) -> dict[str, Value]:
-    """Leave out what a condition excludes: views that no lens has."""
+    """Drop settings that the condition excludes: views without a lens."""
     excluded = set()
     if own.get("peripheral") is not None or own.get("distance_along") == "ray":
         excluded.add("views")

@@ -27,7 +27,7 @@ class Consent(Settings):
 
 When = Literal["session_start", "before_practice", "before_trial", "after_trial", "session_end"]
 Number = Annotated[int, Field(ge=1, le=1000)]
-Telling = Annotated[str, Field(max_length=2000)]
+InstructionText = Annotated[str, Field(max_length=2000)]
 MediaFile = Annotated[str, Field(max_length=200)]
 MEDIA = ("picture", "sound")
 """Keys that name files."""
@@ -36,7 +36,7 @@ MEDIA = ("picture", "sound")
 class InstructionWording(Settings):
     """An instruction in another language: `[text.de.instructions.welcome]`."""
 
-    text: Telling = ""
+    text: InstructionText = ""
     """Words on the panel; `""` where the `picture` says them."""
     picture: MediaFile = ""
     """PNG or JPEG file; without it, that of the usual language."""
@@ -52,7 +52,7 @@ class Instruction(Settings):
     when: When
     """`session_start` and `session_end`: before and after all questions; `before_trial` and
     `after_trial`: before their questions; `before_practice`: before each block of practice."""
-    text: Telling = ""
+    text: InstructionText = ""
     """Words on the panel, in the usual language."""
     picture: MediaFile = ""
     """PNG or JPEG file on the panel, relative to the protocol file."""
@@ -93,7 +93,7 @@ class Instruction(Settings):
 def instruction_problems(
     instructions: tuple[Instruction, ...], folder: Path | None
 ) -> Iterator[Problem]:
-    """Yield what is wrong with instructions.
+    """Yield faults of instructions.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def wording_problems(
     instructions: tuple[Instruction, ...],
     folder: Path | None,
 ) -> Iterator[tuple[KeyPath, str]]:
-    """Yield where, below the language's table, and what is wrong with instructions in it.
+    """Yield paths below the language's table, and the faults of its instructions.
 
     Parameters
     ----------
@@ -309,7 +309,7 @@ class Breaks(Settings):
 
 
 def break_problems(breaks: Breaks | None, break_s: float) -> Iterator[Problem]:
-    """Yield what is wrong with [breaks]."""
+    """Yield faults of [breaks]."""
     if breaks is None:
         return
     if break_s:

@@ -15,8 +15,8 @@ Ipd = Annotated[float, Field(ge=0.04, le=0.08)]
 PixelCount = Annotated[int, Field(ge=16, le=8192)]
 
 
-class Headset(Settings):
-    """What the headset should be set to; a playback headset is built from it."""
+class HeadsetSettings(Settings):
+    """Settings of the headset; a playback headset is built from them."""
 
     name: str = ""
     """Which headset the study is for; `vrcomfort check` tells sizes in its pixels."""
@@ -56,7 +56,7 @@ class Answering(Settings):
 
 
 class Visibility(Settings):
-    """What `vrcomfort check` would refuse, and the study means so."""
+    """Faults that `vrcomfort check` would refuse and the study intends."""
 
     unseen: tuple[str, ...] = ()
     """Conditions whose blur and streaks are below a pixel for nine tenths of the image."""
@@ -64,7 +64,7 @@ class Visibility(Settings):
     """Pairs of conditions that differ by less than a pixel there."""
 
 
-class Locomotion(Settings):
+class LocomotionSettings(Settings):
     """How participants move through a scene."""
 
     mode: Literal["walk", "teleport", "off"] = "walk"
@@ -81,7 +81,7 @@ class Locomotion(Settings):
 
     @property
     def step_at_once_m(self) -> float | None:
-        """Return how far a teleport goes, None where nobody teleports."""
+        """Return the length of a teleport, None without teleports."""
         return self.teleport_m if self.mode == "teleport" else None
 
 
@@ -101,7 +101,7 @@ class Photodiode(Settings):
     """How long it is white with `onset`."""
 
 
-class View(Settings):
+class SceneView(Settings):
     """A scene from a place, along a path, or for a time of its own.
 
     Its `name` stands in `scenes`, in sequences and in the column `scene`, beside those of whole

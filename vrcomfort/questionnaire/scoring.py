@@ -13,8 +13,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.questionnaire.answers import Answer
 from vrcomfort.questionnaire.instruments import Instrument
 from vrcomfort.questionnaire.scales import AnswerTable, RawScores, Scale, raw_scores
-from vrcomfort.questionnaire.suspects import never_zero
-from vrcomfort.questionnaire.tables import Sheet, read_sheets
+from vrcomfort.questionnaire.tables import Sheet, never_zero, read_sheets
 
 Cell: TypeAlias = str | int | float | None
 

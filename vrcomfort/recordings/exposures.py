@@ -19,7 +19,9 @@ import duckdb
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.frame import DROPPED_INTERVAL_PERIODS
+from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.frame_rows import CUT
+from vrcomfort.records.reader import Session
 from vrcomfort.records.recording import Kind, Memory, Recording, damage_of, kinds
 
 _LENGTH, _ANGLE = 1e9, 1e12
@@ -141,7 +143,7 @@ def measure(memory: Memory, csv: Path) -> MeasuredSession:
         message = "is not seen by the cluster's workers; put the study where all machines see it"
         raise InputError(message, file=csv)
     try:
-        attempts = _attempts(csv.with_name("trials.csv"))
+        attempts = _attempts(Session(csv.parent).table(TrialRow))
         if not attempts:
             return MeasuredSession(())
         recording = Recording.find(csv)
@@ -170,14 +172,11 @@ class _Attempt:
     until_s: float
 
 
-def _attempts(trials: Path) -> list[_Attempt]:
+def _attempts(table: CsvTable) -> list[_Attempt]:
     """Return the attempts of a session; none where this is no session.
 
     Where an exposure was begun again, its attempts are told apart in the middle between them.
     """
-    if not trials.is_file():
-        return []
-    table = CsvTable.read(trials, appended=True)
     needed = ("participant", "session", "trial", "start_s", "end_s")
     if not set(needed) <= set(table.header):
         return []

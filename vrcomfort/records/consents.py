@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from datetime import UTC, date, datetime
 from pathlib import Path
 
-from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.records.disk import replace_text
 from vrcomfort.records.rows import csv_line
 from vrcomfort.records.session_rows import ConsentRow
 from vrcomfort.records.study import access_of, changing_participants, now
+from vrcomfort.records.tables import read_table
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ def read_consents(study: Path) -> list[ConsentRow]:
     file = study / ConsentRow.FILE
     if not file.exists():
         return []
-    found = CsvTable.read(file)
+    found = read_table(file, appended=False)
     found.require(list(ConsentRow.columns()))
     rows = []
     for line, row in zip(found.lines, found.dicts(), strict=True):

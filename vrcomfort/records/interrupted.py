@@ -18,8 +18,8 @@ from vrcomfort.records.exposure_rows import OVER, DialRow, PracticeRow, RatingRo
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.interruptions import OF_FRAMES
 from vrcomfort.records.json_file import damaged
-from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
+from vrcomfort.records.reader import Session
 from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS
 from vrcomfort.records.session_rows import (
@@ -29,7 +29,7 @@ from vrcomfort.records.session_rows import (
     ScreeningRow,
     TextRow,
 )
-from vrcomfort.records.tables import RecordedRow, read_rows
+from vrcomfort.records.tables import RecordedRow
 from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undone_trials
 
 _DECIMALS = 9
@@ -110,7 +110,8 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
         If a file is damaged, from a version with other columns, or tells of a trial that is not
         planned.
     """
-    manifest = read_manifest(folder)
+    session = Session(folder)
+    manifest = session.manifest
     trials_written_s = _modified_s(folder / TrialRow.FILE)
     begun = manifest.get("under_way")
     if begun:
@@ -119,9 +120,9 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
     there = [each for each in OPTIONAL_ROWS if (folder / each.FILE).exists()]
     cuts = [mend(folder, row_type, access) for row_type in (*SESSION_ROWS, *there)]
     whose = {"participant": manifest["participant"], "session": manifest["session"]}
-    trials = list(_checked_trials(folder, planned, whose))
-    frames = _Frames.read(folder, trials, begun)
-    end_s = max(_ends(folder, trials, whose), default=0.0)
+    trials = list(_checked_trials(session, planned, whose))
+    frames = _Frames.read(session, trials, begun)
+    end_s = max(_ends(session, trials, whose), default=0.0)
     end_s = round(max(end_s, frames.last_s), _DECIMALS)
     attempts: dict[int, int] = {}
     for row in trials:
@@ -137,12 +138,12 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
         xr_time_ns=frames.last_ns,
         manifest=manifest,
         warnings=tuple(cut for cut in cuts if cut),
-        answered=_answered(folder, whose),
+        answered=_answered(session, whose),
         last_trial=last_trial,
         ended_by=ended_by,
         ended_session=(code or "").endswith("_session"),
         exposure_ended_s_ago=_seconds_since(manifest, last_trial, trials_written_s),
-        practised=_practised(folder, whose),
+        practised=_practised(session, whose),
     )
 
 
@@ -170,24 +171,23 @@ def _last_trial(
 
 
 def _answered(
-    folder: Path, whose: Mapping[str, Any]
+    session: Session, whose: Mapping[str, Any]
 ) -> dict[tuple[int | None, str, str], frozenset[str]]:
     found: dict[tuple[int | None, str, str], set[str]] = {}
-    for row in _of(whose, read_rows(folder, QuestionnaireRow)):
+    for row in _of(whose, session.rows(QuestionnaireRow, mended=True)):
         key = (row["trial"], row["timepoint"], row["instrument"])
         found.setdefault(key, set()).add(row["item"])
     return {key: frozenset(items) for key, items in found.items()}
 
 
-def _practised(folder: Path, whose: Mapping[str, Any]) -> dict[str, Practised]:
+def _practised(session: Session, whose: Mapping[str, Any]) -> dict[str, Practised]:
     """Return how far each block of practice came."""
     found: dict[str, Practised] = {}
-    if (folder / PracticeRow.FILE).exists():
-        for row in _of(whose, read_rows(folder, PracticeRow)):
-            before = found.get(row["practice"], Practised(0, 0, over=False))
-            begun = max(before.begun, row["repetition"])
-            whole = before.whole + int(row["met"] is not None)
-            found[row["practice"]] = Practised(begun, whole, before.over or row["over"] == 1)
+    for row in _of(whose, session.rows(PracticeRow, mended=True)):
+        before = found.get(row["practice"], Practised(0, 0, over=False))
+        begun = max(before.begun, row["repetition"])
+        whole = before.whole + int(row["met"] is not None)
+        found[row["practice"]] = Practised(begun, whole, before.over or row["over"] == 1)
     return found
 
 
@@ -227,12 +227,12 @@ def _unplanned(
 
 
 def _checked_trials(
-    folder: Path, planned: Sequence[Trial], whose: Mapping[str, Any]
+    session: Session, planned: Sequence[Trial], whose: Mapping[str, Any]
 ) -> Iterator[RecordedRow]:
     """Yield the rows of trials that were planned, each attempt once and none skipped."""
     seen: set[tuple[int, int]] = set()
     done = 0
-    for row in _of(whose, read_rows(folder, TrialRow)):
+    for row in _of(whose, session.rows(TrialRow, mended=True)):
         for column, fault in _unplanned(row, planned):
             raise row.fault(fault, column)
         attempt = row["trial"], row["attempt"]
@@ -267,21 +267,20 @@ class _Frames:
 
     @classmethod
     def read(
-        cls, folder: Path, trials: Sequence[RecordedRow], begun: Mapping[str, Any] | None
+        cls, session: Session, trials: Sequence[RecordedRow], begun: Mapping[str, Any] | None
     ) -> _Frames:
         found = cls()
         under_way = (begun["trial"], begun["attempt"]) if begun else None
         of_attempts = FramesOfAttempts([*trials, *([begun] if begun else [])])
-        for row in read_rows(folder, FrameRow):
+        for row in session.rows(FrameRow, mended=True):
             attempt = of_attempts.add(row)
             if attempt is not None and attempt == under_way:
                 found.shown += 1
                 found.dropped += row["dropped"]
             found._meet(row)
         for row_type in OF_FRAMES:  # a power cut may have left them without their frame
-            if (folder / row_type.FILE).exists():
-                for row in read_rows(folder, row_type):
-                    found._meet(row)
+            for row in session.rows(row_type, mended=True):
+                found._meet(row)
         return found
 
     def _meet(self, row: RecordedRow) -> None:
@@ -289,7 +288,9 @@ class _Frames:
         self.last_s = max(self.last_s, row["session_s"])
 
 
-def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any]) -> Iterator[float]:
+def _ends(
+    session: Session, trials: Sequence[RecordedRow], whose: Mapping[str, Any]
+) -> Iterator[float]:
     """Yield when each thing on record ended."""
     for row in trials:
         yield row["end_s"]
@@ -297,8 +298,6 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
         QuestionnaireRow: ("answered_s",),
         RatingRow: ("onset_s", "latency_s"),
         EventRow: ("onset_s", "duration_s"),
-    }
-    optional: Mapping[type[Row], tuple[str, ...]] = {
         TaskRow: ("onset_s", "reaction_s"),
         DialRow: ("onset_s",),
         TextRow: ("answered_s",),
@@ -306,10 +305,8 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
         PracticeRow: ("end_s",),
         ClockRow: ("session_s",),
     }
-    there = {each: parts for each, parts in optional.items() if (folder / each.FILE).exists()}
-    columns = {**columns, **there}
     for row_type, parts in columns.items():
-        for row in _of(whose, read_rows(folder, row_type)):
+        for row in _of(whose, session.rows(row_type, mended=True)):
             yield sum(row[part] or 0.0 for part in parts)
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from vrcomfort.errors import InputError
-from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.study import read_participants, recorded_sessions
+from vrcomfort.records.reader import Study
+from vrcomfort.records.study import read_participants
 
 SIMULATED = "simulated"
 
@@ -34,9 +33,9 @@ def told_of_the_other_kind(study: Path, *, simulated: bool) -> str:
 
 def is_simulated(study: Path, participant: str) -> bool | None:
     """Return whether a participant was simulated; None where no session tells."""
-    for number in recorded_sessions(study, participant):
+    for session in Study(study).sessions_of(participant):
         try:
-            respondent = read_manifest(session_folder(study, participant, number))["respondent"]
+            respondent = session.manifest["respondent"]
         except (InputError, KeyError):
             continue
         return bool(respondent == SIMULATED)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 import shutil
 from pathlib import Path
@@ -19,7 +18,7 @@ from vrcomfort.records.disk import (
 )
 from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
-from vrcomfort.records.tables import split_line
+from vrcomfort.records.tables import split_line, text_rows
 
 
 def mend(folder: Path, row_type: type[Row], access: Access) -> str | None:
@@ -68,7 +67,7 @@ def _mended(file: Path, columns: tuple[str, ...], access: Access) -> str | None:
     whole, lines = _whole_rows(file, there)
     cut = _cut(file, whole, lines, there, access) if whole < file.stat().st_size else None
     if there != columns:
-        _add_columns(file, there, columns, access, kept=f"{file.name}.schema{version}")
+        _add_columns(file, columns, access, kept=f"{file.name}.schema{version}")
     return cut
 
 
@@ -83,15 +82,9 @@ def _schema_of(file: Path, columns: tuple[str, ...]) -> tuple[int, tuple[str, ..
     return SCHEMA_VERSION, columns
 
 
-def _add_columns(
-    file: Path, there: tuple[str, ...], columns: tuple[str, ...], access: Access, *, kept: str
-) -> None:
-    """Put blank cells where `there` has no column; the file as it was is called `kept`."""
-    with file.open(encoding="utf-8", newline="") as stream:
-        rows = csv.reader(stream)
-        next(rows)
-        cells = (dict(zip(there, row, strict=True)) for row in rows)
-        lines = [csv_line(row.get(column, "") for column in columns) for row in cells]
+def _add_columns(file: Path, columns: tuple[str, ...], access: Access, *, kept: str) -> None:
+    """Put blank cells where a file is without a column; as it was, it is called `kept`."""
+    lines = [csv_line(row.get(column, "") for column in columns) for row in text_rows(file)]
     beside = file.with_name(kept)
     beside.unlink(missing_ok=True)
     try:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from vrcomfort.csv_table import CsvTable
 from vrcomfort.design.audit import Met
 from vrcomfort.protocol import Sequence, Trial
 from vrcomfort.records.exposure_rows import TrialRow
-from vrcomfort.records.recorder import session_folder
+from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.session_rows import ParticipantRow
-from vrcomfort.records.study import enrolment_of, read_participants, recorded_sessions
+from vrcomfort.records.study import enrolment_of
 
 
 def what_was_met(study: Path) -> list[Met]:
@@ -21,22 +20,20 @@ def what_was_met(study: Path) -> list[Met]:
     InputError
         If a file is damaged.
     """
-    return [_met(study, row) for row in read_participants(study)]
+    read = Study(study)
+    return [_met(read, row) for row in read.enrolled]
 
 
-def _met(study: Path, row: ParticipantRow) -> Met:
-    sessions = tuple(
-        _session(session_folder(study, row.participant, number) / TrialRow.FILE)
-        for number in recorded_sessions(study, row.participant)
-    )
+def _met(study: Study, row: ParticipantRow) -> Met:
+    sessions = tuple(_trials(session) for session in study.sessions_of(row.participant))
     run = Sequence.model_construct(name=row.sequence, group=row.group, sessions=sessions)
     return Met(row.participant, enrolment_of(row), run)
 
 
-def _session(file: Path) -> tuple[Trial, ...]:
-    if not file.exists():
+def _trials(session: Session) -> tuple[Trial, ...]:
+    if not session.has(TrialRow):
         return ()
-    table = CsvTable.read(file, appended=True)
+    table = session.table(TrialRow)
     table.require(("condition", "scene", "status"))
     whole = [row for row in table.dicts() if row["status"] == "completed"]
     return tuple(

@@ -36,7 +36,14 @@ from vrcomfort.records.rows import CellType, Column, Row, declared
 from vrcomfort.records.schema import SCHEMA_VERSION
 from vrcomfort.records.session_rows import EventRow, ParticipantRow, QuestionnaireRow
 from vrcomfort.records.study import read_description, read_participants, recorded_sessions
-from vrcomfort.records.tables import RecordedRow, cell_value, read_rows, read_table, text_rows
+from vrcomfort.records.tables import (
+    RecordedRow,
+    cell_value,
+    read_header,
+    read_rows,
+    read_table,
+    text_rows,
+)
 
 if TYPE_CHECKING:
     import duckdb
@@ -90,13 +97,14 @@ class Session:
         """Return whether the session has a table: some come with their first row."""
         return (self.folder / row_type.FILE).exists()
 
-    def rows(self, row_type: type[Row], *, whole: bool = False) -> Iterator[RecordedRow]:
+    def rows(self, row_type: type[Row], *, mended: bool = False) -> Iterator[RecordedRow]:
         """Yield the rows of a table as values; none where the session does not have it.
 
         Parameters
         ----------
-        whole
-            The last row cannot be half-written: what is, is an error.
+        mended
+            The session goes on: its files are whole, and have the columns of this version. Else
+            the last row may be half-written, and is left out then.
 
         Raises
         ------
@@ -104,8 +112,8 @@ class Session:
             If the manifest or the table is damaged, with its place.
         """
         if self.has(row_type):
-            version = SCHEMA_VERSION if whole else self.schema_version
-            yield from read_rows(self.folder, row_type, version=version, cut=not whole)
+            version = SCHEMA_VERSION if mended else self.schema_version
+            yield from read_rows(self.folder, row_type, version=version, cut=not mended)
 
     def table(self, row_type: type[Row]) -> CsvTable:
         """Return a table as text; an empty one where the session does not have it.
@@ -117,6 +125,10 @@ class Session:
         """
         file = self.folder / row_type.FILE
         return read_table(file) if file.exists() else CsvTable(file, (), (), ())
+
+    def header(self, row_type: type[Row]) -> tuple[str, ...]:
+        """Return the columns of a table as its file has them; none without one."""
+        return read_header(self.folder / row_type.FILE) if self.has(row_type) else ()
 
     def text_rows(self, row_type: type[Row]) -> Iterator[dict[str, str]]:
         """Yield the rows of a table of any length as text; none where the session has it not.

@@ -36,6 +36,7 @@ from vrcomfort.records.recorder import is_begun, session_folder
 from vrcomfort.records.rows import csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION
 from vrcomfort.records.session_rows import LONGEST_TEXT, ParticipantRow
+from vrcomfort.records.tables import read_table
 from vrcomfort.settings import read_text
 
 DESCRIPTION = "dataset_description.json"
@@ -205,7 +206,7 @@ def read_participants(study: Path) -> list[ParticipantRow]:
 @lru_cache(maxsize=1)
 def _participants(file: Path, _version: tuple[int, int, int]) -> tuple[ParticipantRow, ...]:
     """Read the list anew where the file has changed: each session looks into it several times."""
-    found = CsvTable.read(file, appended=True)
+    found = read_table(file)
     if found.warnings:  # going on would enrol somebody twice
         last = len(found.rows) + 2
         message = "this row is half-written; complete it, with a line end, or remove it"

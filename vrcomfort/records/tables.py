@@ -55,15 +55,32 @@ class _RowError(ValueError):
         return InputError(f"{self}; {remedy}", file=file, line=line, column=self.column)
 
 
-def read_table(file: Path) -> CsvTable:
-    """Read a table of a study as text; a half-written last row is left out, with a warning.
+def read_table(file: Path, *, appended: bool = True) -> CsvTable:
+    """Read a table of a study as text.
+
+    Parameters
+    ----------
+    appended
+        The recorder adds row by row to it: a half-written last row is left out, with a warning.
+        Else it was written as a whole, or by hand, and its last line may have no end.
 
     Raises
     ------
     InputError
         If the file cannot be read, is no table, or a row is of another width.
     """
-    return CsvTable.read(file, appended=True)
+    return CsvTable.read(file, appended=appended)
+
+
+def read_header(file: Path) -> tuple[str, ...]:
+    """Return the columns of a table of any length.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no table.
+    """
+    return next(CsvTable.parts(file, appended=True, most_rows=1)).header
 
 
 def text_rows(file: Path) -> Iterator[dict[str, str]]:

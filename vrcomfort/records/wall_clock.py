@@ -8,9 +8,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from vrcomfort.errors import InputError
-from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.study import read_participants, recorded_sessions
+from vrcomfort.records.reader import Study
+from vrcomfort.records.study import read_participants
 
 TOLERANCE_S = 2.0
 """What a time server may take back at a stroke, and what whole seconds on record round away."""
@@ -32,9 +31,9 @@ def set_back_before(study: Path, participant: str) -> list[str]:
 
 def _on_record(study: Path, participant: str) -> Iterable[object]:
     yield from (row.enrolled_at for row in read_participants(study))
-    for number in recorded_sessions(study, participant):
+    for session in Study(study).sessions_of(participant):
         try:
-            manifest = read_manifest(session_folder(study, participant, number))
+            manifest = session.manifest
         except InputError:  # whoever goes on with it is told
             continue
         yield from (manifest["started_at"], manifest.get("finished_at"))

@@ -11,9 +11,8 @@ from vrcomfort.json_text import json_of
 from vrcomfort.records.checksums import seal_again
 from vrcomfort.records.disk import Access, replace_text
 from vrcomfort.records.exposure_rows import TrialRow
-from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
-from vrcomfort.records.recorder import session_folder
+from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.records.study import (
     access_of,
@@ -21,10 +20,8 @@ from vrcomfort.records.study import (
     now,
     only_run,
     read_participants,
-    recorded_sessions,
     set_status,
 )
-from vrcomfort.records.tables import read_rows
 
 ENDED_THE_STUDY = ("withdrawn", "stopped")
 """Statuses of the trial in which a participant's study ended."""
@@ -50,12 +47,10 @@ def undo_withdrawal(study: Path, participant: str, reason: str) -> int | None:
     with only_run(study, participant):
         at = now()
         ended = None
-        for number in recorded_sessions(study, participant):
-            folder = session_folder(study, participant, number)
-            manifest = read_manifest(folder)
-            if manifest.get("status") == "withdrawn":
-                ended = number
-                _reopen(folder, manifest, {"at": at, "reason": reason}, access_of(study))
+        for session in Study(study).sessions_of(participant):
+            if session.manifest.get("status") == "withdrawn":
+                ended = session.number
+                _reopen(session, {"at": at, "reason": reason}, access_of(study))
         set_status(study, participant, "enrolled", f"withdrawal undone {at}: {reason}")
     return ended
 
@@ -76,9 +71,10 @@ def _withdrawn(study: Path, participant: str) -> ParticipantRow:
     return known[participant]
 
 
-def _reopen(folder: Path, manifest: dict[str, Any], why: dict[str, Any], access: Access) -> None:
+def _reopen(session: Session, why: dict[str, Any], access: Access) -> None:
+    folder, manifest = session.folder, session.manifest
     mend(folder, TrialRow, access)
-    trials = list(read_rows(folder, TrialRow))
+    trials = list(session.rows(TrialRow, mended=True))
     place: dict[str, int | None] = {"trial": None, "attempt": None}
     if trials and trials[-1]["status"] in ENDED_THE_STUDY:
         last = trials[-1]

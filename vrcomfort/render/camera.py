@@ -269,7 +269,7 @@ def hand_poses(
 
 
 class CameraMotion(NamedTuple):
-    """What a vertex shader needs to place a point in the present and the previous view.
+    """Matrices that place a point in the present and the previous view.
 
     ``view = view_from_world · x`` and ``previous_view = previous_view_from_world · (x_before +
     eye_delta_m)``, where x is a world position less the present eye's position. Subtracting in

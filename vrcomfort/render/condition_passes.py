@@ -11,15 +11,21 @@ import moderngl
 from vrcomfort.errors import InputError
 from vrcomfort.frame import FocusSample, Frame, GazeHit
 from vrcomfort.geometry import Array, Gaze, Pose
-from vrcomfort.optics.focus import Centre, GazeCentre
+from vrcomfort.optics.focus import Centre, GazeFollower
 from vrcomfort.protocol.conditions import CentredEffect, Condition
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
 from vrcomfort.render.display import ToneMapPass
 from vrcomfort.render.effects.depth_of_field.effect import LensViews
-from vrcomfort.render.effects.effect import Adjustable, Effect, EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.effects.effect import (
+    Adjustable,
+    EffectInputs,
+    EffectPass,
+    EyeFrame,
+    RegisteredEffect,
+)
 from vrcomfort.render.focus.autofocus_zone import screen_tangents
 from vrcomfort.render.focus.rules import make_focus_pass
-from vrcomfort.render.focus.search import FocusPass, Sight
+from vrcomfort.render.focus.search import FocusPass, HeadView
 from vrcomfort.render.gaze_hit import GazeHits
 from vrcomfort.render.plan import in_order, plan_passes
 from vrcomfort.render.scene_pass import ResolvePass, ScenePass
@@ -50,7 +56,7 @@ class EyeImages(NamedTuple):
     encoded: moderngl.Texture
 
 
-Drawn: TypeAlias = Effect | LensViews | ScenePass | ResolvePass | ToneMapPass | FocusPass
+Renderable: TypeAlias = EffectPass | LensViews | ScenePass | ResolvePass | ToneMapPass | FocusPass
 """What has a `render`."""
 
 NO_EYE_TRACKER = (
@@ -85,7 +91,7 @@ class ConditionPasses:
         self._size_px = size_px
         planned = plan_passes(scene, condition)
         self.names = tuple(item.name for item in planned if item.needed)
-        kinds = [kind for kind in in_order(condition) if kind.name in self.names]
+        registered = [each for each in in_order(condition) if each.name in self.names]
         blur = condition.depth_of_field if "depth_of_field" in self.names else None
         self._views = blur.views if blur is not None else 1
         self.scene = ScenePass(
@@ -98,15 +104,15 @@ class ConditionPasses:
             background=condition if "background_blur" in self.names else None,
         )
         self.focus: FocusPass | None = None
-        if any("focus" in kind.reads for kind in kinds):
+        if any("focus" in each.reads for each in registered):
             along_ray = blur is not None and blur.distance_along == "ray"
             self.focus = make_focus_pass(
                 ctx, self.scene.gpu, condition.focus, near_m=near_m, along_ray=along_ray
             )
         self._centred = condition.centred_on_gaze
-        self._centre: GazeCentre | None = None
+        self._centre: GazeFollower | None = None
         if condition.gaze_centre is not None and self._centred:
-            self._centre = GazeCentre(condition.gaze_centre.hold_s)
+            self._centre = GazeFollower(condition.gaze_centre.hold_s)
             self._needs_gaze = condition.gaze_centre.without_gaze == "stop"
         self._sees_along_ray = blur is not None and blur.distance_along == "ray"
         self._near_m = near_m
@@ -116,40 +122,40 @@ class ConditionPasses:
         """Of the eye that was drawn last, in all its views."""
         self.colour = self.scene.colour
         self._lens_views: LensViews | None = None
-        self._of_view: list[Effect] = []
+        self._of_view: list[EffectPass] = []
         """Drawn in each view through the lens."""
-        self._of_eye: list[Effect] = []
+        self._of_eye: list[EffectPass] = []
         """Drawn once."""
-        self._depth_of_field: Effect | None = None
-        self._named: dict[str, Drawn] = {}
-        for kind in kinds:
-            self._add(kind, condition)
+        self._depth_of_field: EffectPass | None = None
+        self._named: dict[str, Renderable] = {}
+        for each in registered:
+            self._add(each, condition)
         exposure = scene.environment.exposure
         self.tone_maps = tuple(
             ToneMapPass(ctx, radiance=self.colour, size_px=size_px, exposure=exposure)
             for _ in range(eyes)
         )
 
-    def _add(self, kind: EffectKind, condition: Condition) -> None:
+    def _add(self, registered: RegisteredEffect, condition: Condition) -> None:
         focus = self.focus.texture if self.focus is not None else None
         made = {"focus": focus, "velocity": self.scene.velocity}
-        effect = kind.build(
+        effect = registered.build(
             EffectInputs(
                 self._ctx,
                 condition,
-                getattr(condition, kind.name),
+                getattr(condition, registered.name),
                 self._size_px,
                 self.colour,
                 self.scene.depth,
                 self.scene.resolve if self.colour is self.scene.colour else None,
-                {name: texture for name in kind.reads if (texture := made[name]) is not None},
+                {name: texture for name in registered.reads if (texture := made[name]) is not None},
             )
         )
         if effect is not None:
             self._of_eye.append(effect)
-            self._named[kind.name] = effect
+            self._named[registered.name] = effect
             self.colour = effect.target
-        if kind.name == "depth_of_field":
+        if registered.name == "depth_of_field":
             self._depth_of_field = effect
             self._add_lens_views(condition)
 
@@ -163,21 +169,21 @@ class ConditionPasses:
         self._lens_views = LensViews(self._ctx, self.colour, settings, infinity_m)
         self.colour = self._lens_views.target
 
-    def parts(self) -> list[tuple[str, Drawn]]:
-        """Return what is drawn in a frame, by name: for measurements of each."""
+    def parts(self) -> list[tuple[str, Renderable]]:
+        """Return the parts of a frame by name, to be measured one by one."""
         views = [("lens_views", self._lens_views)] if self._lens_views is not None else []
         focus = [("focus", self.focus)] if self.focus is not None else []
         tone_maps = [("tone_map", each) for each in self.tone_maps]
-        scene: list[tuple[str, Drawn]] = [("scene", self.scene), (RESOLVE, self.scene.resolve)]
+        scene: list[tuple[str, Renderable]] = [("scene", self.scene), (RESOLVE, self.scene.resolve)]
         return [*focus, *scene, *views, *self._named.items(), *tone_maps]
 
     def warm_up(self) -> None:
-        """Draw once what frames in which nothing moves leave out, so that it is compiled."""
+        """Draw once the passes that frames without motion skip, so that they are compiled."""
         for effect in self._effects:
             effect.warm_up()
 
     @property
-    def _effects(self) -> Sequence[Effect]:
+    def _effects(self) -> Sequence[EffectPass]:
         return (*self._of_view, *self._of_eye)
 
     @property
@@ -191,22 +197,22 @@ class ConditionPasses:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""
         return tuple(clamp for effect in self._effects for clamp in self._clamps(effect))
 
-    def _clamps(self, effect: Effect) -> tuple[str, ...]:
+    def _clamps(self, effect: EffectPass) -> tuple[str, ...]:
         clamps = effect.clamps()
         if self._lens_views is None or effect is not self._depth_of_field:
             return clamps
         views = f"in each of {self._lens_views.views} views through the lens"
         return tuple(f"{clamp} {views}; their mean has no limit" for clamp in clamps)
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
         for effect in self._effects:
-            effect.forget()
+            effect.reset()
         if self._centre is not None:
-            self._centre.forget()
+            self._centre.reset()
 
     def centre(self, frame: Frame) -> Centre | None:
-        """Return what effects of a frame are centred on; None where none follows the gaze.
+        """Return the centre of gaze-contingent effects; None without such effects.
 
         Raises
         ------
@@ -224,7 +230,7 @@ class ConditionPasses:
         return centre.direction if centre is not None and name in self._centred else None
 
     def look_along(self, frame: Frame, world_from_head: Pose) -> tuple[bool, tuple[GazeHit, ...]]:
-        """Look what the gaze of a frame meets.
+        """Find the surface that the gaze of a frame hits.
 
         Return whether it is known where it looks, and the hits of earlier frames that have arrived.
         """
@@ -253,7 +259,7 @@ class ConditionPasses:
         """Decide the focus of both eyes, and return the samples that have arrived."""
         if self.focus is None:
             return ()
-        sight = Sight(
+        view = HeadView(
             frame.index,
             frame.predicted_display_time_ns,
             world_from_head,
@@ -263,7 +269,7 @@ class ConditionPasses:
             scene_time_s,
             centre.tangents if centre and "autofocus_zone" in self._centred else (0.0, 0.0),
         )
-        return self.focus.render(sight)
+        return self.focus.render(view)
 
     def render_eye(self, eye: EyeFrame, scene_time_s: float, before_s: float) -> EyeImages:
         """Draw one eye and its effects; the left one first."""
@@ -289,7 +295,7 @@ class ConditionPasses:
     def _draw(
         self,
         eye: EyeFrame,
-        effects: Sequence[Effect],
+        effects: Sequence[EffectPass],
         scene_time_s: float,
         before_s: float,
         lens: Lens | None = None,

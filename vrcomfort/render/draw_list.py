@@ -1,4 +1,4 @@
-"""What could be drawn, as tables: one row per node, level of detail and primitive.
+"""Draw list as tables: one row per node, level of detail and primitive.
 
 Choosing among thousands of things per frame is then a few array operations, and the answer is
 what the GPU reads: rows of ``DrawElementsIndirectCommand``.
@@ -205,7 +205,7 @@ def _items(scene: Scene, images: ImageArrays) -> list[_Item]:
 
 
 def _mirrored(scene: Scene) -> NDArray[np.bool_]:
-    """Return (nodes,) whether what a node draws is turned inside out."""
+    """Return (nodes,) whether a node's transform mirrors its meshes."""
     found = np.linalg.det(scene.world_from_node(0.0)[:, :3, :3]) < 0
     skins = scene.all_skins
     bends = np.linalg.det(skins.place_from_bind(scene.world_from_joint(0.0))[:, :3, :3])

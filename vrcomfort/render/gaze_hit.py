@@ -1,4 +1,4 @@
-"""What the line of sight meets: how far it is and which node it belongs to, told some frames late.
+"""Gaze hits: distance and node on the line of sight, read back some frames late.
 
 Where a frame has gaze, one texel is drawn along it, from the head centre as the focus is: a frustum
 0.3 arcmin wide, through the holes of alpha masks and through what is blended. Nobody waits for it.

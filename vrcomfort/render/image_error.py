@@ -54,7 +54,7 @@ class Accuracy(NamedTuple):
 
     @property
     def counts(self) -> bool:
-        """Return whether the reference is at least ten times better than what it judges."""
+        """Return whether the reference's own error is at most a tenth of the measured one."""
         return self.reference_rms <= 0.1 * self.rms
 
 
@@ -196,7 +196,7 @@ def judged(
     exposure: float,
     area: tuple[slice, slice] | None = None,
 ) -> Array:
-    """Return what is compared: exposed, without the margin, 0 where a pixel does not count.
+    """Return the compared pixels: exposed, without the margin, 0 where a pixel does not count.
 
     Parameters
     ----------

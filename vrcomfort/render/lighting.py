@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ def has_sun(environment: Environment) -> bool:
 
 
 def features(environment: Environment) -> shaders.Defines:
-    """Return the defines of what a scene's light needs; absent things are not compiled in."""
+    """Return the defines of a scene's light; absent kinds of light are not compiled in."""
     present = {
         "SUN": has_sun(environment),
         "LAMPS": bool(environment.point_lights or environment.directional_lights),
@@ -58,8 +58,8 @@ class Light:
         self._shadow_from_relative = block["shadow_from_relative"]
         self._bias = block["shadow_bias"]
 
-    def look_from(self, eye_m: Array, shadow: Shadow | None) -> None:
-        """Write what depends on where an eye is.
+    def look_from(self, eye_m: Array, shadow: ShadowUniforms | None) -> None:
+        """Write positions relative to an eye.
 
         Parameters
         ----------
@@ -70,18 +70,18 @@ class Light:
         """
         np.subtract(self._world_m, eye_m, out=self._lamps, casting="same_kind")
         if shadow is not None:
-            self._shadow_from_relative[...] = relative_to(shadow.shadow_from_world, eye_m).T
+            self._shadow_from_relative[...] = relative_to(shadow.from_world, eye_m).T
             self._bias[...] = shadow.bias
 
 
-class Shadow(Protocol):
-    """What light needs of a shadow map.
+class ShadowUniforms(NamedTuple):
+    """Shadow map as the block of light reads it.
 
-    `shadow_from_world` is (4, 4) to its texture coordinates and depth; `bias` (4,) is
-    ``shadow_bias`` of light.glsl.
+    `from_world` is (4, 4) to its texture coordinates and depth; `bias` (4,) is ``shadow_bias`` of
+    light.glsl.
     """
 
-    shadow_from_world: Array
+    from_world: Array
     bias: Array
 
 
@@ -104,7 +104,7 @@ class LampReach:
         self._powers = 2.0 ** np.arange(len(ranges_m))
 
     def bits(self, centers: Array, halves: Array) -> Array:
-        """Return (n,) bit sets of the lamps whose range touches each of n world-space boxes.
+        """Return (n,) bit sets of the lamps in range of each of n world-space boxes.
 
         A float holds 16 bits exactly, and travels as an ordinary instance attribute.
         """

@@ -24,10 +24,10 @@ Features: TypeAlias = tuple[str, ...]
 """Defines of ``scene.frag``."""
 
 BLOCK_BYTES = 16384
-"""Every driver has uniform blocks of this size."""
+"""Every driver has uniform blocks of this size (least GL_MAX_UNIFORM_BLOCK_SIZE)."""
 
 MOST_LAYERS = 2048
-"""Every driver has so many in a texture array."""
+"""Every driver has as many layers in a texture array (least GL_MAX_ARRAY_TEXTURE_LAYERS)."""
 
 
 class Slot(NamedTuple):
@@ -64,7 +64,7 @@ SLOTS = (
 
 
 class ArrayKind(NamedTuple):
-    """What the images of one texture array share."""
+    """Size and sampling that the images of one texture array share."""
 
     size_px: tuple[int, int]
     wrap: tuple[Wrap, Wrap]
@@ -73,7 +73,7 @@ class ArrayKind(NamedTuple):
     """Counts arrays that are alike: one has at most `MOST_LAYERS` images."""
 
 
-class Place(NamedTuple):
+class TextureLayer(NamedTuple):
     """Where an image is."""
 
     array: int
@@ -94,7 +94,7 @@ class ImageArrays:
 
     kinds: tuple[ArrayKind, ...]
     layers: tuple[tuple[int, ...], ...]
-    places: dict[tuple[int, bool], Place]
+    places: dict[tuple[int, bool], TextureLayer]
 
     @classmethod
     def of(cls, scene: Scene) -> ImageArrays:
@@ -107,7 +107,7 @@ class ImageArrays:
             if image is not None
         )
         members: dict[ArrayKind, list[int]] = {}
-        places: dict[tuple[int, bool], Place] = {}
+        places: dict[tuple[int, bool], TextureLayer] = {}
         alike: dict[ArrayKind, int] = {}
         for index, srgb in used:
             image = scene.images[index]
@@ -116,18 +116,18 @@ class ImageArrays:
             count = alike[first] = alike.get(first, -1) + 1
             kind = first._replace(part=count // MOST_LAYERS)
             images = members.setdefault(kind, [])
-            places[index, srgb] = Place(list(members).index(kind), len(images))
+            places[index, srgb] = TextureLayer(list(members).index(kind), len(images))
             images.append(index)
         return cls(tuple(members), tuple(map(tuple, members.values())), places)
 
-    def place(self, material: Material, slot: Slot) -> Place | None:
+    def place(self, material: Material, slot: Slot) -> TextureLayer | None:
         """Return where a material's image is, None where it has none."""
         image = slot.image(material)
         return None if image is None else self.places[image, slot.srgb]
 
 
 class BatchKey(NamedTuple):
-    """What one multi-draw shares: everything that needs a change of OpenGL state.
+    """OpenGL state of one multi-draw.
 
     Parameters
     ----------
@@ -154,12 +154,12 @@ class BatchKey(NamedTuple):
 
     @property
     def blended(self) -> bool:
-        """Whether what is behind shines through."""
+        """Whether the background shows through."""
         return "ALPHA_BLEND" in self.features
 
     @property
     def of_depth(self) -> BatchKey:
-        """Return what matters of it where only depth is drawn: holes, and which way it faces."""
+        """Return the state for drawing depth alone: alpha masks and faces."""
         plain: tuple[int | None, ...] = (None,) * len(self.arrays)
         if not self.masked:
             skin = ("SKIN",) if "SKIN" in self.features else ()
@@ -178,7 +178,7 @@ def batch_key(
     skinned: bool,
     mirrored: bool,
 ) -> BatchKey:
-    """Return what a draw of one material needs."""
+    """Return the OpenGL state of a material."""
     surface = scene.materials[material]
     places = [images.place(surface, slot) for slot in SLOTS]
     maps = [slot.uv_map(surface) for slot in SLOTS if slot.image(surface) is not None]
@@ -236,13 +236,13 @@ ANISOTROPY = 8.0
 """Samples along the steep axis of a slanted surface, at most, where the hardware does it."""
 
 SHADOW_UNIT = 32
-"""What a scene reads lies on units that no other pass binds anything to: it is bound once a frame.
-Below are those of passes (OpenGL 4.5 promises 16 to each shader) and moderngl's own, the 32nd at
-most."""
+"""Textures of the scene lie on units that no other pass binds anything to: they are bound once a
+frame. Below are those of passes (OpenGL 4.5 promises 16 to each shader) and moderngl's own, the
+32nd at most."""
 
 FIRST_UNIT = SHADOW_UNIT + 1
 UNITS = 96
-"""OpenGL 4.5 promises so many in all."""
+"""Least GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS of OpenGL 4.5."""
 
 
 class TextureStore:
@@ -297,13 +297,13 @@ MakeVertexArray = Callable[[moderngl.Program], moderngl.VertexArray]
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
-    """One batch's state."""
+class BatchState:
+    """OpenGL state of a batch: vertex array with its program, block of materials, culling."""
 
     array: moderngl.VertexArray
     block: int | None
     faces: str | None
-    """Which way round front faces go; None where both sides are seen."""
+    """Winding of front faces (mirrored instances turn it round); None where both sides are seen."""
     covers: bool
     """Whether alpha says how many samples of a pixel are covered."""
 
@@ -324,8 +324,8 @@ class MaterialBuffer:
         self._buffer.bind_to_uniform_block(MATERIAL_BINDING, offset=offset, size=self._size)
 
 
-class SurfaceFactory:
-    """Makes the surfaces of a scene; equal variants share a program and a vertex array."""
+class BatchStateFactory:
+    """Makes the states of a scene's batches; equal variants share a program and a vertex array."""
 
     def __init__(
         self,
@@ -340,22 +340,22 @@ class SurfaceFactory:
         self._scene_features = dict(scene_features)
         self._made: dict[tuple[object, ...], moderngl.VertexArray] = {}
 
-    def color(self, key: BatchKey) -> Surface:
-        """Return what draws a batch."""
+    def color(self, key: BatchKey) -> BatchState:
+        """Return the state that draws a batch in colour."""
         return self._surface(key, ("scene/scene.frag", "scene/scene.vert"), self._scene_features)
 
-    def depth(self, key: BatchKey) -> Surface:
-        """Return what draws a batch's depth alone; `key` is one `of_depth`."""
+    def depth(self, key: BatchKey) -> BatchState:
+        """Return the state that draws a batch's depth alone; `key` is one `of_depth`."""
         fragment = "scene/depth.frag" if key.masked else None
         return self._surface(key, (fragment, "scene/depth.vert"), {})
 
-    def semantic(self, key: BatchKey) -> Surface:
-        """Return what draws a batch's depth and semantic weights; `key` is one `of_depth`."""
+    def semantic(self, key: BatchKey) -> BatchState:
+        """Return the state that draws depth and semantic weights; `key` is one `of_depth`."""
         return self._surface(key, ("scene/depth.frag", "scene/depth.vert"), {"SEMANTIC": 1})
 
     def _surface(
         self, key: BatchKey, files: tuple[str | None, str], defines: shaders.Defines
-    ) -> Surface:
+    ) -> BatchState:
         fragment, vertex = files
         variant = (files, key.features, key.arrays, *defines)
         if variant not in self._made:
@@ -370,7 +370,7 @@ class SurfaceFactory:
             self._made[variant] = make(program)
         faces = None if key.double_sided else "cw" if key.mirrored else "ccw"
         covers = key.masked and fragment == "scene/scene.frag"
-        return Surface(self._made[variant], key.block, faces, covers)
+        return BatchState(self._made[variant], key.block, faces, covers)
 
 
 def _name_units(program: moderngl.Program, key: BatchKey) -> None:

@@ -36,7 +36,7 @@ from vrcomfort.render.camera import (
     previous_eye_pose,
     turned_like,
 )
-from vrcomfort.render.condition_passes import ConditionPasses, Drawn, EyeImages
+from vrcomfort.render.condition_passes import ConditionPasses, EyeImages, Renderable
 from vrcomfort.render.display import ImageHasher, PatchPainter
 from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.plan import plan_passes
@@ -47,7 +47,7 @@ from vrcomfort.scene.data import Scene
 
 @dataclass(frozen=True, eq=False)
 class RenderedFrame:
-    """Two images and what is known about them.
+    """Two images, and the measurements taken with them.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ class RenderedFrame:
 
 
 class _Before(NamedTuple):
-    """What a frame leaves for the next."""
+    """Poses and times of a frame, kept for the next."""
 
     head_pose: Pose
     avatar_pose: Pose
@@ -170,7 +170,7 @@ class StereoRenderer:
         passes.warm_up()
         self.drain()
         self.drain_gaze_hits()
-        passes.forget()
+        passes.reset()
         self._before = None
         self._drawn = 0
         self.ctx.finish()
@@ -204,7 +204,7 @@ class StereoRenderer:
             self._patch = PatchPainter(self.ctx, self._photodiode, images)
         self._allocated = first, account.mark()
 
-    def memory(self) -> tuple[gpu_memory.Allocation, ...]:
+    def memory(self) -> tuple[gpu_memory.GpuAllocation, ...]:
         """Return the textures and buffers of the present condition and scene."""
         self._built()
         return gpu_memory.account(self.ctx).between(*self._allocated)
@@ -218,8 +218,8 @@ class StereoRenderer:
         """Return the scene pass of the present condition."""
         return self._built().scene
 
-    def parts(self) -> list[tuple[str, Drawn]]:
-        """Return what is drawn in a frame of the present condition, by name."""
+    def parts(self) -> list[tuple[str, Renderable]]:
+        """Return the parts of a frame of the present condition, by name."""
         return self._built().parts()
 
     def render(
@@ -245,7 +245,7 @@ class StereoRenderer:
         return self._hashed(frame, replace(rendered, gpu_times=self._timer.arrived()))
 
     def _look_along(self, frame: Frame, world_from_head: Pose) -> tuple[bool, tuple[GazeHit, ...]]:
-        """Look what the gaze meets; return whether it is sought, and the hits that have arrived.
+        """Seek the gaze hit; return whether it is sought, and the hits that have arrived.
 
         Frames that nobody sees look as well once an eye tracker has been seen: without one, nothing
         is made for it.
@@ -334,7 +334,7 @@ class StereoRenderer:
         return self._built().clamps()
 
     def drain_gaze_hits(self) -> tuple[GazeHit, ...]:
-        """Return what the gaze of frames meets that is still on its way (waits for the GPU)."""
+        """Return all gaze hits that are still on their way; waits for the GPU."""
         hits = None if self._passes is None else self._passes.gaze_hits
         return () if hits is None else hits.drain()
 
@@ -367,7 +367,7 @@ class StereoRenderer:
         return self._passes
 
     def _place_hands(self, frame: Frame, before: _Before | None) -> None:
-        """Put what is bound to the hands where they are; after a cut they have not moved."""
+        """Move the nodes bound to the hands; after a cut they have not moved."""
         blur = self._condition.motion_blur
         carried = "with_head" if blur is None else blur.hands
         hands, counted = hand_poses(

@@ -7,24 +7,25 @@ from dataclasses import replace
 from vrcomfort.protocol.conditions import Condition, EffectName
 from vrcomfort.render import background_blur
 from vrcomfort.render.effects import motion_blur, relocation_blur, speed_blur, vignette
-from vrcomfort.render.effects.depth_of_field import effect as depth_of_field
-from vrcomfort.render.effects.effect import EffectKind
+from vrcomfort.render.effects.depth_of_field import effect
+from vrcomfort.render.effects.effect import RegisteredEffect
 from vrcomfort.render.focus.rules import RULES
+from vrcomfort.render.lighting import has_sun
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
-_KINDS = (
-    depth_of_field.KIND,
-    motion_blur.KIND,
-    speed_blur.KIND,
-    relocation_blur.KIND,
-    vignette.KIND,
+_ALL_EFFECTS = (
+    effect.EFFECT,
+    motion_blur.EFFECT,
+    speed_blur.EFFECT,
+    relocation_blur.EFFECT,
+    vignette.EFFECT,
 )
-EFFECTS = {each.name: each for each in _KINDS}
+EFFECTS = {each.name: each for each in _ALL_EFFECTS}
 """By name."""
 
 
-def in_order(condition: Condition) -> list[EffectKind]:
+def in_order(condition: Condition) -> list[RegisteredEffect]:
     """Return all effects in the order in which they would run."""
     return [EFFECTS[name] for name in condition.effect_order]
 
@@ -40,7 +41,7 @@ def plan_passes(scene: Scene, condition: Condition) -> list[PlannedPass]:
         PlannedPass("scene", True, "always: colour and depth of both eyes"),
         plan_velocity(scene, condition),
         background_blur.plan(scene, condition),
-        *(kind.plan(scene, condition) for kind in in_order(condition)),
+        *(effect.plan(scene, condition) for effect in in_order(condition)),
         PlannedPass("tone_map", True, "always: linear light to display values"),
     ]
 
@@ -53,15 +54,15 @@ def plan_effect(name: EffectName, scene: Scene, condition: Condition) -> Planned
 def _readers(texture: str, scene: Scene, condition: Condition) -> list[str]:
     """Return the effects that are there and read a texture."""
     return [
-        kind.name
-        for kind in in_order(condition)
-        if texture in kind.reads and kind.plan(scene, condition).needed
+        effect.name
+        for effect in in_order(condition)
+        if texture in effect.reads and effect.plan(scene, condition).needed
     ]
 
 
 def plan_shadow(scene: Scene) -> PlannedPass:
     """Plan the sun's shadow map."""
-    needed = any(value > 0 for value in scene.environment.sun_irradiance)
+    needed = has_sun(scene.environment)
     return PlannedPass(
         "shadow", needed, "the scene has a sun" if needed else "the scene has no sun"
     )

@@ -1,4 +1,4 @@
-"""What a plan says of one pass."""
+"""One line of the list of passes."""
 
 from __future__ import annotations
 

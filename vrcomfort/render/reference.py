@@ -167,13 +167,13 @@ class Reference:
 
     @cached_property
     def _pass(self) -> ScenePass:
-        """Return what draws samples; none is needed to say who one is."""
+        """Return the pass that draws samples, made when it is first used."""
         law = lens_radius.lens_law(self._lens_effect)
         return ScenePass(self._ctx, self._scene, self._size_px, velocity=False, lens_law=law)
 
     @property
     def note(self) -> str:
-        """Return what the reference cannot do, and what of the condition it leaves out."""
+        """Return the reference's limits, and the effects of the condition that it leaves out."""
         lens, shutter = self._lens_effect, self._shutter_effect
         left_out = {
             "peripheral blur": lens and lens.peripheral,
@@ -228,7 +228,7 @@ def _lens_note(lens: DepthOfField) -> str:
 
 
 def _moved(camera: EyeCamera, previous_world_from_eye: Pose, frames: float) -> EyeCamera:
-    """Return the camera some frames later; the head goes with it, and so does what is locked."""
+    """Return the camera some frames later; the head and head-locked nodes go with it."""
     if frames == 0:
         return camera
     world_from_eye = extrapolated_eye_pose(camera.world_from_eye, previous_world_from_eye, frames)

@@ -101,7 +101,7 @@ _ROW, _MATRIX = 18, 12
 
 
 class RowBuffers:
-    """What the GPU reads of drawn things: a row and an indirect command for each.
+    """Instance rows and indirect commands on the GPU.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ class SceneRows:
         self._prepare()
 
     def _prepare(self) -> None:
-        """Compute what never changes: boxes and lamps of what does not move."""
+        """Compute the boxes and lamps of static instances, once."""
         table = self._list
         self._locked = self._poses.locked[table.node]
         self._moving = self._poses.moving[table.node] | self._locked
@@ -203,7 +203,7 @@ class SceneRows:
         return self._poses.hands_move
 
     def place_hands(self, hands: HandPoses, before: HandPoses, *, with_head: bool) -> None:
-        """Say where the hands are; the next `update` puts there what is bound to them.
+        """Set the poses of the hands; the next `update` moves the nodes bound to them.
 
         Parameters
         ----------
@@ -276,7 +276,7 @@ class SceneRows:
         return culling.visible(around_head, self._in_use_from_head)
 
     def casting(self, planes: Array, origin_m: Array, movement: Movement) -> Rows:
-        """Return what casts a shadow from within planes, levels by the distance from `origin_m`."""
+        """Return the shadow casters within planes, levels of detail by distance from `origin_m`."""
         rows = (self._casting[movement] & self._level_in_use(origin_m)).nonzero()[0]
         around_head = culling.from_origins(planes[None], origin_m[None] - self._head_m)
         seen: Rows = rows[culling.visible(around_head[0], self._from_head[:, rows])]

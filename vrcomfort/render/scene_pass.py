@@ -6,15 +6,15 @@ an eye share.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, Together, Uniforms
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, UniformGroup, Uniforms
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import lighting
 from vrcomfort.render.background_blur import MipLevelPass, foreground
@@ -26,7 +26,7 @@ from vrcomfort.render.camera import (
     camera_motion,
     previous_clip_from_clip,
 )
-from vrcomfort.render.gpu_scene import GpuScene, Viewpoint
+from vrcomfort.render.gpu_scene import GpuScene, ViewFrustum
 from vrcomfort.render.lighting import Light
 from vrcomfort.render.shadow import ShadowMap
 from vrcomfort.scene.data import Scene
@@ -94,7 +94,7 @@ class ScenePass:
 
     @property
     def resolve(self) -> ResolvePass:
-        """Return what makes one sample of each pixel."""
+        """Return the resolve of multisampled targets."""
         return self._targets.resolve
 
     @property
@@ -124,7 +124,7 @@ class ScenePass:
         previous_time_s: float | None = None,
         eyes: Sequence[EyeCamera] = (),
     ) -> None:
-        """Move the scene to a time, and choose what `eyes` are going to see of it, all at once.
+        """Move the scene to a time, and cull it for all `eyes` at once.
 
         `render` does it for its eye alone where it was not done.
         """
@@ -136,7 +136,7 @@ class ScenePass:
             self._shadow.render(time_s, head)
             self._shadow_triangles = self._shadow.triangles
         if eyes:
-            self.gpu.see([_viewpoint(eye) for eye in eyes])
+            self.gpu.cull([_viewpoint(eye) for eye in eyes])
 
     def render(
         self,
@@ -171,7 +171,7 @@ class ScenePass:
             self.resolve.render(camera)
 
     def _view(self, camera: EyeCamera) -> int | None:
-        """Return which of the eyes of `update` a camera is, whatever its lens."""
+        """Return which of the eyes of `update` a camera is, its lens aside."""
         place = _place(camera)
         return next((view for view, eye in enumerate(self._eyes) if _place(eye) == place), None)
 
@@ -181,7 +181,7 @@ class ScenePass:
         self._targets.begin()
         self.triangles = self._draw_opaque(view)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
-        self._ctx.depth_func = ">="
+        self._ctx.depth_func = ">="  # the sky lies at infinity: depth 0, as the clear value
         self._sky.draw()
         self.triangles += self._draw_blended(view)
         if self._background is not None:
@@ -209,8 +209,8 @@ class ScenePass:
         return self.gpu.draw(view, blended=True, foreground=foreground)
 
 
-def _viewpoint(camera: EyeCamera) -> Viewpoint:
-    return Viewpoint(camera.clip_from_relative(), camera.world_from_eye.position)
+def _viewpoint(camera: EyeCamera) -> ViewFrustum:
+    return ViewFrustum(camera.clip_from_relative(), camera.world_from_eye.position)
 
 
 def _place(camera: EyeCamera) -> tuple[Pose, Fov, float]:
@@ -227,7 +227,7 @@ def _defines(*, velocity: bool, lens_law: LensLaw | None) -> dict[str, int]:
 
 
 class _Sky:
-    """Fills what nothing was drawn on."""
+    """Draws the sky where depth is still 0."""
 
     def __init__(self, ctx: moderngl.Context, defines: shaders.Defines) -> None:
         program = shaders.program(ctx, "scene/sky.frag", "scene/sky.vert", defines)
@@ -271,7 +271,7 @@ class _Targets:
         self._many.use()
 
     def background_blur(self, level: float) -> MipLevelPass:
-        """Return what blurs the colour of all samples, as it is resolved; depth stays as it is."""
+        """Return the pass that blurs the colour of all samples; depth stays as it is."""
         colour = self.resolve.colour
         return MipLevelPass(
             self._ctx, colour, most_level=level, size_px=colour.size, target=self._colours
@@ -284,7 +284,7 @@ class _Targets:
         self.resolve.learn_sample_places()
 
     def blend(self) -> None:
-        """Continue with colour only: what blends covers by alpha and writes no depth."""
+        """Continue with colour only: blended surfaces cover by alpha and write no depth."""
         self._many_colour_only.use()
         self._many_colour_only.depth_mask = False
         self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
@@ -371,7 +371,9 @@ class EyeBlocks:
             ).T
         if self._lens:
             self._write_lens(camera, camera.lens or PINHOLE)
-        self._light.look_from(camera.world_from_eye.position, shadow)
+        self._light.look_from(
+            camera.world_from_eye.position, None if shadow is None else shadow.uniforms
+        )
         self._buffer.orphan()  # what the other eye is being drawn with stays as it is
         self._buffer.write(self._bytes)
         if lens_focus is not None and camera.lens is not None:
@@ -395,23 +397,21 @@ class EyeBlocks:
         self._view["head_forward"] = (*forward, ahead_m + lens.distance_offset_m)
 
 
-class Radii(Protocol):
-    """The circle of confusion of each depth, which is written into the alpha of colour."""
+class Radii(NamedTuple):
+    """Inputs of ``include/coc_of_depth.glsl``, which gives each depth its circle of confusion.
 
-    @property
-    def inputs(self) -> dict[str, moderngl.Texture]:
-        """Return the textures that ``include/coc_of_depth.glsl`` needs."""
+    Parameters
+    ----------
+    constants
+        Uniforms that never change.
+    of_camera
+        Gives those of an eye.
+    """
 
-    @property
-    def defines(self) -> dict[str, Any]:
-        """Return its variant."""
-
-    @property
-    def constants(self) -> Uniforms:
-        """Return its uniforms that never change."""
-
-    def of_camera(self, camera: EyeCamera) -> Uniforms:
-        """Return those of an eye."""
+    inputs: dict[str, moderngl.Texture]
+    defines: dict[str, Any]
+    constants: Uniforms
+    of_camera: Callable[[EyeCamera], Uniforms]
 
 
 class Samples(NamedTuple):
@@ -448,7 +448,7 @@ class ResolvePass:
         self._ctx, self._samples = ctx, samples
         self.colour, self.depth, self.velocity = colour, depth, velocity
         self._radii: Radii | None = None
-        self._places = Together()
+        self._places = UniformGroup()
         self._pass = self._make()
 
     def write_radii(self, radii: Radii) -> None:
@@ -457,15 +457,15 @@ class ResolvePass:
         self._pass = self._make()
 
     def render(self, camera: EyeCamera) -> None:
-        """Fill the single-sample textures with what an eye drew."""
-        radii = Together() if self._radii is None else self._radii.of_camera(camera)
-        self._pass.render(Together(self._places, radii))
+        """Resolve an eye's image into the single-sample textures."""
+        radii = UniformGroup() if self._radii is None else self._radii.of_camera(camera)
+        self._pass.render(UniformGroup(self._places, radii))
 
     def learn_sample_places(self) -> None:
         """Ask the driver where samples lie; it tells of the framebuffer in use only."""
         if self.velocity is not None and not self._places.parts:
             places = gl.sample_places(self._ctx, self._samples.colour.samples)
-            self._places = Together(_SamplePlaces(places if len(places) > 1 else places[0]))
+            self._places = UniformGroup(_SamplePlaces(places if len(places) > 1 else places[0]))
 
     def _make(self) -> FullscreenPass:
         many, radii = self._samples, self._radii

@@ -39,7 +39,7 @@ Moment: TypeAlias = tuple[Frame, Frame]
 
 @dataclass(frozen=True, eq=False)
 class StimulusSize:
-    """What a condition does to each pixel of the left eye at each moment.
+    """Blur and streaks of each pixel of the left eye in each frame sample.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class StimulusSize:
     streaks_px: Float32 | None
 
     def scaled(self, factor: float) -> StimulusSize:
-        """Return the same in an image so many times as wide."""
+        """Return the same in an image `factor` times as wide."""
         parts = (self.circles_px, self.streaks_px)
         circles, streaks = (None if each is None else each * np.float32(factor) for each in parts)
         return StimulusSize(circles, streaks)
@@ -66,7 +66,7 @@ def measure(
     moments: Sequence[Moment],
     size_px: tuple[int, int],
 ) -> dict[str, StimulusSize]:
-    """Draw the moments small; return condition → what it does, in pixels of an image of this width.
+    """Draw the frame samples small; return sizes by condition, in pixels of this image width.
 
     Conditions that find their focus and count their motion alike are drawn once.
     """
@@ -76,7 +76,7 @@ def measure(
         if not blurred:
             found |= {each.name: StimulusSize(None, None) for each in members}
             continue
-        found |= _Drawn(ctx, scene, probe, members, size_px).sizes(moments)
+        found |= _Walk(ctx, scene, probe, members, size_px).sizes(moments)
     return found
 
 
@@ -105,8 +105,8 @@ def _probe(condition: Condition) -> Condition:
     return Condition(name="probe", **settings)
 
 
-class _Drawn:
-    """The moments under one probe, and what its conditions make of them."""
+class _Walk:
+    """Frame samples drawn under one probe, measured for all of its conditions."""
 
     def __init__(
         self,
@@ -159,7 +159,7 @@ class _Drawn:
     def _coc(
         self, condition: Condition, lens: DepthOfField, images: EyeImages
     ) -> tuple[DepthToCoc, FullscreenPass]:
-        """Return what draws the radii of a condition, made when first asked for."""
+        """Return the pass that draws a condition's radii, made when first asked for."""
         if condition.name not in self._radii:
             assert self._focus is not None  # noqa: S101 - tells mypy what `_take` knows
             radii = DepthToCoc(
@@ -180,7 +180,7 @@ class _Drawn:
 
 
 def _looking_ahead(frame: Frame) -> Frame:
-    """Return a frame with a gaze: straight ahead where nobody's was recorded."""
+    """Return a frame with a gaze: straight ahead where none was recorded."""
     return frame if frame.gaze is not None else replace(frame, gaze=Gaze(frame.head_pose))
 
 
@@ -224,8 +224,8 @@ class Amount:
 
 
 @dataclass(frozen=True)
-class Seen:
-    """What a condition shows in a scene; None where it has no such effect."""
+class StimulusExtent:
+    """Blur and streaks of a condition in a scene; None without such an effect."""
 
     condition: str
     scene: str
@@ -238,11 +238,11 @@ class Seen:
         return max((each.p90_px for each in (self.circles, self.streaks) if each), default=0.0)
 
 
-def seen(condition: str, scene: str, size: StimulusSize, focal_px: float) -> Seen:
+def seen(condition: str, scene: str, size: StimulusSize, focal_px: float) -> StimulusExtent:
     """Return the amounts of a condition in a scene, in an image with this focal length."""
     parts = (size.circles_px, size.streaks_px)
     circles, streaks = (None if each is None else _amount(each, focal_px) for each in parts)
-    return Seen(condition, scene, circles, streaks)
+    return StimulusExtent(condition, scene, circles, streaks)
 
 
 def _amount(values_px: Float32, focal_px: float) -> Amount:
@@ -271,7 +271,7 @@ class Fault:
 
     @property
     def message(self) -> str:
-        """Return the sentence that tells it, and what to do."""
+        """Return the fault as a sentence, with its remedy."""
         where = f"in {' and '.join(self.scenes)}"
         limit = f"nine tenths of the image have less than {max(self.p90_px, 0.01):.2f} px"
         if len(self.conditions) == 1:
@@ -287,7 +287,7 @@ class Fault:
 
 
 def faults(protocol: Protocol, sizes: Mapping[str, Mapping[str, StimulusSize]]) -> Iterator[Fault]:
-    """Yield what cannot be seen or told apart, and is not meant so.
+    """Yield conditions that cannot be seen or told apart, and are not meant so.
 
     Parameters
     ----------
@@ -331,7 +331,7 @@ def _has_sizes(condition: Condition) -> bool:
 
 
 def _others(condition: Condition) -> dict[str, Any]:
-    """Return what blurs besides, whose strength is not measured here."""
+    """Return the settings of further blurs, which are not measured here."""
     measured = ("depth_of_field", "motion_blur")
     found: dict[str, Any] = {
         name: each for name, each in condition.effects.items() if name not in measured
@@ -342,7 +342,7 @@ def _others(condition: Condition) -> dict[str, Any]:
 
 
 def _unmeasured(condition: Condition) -> dict[str, Any]:
-    """Return that, and what is centred on the gaze: sizes are those of a gaze straight ahead."""
+    """Return the further blurs and gaze-contingent effects: sizes assume a gaze straight ahead."""
     centred = condition.centred_on_gaze
     return {**_others(condition), **({"gaze_centre": centred} if centred else {})}
 
@@ -353,7 +353,7 @@ def _p90(size: StimulusSize) -> float:
 
 
 def _difference_px(a: StimulusSize, b: StimulusSize) -> float:
-    """Return what nine tenths of the pixels differ by less than, of circles or streaks."""
+    """Return the 90th percentile of the pixels' difference, of circles or streaks."""
     pairs = ((a.circles_px, b.circles_px), (a.streaks_px, b.streaks_px))
     found = [_apart(one, other) for one, other in pairs]
     return max(

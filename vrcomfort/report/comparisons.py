@@ -25,7 +25,7 @@ from vrcomfort.stats.t_tests import TTest, Variances, paired_t, two_sample_t
 if TYPE_CHECKING:
     from vrcomfort.report.contrasts import Compared
     from vrcomfort.report.exposures import Exposures
-    from vrcomfort.report.plan import Contrast, Equivalent, Plan
+    from vrcomfort.report.plan import Plan
     from vrcomfort.stats.ranks import Alternative
 
 Row = dict[str, Any]
@@ -42,24 +42,34 @@ def run_comparisons(scored: Exposures, plan: Plan, contrasts: list[Compared]) ->
 
 
 def check_groups(plan: Plan, scored: Exposures) -> None:
-    """Raise InputError where a plan compares groups of a column that the data do not have."""
+    """Raise InputError where a contrast is between groups of a column that the data do not have."""
+    for place, each in enumerate(plan.contrasts):
+        if each.between:
+            check_group(plan, scored, ("contrasts", place), each.between, each.a, each.b)
+
+
+def check_group(
+    plan: Plan, scored: Exposures, path: tuple[str, int], between: str, a: str, b: str
+) -> None:
+    """Raise InputError where the data do not have the column, or the groups, of an entry.
+
+    Parameters
+    ----------
+    path
+        Place of the entry in the plan.
+    """
     said = {column for person in scored.people.values() for column in person}
     columns = {*said, "group", "sequence", "condition"} - {"status", "note", "enrolled_at"}
-    named: list[tuple[str, int, Contrast | Equivalent]] = [
-        *(("contrasts", i, each) for i, each in enumerate(plan.contrasts) if each.between),
-        *(("equivalence", i, each) for i, each in enumerate(plan.equivalence) if each.between),
-    ]
-    for table, index, contrast in named:
-        if contrast.between not in columns:
-            hint = did_you_mean(contrast.between, columns)
-            message = f"`{contrast.between}` is no column that groups participants; {hint}"
-            raise plan.fault(message, table, index, "between")
-        there = set(column_of(scored, scored.table, contrast.between).dropna().astype(str))
-        for key, level in (("a", contrast.a), ("b", contrast.b)):
-            if level not in there:
-                known = ", ".join(sorted(there, key=natural)) or "nobody with a score"
-                message = f"`{contrast.between}` is never `{level}`; the data have {known}"
-                raise plan.fault(message, table, index, key)
+    if between not in columns:
+        hint = did_you_mean(between, columns)
+        message = f"`{between}` is no column that groups participants; {hint}"
+        raise plan.fault(message, *path, "between")
+    there = set(column_of(scored, scored.table, between).dropna().astype(str))
+    for side, level in (("a", a), ("b", b)):
+        if level not in there:
+            known = ", ".join(sorted(there, key=natural)) or "nobody with a score"
+            message = f"`{between}` is never `{level}`; the data have {known}"
+            raise plan.fault(message, *path, side)
 
 
 def _compare(scored: Exposures, plan: Plan, contrast: Compared, outcome: str) -> Row:

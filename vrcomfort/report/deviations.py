@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort.report.notices import names
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import short_forms
 from vrcomfort.report.withdrawals import everybody
 from vrcomfort.settings import did_you_mean
@@ -120,7 +121,7 @@ def _tests(results: dict[str, Any], plan: Plan) -> Iterator[Deviation]:
 
 def _not_compared(results: dict[str, Any]) -> Iterator[Deviation]:
     """Yield why a comparison by another test, or an equivalence, could not be made."""
-    rows = [row for key in ("comparisons", "equivalence") for row in results[key]]
+    rows = [*results["comparisons"], *map(as_json, results["equivalence"])]
     untested = [row for row in rows if row["not_tested"]]
     for reason in dict.fromkeys(row["not_tested"] for row in untested):
         which = [_in_words(row, results) for row in untested if row["not_tested"] == reason]

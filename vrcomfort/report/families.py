@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal
 
+from vrcomfort.report.words import value_of
 from vrcomfort.stats.multiplicity import holm, holm_levels
 
 if TYPE_CHECKING:
@@ -104,18 +105,30 @@ def reported(row: Row, name: str) -> Any:
     return (row["simultaneous"] or row)[name]
 
 
-def is_shown(row: Row) -> bool:
+def verdict_alone(
+    p: float | None, smallest_p: float, confidence: float, *, higher: bool
+) -> Verdict | None:
+    """Return the verdict of a test that is in no family; None where there is no p."""
+    if p is None:
+        return None
+    row: Row = {"p": p, "smallest_p": smallest_p, "higher": higher}
+    decide(row, 1 - confidence, [p], 0)
+    found: Verdict = row["verdict"]
+    return found
+
+
+def is_shown(row: Any) -> bool:
     """Return whether a test has shown what it looked for."""
-    return row["verdict"] not in {None, "not_shown", "not_possible"}
+    return value_of(row, "verdict") not in {None, "not_shown", "not_possible"}
 
 
-def disagreement(row: Row, found: Row | None, null: float = 0.0) -> str:
+def disagreement(row: Any, found: Any, null: float = 0.0) -> str:
     """Say that an interval and the verdict of its test differ about the null value; or nothing.
 
     Those of the default methods do not, but for rank-biserials and correlations, whose intervals
     are not inversions of the printed test; nor is that of a plan that asks for order statistics.
     """
-    if not found or (found["low"] is None and found["high"] is None):
+    if not found or (value_of(found, "low") is None and value_of(found, "high") is None):
         return ""
     if holds(found, null) != is_shown(row):
         return ""
@@ -125,11 +138,11 @@ def disagreement(row: Row, found: Row | None, null: float = 0.0) -> str:
     return f" (which excludes {value}, though the test does not reject it)"
 
 
-def holds(found: Row, value: float) -> bool:
+def holds(found: Any, value: float) -> bool:
     """Return whether a value is in an interval, whose ends may be open or missing."""
-    low, high = found["low"], found["high"]
-    if found.get("holds_rejected_zero") and value == 0:
+    low, high = value_of(found, "low"), value_of(found, "high")
+    if value_of(found, "holds_rejected_zero") and value == 0:
         return False
-    above = low is None or low < value or (low == value and found.get("low_closed", True))
-    below = high is None or high > value or (high == value and found.get("high_closed", True))
+    above = low is None or low < value or (low == value and value_of(found, "low_closed", True))
+    below = high is None or high > value or (high == value and value_of(found, "high_closed", True))
     return bool(above and below)

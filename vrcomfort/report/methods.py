@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal
 
-from vrcomfort.report.courses.analysis import course_paragraphs
+from vrcomfort.report.analyses import MethodsParagraph, methods_paragraphs
 from vrcomfort.report.descriptives import TIMEPOINT
-from vrcomfort.report.further_methods import Method, further_methods
-from vrcomfort.report.gaze_and_head.analysis import gaze_paragraphs
 from vrcomfort.report.references import is_known
+from vrcomfort.report.sections import section_paragraphs
 from vrcomfort.report.vocabulary import answers_in_words, short
 from vrcomfort.stats.means import RESAMPLES, SEED
 from vrcomfort.stats.ranks import fewest_for_interval
 from vrcomfort.stats.signed_rank import EXACT_UP_TO
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
+    from vrcomfort.report.sections import Section
     from vrcomfort.report.vocabulary import Vocabulary
 
 Results = dict[str, Any]
@@ -29,7 +29,9 @@ _SIDES = {
 }
 
 
-def methods(results: Results, words: Vocabulary, *, drawn: bool) -> list[Method]:
+def methods(
+    results: Results, words: Vocabulary, sections: Iterable[Section], *, drawn: bool
+) -> list[MethodsParagraph]:
     """Return the paragraphs on everything that this report holds; `drawn`: figures, too."""
     plan = results["plan"]
     made = any(not test["not_tested"] for test in results["tests"])
@@ -39,7 +41,10 @@ def methods(results: Results, words: Vocabulary, *, drawn: bool) -> list[Method]
             _scoring(results, words),
             _people(results),
             *((_testing(results, words), _shift(plan), _rank_biserial(plan)) if made else ()),
-            *further_methods(results),
+            *_comparisons(results),
+            *methods_paragraphs(results),
+            *_aligned_ranks(results),
+            *_marginal_means(results),
             _describing(),
             _t_tests(results),
             _anova(results, drawn=drawn),
@@ -47,11 +52,10 @@ def methods(results: Results, words: Vocabulary, *, drawn: bool) -> list[Method]
             _crossover(results),
             _mixed(results),
             _withdrawals(results),
-            *(Method(*paragraph) for paragraph in course_paragraphs(results)),
-            *(Method(*paragraph) for paragraph in gaze_paragraphs(results)),
+            *section_paragraphs(sections),
             _figures(results) if drawn else None,
             _answering(results),
-            Method("Choices", plan["note"]) if plan["note"] else None,
+            MethodsParagraph("Choices", plan["note"]) if plan["note"] else None,
         )
         if method
     ]
@@ -88,7 +92,7 @@ def has_baseline(results: Results) -> bool:
     )
 
 
-def _scoring(results: Results, words: Vocabulary) -> Method | None:
+def _scoring(results: Results, words: Vocabulary) -> MethodsParagraph | None:
     several = any(n > 1 for n in results["participants"]["exposures_per_condition"].values())
     repeated = (
         " Where a condition has several exposures their integer sums are added before testing "
@@ -99,7 +103,7 @@ def _scoring(results: Results, words: Vocabulary) -> Method | None:
     if not results["outcomes"]:
         return None
     if not words.instruments:
-        return Method("Measures", f"{_measures(results)}{repeated}".strip())
+        return MethodsParagraph("Measures", f"{_measures(results)}{repeated}".strip())
     incomplete = (
         "Missing answers count as the mean of the others of their score where enough are given."
         if results["plan"]["missing_items"] == "prorate"
@@ -110,7 +114,7 @@ def _scoring(results: Results, words: Vocabulary) -> Method | None:
         f"{basis_sentence(results)}{repeated} {_measures(results)}".rstrip()
     )
     cited = [f"instrument_{each['name']}" for each in words.instruments]
-    return Method("Scores", text, tuple(key for key in cited if is_known(key)))
+    return MethodsParagraph("Scores", text, tuple(key for key in cited if is_known(key)))
 
 
 def _measures(results: Results) -> str:
@@ -133,8 +137,8 @@ def _instrument(asked: Mapping[str, Any]) -> str:
     return f"The {asked['title']} ({known}{items}) was scored{after}{rule}."
 
 
-def _people(results: Results) -> Method:
-    return Method(
+def _people(results: Results) -> MethodsParagraph:
+    return MethodsParagraph(
         "Participants",
         "A participant is in a test with a score of every planned exposure of both its conditions. "
         "How many are planned, the protocol says, or else the most frequent number. "
@@ -144,7 +148,7 @@ def _people(results: Results) -> Method:
     )
 
 
-def _testing(results: Results, words: Vocabulary) -> Method:
+def _testing(results: Results, words: Vocabulary) -> MethodsParagraph:
     plan = results["plan"]
     pratt = plan["zeros"] == "pratt"
     zeros = (
@@ -161,7 +165,7 @@ def _testing(results: Results, words: Vocabulary) -> Method:
     )
     first = "pratt_1959" if pratt else "wilcoxon_1945"
     holm = ("holm_1979",) if any(each["method"] == "holm" for each in plan["families"]) else ()
-    return Method("Tests", text, (first, "wilcoxon_1945", "hollander_2014", *holm))
+    return MethodsParagraph("Tests", text, (first, "wilcoxon_1945", "hollander_2014", *holm))
 
 
 def _families(plan: Mapping[str, Any], words: Vocabulary) -> str:
@@ -201,7 +205,7 @@ def _sides(plan: Mapping[str, Any]) -> Literal[1, 2]:
     return 1 if inverted and plan["alternative"] != "two-sided" else 2
 
 
-def _shift(plan: Mapping[str, Any]) -> Method:
+def _shift(plan: Mapping[str, Any]) -> MethodsParagraph:
     percent = f"{100 * plan['confidence']:g} %"
     zeros = "including" if plan["zeros"] == "pratt" else "excluding"
     if plan["shift_interval"] == "inverted_test":
@@ -222,7 +226,7 @@ def _shift(plan: Mapping[str, Any]) -> Method:
         f"{fewest_for_shift(plan)} differences, because no fewer can reach such an exact "
         f"{'two' if _sides(plan) == 2 else 'one'}-sided p."
     )
-    return Method("Differences", text, ("hodges_1963", "hollander_2014"))
+    return MethodsParagraph("Differences", text, ("hodges_1963", "hollander_2014"))
 
 
 def _of_holm(plan: Mapping[str, Any]) -> str:
@@ -235,7 +239,7 @@ def _of_holm(plan: Mapping[str, Any]) -> str:
     )
 
 
-def _rank_biserial(plan: Mapping[str, Any]) -> Method:
+def _rank_biserial(plan: Mapping[str, Any]) -> MethodsParagraph:
     percent = f"{100 * plan['confidence']:g} %"
     kind = plan["rank_biserial_interval"]
     what = (
@@ -250,7 +254,7 @@ def _rank_biserial(plan: Mapping[str, Any]) -> Method:
             "drops zeros, which the test may rank, so the two may disagree about 0. Whether there "
             "is a difference, p says."
         )
-        return Method("Effect sizes", f"{what} {how}", ("kerby_2014", "sen_1960"))
+        return MethodsParagraph("Effect sizes", f"{what} {how}", ("kerby_2014", "sen_1960"))
     n = (
         "the number of non-zero scores in the first condition, as R’s effectsize counts"
         if kind == "effectsize"
@@ -261,11 +265,71 @@ def _rank_biserial(plan: Mapping[str, Any]) -> Method:
         f"error uses {n}. It is approximate, too narrow where there is an effect, and has no width "
         "at ±1. Whether there is a difference, p says."
     )
-    return Method("Effect sizes", f"{what} {how}", ("kerby_2014", "effectsize"))
+    return MethodsParagraph("Effect sizes", f"{what} {how}", ("kerby_2014", "effectsize"))
 
 
-def _describing() -> Method:
-    return Method(
+def _comparisons(results: Results) -> list[MethodsParagraph]:
+    made = {row["test"] for row in results["comparisons"] if not row["not_tested"]}
+    said = []
+    if "mann_whitney" in made:
+        said.append(MethodsParagraph(
+            "Mann–Whitney tests",
+            "Groups were compared with the test of Mann & Whitney (1947) on integer sums, exact "
+            "given the ties (Streitberg & Röhmel, 1986) where p is not marked; two-sided, p is the "
+            "probability of a rank sum at least as far from its expectation. The difference is the "
+            "Hodges–Lehmann (1963) shift, the median of all differences between two people of "
+            "different groups; its interval is the hull of the shifts that the same test does not "
+            "reject. The rank-biserial r is 2 P − 1 with P the probability that somebody of the "
+            "first group is higher, its interval that of Newcombe (2006, method 5).",
+            ("mann_1947", "streitberg_1986", "hodges_1963", "newcombe_2006"),
+        ))  # fmt: skip
+    if made & {"welch_t", "student_t", "paired_t"}:
+        said.append(MethodsParagraph(
+            "Tests of means",
+            "Means were compared with t tests"
+            + (", without the assumption of equal variances (Welch, 1947)" * ("welch_t" in made))
+            + ". Hedges’ (1981) g is the difference over the standard deviation (of the "
+            "differences in pairs; the pooled one of groups) without its bias; its interval is "
+            "that of the noncentral t distribution. BF₁₀ is the Bayes factor of Rouder et al. "
+            "(2009), prior scale √½, two-sided.",
+            ("hedges_1981", "rouder_2009", *(("welch_1947",) if "welch_t" in made else ())),
+        ))  # fmt: skip
+    if "sign" in made:
+        said.append(MethodsParagraph(
+            "Sign tests",
+            "The sign test is exact and leaves out differences of zero; the interval of the share "
+            "of positive differences is that of Clopper & Pearson (1934), that of the median lies "
+            "between two of the differences (Hollander et al., 2014).",
+            ("clopper_1934", "hollander_2014"),
+        ))  # fmt: skip
+    return said
+
+
+def _aligned_ranks(results: Results) -> list[MethodsParagraph]:
+    if not any(found.get("aligned_ranks") for found in results["anova"]):
+        return []
+    return [MethodsParagraph(
+        "Aligned ranks",
+        "For each effect of the ANOVA scores were stripped of all other effects, ranked, and "
+        "analysed in the same way (Wobbrock et al., 2011).",
+        ("wobbrock_2011",),
+    )]  # fmt: skip
+
+
+def _marginal_means(results: Results) -> list[MethodsParagraph]:
+    if not any(found.get("means", {}).get("condition") for found in results["mixed_models"]):
+        return []
+    return [MethodsParagraph(
+        "Marginal means",
+        "Estimated marginal means (Searle et al., 1980) of the mixed model are those of a level "
+        "with all levels of the other factors weighing alike; their differences, p and intervals "
+        "are adjusted by Bonferroni for the number of pairs.",
+        ("searle_1980",),
+    )]  # fmt: skip
+
+
+def _describing() -> MethodsParagraph:
+    return MethodsParagraph(
         "Descriptives",
         "An interval of the mean of a condition has at each end the farther of those of t and of "
         f"bootstrap-t ({RESAMPLES} resamples of n − 1, seed {SEED}; Efron & Tibshirani, 1993; Rao "
@@ -276,10 +340,10 @@ def _describing() -> Method:
     )
 
 
-def _t_tests(results: Results) -> Method | None:
+def _t_tests(results: Results) -> MethodsParagraph | None:
     if not any(test.get("t_test") for test in results["tests"]):
         return None
-    return Method(
+    return MethodsParagraph(
         "Means",
         "Beside the signed-rank tests stand paired t tests (Student, 1908) of the same pairs, "
         "Cohen’s d_z (Lakens, 2013) and the JZS Bayes factor with a Cauchy prior of scale √2/2 "
@@ -288,11 +352,11 @@ def _t_tests(results: Results) -> Method | None:
     )
 
 
-def _anova(results: Results, *, drawn: bool) -> Method | None:
+def _anova(results: Results, *, drawn: bool) -> MethodsParagraph | None:
     if all(found["not_tested"] for found in results["anova"]):
         return None
     plotted = " and are plotted over normal quantiles at Blom’s (1958) positions" if drawn else ""
-    return Method(
+    return MethodsParagraph(
         "Analysis of variance",
         f"The ANOVA uses type {results['plan']['sums_of_squares']} sums of squares (Maxwell et "
         "al., 2018) and participants with every planned score in every cell. Sphericity: Mauchly’s "
@@ -305,10 +369,10 @@ def _anova(results: Results, *, drawn: bool) -> Method | None:
     )  # fmt: skip
 
 
-def _friedman(results: Results) -> Method | None:
+def _friedman(results: Results) -> MethodsParagraph | None:
     if all(found["not_tested"] for found in results["friedman"]):
         return None
-    return Method(
+    return MethodsParagraph(
         "More than two conditions",
         "All conditions together were compared with Friedman’s (1937) test, corrected for ties, on "
         "integer sums of participants with every exposure; Kendall’s W is its effect size (Kendall "
@@ -317,10 +381,10 @@ def _friedman(results: Results) -> Method | None:
     )
 
 
-def _crossover(results: Results) -> Method | None:
+def _crossover(results: Results) -> MethodsParagraph | None:
     if all(found["not_tested"] for found in results["crossover"]):
         return None
-    return Method(
+    return MethodsParagraph(
         "Crossover",
         "The crossover analysis tests condition and position on differences and sums of the two "
         "positions within the two orders, and the order (carry-over) on the means of participants "
@@ -329,10 +393,10 @@ def _crossover(results: Results) -> Method | None:
     )
 
 
-def _mixed(results: Results) -> Method | None:
+def _mixed(results: Results) -> MethodsParagraph | None:
     if all(found["not_tested"] for found in results["mixed_models"]):
         return None
-    return Method(
+    return MethodsParagraph(
         "Mixed model",
         "The mixed model has a random intercept per participant (Laird & Ware, 1982) and is fitted "
         "by restricted maximum likelihood to every scored exposure; its standard errors are those "
@@ -342,7 +406,7 @@ def _mixed(results: Results) -> Method | None:
     )
 
 
-def _withdrawals(results: Results) -> Method | None:
+def _withdrawals(results: Results) -> MethodsParagraph | None:
     found = results["withdrawals"]
     if not found["n"]:
         return None
@@ -353,15 +417,15 @@ def _withdrawals(results: Results) -> Method | None:
         "1999)."
     )
     also = " First conditions were compared with Fisher’s (1935) exact test." if fisher else ""
-    return Method(
+    return MethodsParagraph(
         "Withdrawals", text + also, ("lachin_1999", *(("fisher_1935",) if fisher else ()))
     )
 
 
-def _figures(results: Results) -> Method | None:
+def _figures(results: Results) -> MethodsParagraph | None:
     if all(test["not_tested"] for test in (*results["tests"], *results["comparisons"])):
         return None
-    return Method(
+    return MethodsParagraph(
         "Figures",
         "Estimation plots (Gardner & Altman, 1986; Ho et al., 2019) show every participant, and "
         "the difference with the interval that belongs to its test. Colours are after Okabe & Ito "
@@ -370,10 +434,10 @@ def _figures(results: Results) -> Method | None:
     )
 
 
-def _answering(results: Results) -> Method | None:
+def _answering(results: Results) -> MethodsParagraph | None:
     if not results["answering"]["times"]:
         return None
-    return Method(
+    return MethodsParagraph(
         "Answering times",
         "A questionnaire is called fast with a median of less than 2 s per question (Huang et al., "
         "2012). Nothing is excluded for it.",

@@ -126,25 +126,11 @@ def is_between(factor: Factor) -> bool:
 
 def check_columns(plan: Plan, scored: Exposures) -> None:
     """Raise InputError where a plan names a column that the data do not have."""
-    said = {column for person in scored.people.values() for column in person}
-    there = {*COLUMNS, *said} - {"number", "early", "participant", "status", "note", "enrolled_at"}
-    named: list[tuple[str, tuple[str | int, ...]]] = [
-        (factor.column, ("anova", i, "column")) for i, factor in enumerate(plan.anova)
-    ]
-    named += [(name, ("mixed_model", i)) for i, name in enumerate(plan.mixed_model)]
-    named += [(name, ("covariates", i)) for i, name in enumerate(plan.covariates)]
-    named += [
-        (name, ("ordinal", i, "factors", j))
-        for i, asked in enumerate(plan.ordinal)
-        for j, name in enumerate(asked.factors)
-    ]
-    for column, path in named:
-        if column not in there:
-            raise plan.fault(
-                f"`{column}` is no column of the questionnaires or of participants.csv; "
-                f"{did_you_mean(column, there)}",
-                *path,
-            )
+    for i, factor in enumerate(plan.anova):
+        check_column(plan, scored, factor.column, "anova", i, "column")
+    for key, names in (("mixed_model", plan.mixed_model), ("covariates", plan.covariates)):
+        for i, name in enumerate(names):
+            check_column(plan, scored, name, key, i)
     for index, name in enumerate(plan.covariates):
         for who, person in scored.people.items():
             if person.get(name) and number_or_none(person[name]) is None:
@@ -154,6 +140,18 @@ def check_columns(plan: Plan, scored: Exposures) -> None:
                     "covariates",
                     index,
                 )
+
+
+def check_column(plan: Plan, scored: Exposures, column: str, *path: str | int) -> None:
+    """Raise InputError where the data do not have a column, with its place in the plan."""
+    said = {column for person in scored.people.values() for column in person}
+    there = {*COLUMNS, *said} - {"number", "early", "participant", "status", "note", "enrolled_at"}
+    if column not in there:
+        raise plan.fault(
+            f"`{column}` is no column of the questionnaires or of participants.csv; "
+            f"{did_you_mean(column, there)}",
+            *path,
+        )
 
 
 def check_levels(plan: Plan, scored: Exposures, labels: dict[str, str]) -> None:

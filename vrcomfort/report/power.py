@@ -15,10 +15,11 @@ from vrcomfort.report import palette
 from vrcomfort.report.build import choose_plan
 from vrcomfort.report.canvas import Drawing, canvas
 from vrcomfort.report.contrasts import conditions_of, contrasts_of
+from vrcomfort.report.derived_plan import with_outcomes
 from vrcomfort.report.exclusions import apply_rules
 from vrcomfort.report.exposures import score_exposures
 from vrcomfort.report.pairs import pair_up
-from vrcomfort.report.plan import find_plan, load_plan, with_outcomes
+from vrcomfort.report.plan_files import find_plan, load_plan
 from vrcomfort.report.study_data import read_study
 from vrcomfort.stats.power import (
     Generator,

@@ -1,10 +1,11 @@
-"""The literature of the methods section; its entries stand in `FILE`."""
+"""The literature of the methods section; its entries stand in `FILE`, or in an analysis."""
 
 from __future__ import annotations
 
 import tomllib
 from typing import TYPE_CHECKING
 
+from vrcomfort.report.analyses import references
 from vrcomfort.resources import data_folder
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ def is_known(key: str) -> bool:
 
 
 def entries(cited: Iterable[str]) -> list[str]:
-    """Return the entries of these keys, in the order of the list.
+    """Return the entries of these keys, in the order of their texts.
 
     Raises
     ------
@@ -30,10 +31,10 @@ def entries(cited: Iterable[str]) -> list[str]:
     wanted = set(cited)
     if unknown := wanted - known.keys():
         raise KeyError(f"no reference {sorted(unknown)[0]}")
-    return [entry for key, entry in known.items() if key in wanted]
+    return sorted((known[key] for key in wanted), key=str.casefold)
 
 
 def _known() -> dict[str, str]:
     text = (data_folder("analysis") / "report" / FILE).read_text(encoding="utf-8")
     known: dict[str, str] = tomllib.loads(text)
-    return known
+    return known | references()

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort import __version__
 from vrcomfort.json_text import json_of
+from vrcomfort.report.analyses import analysed_people, run_analyses
 from vrcomfort.report.asked import unused_timepoints
 from vrcomfort.report.comparisons import add_intervals_of_comparisons, check_groups, run_comparisons
 from vrcomfort.report.contrasts import (
@@ -16,12 +16,12 @@ from vrcomfort.report.contrasts import (
     contrasts_of,
     run_tests,
 )
+from vrcomfort.report.derived_plan import with_outcomes
 from vrcomfort.report.descriptives import describe_all, describe_recovery
 from vrcomfort.report.deviations import deviations
 from vrcomfort.report.exclusions import apply_rules, rules_in_words
 from vrcomfort.report.exposures import score_exposures
 from vrcomfort.report.families import adjust
-from vrcomfort.report.further import further
 from vrcomfort.report.measures import Measure, definition_of
 from vrcomfort.report.models import (
     check_columns,
@@ -33,10 +33,10 @@ from vrcomfort.report.models import (
 )
 from vrcomfort.report.notices import notices
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.ordinal import ordinal_models
 from vrcomfort.report.outcomes import Outcome
-from vrcomfort.report.plan import with_outcomes
+from vrcomfort.report.plan_files import in_order
 from vrcomfort.report.quality import quality
+from vrcomfort.report.rows import as_json, rounded
 from vrcomfort.report.sensitivity import sensitivity
 from vrcomfort.report.smallest_effect import smallest_effects
 from vrcomfort.report.study_data import conditions_in
@@ -48,10 +48,11 @@ from vrcomfort.report.withdrawals import (
     sequences,
     why_not,
 )
-from vrcomfort.report.z_scores import standardised
 from vrcomfort.stats.means import RESAMPLES, SEED
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import pandas as pd
 
     from vrcomfort.questionnaire import Instrument
@@ -90,20 +91,20 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     tests = run_tests(scored, plan, contrasts, lambda a, b: lost_signs(found, a, b))
     models = _models(scored, plan, conditions, contrasts)
     comparisons = run_comparisons(scored, plan, others)
-    more = further(scored, plan, study)
+    reference = _reference(contrasts, conditions)
+    more = run_analyses(study, scored, plan, conditions, reference)
     compared = [*tests, *comparisons]
     families = adjust(plan, compared, models["anova"])
     add_intervals_of_tests(scored, plan, contrasts, tests)
     add_intervals_of_comparisons(scored, plan, others, comparisons)
-    of_others = [row for key in ("correlations", "preferences") for row in more[key]]
-    made = compared or of_others
-    analysed = _analysed(made, scored.table)
+    tested = [row["participants"] for row in compared] or analysed_people(more)
+    analysed = _analysed(tested, scored.table)
     reasons = why_not(
         study,
         scored,
         found,
         exclusions,
-        in_every_test=_in_every_test(made, analysed),
+        in_every_test=_in_every_test(tested, analysed),
     )
     named = [*conditions, *_unfinished(every, conditions)]
     results = {
@@ -111,7 +112,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "schema": SCHEMA,
         "software": {"vrcomfort": __version__, **{name: version(name) for name in SOFTWARE}},
         "study": {"title": study.title, "protocol": study.protocol},
-        "plan": {**plan.model_dump(mode="json"), "sha256": plan.sha256, "file": PLAN_FILE},
+        "plan": {**in_order(plan), "sha256": plan.sha256, "file": PLAN_FILE},
         "deviations": [],
         "bootstrap": {"resamples": RESAMPLES, "seed": SEED},
         "seeds": [{"what": "bootstrap-t of means", "seed": SEED, "resamples": RESAMPLES}],
@@ -135,8 +136,6 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "tests": tests,
         "comparisons": comparisons,
         **more,
-        "ordinal": ordinal_models(scored, plan, _reference(contrasts, conditions)),
-        "z_scores": standardised(scored, plan, conditions),
         "sensitivity": _sensitivity(scored, plan, tests, contrasts, found),
         "smallest_effects": smallest_effects(plan, tests),
         "descriptives": describe_all(scored, plan, conditions, compared),
@@ -146,7 +145,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "quality": quality(study, scored, plan, unused_timepoints(study, plan)),
     }
     results["deviations"] = deviations(study, scored, plan, results)
-    return plain(results), scored
+    return rounded(results), scored
 
 
 def _what_was_asked(scored: Exposures, study: StudyData) -> dict[str, Any]:
@@ -251,28 +250,17 @@ def _reference(contrasts: list[Compared], conditions: list[str]) -> str:
     return next(iter(conditions), "")
 
 
-def _analysed(tests: list[dict[str, Any]], table: pd.DataFrame) -> list[str]:
-    """Everybody who is in a test; everybody with a score if there is nothing to test."""
-    tested = {name for test in tests for name in test["participants"]}
+def _analysed(tests: list[Sequence[str]], table: pd.DataFrame) -> list[str]:
+    """Return the participants of all tests; all with a score if there is nothing to test."""
+    tested = {name for people in tests for name in people}
     return sorted(tested if tests else table["participant"].unique(), key=natural)
 
 
-def _in_every_test(tests: list[dict[str, Any]], analysed: list[str]) -> set[str]:
-    """Who of the analysed is in every test that anybody is in."""
-    return set(analysed).intersection(*(t["participants"] for t in tests if t["participants"]))
-
-
-def plain(value: Any) -> Any:
-    """Make a structure of JSON's own types; numbers to 12 digits, NaN and infinity to null."""
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, float):
-        return float(f"{value:.12g}") if math.isfinite(value) else None
-    return value
+def _in_every_test(tests: list[Sequence[str]], analysed: list[str]) -> set[str]:
+    """Return the analysed who are in every test that has any participants."""
+    return set(analysed).intersection(*(people for people in tests if people))
 
 
 def to_json(results: dict[str, Any]) -> str:
     """Write results.json."""
-    return json_of(results) + "\n"
+    return json_of(as_json(results)) + "\n"

@@ -5,16 +5,15 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import pandas as pd
 
-from vrcomfort.report.courses import TimeCourseAnalysis
-from vrcomfort.report.courses.analysis import course_tables
+from vrcomfort.report.analyses import csv_tables
 from vrcomfort.report.exposures import Exposures, column_of
-from vrcomfort.report.further_tables import further_tables
-from vrcomfort.report.gaze_and_head import GazeAndHeadAnalysis
+from vrcomfort.report.rows import Cells
+from vrcomfort.report.sections import Section, section_tables
 
 Row = dict[str, Any]
 
@@ -25,9 +24,7 @@ so that one apostrophe can be taken off again, a text that begins with apostroph
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
 
 
-def all_tables(
-    results: Row, scored: Exposures, courses: TimeCourseAnalysis, looked: GazeAndHeadAnalysis
-) -> dict[str, str]:
+def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> dict[str, str]:
     """Return file name → CSV text."""
     columns = ["participant", "session", "position", "condition", "scene", "early"]
     weights = results["weights"]
@@ -42,10 +39,17 @@ def all_tables(
         }
         for place, row in enumerate(scored.table.to_dict("records"))
     ]
-    tables = {
+    tables: dict[str, Sequence[Cells]] = {
         "scores": exposures,
         "tests": [_flat_test(test, results["plan"]) for test in results["tests"]],
-        **further_tables(results),
+        "comparisons": [_comparison(row) for row in results["comparisons"]],
+        **csv_tables(results),
+        "marginal_means": [line for found in results["mixed_models"] for line in _means(found)],
+        "aligned_ranks": [
+            {"outcome": found["outcome"]} | {key: effect[key] for key in _OF_RANKS}
+            for found in results["anova"]
+            for effect in found.get("aligned_ranks", ())
+        ],
         "sensitivity": results["sensitivity"],
         "smallest_effects": results["smallest_effects"],
         "descriptives": results["descriptives"],
@@ -55,7 +59,6 @@ def all_tables(
         "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
         "stimulus_time": results["stimulus_time"],
         "movement": results["movement"],
-        **_gaze_and_head(looked),
         "frame_measures": results["frame_measures"],
         "straight_lined": results["answering"]["straight_lined"],
         "anova": [row for found in results["anova"] for row in _flat_anova(found)],
@@ -75,9 +78,44 @@ def all_tables(
             row | {"participants": " ".join(row["participants"])} for row in results["deviations"]
         ],
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
-        **course_tables(results, courses),
+        **section_tables(sections),
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
+
+
+_OF_RANKS = ("effect", "f", "df_effect", "df_error", "p", "p_greenhouse_geisser", "p_huynh_feldt")
+
+
+def _means(found: Row) -> list[Row]:
+    """Return marginal means and their differences, one line each."""
+    if found["not_tested"]:
+        return []
+    return [
+        {"outcome": found["outcome"], "factor": factor, "level": level, **estimate}
+        for kind in ("means", "pairwise")
+        for factor, levels in found[kind].items()
+        for level, estimate in levels.items()
+    ]
+
+
+def _comparison(row: Row) -> Row:
+    inner = {"participants", "sides", "difference", "effect", "descriptives", "simultaneous"}
+    flat = {key: value for key, value in row.items() if key not in inner}
+    n = row["n_a"]
+    sides = (row["participants"][:n], row["participants"][-row["n_b"] :] if row["n_b"] else [])
+    for side, people, where in zip("ab", sides, row["sides"], strict=True):
+        flat |= {f"people_{side}": people}
+        flat |= {f"{key}_{side}": where[key] for key in ("condition", "timepoint")}
+    for side in ("a", "b"):
+        described = row.get("descriptives", {}).get(side, {})
+        flat |= {f"{key}_{side}": described.get(key) for key in ("mean", "sd", "median")}
+    for part in ("difference", "effect"):
+        found = row.get(part) or {}
+        flat |= {f"{part}_{key}": found.get(key) for key in ("what", "estimate", "low", "high")}
+        holm = (row["simultaneous"] or {}).get(part) or {}
+        flat |= {f"{part}_holm_{key}": holm.get(key) for key in ("low", "high")}
+    flat["confidence"] = (row.get("difference") or {}).get("confidence")
+    return flat
 
 
 def model_columns(results: Row, scored: Exposures) -> dict[str, list[Any]]:
@@ -106,16 +144,6 @@ def _or_none(values: pd.Series) -> list[Any]:
     return [None if pd.isna(value) else value for value in values]
 
 
-def _gaze_and_head(looked: GazeAndHeadAnalysis) -> dict[str, list[Row]]:
-    return {
-        "gaze_and_head": looked.exposures,
-        "gaze_zones": looked.zones,
-        "gaze_nodes": looked.nodes,
-        "fixations": looked.fixations,
-        "head_spectra": looked.spectra,
-    }
-
-
 def _whole(value: float | None) -> int | None:
     """Return a whole number; None where there is none."""
     return None if value is None or value != value else int(value)  # noqa: PLR0124 - NaN
@@ -126,7 +154,7 @@ def _points(value: float | None, unit: float) -> float | None:
     return None if steps is None else float(f"{steps * unit:.12g}")
 
 
-def to_csv(rows: list[Row]) -> str:
+def to_csv(rows: Sequence[Cells]) -> str:
     """Write rows with the columns of all of them, in the order of appearance; None is blank.
 
     Texts that a spreadsheet would take for a formula begin with an apostrophe. A list of names is

@@ -1,6 +1,13 @@
-"""Who answers: simulated participants, or an experimenter who types what a person says."""
+"""Respondents: simulated participants, and people who answer aloud or in the headset."""
 
-from vrcomfort.respondent.base import Exposure, Form, Heard, Respondent, Telling, Withdrew
+from vrcomfort.respondent.base import (
+    Exposure,
+    Form,
+    Heard,
+    InstructionContent,
+    Respondent,
+    Withdrew,
+)
 from vrcomfort.respondent.simulated import SimulatedRespondent
 from vrcomfort.respondent.terminal import TerminalRespondent
 
@@ -8,9 +15,9 @@ __all__ = [
     "Exposure",
     "Form",
     "Heard",
+    "InstructionContent",
     "Respondent",
     "SimulatedRespondent",
-    "Telling",
     "TerminalRespondent",
     "Withdrew",
 ]

@@ -1,10 +1,10 @@
-"""Who answers, and what they are asked."""
+"""The interface of respondents, and the forms that they answer."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, TypeAlias, runtime_checkable
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ class Withdrew(Exception):  # noqa: N818 - a decision of the participant, not an
 
 @dataclass(frozen=True)
 class Exposure:
-    """What a participant is about to be exposed to.
+    """The facts of an exposure that is about to begin.
 
     Parameters
     ----------
@@ -53,8 +53,8 @@ class Form:
 
 
 @dataclass(frozen=True, eq=False)
-class Telling:
-    """What a participant is told at a moment.
+class InstructionContent:
+    """The content of an instruction: words, a picture, a sound.
 
     Parameters
     ----------
@@ -87,34 +87,12 @@ class Written(NamedTuple):
     took_s: float
 
 
-@runtime_checkable
-class Writes(Protocol):
-    """Who answers in their own words: all but stand-ins of tests."""
-
-    def write(self, question: str) -> Written:
-        """Answer a question in one's own words.
-
-        Raises
-        ------
-        Withdrew
-            If the participant stops at it.
-        """
-
-
-@runtime_checkable
-class Decides(Protocol):
-    """Who can ask the experimenter: all but stand-ins of tests."""
-
-    def decide(self, question: str) -> bool:
-        """Return whether the experimenter wants to go on."""
-
-
 class Respondent(Protocol):
-    """A participant, or whoever answers for one. All times are seconds since the exposure began."""
+    """A participant, real or simulated. All times are seconds since the exposure began."""
 
     @property
     def name(self) -> str:
-        """Return what the manifest calls this kind of respondent."""
+        """Return the kind of respondent for the manifest."""
 
     def start_session(self, session: int) -> None:
         """Take note that a session begins (counted from 1)."""
@@ -122,7 +100,7 @@ class Respondent(Protocol):
     def start_exposure(self, exposure: Exposure) -> None:
         """Take note that an exposure begins."""
 
-    def endure(self, elapsed_s: float) -> None:
+    def update(self, elapsed_s: float) -> None:
         """Live through the training or exposure up to now; called every frame.
 
         Raises
@@ -158,8 +136,10 @@ class Respondent(Protocol):
             If the participant stops here.
         """
 
-    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:
-        """Live through a moment of what one is told.
+    def read(
+        self, content: InstructionContent, elapsed_s: float, *, may_go_on: bool
+    ) -> float | None:
+        """Live through a moment of an instruction.
 
         Returns
         -------
@@ -174,7 +154,7 @@ class Respondent(Protocol):
         """
 
     def leave(self) -> None:
-        """Take note that what one was told is over."""
+        """Take note that an instruction is over."""
 
     def ask(self, form: Form, heard: Heard) -> None:
         """Answer every item in the order of the instrument.
@@ -184,3 +164,15 @@ class Respondent(Protocol):
         Withdrew
             If the participant stops at a question; what was heard before is kept.
         """
+
+    def write(self, question: str) -> Written:
+        """Answer a question in one's own words.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops at it.
+        """
+
+    def decide(self, question: str) -> bool:
+        """Ask the experimenter; return whether the session goes on."""

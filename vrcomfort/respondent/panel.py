@@ -10,7 +10,7 @@ from dataclasses import replace
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keyboard
-from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
+from vrcomfort.respondent.base import Exposure, Form, Heard, InstructionContent, Withdrew, Written
 from vrcomfort.respondent.keyboard import waiting_line
 from vrcomfort.respondent.panel_input import (
     DWELL_S,
@@ -31,7 +31,13 @@ from vrcomfort.respondent.panel_layout import (
     rest_cells,
     review_cells,
 )
-from vrcomfort.respondent.panel_picture import Page, Painter, Progress, stop_page, telling_page
+from vrcomfort.respondent.panel_picture import (
+    DwellProgress,
+    Page,
+    Painter,
+    instruction_page,
+    stop_page,
+)
 
 _AWAY_S = 60.0
 """So long, from each frame on, nobody need look into the headset."""
@@ -40,7 +46,7 @@ UNABLE_S = 2.0
 
 
 class PanelRespondent:
-    """A person who answers in the headset.
+    """A participant who answers in the headset.
 
     Parameters
     ----------
@@ -98,7 +104,7 @@ class PanelRespondent:
         self._stopping: Page | None = None
         self._stop_by_look = False
         self._rating: int | None = None
-        self._told: tuple[Telling, bool, Page] | None = None
+        self._told: tuple[InstructionContent, bool, Page] | None = None
 
     def start_session(self, session: int) -> None:
         """Do nothing: the session begins with its questions."""
@@ -109,7 +115,7 @@ class PanelRespondent:
         if self._look_down is not None:
             self._look_down.forget()
 
-    def endure(self, elapsed_s: float) -> None:
+    def update(self, elapsed_s: float) -> None:
         """Take a wish to stop, and the rating that was asked for; a late one cannot be given.
 
         A wish to stop is asked once more, in the scene: the exposure goes on until it is confirmed.
@@ -155,7 +161,7 @@ class PanelRespondent:
         self._hide()
 
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
-        """Show the scale in the scene; the answer is picked up by `endure`."""
+        """Show the scale in the scene; the answer is picked up by `update`."""
         answers = instrument.items[0].answers
         cells = answer_cells(question_cells(answers, first=True, words=self._words))
         self._rating, self._scale_until_s = None, elapsed_s + timeout_s
@@ -191,18 +197,24 @@ class PanelRespondent:
         """Clear the view."""
         self._hide()
 
-    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:  # noqa: ARG002
-        """Show what is told while a frame passes; there is a button once one may go on.
+    def read(
+        self,
+        content: InstructionContent,
+        elapsed_s: float,  # noqa: ARG002
+        *,
+        may_go_on: bool,
+    ) -> float | None:
+        """Show an instruction while a frame passes; with a button once the participant may go on.
 
         Raises
         ------
         Withdrew
             If the participant stops, and says so twice.
         """
-        if telling.away:
+        if content.away:
             self._screen.allow_absence(_AWAY_S)
-        if self._told is None or self._told[:2] != (telling, may_go_on):
-            self._told = telling, may_go_on, telling_page(telling, self._words, ready=may_go_on)
+        if self._told is None or self._told[:2] != (content, may_go_on):
+            self._told = content, may_go_on, instruction_page(content, self._words, ready=may_go_on)
             self._keys.forget()
             self._dwell.forget()
             if may_go_on:
@@ -382,7 +394,7 @@ class PanelRespondent:
         return self._now_s() - self._unable_since_s > UNABLE_S
 
     def _hinted(self, page: Page, pointing: Pointing) -> Page:
-        """Return the page with what somebody must know who has no controller."""
+        """Return the page with the explanation for participants without a controller."""
         if self._is_unable(pointing):
             return self._with_hint(page, self._words.no_controller)
         return self._with_hint(page, self._words.look_twice) if pointing.dwelling else page
@@ -395,7 +407,7 @@ class PanelRespondent:
 
     def _draw(self, page: Page, pointing: Pointing, pointed: Cell | None) -> None:
         """Show a new picture only where it looks different; the pointer moves without."""
-        looks = self._dwell.progress(self._now_s()) if pointing.dwelling else Progress()
+        looks = self._dwell.progress(self._now_s()) if pointing.dwelling else DwellProgress()
         drawn = (page, pointed, looks)
         if drawn != self._drawn:
             self._screen.show(self._painter.draw(page, pointed, looks))

@@ -14,7 +14,7 @@ from PIL import Image
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.texts import ENGLISH, Words
-from vrcomfort.respondent.base import Telling
+from vrcomfort.respondent.base import InstructionContent
 from vrcomfort.respondent.panel_layout import (
     ANSWER_TOP_PX,
     FOOT_TOP_PX,
@@ -23,8 +23,8 @@ from vrcomfort.respondent.panel_layout import (
     SIZE_PX,
     Act,
     Cell,
+    instruction_cells,
     stop_cells,
-    telling_cells,
 )
 from vrcomfort.text_layout import Font, TextCanvas, font_for, usual_font
 
@@ -52,8 +52,8 @@ STEPS = 8
 
 
 @dataclass(frozen=True)
-class Progress:
-    """What the panel shows of looks.
+class DwellProgress:
+    """The panel's marks of a look.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Progress:
 
 @dataclass(frozen=True)
 class Page:
-    """What a panel shows.
+    """The content of a panel.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ class Page:
         The answer given before, if this question is open again.
     hint
         How to answer, in small letters.
-    telling
+    content
         What is told, in place of a question.
     """
 
@@ -101,25 +101,25 @@ class Page:
     done: float | None = None
     chosen: int | None = None
     hint: str = ""
-    telling: Telling | None = None
+    content: InstructionContent | None = None
 
     @property
     def font(self) -> Font:
         """Return the font that has all its characters."""
-        told = self.telling.text if self.telling else ""
+        told = self.content.text if self.content else ""
         cells = (cell.text for cell in self.cells)
         return font_for(self.title, self.question, self.hint, *(self.ends or ()), told, *cells)
 
 
-def telling_page(telling: Telling, words: Words = ENGLISH, *, ready: bool) -> Page:
-    """Return the page of what a participant is told; with a button to go on, if `ready`."""
-    nothing = not telling.text and telling.picture is None
-    shown = replace(telling, text=words.listen_sound) if nothing else telling
-    return Page("", "", telling_cells(words, ready=ready), telling=shown)
+def instruction_page(content: InstructionContent, words: Words = ENGLISH, *, ready: bool) -> Page:
+    """Return the page of an instruction; with a button to go on, if `ready`."""
+    nothing = not content.text and content.picture is None
+    shown = replace(content, text=words.listen_sound) if nothing else content
+    return Page("", "", instruction_cells(words, ready=ready), content=shown)
 
 
 def stop_page(words: Words = ENGLISH) -> Page:
-    """Return the page that asks whether somebody who wants to stop is sure."""
+    """Return the page that asks to confirm a stop."""
     return Page("", words.sure, stop_cells(words))
 
 
@@ -135,7 +135,7 @@ class Painter:
         self._pixels: Picture = np.empty((*SIZE_PX[::-1], 4), dtype=np.uint8)
         self._cells: dict[Cell, Picture] = {}
 
-    def draw(self, page: Page, pointed: Cell | None, looks: Progress | None = None) -> Picture:
+    def draw(self, page: Page, pointed: Cell | None, looks: DwellProgress | None = None) -> Picture:
         """Return the page as (height, width, 4) pixels, with a pointed cell in its colour.
 
         Parameters
@@ -172,7 +172,7 @@ def _around(cell: Cell) -> tuple[int, int, int, int]:
     return left, top, right + 1, bottom + 1
 
 
-def _draw_looks(picture: Picture, looks: Progress) -> None:
+def _draw_looks(picture: Picture, looks: DwellProgress) -> None:
     if looks.prepared is not None:
         left, top, right, bottom = _around(looks.prepared)
         for rows, columns in (
@@ -196,8 +196,8 @@ def _draw_page(page: Page, font: Font) -> Image.Image:
         _draw_cell(canvas, cell, _colour(cell, page))
     if page.ends is not None:
         _draw_ends(canvas, page)
-    if page.telling is not None:
-        _draw_telling(image, canvas, page.telling)
+    if page.content is not None:
+        _draw_instruction(image, canvas, page.content)
     canvas.write((SIZE_PX[0] / 2, HINT_PX), page.hint, SMALL_PX, fill=QUIET, anchor="mm")
     return image
 
@@ -222,28 +222,28 @@ def _draw_question(canvas: TextCanvas, question: str, width: float) -> None:
     canvas.write((MARGIN_PX, QUESTION_TOP_PX), text, size, fill=TEXT, leading_px=LEADING_PX)
 
 
-def _draw_telling(image: Image.Image, canvas: TextCanvas, telling: Telling) -> None:
+def _draw_instruction(image: Image.Image, canvas: TextCanvas, content: InstructionContent) -> None:
     """Draw words from the top, and a picture in the middle of the room below them."""
     top = TELLING_TOP_PX
-    if telling.text:
-        size, height = _telling_size(canvas, telling)
-        text = _paragraphs(canvas, telling.text, size)
+    if content.text:
+        size, height = _instruction_size(canvas, content)
+        text = _paragraphs(canvas, content.text, size)
         canvas.write((MARGIN_PX, top), text, size, fill=TEXT, leading_px=LEADING_PX)
         top += height + MARGIN_PX
-    if telling.picture is not None:
-        drawn = Image.fromarray(telling.picture)
+    if content.picture is not None:
+        drawn = Image.fromarray(content.picture)
         left = (SIZE_PX[0] - drawn.width) // 2
         above = top + max(TELLING_BOTTOM_PX - top - drawn.height, 0) // 2
         image.alpha_composite(drawn, (left, above))
 
 
-def _telling_size(canvas: TextCanvas, telling: Telling) -> tuple[int, int]:
+def _instruction_size(canvas: TextCanvas, content: InstructionContent) -> tuple[int, int]:
     """Return the largest size in which words leave room for their picture, and their height."""
     room = TELLING_BOTTOM_PX - TELLING_TOP_PX
-    if telling.picture is not None:
-        room -= telling.picture.shape[0] + MARGIN_PX
+    if content.picture is not None:
+        room -= content.picture.shape[0] + MARGIN_PX
     for size in TELLING_PX:
-        text = _paragraphs(canvas, telling.text, size)
+        text = _paragraphs(canvas, content.text, size)
         height = canvas.height_px(text, size, leading_px=LEADING_PX)
         if height <= room:
             break
@@ -262,7 +262,7 @@ def room_for_picture(text: str) -> tuple[int, int]:
     """
     height = TELLING_BOTTOM_PX - TELLING_TOP_PX
     if text:
-        page = telling_page(Telling("", text), ready=True)
+        page = instruction_page(InstructionContent("", text), ready=True)
         canvas = TextCanvas(Image.new("RGBA", (1, 1)), page.font)
         lines = _paragraphs(canvas, text, SMALL_PX)
         height -= round(canvas.height_px(lines, SMALL_PX, leading_px=LEADING_PX))
@@ -277,7 +277,7 @@ def _draw_cell(
     *,
     corner: tuple[int, int] = (0, 0),
 ) -> None:
-    """Draw a cell on a canvas whose upper left pixel is `corner` of the page."""
+    """Draw a cell on a canvas with its upper left pixel at `corner` of the page."""
     left, top, right, bottom = (edge - corner[i % 2] for i, edge in enumerate(cell.box))
     canvas.rounded_rectangle(
         (left, top, right, bottom), radius=min(12, (right - left) // 3), fill=colour

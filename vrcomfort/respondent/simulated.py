@@ -19,7 +19,7 @@ from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.protocol import Simulation
 from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.questionnaire import Instrument, Item
-from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
+from vrcomfort.respondent.base import Exposure, Form, Heard, InstructionContent, Withdrew, Written
 from vrcomfort.respondent.simulated_eyes import EyePair, Eyes
 from vrcomfort.respondent.simulated_hands import (
     SimulatedAdjuster,
@@ -110,7 +110,7 @@ class SimulatedRespondent:
         self._rng = self._stream(session)
         self._session = session
         self._eyes: Eyes | None = None
-        self._break: Telling | None = None
+        self._break: InstructionContent | None = None
         self._breaks = 0
         self.sickness = 0.0
         self._limit = 0.0
@@ -162,7 +162,7 @@ class SimulatedRespondent:
         self._adjuster = SimulatedAdjuster(self._settings, adjustment, person, exposure)
 
     def turn(self, place: float, time_s: float) -> Turn:
-        """Return what they do to the dial, which is at a place (0 to 1) of its range."""
+        """Return the turn of the dial, from its place (0 to 1) in its range."""
         return self._adjuster.turn(place, time_s)
 
     def start_slider(self, trial: int) -> None:
@@ -226,7 +226,7 @@ class SimulatedRespondent:
         times = (self._withdraws_at_s, self._answer_at_s)
         return min((each for each in times if each > elapsed_s), default=math.inf)
 
-    def endure(self, elapsed_s: float) -> None:
+    def update(self, elapsed_s: float) -> None:
         """Withdraw when it has become too much."""
         self._lived_s = elapsed_s
         if elapsed_s >= self._withdraws_at_s:
@@ -258,20 +258,22 @@ class SimulatedRespondent:
         self._limit = 0.0
         self.sickness = float(self._after(np.array(duration_s)))
 
-    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:
+    def read(
+        self, content: InstructionContent, elapsed_s: float, *, may_go_on: bool
+    ) -> float | None:
         """Read all words, look at a picture, hear a sound to its end; draws nothing at random."""
-        takes_s = _SECONDS_PER_WORD * len(telling.text.split())
-        takes_s += _SECONDS_PER_PICTURE if telling.picture is not None else 0.0
-        takes_s += self._lingers_s(telling) if telling.away else 0.0
-        left_s = max(takes_s, telling.sound_s or 0.0) - elapsed_s
+        takes_s = _SECONDS_PER_WORD * len(content.text.split())
+        takes_s += _SECONDS_PER_PICTURE if content.picture is not None else 0.0
+        takes_s += self._lingers_s(content) if content.away else 0.0
+        left_s = max(takes_s, content.sound_s or 0.0) - elapsed_s
         if left_s > _SHORTEST_S:
             return left_s
         return None if may_go_on else math.inf
 
-    def _lingers_s(self, telling: Telling) -> float:
+    def _lingers_s(self, content: InstructionContent) -> float:
         """Return for how long they stay in a break that they may end."""
-        if self._break is not telling:
-            self._break, self._breaks = telling, self._breaks + 1
+        if self._break is not content:
+            self._break, self._breaks = content, self._breaks + 1
         key = (self._person, self._session, self._breaks, _BREAKS)
         random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
         return self._settings.break_extra_s * float(random.standard_exponential())
@@ -309,7 +311,7 @@ class SimulatedRespondent:
         return bool(random.random() >= self._settings.screened_out)
 
     def _choice(self, item: Item, compared: Sequence[str]) -> int:
-        """Choose what seems best now (Thurstone 1927), or nothing where two seem alike."""
+        """Choose the best condition now (Thurstone 1927), or none where two seem alike."""
         liking = self._settings.liking
         seems = [liking.get(each, 0.0) + self._rng.standard_normal() for each in compared]
         best, next_best = sorted(seems, reverse=True)[:2]

@@ -11,7 +11,7 @@ from rich.table import Table
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keyboard
-from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
+from vrcomfort.respondent.base import Exposure, Form, Heard, InstructionContent, Withdrew, Written
 from vrcomfort.respondent.keyboard import input_over, waiting_line
 
 
@@ -36,7 +36,7 @@ class TypedRating:
         self._until_s = -1.0
 
     def take(self, line: str, elapsed_s: float) -> str:
-        """Take a line; return what to say of one that is not recorded, else nothing."""
+        """Take a line; return a message on one that is not recorded, else nothing."""
         scale = self._instrument
         if scale is None:
             return f"{line!r} was not recorded: nothing was asked"
@@ -51,7 +51,7 @@ class TypedRating:
         return ""
 
     def too_late(self, line: str) -> str:
-        """Return what to say of a line that nobody waits for any more."""
+        """Return a message on a line that came too late."""
         return f"{line!r} came too late and was not recorded"
 
 
@@ -92,7 +92,7 @@ class TerminalRespondent:
         self._rating = TypedRating()
         self._asked_whether_to_stop = False
         self._exposed = False
-        self._told: Telling | None = None
+        self._told: InstructionContent | None = None
 
     def start_session(self, session: int) -> None:
         """Say which session begins, and how to end it."""
@@ -100,13 +100,13 @@ class TerminalRespondent:
         self._console.print(f"{_STOP}, at any time.")
 
     def start_exposure(self, exposure: Exposure) -> None:
-        """Say what is shown and how to stop it; the condition is not named: the room may hear."""
+        """Print the scene and how to stop it, without the condition: the room may hear."""
         self._rating = TypedRating()
         self._finish_asking_whether_to_stop()
         self._console.print(f"Exposure {exposure.trial}, {exposure.scene}. {_STOP}.")
 
-    def endure(self, elapsed_s: float) -> None:
-        """Take what was typed: a withdrawal, or the rating that was asked for.
+    def update(self, elapsed_s: float) -> None:
+        """Take typed lines: a withdrawal, or the present rating.
 
         Raises
         ------
@@ -124,7 +124,7 @@ class TerminalRespondent:
         self._console.print(f"Exposure over after {elapsed_s:.0f} s.")
 
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
-        """Show the question; the answer is picked up by `endure`."""
+        """Show the question; the answer is picked up by `update`."""
         self._rating = TypedRating(instrument, elapsed_s + timeout_s)
         self._console.print(f"{instrument.instruction} ({timeout_s:.0f} s)", style="bold")
 
@@ -133,7 +133,7 @@ class TerminalRespondent:
         return self._rating.response
 
     def resting(self, left_s: float) -> bool:  # noqa: ARG002 - the bar shows it
-        """Take what is typed: a withdrawal."""
+        """Take typed lines: a withdrawal."""
         self._clear_typed()
         return False
 
@@ -148,8 +148,14 @@ class TerminalRespondent:
         self._finish_asking_whether_to_stop()
         self._console.print(f"{duration_s / 60:.1f} minutes of rest are over.")
 
-    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:  # noqa: ARG002
-        """Print what is told, to be read aloud; Enter goes on.
+    def read(
+        self,
+        content: InstructionContent,
+        elapsed_s: float,  # noqa: ARG002
+        *,
+        may_go_on: bool,
+    ) -> float | None:
+        """Print an instruction, to be read aloud; Enter goes on.
 
         Raises
         ------
@@ -158,10 +164,10 @@ class TerminalRespondent:
         InputError
             If nothing can be typed any more.
         """
-        if self._told is not telling:
-            self._told = telling
-            self._console.rule(telling.name)
-            self._console.print(telling.text or "(nothing to read)")
+        if self._told is not content:
+            self._told = content
+            self._console.rule(content.name)
+            self._console.print(content.text or "(nothing to read)")
             self._console.print(f"Enter = go on. {_STOP}.", style="dim")
         typed = self._waiting_line()
         if typed is None:
@@ -177,7 +183,7 @@ class TerminalRespondent:
         return None if may_go_on and not line else _LOOKS_EVERY_S
 
     def leave(self) -> None:
-        """Wait for the answer to whether somebody wants to stop.
+        """Wait for the confirmation of a withdrawal.
 
         Raises
         ------
@@ -251,7 +257,7 @@ class TerminalRespondent:
         return Written("\n".join(lines), self._now_s() - since_s)
 
     def decide(self, question: str) -> bool:
-        """Ask the experimenter, who says yes or no."""
+        """Ask the experimenter a yes-or-no question."""
         self._finish_asking_whether_to_stop()
         self._clear_typed()
         while (line := self._read(f"{question} ({keyboard.YES}/{keyboard.NO}) ")) not in _YES_OR_NO:
@@ -289,7 +295,7 @@ class TerminalRespondent:
                 self._one(instrument, int(line) - 1, answers, heard)
 
     def _line(self, prompt: str) -> str:
-        """Return what is typed after a prompt; a wish to stop is asked once more."""
+        """Return the text typed after a prompt; a wish to stop is asked once more."""
         while True:
             line = self._read(prompt)
             if line != keyboard.STOP:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from vrcomfort.frame import Frame
+from vrcomfort.headset.base import HasArrowKeys, HasHaptics, HasInputs
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.protocol import Condition
 from vrcomfort.protocol.adjustments import Adjustment, Dial, Slider, adjusted, value_of
@@ -20,8 +20,8 @@ from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.respondent.simulated_hands import Turn
 from vrcomfort.scene.markers import Shown
 from vrcomfort.session.context import EventLog, SessionContext
-from vrcomfort.session.interfaces import Doing
-from vrcomfort.session.task_run import HasInputs, task_random
+from vrcomfort.session.interfaces import Activity
+from vrcomfort.session.task_run import task_random
 from vrcomfort.tasks import Demand
 
 KEY_STEPS = 100
@@ -37,22 +37,6 @@ SLIDER_KEY_STEPS = 20
 RIGHT_HAND = 1
 SLIDER_DIGITS = 3
 """Of a place on the scale."""
-
-
-@runtime_checkable
-class Ticks(Protocol):
-    """A headset whose controllers can be felt."""
-
-    def tick(self, hand: int) -> None:
-        """Let a controller tick (0 left, 1 right)."""
-
-
-@runtime_checkable
-class HasArrows(Protocol):
-    """A headset with a window, whose arrow keys walk where nothing else wants them."""
-
-    arrows_turn: bool
-    """Whether they turn a dial."""
 
 
 @dataclass
@@ -75,7 +59,7 @@ class DialRun(ABC):
     """Where it stands: 0 (lowest) to 1."""
     _before_s: float | None = field(default=None, init=False)
     """Seconds of the exposure at the frame before; None where none is under way."""
-    _keyboard: HasArrows | None = field(default=None, init=False)
+    _keyboard: HasArrowKeys | None = field(default=None, init=False)
 
     @property
     @abstractmethod
@@ -112,7 +96,7 @@ class DialRun(ABC):
         """Take a frame before it is drawn."""
         del frame, scene_time_s
         if self._before_s is None:
-            self._keyboard = headset if isinstance(headset, HasArrows) else None
+            self._keyboard = headset if isinstance(headset, HasArrowKeys) else None
             if self._keyboard is not None:
                 self._keyboard.arrows_turn = True
             self.begin()
@@ -307,7 +291,7 @@ class SliderRun(DialRun):
         before = round(self.value)
         super().step(frame, headset, elapsed_s, scene_time_s)
         moves = self.dial.stick == "rate" and round(self.value) != before
-        if moves and isinstance(headset, Ticks):
+        if moves and isinstance(headset, HasHaptics):
             headset.tick(RIGHT_HAND)
 
     def turned(self, turn: Turn, elapsed_s: float, passed_s: float) -> None:
@@ -329,7 +313,7 @@ class SliderRun(DialRun):
 class Several:
     """Things that are done at once in an exposure."""
 
-    parts: Sequence[Doing]
+    parts: Sequence[Activity]
 
     @property
     def done(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from vrcomfort.protocol.session_steps import Breaks
 from vrcomfort.protocol.timeline import WHOLE_SESSION, BreakStep
 from vrcomfort.records import Interrupted
-from vrcomfort.respondent import Telling
+from vrcomfort.respondent import InstructionContent
 from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.instructor import Instructor
 from vrcomfort.session.operator_control import Skipped
@@ -14,7 +14,7 @@ SLICE_S = 0.2
 """So often a rest looks up."""
 
 
-class Rests:
+class BreakRunner:
     """The rests of one session.
 
     Parameters
@@ -91,7 +91,7 @@ class Rests:
             self._events.event("break_cut_short", detail=detail)
             return "experimenter"
         rest = self._context.protocol.words
-        telling = Telling(rest.rest, rest.rest_ready, away=True)
+        content = InstructionContent(rest.rest, rest.rest_ready, away=True)
         late_s = None if settings.max_s is None else began_s + settings.max_s
 
         def tell() -> None:
@@ -99,7 +99,7 @@ class Rests:
             self._events.event("break_too_long", detail=detail)
             self._events.tell("notice", WHOLE_SESSION, 0, 0, detail)
 
-        return self._instructor.tell_until(telling, late_s, tell)
+        return self._instructor.tell_until(content, late_s, tell)
 
     def _wait(self, duration_s: float) -> None:
         """Wait; in slices, so that progress can be shown, and a wish to stop be heard."""

@@ -20,7 +20,7 @@ from vrcomfort.protocol.timeline import WHOLE_SESSION, TrialPlace
 from vrcomfort.records import Durability, EventRow, Machine, Recorder
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.clock import Clock, VirtualClock
-from vrcomfort.session.interfaces import HeadsetFor, LoadScene, NoRelay, Relay, Renderer
+from vrcomfort.session.interfaces import HeadsetFor, LoadScene, NoOutlet, Outlet, Renderer
 from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.panel_screen import PanelScreen
 
@@ -56,7 +56,7 @@ class SessionSettings:
         Closes the records where the headset's runtime hangs; None where nothing can.
     operators
         Carries out commands; without it there is Ctrl-C alone.
-    relay
+    outlet
         Passes on events, frames and ratings to other devices.
     speaker
         Plays the sounds of instructions; without it their texts stand in for them.
@@ -75,7 +75,7 @@ class SessionSettings:
     durability: Durability = "each_row"
     watchdog: Watchdog | None = None
     operators: OperatorControl = field(default_factory=lambda: OperatorControl(NoOperator()))
-    relay: Relay = field(default_factory=NoRelay)
+    outlet: Outlet = field(default_factory=NoOutlet)
     speaker: Speaker | None = None
     jumps: bool = False
     progress: ProgressCallback = no_progress
@@ -108,7 +108,7 @@ class SessionContext(SessionSettings):
     floor: Floor = field(default_factory=Floor)
 
     @property
-    def stretch(self) -> float:
+    def time_scale(self) -> float:
         """Return the protocol's seconds for each shown second of the longest exposure."""
         return self.protocol.longest_s / self.exposure_s
 
@@ -134,7 +134,7 @@ class EventLog:
         """Write an event that ends now; without a start it is a moment."""
         self.look_at_files()
         row = self._event(name, start_s, detail)
-        self.context.relay.mark(row)
+        self.context.outlet.mark(row)
         self.recorder.write(row)
 
     def note(self, happened: HeadsetEvent) -> None:
@@ -146,11 +146,11 @@ class EventLog:
     def event_soon(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
         """Write an event that ends now, between two frames: nothing waits for the disk."""
         row = self._event(name, start_s, detail)
-        self.context.relay.mark(row)
+        self.context.outlet.mark(row)
         self.recorder.write_soon(row)
 
     def look_at_files(self) -> None:
-        """Write, and tell at once, what other programs have done to the session's files."""
+        """Write, and report at once, changes of the session's files by other programs."""
         for each in self.recorder.take_meddling():
             name = "rows_lost" if each.lost else "file_put_back"
             self.event_soon(name, detail=each.sentence)

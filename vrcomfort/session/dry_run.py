@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
-from vrcomfort.headset.sound import NobodyHears
+from vrcomfort.headset.sound import SilentSpeaker
 from vrcomfort.protocol import Protocol
-from vrcomfort.records import EventRow, session_folder
+from vrcomfort.records import EventRow, Study
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.session.context import SessionSettings
 from vrcomfort.session.enrolment import open_enrolment
@@ -104,7 +103,7 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
                 headset_for=lambda _name, _scene: StillHeadset(_steps_hz(protocol)),
                 load_scene=scenes_for(protocol),
                 renderer=NoPictures(),
-                speaker=NobodyHears(),
+                speaker=SilentSpeaker(),
                 jumps=True,
                 durability="session_end",
             ),
@@ -137,8 +136,7 @@ def _steps_hz(protocol: Protocol) -> float:
 
 
 def _length(study: Path, name: str, group: str, sequence: str, session: int) -> SessionLength:
-    table = CsvTable.read(session_folder(study, name, session) / EventRow.FILE, appended=True)
-    events = list(table.dicts())
+    events = list(Study(study).session(name, session).text_rows(EventRow))
 
     def lasted(what: str) -> float:
         return sum(float(e["duration_s"] or 0) for e in events if e["name"] == what)

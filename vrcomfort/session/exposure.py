@@ -13,14 +13,14 @@ import numpy as np
 
 from vrcomfort.frame import Frame, GpuTime
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.base import Headset, TellsTime
+from vrcomfort.headset.base import HasDisplayClock, Headset
 from vrcomfort.records import ClockRow, RatingRow, Recorder
 from vrcomfort.render.display import PatchLight
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.frame_log import FrameLog, seen_between_ns
-from vrcomfort.session.interfaces import Doing
+from vrcomfort.session.interfaces import Activity
 from vrcomfort.session.operator_control import Redone, Skipped
 from vrcomfort.session.ratings import Rated, RatingSchedule, RatingSchedules
 from vrcomfort.stop_signals import interruptible, uninterrupted
@@ -72,9 +72,9 @@ class ClockBridge:
 
     def _reading(self, headset: Headset) -> tuple[ClockRow, int | None]:
         before_ns = time.monotonic_ns()
-        display_ns = headset.display_now_ns() if isinstance(headset, TellsTime) else None
+        display_ns = headset.display_now_ns() if isinstance(headset, HasDisplayClock) else None
         unix_ns = time.time_ns()
-        lsl_s = self.context.relay.now_s()
+        lsl_s = self.context.outlet.now_s()
         session_s = self.context.clock.now_s()
         after_ns = time.monotonic_ns()
         middle_ns = (before_ns + after_ns) // 2
@@ -108,7 +108,7 @@ CLOCKS_EVERY_S = 10.0
 
 @dataclass(frozen=True)
 class Stimulus:
-    """What is shown under which number, and for how long.
+    """An exposure's stimulus: its trial number, condition and duration.
 
     Parameters
     ----------
@@ -116,14 +116,14 @@ class Stimulus:
         0 in training.
     duration_s
         What is shown.
-    stretch
+    time_scale
         The protocol's seconds for each shown second.
     """
 
     trial: int
     condition: str
     duration_s: float
-    stretch: float = 1.0
+    time_scale: float = 1.0
 
 
 @dataclass
@@ -138,7 +138,7 @@ class FrameLoop:
     """Along which the participant is carried, from the beginning of training and exposure."""
     elapsed_s: float = 0.0
     """Seconds of the exposure that have been shown."""
-    felt_s: float = 0.0
+    perceived_s: float = 0.0
     """The same in the protocol's time."""
 
     def __post_init__(self) -> None:
@@ -149,7 +149,7 @@ class FrameLoop:
         self._was_paused = self._back_at_start = False
         self._clocks = ClockBridge(self.context, self.events.recorder)
         self._clocks_due_s: float | None = None
-        self._task: Doing | None = None
+        self._task: Activity | None = None
         self._light: PatchLight | None = None
         self._light_told = False
 
@@ -158,7 +158,7 @@ class FrameLoop:
         stimulus: Stimulus,
         *,
         schedule: RatingSchedules | None = None,
-        task: Doing | None = None,
+        task: Activity | None = None,
         progress: Callable[[float], None],
     ) -> Ending:
         """Show frames for `stimulus.duration_s`, as counted by their display times.
@@ -169,7 +169,7 @@ class FrameLoop:
             If the participant, a rating or an operator ends the exposure. Everything shown is
             logged.
         """
-        self.elapsed_s = self.felt_s = 0.0
+        self.elapsed_s = self.perceived_s = 0.0
         self._back_at_start = self.path is not None
         self.log.start_trial()
         self._rating = (stimulus, schedule) if schedule else None
@@ -198,9 +198,9 @@ class FrameLoop:
             self._end_relay(stimulus)
 
     def _end_relay(self, stimulus: Stimulus) -> None:
-        relay = self.context.relay
-        relay.end_exposure(stimulus.trial)
-        if left_out := relay.take_left_out():
+        outlet = self.context.outlet
+        outlet.end_exposure(stimulus.trial)
+        if left_out := outlet.take_left_out():
             detail = f"{left_out} samples: other devices were too slow to take them"
             self.events.event_soon("not_passed_on", detail=detail)
 
@@ -233,13 +233,13 @@ class FrameLoop:
             if not self._counts(frame, stimulus):
                 shown_ns += 0 if before is None else frame.period_ns  # the last one that counted
                 before = None
-                self.context.respondent.endure(self.felt_s)
+                self.context.respondent.update(self.perceived_s)
                 continue
             passed_ns = 0 if before is None else seen_between_ns(before, frame)
             shown_ns += passed_ns
             before_s, before = self.elapsed_s, frame
             self.elapsed_s = shown_ns / 1e9
-            self.felt_s = self.elapsed_s * stimulus.stretch
+            self.perceived_s = self.elapsed_s * stimulus.time_scale
             self.context.clock.advance(self.elapsed_s - before_s)
             shown = self._carried(frame)
             if self._task is not None:
@@ -256,7 +256,7 @@ class FrameLoop:
             if self.elapsed_s + 1.5 * frame.period_ns / 1e9 > stimulus.duration_s:
                 self.context.clock.advance(frame.period_ns / 1e9)
                 self.elapsed_s = stimulus.duration_s
-                self.felt_s = self.elapsed_s * stimulus.stretch
+                self.perceived_s = self.elapsed_s * stimulus.time_scale
                 return "completed"
         return "headset_ended"
 
@@ -274,7 +274,7 @@ class FrameLoop:
         return True
 
     def _steered(self, frame: Frame) -> Frame:
-        """Hear the operators; return the frame as it is to be shown: to nobody while paused."""
+        """Carry out operators' commands; return the frame, hidden while the session is paused."""
         operators, period_s = self.context.operators, frame.period_ns / 1e9
         try:
             operators.look()
@@ -335,15 +335,15 @@ class FrameLoop:
         if self._clocks_due_s is None or self.elapsed_s >= self._clocks_due_s:
             self._clocks.read(self.headset, self.log.recorded_minus_display_ns)
             self._clocks_due_s = self.elapsed_s + CLOCKS_EVERY_S
-        relay = self.context.relay
+        outlet = self.context.outlet
         seen_ns = self._clocks.monotonic_ns(frame.predicted_display_time_ns)
         if begins:
-            relay.begin_exposure(stimulus.trial, stimulus.condition, seen_ns)
+            outlet.begin_exposure(stimulus.trial, stimulus.condition, seen_ns)
         if self._light is not None and self._light.has_begun and not self._light_told:
             self._light_told = True
             time_ns = frame.predicted_display_time_ns + self.log.recorded_minus_display_ns
             self.events.event_soon("photodiode", detail=f"white from xr_time_ns {time_ns} on")
-        relay.show(frame, seen_ns)
+        outlet.show(frame, seen_ns)
 
     def _carried(self, frame: Frame) -> Frame:
         """Return a frame where the path has taken the participant, by shown time."""
@@ -384,14 +384,14 @@ class FrameLoop:
         )
 
     def _listen(self, stimulus: Stimulus, schedule: RatingSchedules | None) -> None:
-        self.context.respondent.endure(self.felt_s)
-        if schedule and (rated := schedule.update(self.felt_s, self.context.clock.now_s())):
+        self.context.respondent.update(self.perceived_s)
+        if schedule and (rated := schedule.update(self.perceived_s, self.context.clock.now_s())):
             self._record(stimulus, *rated)
             rated[0].check(rated[1])
 
     def _miss(self, stimulus: Stimulus, schedule: RatingSchedules) -> None:
         now_s = self.context.clock.now_s()
-        for missed in schedule.missed_while_frozen(self.felt_s, now_s, stimulus.stretch):
+        for missed in schedule.missed_while_frozen(self.perceived_s, now_s, stimulus.time_scale):
             self._record(stimulus, *missed)
 
     def _record(self, stimulus: Stimulus, schedule: RatingSchedule, rated: Rated) -> None:
@@ -406,8 +406,8 @@ class FrameLoop:
             response=rated.response,
             missed=schedule.missed_code if rated.response is None else 0,
         )
-        self.context.relay.rate(row)
+        self.context.outlet.rate(row)
         self.events.recorder.write_soon(row)
         self.context.operators.interface.rated(
-            schedule.instrument.name, self.felt_s, rated.response
+            schedule.instrument.name, self.perceived_s, rated.response
         )

@@ -28,13 +28,13 @@ from vrcomfort.records import Interrupted
 from vrcomfort.records.interruptions import RESUMED
 from vrcomfort.respondent import Withdrew
 from vrcomfort.scene.data import Scene
-from vrcomfort.session.breaks import Rests
+from vrcomfort.session.breaks import BreakRunner
 from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.eye_height import EyeHeight
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.gaze_validation import Validation
 from vrcomfort.session.instructor import Instructor
-from vrcomfort.session.interview import FreeTexts, Interview, OpenQuestions, Screener
+from vrcomfort.session.interview import FreeTexts, Interview, OpenQuestions, ScreeningRunner
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.operator_control import SessionTime
 from vrcomfort.session.practice import PracticeRunner
@@ -81,13 +81,13 @@ class SessionFlow:
         last_ns = interrupted.xr_time_ns if interrupted else None
         self._log = FrameLog(events.recorder, last_ns=last_ns)
         self._instructor = Instructor(context, events)
-        self._rests = Rests(context, events, self._instructor, interrupted)
+        self._rests = BreakRunner(context, events, self._instructor, interrupted)
         self._open = (
             OpenQuestions(context, events, interrupted, self._rests.rest) if interrupted else None
         )
         self._scores = ScoreWatch(context.protocol)
         self._texts = FreeTexts(context, events)
-        self._screener = Screener(context, events)
+        self._screener = ScreeningRunner(context, events)
         self._operators = context.operators
         self._trials = TrialRunner(
             context,
@@ -193,7 +193,7 @@ class SessionFlow:
             case FreeTextStep():
                 self._texts.ask(step)
             case EyeHeightStep():
-                headset, _ = self._trials.stand(step.place)
+                headset, _ = self._trials.start_pose_of(step.place)
                 log, manifest = self._log, self._manifest
                 EyeHeight(self._context, self._events, log, manifest, step).measure(headset)
             case GazeValidationStep():
@@ -213,7 +213,7 @@ class SessionFlow:
     def _validate_gaze(self, step: GazeValidationStep) -> None:
         if self._validation is None:  # one for all: it counts them
             self._validation = Validation(self._context, self._events, self._log, step.validation)
-        headset, standing = self._trials.stand(step.place)
+        headset, standing = self._trials.start_pose_of(step.place)
         spawn = standing.scene.spawn if isinstance(standing.scene, Scene) else Pose()
         resumed = self._interrupted is not None
         if sentence := self._validation.hold(step, headset, spawn, resumed=resumed):

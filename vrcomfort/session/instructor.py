@@ -12,14 +12,14 @@ from vrcomfort.headset.sound import Sound, read_sound
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.session_steps import Instruction
 from vrcomfort.protocol.timeline import InstructionStep, TrialPlace
-from vrcomfort.respondent import Telling
+from vrcomfort.respondent import InstructionContent
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_picture import (
     Painter,
     Picture,
+    instruction_page,
     read_picture,
     room_for_picture,
-    telling_page,
 )
 from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.operator_control import Redone, Skipped
@@ -83,7 +83,7 @@ class Instructor:
         self._events = events
         self._respondent = context.respondent
         self._operators = context.operators
-        self._shown: Telling | None = None
+        self._shown: InstructionContent | None = None
 
     def tell(self, step: InstructionStep) -> None:
         """Tell an instruction, again where an operator wants it so.
@@ -101,14 +101,14 @@ class Instructor:
         """Present an instruction once; return the cause of its end."""
         instruction = step.instruction
         speaker = self._context.speaker if media.sound else None
-        telling = _telling(instruction, media, plays=speaker is not None)
+        content = _content_of(instruction, media, plays=speaker is not None)
         start_s = self._context.clock.now_s()
         ended = "interruption"
         self._operators.begin("instruction", self._words(step))
         try:
             if media.sound and speaker:
                 speaker.play(media.sound)
-            ended = self._until_over(telling, instruction, step.place)
+            ended = self._until_over(content, instruction, step.place)
         except Skipped:
             ended = "experimenter"
         except Redone:
@@ -117,7 +117,7 @@ class Instructor:
             if speaker:
                 speaker.stop()
             passed_s = self._context.clock.now_s() - start_s
-            what = _told(instruction, telling, media, passed_s)
+            what = _told(instruction, content, media, passed_s)
             detail = f"{instruction.name}: {what}; ended by {ended}"
             self._events.event("instruction", start_s, detail=detail)
             self._clear()
@@ -125,7 +125,7 @@ class Instructor:
         return ended
 
     def tell_until(
-        self, telling: Telling, late_s: float | None, tell_late: Callable[[], None]
+        self, content: InstructionContent, late_s: float | None, tell_late: Callable[[], None]
     ) -> str:
         """Tell something until the participant or the experimenter goes on; return which.
 
@@ -142,8 +142,8 @@ class Instructor:
                     late_s = None
                     tell_late()
                 self._operators.look()
-                self._show_beside(telling)
-                idle_s = self._respondent.read(telling, now_s - start_s, may_go_on=True)
+                self._show_beside(content)
+                idle_s = self._respondent.read(content, now_s - start_s, may_go_on=True)
                 if idle_s is None:
                     return "participant"
                 self._pass(min(idle_s, math.inf if late_s is None else late_s - now_s))
@@ -164,20 +164,22 @@ class Instructor:
         aloud = self._context.screen is None and text
         return f"{words}: {' '.join(text.split())}" if aloud else words
 
-    def _until_over(self, telling: Telling, instruction: Instruction, place: TrialPlace) -> str:
+    def _until_over(
+        self, content: InstructionContent, instruction: Instruction, place: TrialPlace
+    ) -> str:
         """Let time pass until the participant goes on, or it is over; return which."""
         clock, start_s = self._context.clock, self._context.clock.now_s()
-        least_s = max(instruction.min_s, telling.sound_s or 0.0)
+        least_s = max(instruction.min_s, content.sound_s or 0.0)
         most_s = instruction.max_s
         while True:
             elapsed_s = clock.now_s() - start_s
             if most_s is not None and elapsed_s >= most_s - 1e-6:
                 return "time"
             self._operators.look()
-            self._show_beside(telling)
-            self._events.tell("instruction", place, elapsed_s, least_s, telling.name)
+            self._show_beside(content)
+            self._events.tell("instruction", place, elapsed_s, least_s, content.name)
             may_go_on = elapsed_s >= least_s - 1e-6
-            idle_s = self._respondent.read(telling, elapsed_s, may_go_on=may_go_on)
+            idle_s = self._respondent.read(content, elapsed_s, may_go_on=may_go_on)
             if idle_s is None:
                 return "participant"
             due_s = [idle_s, *([] if may_go_on else [least_s - elapsed_s])]
@@ -185,7 +187,7 @@ class Instructor:
             self._pass(min(due_s))
 
     def _pass(self, duration_s: float) -> None:
-        """Let a moment pass; none where a frame was what passed."""
+        """Let a moment pass; none after a frame, which took its own time."""
         clock, screen = self._context.clock, self._context.screen
         if not duration_s:
             return
@@ -194,29 +196,33 @@ class Instructor:
         else:
             clock.wait(min(duration_s, SLICE_S) if clock.is_real else duration_s)
 
-    def _show_beside(self, telling: Telling) -> None:
+    def _show_beside(self, content: InstructionContent) -> None:
         """Show the instruction in the headset for respondents without the panel."""
         screen = self._context.screen
         if screen is None or isinstance(self._respondent, PanelRespondent):
             return
-        if self._shown is not telling:
-            self._shown = telling
-            page = telling_page(telling, self._context.protocol.words, ready=False)
+        if self._shown is not content:
+            self._shown = content
+            page = instruction_page(content, self._context.protocol.words, ready=False)
             screen.show(Painter().draw(page, None))
 
 
-def _telling(instruction: Instruction, media: Media, *, plays: bool) -> Telling:
+def _content_of(instruction: Instruction, media: Media, *, plays: bool) -> InstructionContent:
     """Return the content to present: a text may stand in for a sound."""
     hides = instruction.show_text == "without_sound" and plays
     sound_s = media.sound.duration_s if media.sound and plays else None
-    return Telling(instruction.name, "" if hides else instruction.text, media.picture, sound_s)
+    return InstructionContent(
+        instruction.name, "" if hides else instruction.text, media.picture, sound_s
+    )
 
 
-def _told(instruction: Instruction, telling: Telling, media: Media, passed_s: float) -> str:
+def _told(
+    instruction: Instruction, content: InstructionContent, media: Media, passed_s: float
+) -> str:
     """Describe the presented media, with the played part of a sound."""
-    told = ["text"] if telling.text else []
-    told += [] if telling.picture is None else [f"picture {instruction.picture}"]
-    if media.sound is not None and telling.sound_s is None:
+    told = ["text"] if content.text else []
+    told += [] if content.picture is None else [f"picture {instruction.picture}"]
+    if media.sound is not None and content.sound_s is None:
         told.append(f"sound {instruction.sound} not played: no sound device")
     elif media.sound is not None:
         whole_s = media.sound.duration_s

@@ -35,7 +35,7 @@ class Renderer(Protocol):
         """Return the hashes of images that have not arrived yet."""
 
     def drain_gaze_hits(self) -> Sequence[GazeHit]:
-        """Return what the gaze of frames meets that has not arrived yet."""
+        """Return the gaze hits that have not been returned yet."""
 
     def clamps(self) -> Sequence[str]:
         """Return which limits have shortened a blur since `begin`, in words; waits for the GPU."""
@@ -51,7 +51,7 @@ Called once per exposure: a playback headset is made anew, a real one is led to 
 """
 
 
-class Doing(Protocol):
+class Activity(Protocol):
     """An activity during frames: a task, an adjustment, or a validation of the gaze."""
 
     @property
@@ -71,7 +71,7 @@ class Doing(Protocol):
         """End with the exposure, however it ended."""
 
 
-class Relay(Protocol):
+class Outlet(Protocol):
     """Outlet to other devices, such as LabStreamingLayer; never waits."""
 
     def now_s(self) -> float | None:
@@ -99,7 +99,7 @@ class Relay(Protocol):
         """Return how much could not be passed on since the last call."""
 
 
-class NoRelay:
+class NoOutlet:
     """Where no other device listens."""
 
     def now_s(self) -> float | None:

@@ -12,10 +12,9 @@ from vrcomfort.protocol.timeline import FreeTextStep, QuestionnaireStep, TrialPl
 from vrcomfort.questionnaire import Instrument, score
 from vrcomfort.questionnaire.answers import Answer
 from vrcomfort.records import Interrupted, QuestionnaireRow, ScreeningRow, TextRow, enrolled
+from vrcomfort.records.reader import Session
 from vrcomfort.records.session_rows import IPD_RULE, LONGEST_TEXT, one_line
-from vrcomfort.records.tables import read_rows
 from vrcomfort.respondent import Form
-from vrcomfort.respondent.base import Decides, Writes
 from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.operator_control import Redone, Skipped
 from vrcomfort.session.ratings import StopRule
@@ -267,9 +266,7 @@ class FreeTexts:
 
     def __init__(self, context: SessionContext, events: EventLog) -> None:
         self._context, self._events = context, events
-        folder = events.recorder.folder
-        there = (folder / TextRow.FILE).exists()
-        rows = read_rows(folder, TextRow) if there else ()
+        rows = Session(events.recorder.folder).rows(TextRow, mended=True)
         self._answered = {(row["trial"], row["question"]) for row in rows}
 
     def ask(self, step: FreeTextStep) -> None:
@@ -282,7 +279,7 @@ class FreeTexts:
         """
         respondent, question = self._context.respondent, step.question
         answered = (step.place.trial, question.name) in self._answered
-        if answered or not isinstance(respondent, Writes):
+        if answered:
             return
         asked_s = self._context.clock.now_s()
         while True:
@@ -318,17 +315,16 @@ class FreeTexts:
         self._events.event("free_text", detail=f"{question.name}: {len(text)} characters")
 
 
-class Screener:
+class ScreeningRunner:
     """The screening of one session."""
 
     def __init__(self, context: SessionContext, events: EventLog) -> None:
         self._context, self._events = context, events
-        folder = events.recorder.folder
-        there = (folder / ScreeningRow.FILE).exists()
-        self._decided = {row["rule"] for row in read_rows(folder, ScreeningRow)} if there else set()
+        rows = Session(events.recorder.folder).rows(ScreeningRow, mended=True)
+        self._decided = {row["rule"] for row in rows}
 
     def look_at_covariates(self) -> None:
-        """Tell of what was entered at the enrolment, before the first session, once.
+        """Apply the rules on covariates of the enrolment, before the first session, once.
 
         Raises
         ------
@@ -399,10 +395,9 @@ class Screener:
 
     def _asked(self, question: str) -> bool:
         respondent = self._context.respondent
-        while isinstance(respondent, Decides):
+        while True:
             self._context.operators.begin("questionnaire", "screening")
             try:
                 return respondent.decide(question)
             except (Redone, Skipped):  # it is a decision, which nobody can leave out
                 continue
-        return True

@@ -49,13 +49,13 @@ class EventLoop(FrameLoop):
     ) -> Ending:
         if self._task is not None:
             return super()._run(stimulus, schedule, progress)
-        duration_s = stimulus.duration_s * stimulus.stretch
+        duration_s = stimulus.duration_s * stimulus.time_scale
         listening = interruptible(repeat(None))
         while True:
             next(listening)
             self.context.operators.look()
             self._pass(min(self._next_s(schedule), duration_s), stimulus)
-            if self.felt_s >= duration_s:
+            if self.perceived_s >= duration_s:
                 self.elapsed_s = stimulus.duration_s
                 return "completed"
             self._listen(stimulus, schedule)
@@ -66,12 +66,12 @@ class EventLoop(FrameLoop):
         respondent = self.context.respondent
         times = [math.inf if schedule is None else schedule.next_s]
         if isinstance(respondent, SimulatedRespondent):
-            times.append(respondent.next_s(self.felt_s))
-        return max(min(times), self.felt_s)
+            times.append(respondent.next_s(self.perceived_s))
+        return max(min(times), self.perceived_s)
 
-    def _pass(self, felt_s: float, stimulus: Stimulus) -> None:
-        before_s, self.felt_s = self.elapsed_s, felt_s
-        self.elapsed_s = felt_s / stimulus.stretch
+    def _pass(self, perceived_s: float, stimulus: Stimulus) -> None:
+        before_s, self.perceived_s = self.elapsed_s, perceived_s
+        self.elapsed_s = perceived_s / stimulus.time_scale
         self.context.clock.advance(self.elapsed_s - before_s)
         self.log.timing.seen.live_s += self.elapsed_s - before_s
 

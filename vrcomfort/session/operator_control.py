@@ -9,8 +9,9 @@ from __future__ import annotations
 import time
 from collections import defaultdict, deque
 from collections.abc import Callable, Sequence
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
+from vrcomfort.headset.base import CanRecenter
 from vrcomfort.operator_interface import ALLOWED, Command, OperatorInterface, OperatorStep
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.protocol.timeline import PlannedStep, StepKind
@@ -143,14 +144,6 @@ NEEDS_TEXT = {"note": "a note", "abort": "the reason"}
 _ENTRIES = {"answer", "confirm", "rate", "write", "decide"}
 
 
-@runtime_checkable
-class Recentring(Protocol):
-    """A headset that can be given a new straight ahead."""
-
-    def recenter(self) -> None:
-        """Make the floor point and heading of the head the origin."""
-
-
 class Events(Protocol):
     """Where events go: the log of one session."""
 
@@ -206,11 +199,6 @@ class OperatorControl:
     def paused(self) -> bool:
         """Whether the clock of the step stands still."""
         return self._paused_at_s is not None
-
-    @property
-    def asked_to_withdraw(self) -> bool:
-        """Whether a withdrawal was asked for, and not yet whether it is meant."""
-        return self._leaving
 
     def attach(
         self,
@@ -319,7 +307,7 @@ class OperatorControl:
             return "nobody has asked for a withdrawal, or it was taken back"
         if action in _ENTRIES:
             return self.entry_fault(command)
-        if action == "recentre" and not isinstance(self._headset, Recentring):
+        if action == "recentre" and not isinstance(self._headset, CanRecenter):
             return "this headset cannot be recentred"
         return ""
 
@@ -362,7 +350,7 @@ class OperatorControl:
                 self._ended_by = "redo"
                 raise Redone
             case "recentre":
-                if isinstance(self._headset, Recentring):
+                if isinstance(self._headset, CanRecenter):
                     self._headset.recenter()
             case "abort":
                 raise AbortedByOperator(f"stopped by {command.operator}{said}")

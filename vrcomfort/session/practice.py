@@ -105,7 +105,7 @@ class PracticeRunner:
                 return
 
     def _give_up(self, practice: Practice, repetitions: int) -> None:
-        """Report an unmet criterion; end what the protocol says."""
+        """Report an unmet criterion; end session or study as the protocol says."""
         reason = f"practice {practice.name} was not good enough in {repetitions} repetitions"
         self._events.event("practice_not_met", detail=reason)
         self._events.tell("notice", WHOLE_SESSION, 0, 0, reason)
@@ -167,9 +167,9 @@ class PracticeRunner:
         context = self._context
         protocol, practice = context.protocol, block.step.practice
         place = TrialPlace(condition=trial.condition, scene=trial.scene)
-        headset, standing = self._trials.stand(place)
+        headset, standing = self._trials.start_pose_of(place)
         full_s = practice.exposure_s or protocol.length_s(trial.scene)
-        shown_s = full_s / context.stretch
+        shown_s = full_s / context.time_scale
         condition = protocol.condition(trial.condition)
         settings = protocol.task_of(trial)
         task = (
@@ -194,7 +194,7 @@ class PracticeRunner:
         words = f"{block.step.words}, repetition {block.repetition}: {_named(trial)}"
         context.operators.begin("training", words)
         tell = partial(self._events.tell, "training", place, total=shown_s)
-        stimulus = Stimulus(0, trial.condition, shown_s, context.stretch)
+        stimulus = Stimulus(0, trial.condition, shown_s, context.time_scale)
         try:
             ended = loop.show(stimulus, task=task, progress=tell)
         finally:

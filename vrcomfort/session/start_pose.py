@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol import Protocol, View
+from vrcomfort.protocol import Protocol, SceneView
 from vrcomfort.protocol.check import too_short
 from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.scene.data import Scene
@@ -23,7 +23,7 @@ _LOOKED_AT_EVERY_S = 0.05
 
 
 @dataclass(frozen=True)
-class Standing:
+class StartPose:
     """A scene to begin in, and the path, if there is one.
 
     Parameters
@@ -36,8 +36,8 @@ class Standing:
     path: CameraPath | None = None
 
 
-def stand(scene: Any, view: View, *, walks: bool) -> Standing:
-    """Return where a view begins; a scene that is only looked at stays what it is.
+def start_pose_of(scene: Any, view: SceneView, *, walks: bool) -> StartPose:
+    """Return the start of a view; a scene without a view stays as it is.
 
     Parameters
     ----------
@@ -46,20 +46,20 @@ def stand(scene: Any, view: View, *, walks: bool) -> Standing:
     """
     path = _path(scene, view)
     if path is not None:
-        return Standing(replace(scene, spawn=path.pose(0.0), on_foot=False), path)
+        return StartPose(replace(scene, spawn=path.pose(0.0), on_foot=False), path)
     if view.viewpoint is not None:
         place = _named(scene.viewpoints, "viewpoint", view.viewpoint, view)
-        return Standing(replace(scene, spawn=place, on_foot=walks))
-    return Standing(scene if walks or scene is None else replace(scene, on_foot=False))
+        return StartPose(replace(scene, spawn=place, on_foot=walks))
+    return StartPose(scene if walks or scene is None else replace(scene, on_foot=False))
 
 
-def _path(scene: Scene, view: View) -> CameraPath | None:
+def _path(scene: Scene, view: SceneView) -> CameraPath | None:
     if view.points is not None:
         return CameraPath(view.points, unwrapped=view.unwrapped)
     return None if view.path is None else _named(scene.paths, "path", view.path, view)
 
 
-def _named(there: Mapping[str, Any], kind: str, name: str, view: View) -> Any:
+def _named(there: Mapping[str, Any], kind: str, name: str, view: SceneView) -> Any:
     if name not in there:
         message = f"the side-car of {view.scene} has no {kind} `{name}`"
         raise InputError(f"{message}; {did_you_mean(name, there)}")
@@ -105,8 +105,8 @@ def place_faults(protocol: Protocol, load_scene: LoadScene | None = None) -> Ite
                 yield protocol.fault(key, sentence)
 
 
-def _path_of(protocol: Protocol, view: View) -> CameraPath | None:
-    return stand(without_meshes(protocol.scene_source(view.name)), view, walks=True).path
+def _path_of(protocol: Protocol, view: SceneView) -> CameraPath | None:
+    return start_pose_of(without_meshes(protocol.scene_source(view.name)), view, walks=True).path
 
 
 def shortened_turns(protocol: Protocol) -> Iterator[str]:

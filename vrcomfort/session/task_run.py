@@ -5,16 +5,17 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.inputs import Inputs
+from vrcomfort.headset.base import HasInputs
 from vrcomfort.protocol.timeline import TrialPlace
 from vrcomfort.records import TaskRow
+from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.scene.boxes import node_box
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.markers import Markers, Shown
@@ -25,25 +26,6 @@ from vrcomfort.tasks import Ball, Demand, Moment, Result, Surroundings, Task, Ta
 
 _STREAM = 3
 """Which of a trial's random streams is the task's."""
-
-
-@runtime_checkable
-class HasInputs(Protocol):
-    """A headset that knows what hands do."""
-
-    def inputs(self) -> Inputs:
-        """Return what hands, eyes and keys do in the last frame."""
-
-
-@runtime_checkable
-class Performs(Protocol):
-    """A respondent who does tasks without hands: a simulated participant."""
-
-    def start_task(self, trial: int, condition: str) -> None:
-        """Begin a task."""
-
-    def act(self, demand: Demand | None, head: Pose, time_s: float) -> Pose | None:
-        """Return world-from-ray of a press in this frame, if there is one."""
 
 
 @dataclass
@@ -96,12 +78,12 @@ class TaskRun:
         return self._task.done and self.context.protocol.exposure_ends == "task"
 
     def demand(self, frame: Frame) -> Demand | None:
-        """Return what is to be done now."""
+        """Return the ideal action now."""
         del frame
         return self._task.demand()
 
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
-        """Take a frame before it is drawn: move the balls, and write what is over.
+        """Take a frame before it is drawn: move the balls, and write complete results.
 
         Parameters
         ----------
@@ -113,7 +95,7 @@ class TaskRun:
         self._scene_time_s = scene_time_s
         if self._began_s is None:
             self._began_s = self.context.clock.now_s() - elapsed_s
-            if isinstance(self.context.respondent, Performs):
+            if isinstance(self.context.respondent, SimulatedRespondent):
                 self.context.respondent.start_task(self._stream, self.place.condition or "")
         self.elapsed_s = elapsed_s
         self._write(self._task.step(self._moment(frame, headset, elapsed_s)))
@@ -151,7 +133,7 @@ class TaskRun:
         seen = frame.avatar_pose @ gaze.pose if gaze is not None and gaze.valid else None
         pressed: list[Pose | None] = []
         respondent = self.context.respondent
-        if isinstance(respondent, Performs):
+        if isinstance(respondent, SimulatedRespondent):
             ray = respondent.act(self._task.demand(), head, time_s)
             pressed = [] if ray is None else [ray]
         elif isinstance(headset, HasInputs) and not self.context.panel_stands:
@@ -243,7 +225,7 @@ class _Thing:
         raise InputError(f"a task names `{name}`, which scene {called} does not have; {hint}")
 
     def __call__(self, time_s: float) -> Ball:
-        """Return the ball around the middle of what is drawn there."""
+        """Return the bounding sphere of a node's meshes."""
         low, high = node_box(self.scene, self.index, time_s)
         return Ball((low + high) / 2, float(np.linalg.norm(high - low)) / 2)
 
@@ -251,7 +233,7 @@ class _Thing:
 def task_random(
     seed: int, participant: str, session: int, trial: int, stream: int = _STREAM
 ) -> np.random.Generator:
-    """Return what a task draws from: the same at each attempt at a trial."""
+    """Return a task's random generator: the same at each attempt at a trial."""
     person = int.from_bytes(hashlib.sha256(participant.encode()).digest()[:4])
     key = (person, session, trial, stream)
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))

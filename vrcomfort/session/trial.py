@@ -1,4 +1,4 @@
-"""One trial: what an exposure shows, for how long, how it ends, and its row."""
+"""One trial: its exposure, its end, and its row."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from vrcomfort.session.adjustment import AdjustmentRun, Several, SliderRun
 from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog, timing_row, trial_flags
-from vrcomfort.session.interfaces import Doing
+from vrcomfort.session.interfaces import Activity
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.no_frames import EventLoop
 from vrcomfort.session.operator_control import Redone, Skipped
 from vrcomfort.session.ratings import RatingSchedules, StopRule, schedules_of, trial_ending
-from vrcomfort.session.start_pose import Standing, stand
+from vrcomfort.session.start_pose import StartPose, start_pose_of
 from vrcomfort.session.task_run import TaskRun
 from vrcomfort.stop_signals import uninterrupted
 
@@ -86,7 +86,7 @@ class TrialRunner:
         return ending
 
     def give_up(self, abort_code: str) -> None:
-        """Write what is known of the exposure under way, while its own thread hangs.
+        """Write the row of the exposure under way, while its own thread hangs.
 
         What the GPU still has (focus and times of the last frames) is lost.
         """
@@ -99,7 +99,7 @@ class TrialRunner:
         self._write_trial(place, ending)
 
     def _attempt(self, place: TrialPlace) -> Ending:
-        """Expose, and write the trial's row whatever happens."""
+        """Expose, and write the trial's row in any case."""
         ending = Ending(self._context.clock.now_s())
         self._log.start_trial()
         self._open = place, ending, None
@@ -148,7 +148,7 @@ class TrialRunner:
                 ending.status, ending.abort_code = how
             raise
         finally:
-            self._respondent.end_exposure(loop.felt_s)
+            self._respondent.end_exposure(loop.perceived_s)
         if result in {"completed", "task_done"}:
             ending.status = "completed"
             done = self._context.protocol.exposure_ends
@@ -159,7 +159,7 @@ class TrialRunner:
 
     def _enter(self, place: TrialPlace) -> FrameLoop:
         context, protocol = self._context, self._context.protocol
-        headset, standing = self.stand(place)
+        headset, standing = self.start_pose_of(place)
         condition = protocol.condition(place.condition or "")
         self._task = self._task_in(place, standing.scene)
         self._adjustment = adjusting = self._adjustment_in(place)
@@ -170,21 +170,21 @@ class TrialRunner:
         loop = EventLoop if context.jumps else FrameLoop
         return loop(context, headset, self._events, self._log, standing.path)
 
-    def stand(self, place: TrialPlace) -> tuple[Headset, Standing]:
+    def start_pose_of(self, place: TrialPlace) -> tuple[Headset, StartPose]:
         """Load a trial's scene, and lead the participant into it."""
         context, protocol = self._context, self._context.protocol
         if context.screen is not None:
             context.screen.show_loading()
         scene = context.load_scene(protocol.scene_source(place.scene))
         view = protocol.view(place.scene)
-        standing = stand(scene, view, walks=protocol.locomotion.mode != "off")
+        standing = start_pose_of(scene, view, walks=protocol.locomotion.mode != "off")
         headset = context.headset_for(view.scene, standing.scene)
         self._manifest.note_headset(headset)
         self._operators.use(headset)
         return headset, standing
 
     def _task_in(self, place: TrialPlace, scene: Any) -> TaskRun | None:
-        """Return what is done in a trial, ready to begin."""
+        """Return the task of a trial, ready to begin."""
         number = place.trial or 0
         trial = self._context.sequence.sessions[self._events.session - 1][number - 1]
         settings = self._context.protocol.task_of(trial)
@@ -203,7 +203,7 @@ class TrialRunner:
         )
 
     def _adjustment_in(self, place: TrialPlace) -> AdjustmentRun | None:
-        """Return what is adjusted in a trial, ready to begin."""
+        """Return the adjustment of a trial, ready to begin."""
         adjustment = self._context.protocol.adjustment_in(place.condition or "")
         known = self._of_dial(place)
         return None if adjustment is None else AdjustmentRun(**known, dial=adjustment)
@@ -218,7 +218,7 @@ class TrialRunner:
             "resumed": bool(known["resumed"]),
         }
 
-    def _doing(self, place: TrialPlace) -> Doing | None:
+    def _doing(self, place: TrialPlace) -> Activity | None:
         """Return all that is done in a trial, and rated all through it."""
         slider = self._context.protocol.slider_in(place.condition or "")
         sliding = None if slider is None else SliderRun(**self._of_dial(place), dial=slider)
@@ -226,8 +226,8 @@ class TrialRunner:
         return Several(parts) if parts else None
 
     def _train(self, loop: FrameLoop, place: TrialPlace, ending: Ending) -> None:
-        """Show the first scene; who withdraws here has an exposure of 0 s."""
-        duration_s = self._context.protocol.training_s / self._context.stretch
+        """Show the first scene; a withdrawal here is an exposure of 0 s."""
+        duration_s = self._context.protocol.training_s / self._context.time_scale
         if not duration_s:
             return
         while self._train_once(loop, place, ending, duration_s):
@@ -239,7 +239,7 @@ class TrialRunner:
         """Show the first scene; return whether an operator wants it once more."""
         start_s = self._context.clock.now_s()
         self._operators.begin("training", f"training in {place.scene}")
-        stimulus = Stimulus(0, place.condition or "", duration_s, self._context.stretch)
+        stimulus = Stimulus(0, place.condition or "", duration_s, self._context.time_scale)
         try:
             loop.show(stimulus, progress=self._watch("training", place, duration_s))
         except (Redone, Skipped) as wish:
@@ -274,7 +274,7 @@ class TrialRunner:
             self._note_clamps(place)
 
     def _ratings(self, number: int, full_s: float) -> RatingSchedules | None:
-        """Return when what is asked during an exposure; times that were drawn are an event."""
+        """Return the schedules of ratings in an exposure; randomly drawn times are an event."""
         context = self._context
         if not context.protocol.ratings:
             return None
@@ -295,7 +295,7 @@ class TrialRunner:
         return partial(self._events.tell, step, place, total=total_s)
 
     def _identity(self, place: TrialPlace, start_s: float) -> dict[str, Any]:
-        """Return what is known of a trial's row when the exposure begins."""
+        """Return the fields of a trial's row that are known as the exposure begins."""
         return {
             "participant": self._context.participant,
             "session": self._events.session,

@@ -10,13 +10,13 @@ from vrcomfort.operator_interface import Command, OperatorInterface
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent import Exposure, Form
-from vrcomfort.respondent.base import Heard, Telling, Written
+from vrcomfort.respondent.base import Heard, InstructionContent, Written
 from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.panel_screen import PanelScreen
 
 
 class VerbalRespondent:
-    """A person who is asked aloud, and experimenters at a console who enter what was said.
+    """A participant who is asked aloud; experimenters at a console enter the answers.
 
     The answers have the rows of any other respondent; the events `operator_answer` and
     `operator_rate` say who entered them.
@@ -58,7 +58,7 @@ class VerbalRespondent:
         """Forget the rating before."""
         self._close_rating()
 
-    def endure(self, elapsed_s: float) -> None:
+    def update(self, elapsed_s: float) -> None:
         """Take the rating that was entered; close the question when its time is over."""
         while self._operators.entries:
             self._rated = self._operators.entries.popleft().value
@@ -71,7 +71,7 @@ class VerbalRespondent:
         self._close_rating()
 
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
-        """Have a rating asked for; it is picked up by `endure`."""
+        """Have a rating asked for; it is picked up by `update`."""
         item = instrument.items[0]
         self._rated, self._rates_until_s = None, elapsed_s + timeout_s
         self._operators.entry_fault = lambda entry: _fault_of(item, entry, "rate")
@@ -103,7 +103,13 @@ class VerbalRespondent:
         """Clear the view."""
         self._show(None)
 
-    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:  # noqa: ARG002
+    def read(
+        self,
+        content: InstructionContent,  # noqa: ARG002
+        elapsed_s: float,  # noqa: ARG002
+        *,
+        may_go_on: bool,  # noqa: ARG002
+    ) -> float | None:
         """Leave it to the operators to go on, by *Skip*."""
         self._operators.idle()
         return 0.0

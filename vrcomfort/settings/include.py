@@ -16,7 +16,14 @@ from pydantic import BaseModel
 from vrcomfort.errors import InputError
 from vrcomfort.settings.locate import Path as KeyPath
 from vrcomfort.settings.locate import Places, locate
-from vrcomfort.settings.reading import Place, Problem, parse_data, problems_at, read_text, read_toml
+from vrcomfort.settings.reading import (
+    Problem,
+    SourcePlace,
+    parse_data,
+    problems_at,
+    read_text,
+    read_toml,
+)
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
@@ -56,7 +63,7 @@ INCLUDE = "include"
 
 
 @dataclass(frozen=True)
-class Part:
+class IncludedFile:
     """One file, or the text of one."""
 
     file: Path | None
@@ -97,10 +104,10 @@ class Source:
     """
 
     def __init__(self, text: str, file: Path | None, what: str) -> None:
-        self.parts: list[Part] = []
+        self.parts: list[IncludedFile] = []
         self._what = what
         self._read(text, file, ())
-        self._origin: dict[KeyPath, tuple[Part, KeyPath]] = {}
+        self._origin: dict[KeyPath, tuple[IncludedFile, KeyPath]] = {}
         self.data: dict[str, Any] = {}
         for part in self.parts:
             own = {key: value for key, value in part.data.items() if key != INCLUDE}
@@ -124,13 +131,13 @@ class Source:
             read = [part.file.resolve() for part in self.parts if part.file]
             if inner.resolve() not in read:
                 self._read(read_text(inner, f"part of a {self._what}"), inner, above)
-        self.parts.append(Part(file, text, data, places))
+        self.parts.append(IncludedFile(file, text, data, places))
 
     def _join(
         self,
         whole: dict[str, Any],
         own: Mapping[str, Any],
-        part: Part,
+        part: IncludedFile,
         path: KeyPath,
         local: KeyPath,
     ) -> None:
@@ -146,7 +153,7 @@ class Source:
                 whole[key] = _copied(value)
                 self._mark(value, part, here, at)
 
-    def _mark(self, value: Any, part: Part, path: KeyPath, local: KeyPath) -> None:
+    def _mark(self, value: Any, part: IncludedFile, path: KeyPath, local: KeyPath) -> None:
         self._origin[path] = part, local
         inner: Iterable[tuple[str | int, Any]] = ()
         if isinstance(value, dict):
@@ -156,7 +163,7 @@ class Source:
         for key, each in inner:
             self._mark(each, part, (*path, key), (*local, key))
 
-    def place(self, path: Sequence[str | int]) -> Place:
+    def place(self, path: Sequence[str | int]) -> SourcePlace:
         """Return file, line and column of a key, or of its nearest parent that is written."""
         parts = tuple(path)
         alone = tuple(part for part in parts if part != 0)  # a table may stand for a list of one
@@ -166,7 +173,7 @@ class Source:
             parts = parts[:-1]
         part, local = self._origin.get(parts, (self.parts[-1], ()))
         line, column = part.places.of((*local, *tuple(path)[len(parts) :]))
-        return Place(self.parts.index(part), part.file, line, column)
+        return SourcePlace(self.parts.index(part), part.file, line, column)
 
     def first_problem(self, found: Iterable[Problem]) -> InputError:
         """Return the fault that stands first; the others are its `others`."""
@@ -197,7 +204,7 @@ def _are_tables(value: Any) -> bool:
 
 
 def _copied(value: Any) -> Any:
-    """Return a value whose tables can be added to."""
+    """Return a value with tables that can be added to."""
     if isinstance(value, dict):
         return {key: _copied(each) for key, each in value.items()}
     return [_copied(each) for each in value] if isinstance(value, list) else value

@@ -91,11 +91,9 @@ def wilcoxon(
 
     Examples
     --------
-    >>> data = pd.DataFrame({
-    ...     "who": [1, 2, 3, 4, 5, 6, 7] * 2,
-    ...     "seen": ["off"] * 7 + ["on"] * 7,
-    ...     "total": [9, 6, 7, 9, 5, 8, 10, 6, 5, 7, 7, 6, 4, 8],
-    ... })
+    >>> data = pd.DataFrame({"who": [1, 2, 3, 4, 5, 6, 7] * 2})
+    >>> data["seen"] = ["off"] * 7 + ["on"] * 7
+    >>> data["total"] = [9, 6, 7, 9, 5, 8, 10, 6, 5, 7, 7, 6, 4, 8]
     >>> test = wilcoxon(data, dv="total", within="seen", subject="who")
     >>> test[["A", "B", "n", "W_plus", "p", "shift"]].values.tolist()[0]
     ['off', 'on', 7, 24.5, 0.09375, 1.5]

@@ -18,7 +18,7 @@ from vrcomfort.tasks.base import TaskSettings
 from vrcomfort.tasks.exploration import Exploration
 from vrcomfort.tasks.fixation import Fixation
 from vrcomfort.tasks.follow_path import FollowPath
-from vrcomfort.tasks.search import Search
+from vrcomfort.tasks.search import VisualSearch
 
 
 def own_task_file(folder: Path, kind: str) -> Path:
@@ -73,7 +73,7 @@ def run_task_file(file: Path) -> tuple[type[TaskSettings], str]:
 
 
 class OwnTask(TaskSettings):
-    """A task of the lab's own: a Python file beside the protocol, whose settings follow here."""
+    """A task of the lab's own: a Python file beside the protocol; further keys are its settings."""
 
     model_config = ConfigDict(frozen=True, extra="allow")
 
@@ -97,7 +97,7 @@ def _tag(table: Any) -> str:
 
 AnyTask: TypeAlias = Annotated[
     Annotated[Aiming, Tag(union_tag("aiming"))]
-    | Annotated[Search, Tag(union_tag("search"))]
+    | Annotated[VisualSearch, Tag(union_tag("search"))]
     | Annotated[FollowPath, Tag(union_tag("follow_path"))]
     | Annotated[Fixation, Tag(union_tag("fixation"))]
     | Annotated[Exploration, Tag(union_tag("exploration"))]

@@ -21,8 +21,8 @@ from vrcomfort.tasks.base import (
 )
 
 
-class Search(Pointed):
-    """Find a named thing, point at it and press: what was found, and in which time."""
+class VisualSearch(Pointed):
+    """Find a named thing, point at it and press: hits and search times."""
 
     kind: Literal["search"]
     """What is done."""
@@ -42,7 +42,7 @@ class Search(Pointed):
 
 
 class _Search(Task):
-    def __init__(self, settings: Search, surroundings: Surroundings) -> None:
+    def __init__(self, settings: VisualSearch, surroundings: Surroundings) -> None:
         self._settings = settings
         things = [(name, surroundings.thing(name)) for name in settings.things]
         if settings.order == "shuffled":
@@ -54,7 +54,7 @@ class _Search(Task):
 
     @property
     def wanted(self) -> str | None:
-        """Return what is looked for; None when all is over."""
+        """Return the thing to be found; None when all is over."""
         return self._things[self._index][0] if self._index < len(self._things) else None
 
     @property

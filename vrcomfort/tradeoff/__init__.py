@@ -1,1 +1,1 @@
-"""What each way of blurring costs and how wrong it is, measured against two references."""
+"""Trade-off of cost and error of blur methods, measured against two references."""

@@ -40,7 +40,7 @@ class Capture(NamedTuple):
 
     @property
     def eye(self) -> EyeDepth:
-        """Return what pairs this eye's pixels with the other's."""
+        """Return the depth view that pairs this eye's pixels with the other's."""
         camera = self.camera
         return EyeDepth(camera.world_from_eye, camera.fov, self.depth, camera.near_m)
 

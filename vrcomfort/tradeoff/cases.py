@@ -55,7 +55,7 @@ class ImageWindow:
     height_px: int
 
     def drawn(self, whole_px: tuple[int, int], reach_px: float) -> ImageWindow:
-        """Return what is drawn so that the judged part sees everything up to `reach_px` away.
+        """Return the window that is drawn: the judged part and everything up to `reach_px` away.
 
         It ends where the whole image ends, for what lies outside nobody's post-process sees.
         """
@@ -178,7 +178,7 @@ class Scope:
 
 @dataclass(frozen=True)
 class Case:
-    """One view with one effect: what a reference is drawn of."""
+    """One view with one effect; each has a reference."""
 
     scene: str
     pose: int
@@ -192,7 +192,7 @@ class Case:
 
     @property
     def name(self) -> str:
-        """Return what files are called."""
+        """Return the stem of the case's files."""
         parts = [self.scene, self.effect, f"pose{self.pose + 1}", self.motion]
         parts += [f"lens{self.lens}"] if self.effect != "motion_blur" else []
         return "_".join([*parts, *([self.window] if self.window else [])])
@@ -260,22 +260,22 @@ def condition_of(case: Case, scope: Scope, condition: Condition) -> Condition:
 
 
 def reference_condition(case: Case, scope: Scope) -> Condition:
-    """Return the condition whose reference all methods are compared with."""
+    """Return the condition of the reference for all methods."""
     return condition_of(case, scope, base_condition(case.effect))
 
 
 def eyes_of(case: Case, scope: Scope) -> Literal[1, 2]:
-    """Return how many eyes are judged: of a window the left one, whose part of the image it is."""
+    """Return how many eyes are judged: of a window the left one alone."""
     return 1 if case.window is not None else scope.eyes
 
 
 def drawn_px(case: Case, scope: Scope) -> tuple[int, int]:
-    """Return (width, height) of what is drawn."""
+    """Return (width, height) of the drawn image."""
     return drawn(case, scope).size_px
 
 
 def drawn(case: Case, scope: Scope) -> ImageWindow:
-    """Return what is drawn: the whole image, or the case's window and as far as discs reach."""
+    """Return the drawn window: the whole image, or the case's window and as far as discs reach."""
     if case.window is None:
         return ImageWindow("whole", 0, 0, *scope.size_px)
     percent = LENSES[case.lens]["max_radius_percent"]

@@ -20,7 +20,7 @@ from vrcomfort.frame import EYE_HEIGHT_M, Frame
 from vrcomfort.geometry import Array, Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.gpu import shaders
 from vrcomfort.gpu.timer import Lap, Stopwatch, is_software
-from vrcomfort.gpu.traffic import Draw, Recorder, Traffic, added_up
+from vrcomfort.gpu.traffic import Draw, DrawRecorder, Traffic, added_up
 from vrcomfort.headset.playback import default_fovs
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.condition_passes import RESOLVE
@@ -60,7 +60,7 @@ Pair: TypeAlias = tuple[Frame | None, Frame]
 
 
 class MethodTime(NamedTuple):
-    """What a method costs in a case: medians over rounds and their 5–95 %.
+    """Cost of a method in a case: medians over rounds and their 5–95 %.
 
     `cost` is 1 + effect ÷ plain, each round's effect by the plain frames before and after it.
     Percentiles (nearest ranks) are None where rounds are too few for them.
@@ -78,7 +78,7 @@ class MethodTime(NamedTuple):
 
 
 class CaseTime(NamedTuple):
-    """What the methods of a case cost, and how well that is known."""
+    """Costs of the methods of a case, and their precision."""
 
     case: Case
     plain_ms: float
@@ -162,7 +162,7 @@ class _Timer:
         leave_out_records(self._renderer.parts())
 
     def frame(self) -> Laps:
-        """Draw a frame, and return what tells the seconds of its parts."""
+        """Draw a frame, and return the laps of its parts."""
         before, frame = self._pair
         if before is not None:
             self._renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
@@ -171,7 +171,7 @@ class _Timer:
         return laps
 
     def release(self) -> None:
-        """Let go of what is on the GPU."""
+        """Release the renderer's objects on the GPU."""
         self._renderer.release()
 
 
@@ -256,7 +256,7 @@ def traffic_of(
     count_reads: bool = False,
     records: bool = True,
 ) -> dict[str, Traffic]:
-    """Draw the left eye of a frame, and return what each kind of pass sent through memory.
+    """Draw the left eye of a frame, and return the traffic of each kind of pass.
 
     Parameters
     ----------
@@ -275,7 +275,7 @@ def traffic_of(
     before, frame = pair
     if before is not None:
         renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
-    recorder = Recorder(ctx)
+    recorder = DrawRecorder(ctx)
     with recorder.recording(), _sorted_by_pass(recorder, renderer) as found:
         renderer.render(frame, time_s(frame))
     renderer.release()
@@ -286,7 +286,7 @@ def traffic_of(
 
 
 def traffic_of_method(method: BlurMethod, case: Case, scope: Scope) -> dict[str, Any]:
-    """Return what a method's effects send through memory for one eye's whole image.
+    """Return the traffic of a method's effects for one eye's whole image.
 
     ``reads_per_pixel`` and ``bytes_per_pixel`` of that image, ``passes`` and ``draws``.
     """
@@ -351,7 +351,7 @@ def a_step(spawn: Pose, size_px: tuple[int, int]) -> tuple[Frame, Frame]:
 
 
 def by_effect(found: dict[str, Traffic]) -> dict[str, Traffic]:
-    """Return what is an effect's.
+    """Return the traffic of effects, pass by pass.
 
     Radii that are written where samples are resolved move no bytes that are not moved without them.
     """
@@ -359,7 +359,7 @@ def by_effect(found: dict[str, Traffic]) -> dict[str, Traffic]:
 
 
 def of_effects(found: dict[str, Traffic]) -> Traffic:
-    """Return what the effects of an eye's image amount to."""
+    """Return the traffic of all effects of an eye's image."""
     effects = by_effect(found).values()
     reads = [each.reads for each in effects if each.reads is not None]
     return Traffic(
@@ -372,7 +372,7 @@ def of_effects(found: dict[str, Traffic]) -> Traffic:
 
 @contextmanager
 def _sorted_by_pass(
-    recorder: Recorder, renderer: StereoRenderer
+    recorder: DrawRecorder, renderer: StereoRenderer
 ) -> Iterator[dict[str, list[Draw]]]:
     """Sort the draws by the outermost pass that makes them."""
     found: dict[str, list[Draw]] = {}
@@ -391,7 +391,7 @@ Around = Callable[[str, Callable[[], None]], None]
 
 
 def leave_out_records(parts: Sequence[tuple[str, Any]]) -> None:
-    """Let no effect draw what only the record of its limits needs: that is no part of a method."""
+    """Skip passes that serve only the record of limits: they are no part of a method."""
     for _, part in parts:
         if isinstance(part, DepthOfFieldPass):
             part.leave_out_records()
@@ -399,7 +399,7 @@ def leave_out_records(parts: Sequence[tuple[str, Any]]) -> None:
 
 @contextmanager
 def outermost(around: Around, parts: Sequence[tuple[str, Any]]) -> Iterator[None]:
-    """Call `around` for each part whose `render` is called inside, unless another draws it.
+    """Call `around` for each part that is rendered inside, unless by another part.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ LEVELS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 96, 128, 192)
 
 
 class PinholeView(NamedTuple):
-    """What the pinhole image of a view shows, bottom row first.
+    """Depth, radii and light of a view's pinhole image, bottom row first.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def _is_edge(depth: Array) -> Mask:
 
 
 def _thin(seen: PinholeView) -> Mask:
-    """Return what an opening of the depth with a square takes away."""
+    """Return the pixels that an opening of the depth with a square removes."""
     side = max(3, round(THIN_PART * seen.whole_width_px) // 2 * 2 + 1)
     without = grey_opening(seen.depth.astype(np.float64), size=(side, side))
     found: Mask = seen.depth - without > EDGE * seen.depth
@@ -238,7 +238,7 @@ def off_median(
 
 
 def flicker(before: ArrayLike, after: ArrayLike) -> Array:
-    """Return how an (h, w, 3) error changes from a frame to the next: what does not move with it.
+    """Return the change of an (h, w, 3) error from a frame to the next.
 
     An error that stays the same is a wrong picture; one that changes is seen to flicker.
     """
@@ -260,7 +260,7 @@ class EyeDepth(NamedTuple):
 
 
 class Correspondence(NamedTuple):
-    """Where the right eye sees what the left eye's pixels see.
+    """Pixels of the left eye and the places where the right eye sees the same surfaces.
 
     Parameters
     ----------
@@ -302,7 +302,7 @@ class Binocular(NamedTuple):
 
 
 def correspondence(left: EyeDepth, right: EyeDepth, *, margin_px: int = 0) -> Correspondence:
-    """Find what both eyes see, from their depths; pixels within `margin_px` of a rim are left out.
+    """Find the surfaces that both eyes see, from their depths, without `margin_px` at the border.
 
     Without turned eyes and frusta that differ, a point at distance z moves by −focal_px · IPD / z.
     """

@@ -94,7 +94,7 @@ def _plot(axes: Axes, rows: list[Row], family: str) -> None:
 
 
 def _lines(axes: Axes, rows: Sequence[Row]) -> None:
-    """Draw what has an error and no cost: no blur, the best post-process, the reference itself."""
+    """Draw errors without a cost as lines: no blur, the best post-process, the reference."""
     named = {row["method"]: row for row in rows}
     place: dict[str, Any] = {
         "transform": axes.get_yaxis_transform(),
@@ -266,7 +266,7 @@ one at a time until none moves, or so often."""
 
 
 class Crowd(NamedTuple):
-    """What labels must keep away from.
+    """Obstacles of labels: the frame, markers and lines.
 
     Parameters
     ----------
@@ -284,7 +284,7 @@ class Crowd(NamedTuple):
 
 
 class _Places(NamedTuple):
-    """The places that one label can take, and what is bad about each on its own."""
+    """Possible places of a label, and the penalty of each on its own."""
 
     boxes: Array
     lines: Array
@@ -388,7 +388,7 @@ class _LabelSearch:
         return sum(float(self._bad(taken, i)[at]) for i, at in enumerate(taken))
 
     def _bad(self, taken: list[int], index: int) -> Array:
-        """Return what is bad about each place of a label while the others stay."""
+        """Return the penalty of each place of a label while the others stay."""
         rows = self._together[index]
         found: Array = self._alone[index] + sum(
             row[at] for row, at in zip(rows, taken, strict=True)
@@ -397,7 +397,7 @@ class _LabelSearch:
 
 
 def _together(a: _Places, b: _Places, *, same: bool) -> Array:
-    """Return (places of b, places of a): what is bad about two labels' places together."""
+    """Return (places of b, places of a): the penalty of two labels' places together."""
     if same:
         return np.zeros((len(b.bad), len(a.bad)))
     apart = PAD_PX * np.array([-1, -1, 1, 1])

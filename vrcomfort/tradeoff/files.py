@@ -67,7 +67,7 @@ def write_all(out: Path, found: dict[str, Any], measured: Sequence[MeasuredCase]
 
 
 def _remove_earlier(out: Path) -> None:
-    """Remove the figures and sheets that the run wrote whose numbers are in `out`, and no others.
+    """Remove the figures and sheets of the run with its numbers in `out`, and no others.
 
     Its own ``tradeoff.json`` says which they are; a name is made of what is shipped, never of text
     that could lead out of the folder.
@@ -207,7 +207,7 @@ def contact_sheet(found: MeasuredCase, exposure: float) -> Image.Image:
 
 
 def _faded(image: Array, counted: NDArray[np.bool_]) -> Array:
-    """Return the image with a pale margin, and a line around what counts."""
+    """Return the image with a pale margin, and a line around the judged part."""
     line = binary_dilation(counted, np.ones((3, 3, 1))) & ~counted
     pale = 1 - FADED * (1 - np.clip(image, 0, 1))
     found: Array = np.where(counted, image, np.where(line, 0.0, pale))

@@ -1,4 +1,4 @@
-"""What a search for the focus costs, and how far a small zone is from a fine one.
+"""Cost of searching the focus, and error of a small zone against a fine one.
 
 Hillaire et al. 2008, Table 1: frame rates without blur and with it, by zone ratio, by who averages
 the zone, and by resolution. Beside them stand a focus that is never searched for (what is left is
@@ -83,7 +83,7 @@ class FocusMethod:
 
 
 def searches() -> list[FocusMethod]:
-    """Return what is compared; the first has no blur, the second no search."""
+    """Return the compared focus methods; the first has no blur, the second no search."""
     zone = _hillaire().focus
     zones = [
         FocusMethod("autofocus_zone", _with(zone, zone_ratio=ratio, zone_mean_on=where))
@@ -158,7 +158,7 @@ class _Frames:
         return clock() - start_s
 
     def release(self) -> None:
-        """Let go of what is on the GPU."""
+        """Release the renderer's objects on the GPU."""
         self._renderer.release()
 
 
@@ -185,7 +185,7 @@ def _condition(search: FocusMethod) -> Condition:
 
 @cache
 def _hillaire() -> Condition:
-    """Return the shipped condition whose focus and blur are those of the paper."""
+    """Return the shipped condition with the paper's focus and blur."""
     shipped = load_protocol("hillaire_2008").conditions
     return next(each for each in shipped if each.focus.method == "autofocus_zone")
 

@@ -58,7 +58,7 @@ SCATTER = "ideal scatter (R2)"
 
 
 class MeasuredCase(NamedTuple):
-    """What is known of a case."""
+    """Errors and pictures of a case."""
 
     case: Case
     rows: list[dict[str, Any]]
@@ -72,7 +72,7 @@ class MeasuredCase(NamedTuple):
 
 
 class _View(NamedTuple):
-    """What errors are measured against."""
+    """References and regions of a case."""
 
     scene: Scene
     eyes: tuple[EyeView, ...]
@@ -86,7 +86,7 @@ class _View(NamedTuple):
 def measure(
     case: Case, scope: Scope, store: Store, todo: Sequence[BlurMethod] | None = None
 ) -> MeasuredCase:
-    """Draw and judge methods (those of the scope); what is in the store is taken from there."""
+    """Draw and judge methods (those of the scope), or take them from the store."""
     if todo is None:
         todo = pick(methods(case.effect, quick=scope.quick), scope.methods)
     keys = {method.name: _key(case, scope, method) for method in todo}
@@ -138,7 +138,7 @@ def _view(case: Case, scope: Scope, store: Store) -> _View:
 
 
 def errors_of(case: Case, scope: Scope, method: BlurMethod, store: Store) -> dict[str, Any]:
-    """Return the errors of a method; of what there is in the store, only references are used."""
+    """Return the errors of a method; only references are taken from the store."""
     return _drawn_errors(case, scope, method, _view(case, scope, store))[0]
 
 
@@ -164,7 +164,7 @@ def _drawn_errors(
 def images_of(
     case: Case, scope: Scope, method: BlurMethod, scene: Scene
 ) -> tuple[NDArray[np.float32], ...]:
-    """Draw what a method shows to the eyes that are judged."""
+    """Draw a method's images for the judged eyes."""
     condition = condition_of(case, scope, method.condition)
     eyes = eyes_of(case, scope)
     shots = capture(scene, condition, frames(case, scope), drawn_px(case, scope), eyes=eyes)
@@ -276,7 +276,7 @@ def _off_median(image: NDArray[Any], view: EyeView) -> dict[str, float | None]:
 
 
 def _known(values: dict[str, float]) -> dict[str, float | None]:
-    """Return None for what is not a number: JSON has none (nothing is seen by both eyes)."""
+    """Return None for NaN: JSON has none (no surface is seen by both eyes)."""
     return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
 
@@ -286,7 +286,7 @@ def decibels(error: float) -> float | None:
 
 
 class EyeView(NamedTuple):
-    """What an eye's image is judged by: everything of the size that is drawn, bottom row first."""
+    """References, regions and mask of an eye's image, of the drawn size, bottom row first."""
 
     truth: EyeReference
     sure: Mask
@@ -304,7 +304,7 @@ class EyeView(NamedTuple):
 
 
 def view_of(case: Case, scope: Scope, store: Store) -> tuple[EyeView, ...]:
-    """Return what a case's images are judged by, for the left eye and, where it counts, the right.
+    """Return references and regions of a case, for the left eye and, where it counts, the right.
 
     References are drawn as far as the store has not got them.
     """
@@ -328,7 +328,7 @@ def _eye_view(case: Case, scope: Scope, shot: Capture, truth: EyeReference) -> E
 
 
 def judged_area(case: Case, scope: Scope) -> tuple[slice, slice]:
-    """Return the rows and columns of what is drawn that are judged: nothing in the margin."""
+    """Return the judged rows and columns of the drawn image: nothing in the margin."""
     rows, columns = inside_margin(scope.size_px)
     if case.window is None:
         return rows, columns

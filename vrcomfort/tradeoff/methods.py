@@ -1,4 +1,4 @@
-"""What is compared: a table of named conditions, which grows with the settings there are."""
+"""Compared methods: a table of named conditions, which grows with the settings."""
 
 from __future__ import annotations
 
@@ -71,12 +71,12 @@ def methods(effect: Effect, *, quick: bool = False) -> list[BlurMethod]:
 
 
 def base_condition(effect: Effect) -> Condition:
-    """Return the condition whose reference all methods for an effect are compared with."""
+    """Return the condition of the reference for all methods of an effect."""
     return _condition(effect, "reference", effect != "motion_blur", effect != "depth_of_field")
 
 
 def pick(found: list[BlurMethod], names: tuple[str, ...] | None) -> list[BlurMethod]:
-    """Return the methods with these names (all where None), and what has no blur."""
+    """Return the methods with these names (all where None), and the one without blur."""
     if names is None:
         return found
     return [method for method in found if method.name in names or method.family == "none"]

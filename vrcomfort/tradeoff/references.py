@@ -51,7 +51,7 @@ class EyeReference(NamedTuple):
 
 
 class DrawnSamples(NamedTuple):
-    """What drawing a reference took."""
+    """Samples of a reference, and those of earlier runs among them."""
 
     samples: int
     reused: int
@@ -66,13 +66,13 @@ def draw_reference(case: Case, scope: Scope, eye: int, store: Store) -> DrawnSam
 def references_of(
     case: Case, scope: Scope, shots: tuple[Capture, ...], store: Store
 ) -> tuple[EyeReference, ...]:
-    """Return the references of the eyes, whose shots show what a post-process would know."""
+    """Return the references of the eyes; their captures are the input of a post-process."""
     return tuple(_reference_of(case, scope, shot, store) for shot in shots)
 
 
 @lru_cache(maxsize=2)
 def base_captures(case: Case, scope: Scope) -> tuple[Capture, ...]:
-    """Draw what the references are references of."""
+    """Capture the views of a case's references."""
     scene, _ = scene_and_hash(case.scene)
     condition, size_px = reference_condition(case, scope), drawn_px(case, scope)
     return capture(scene, condition, frames(case, scope), size_px, eyes=eyes_of(case, scope))
@@ -95,7 +95,7 @@ def _scattered(shot: Capture, condition: Condition, samples: int) -> Array:
 
 
 def pinhole(shot: Capture, condition: Condition) -> Pinhole:
-    """Return what a post-process knows of an eye's view."""
+    """Return the input of a post-process: an eye's image, depth, radii and streaks."""
     height, width = shot.depth.shape
     focal_x, focal_y = focal_length_px(shot.camera.fov, (width, height))
     streak = np.zeros((height, width, 2))
@@ -146,7 +146,7 @@ def _read(
 
 
 def _is_of(kept: Mapping[str, NDArray[Any]], sharp: NDArray[np.floating]) -> bool:
-    """Return whether a reference was drawn of what this pinhole image shows."""
+    """Return whether a kept reference belongs to this pinhole image."""
     if "sharp" not in kept or kept["sharp"].shape != sharp.shape:
         return False
     return rms(np.minimum(kept["sharp"], HIGHLIGHT), np.minimum(sharp, HIGHLIGHT)) <= SAME_RMS
@@ -175,7 +175,7 @@ WIDEST_CRACK_PX = 1.0
 
 
 class Pinhole(NamedTuple):
-    """What a post-process knows: one image, and for each pixel how deep it is and how it spreads.
+    """Input of a post-process: one image with depth, radius and streak of each pixel.
 
     Parameters
     ----------
@@ -199,7 +199,7 @@ class Pinhole(NamedTuple):
 
 
 def ideal_scatter(pinhole: Pinhole, samples: ArrayLike, /) -> Array:
-    """Return (h, w, 3): the mean over samples of what each sees of the pinhole image's pixels.
+    """Return (h, w, 3): the mean over samples of the pinhole image's nearest pixels.
 
     Every pixel is a square of its surface, at its depth. A sample (x, y of the unit disc, time in
     [−½, ½)) moves it by ``radius · (x, y) + streak · time``; the nearest wins. So each pixel's
@@ -254,7 +254,7 @@ def _growth(shift: Array, connected: tuple[NDArray[np.bool_], ...]) -> Array:
 
 
 def _covered(center: Array, growth: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the first and last pixel whose centre a square covers: one, or two if it has grown."""
+    """Return the first and last pixel centre that a square covers: one, or two if it has grown."""
     half = (1 + growth) / 2
     first = np.floor(center - half).astype(np.intp) + 1
     last = np.maximum(first, np.floor(center + half).astype(np.intp))
@@ -266,7 +266,7 @@ def _nearest(
     rows: tuple[NDArray[np.intp], NDArray[np.intp]],
     shape: tuple[int, int],
 ) -> NDArray[np.intp]:
-    """Return (h, w) indices of what is seen, −1 for nothing; squares come farthest first."""
+    """Return (h, w) indices of the nearest squares, −1 for none; squares come farthest first."""
     height, width = shape
     x = np.stack([columns[0], columns[1], columns[0], columns[1]], axis=-1)
     y = np.stack([rows[0], rows[0], rows[1], rows[1]], axis=-1)
@@ -279,7 +279,7 @@ def _nearest(
 
 
 def _continued(seen: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Fill what is not seen (−1) with the farthest (least) index next to it in four directions."""
+    """Fill holes (−1) with the farthest (least) index next to them in four directions."""
     if seen.min() >= 0:
         return seen
     nothing = seen.size

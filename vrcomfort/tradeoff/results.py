@@ -85,7 +85,7 @@ def results(
 
 
 def compared(table: Sequence[Row], again: tuple[float, float] = (1.0, 1.0)) -> dict[str, Any]:
-    """Return what the means of :func:`means` say: fronts, verdicts and dials.
+    """Return fronts, verdicts and dials from the rows of :func:`means`.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def _groups(table: Sequence[Row]) -> dict[Key, list[Row]]:
 
 
 def _points(rows: Sequence[Row], error: str = "rms", price: str = "cost") -> list[Point]:
-    """Return who has a price and an error; what blurs nothing has neither a price nor a rival."""
+    """Return the methods with a price and an error; no blur has neither a price nor a rival."""
     return [
         Point(r["method"], r[price], r[error])
         for r in rows
@@ -191,7 +191,7 @@ def _points(rows: Sequence[Row], error: str = "rms", price: str = "cost") -> lis
 
 
 def _front(key: Key, group: Sequence[Row], noise: float) -> Row:
-    """Return who is on the front, with those that draw the same as somebody on it."""
+    """Return the methods on the front, with those that draw the same as one on it."""
     on_front = {point.name for point in front(_points(group))}
     first = [row for row in group if row["method"] in on_front]
     found = [row for row in group if row in first or any(_same(row, one, noise) for one in first)]
@@ -267,7 +267,7 @@ def _fall(rows: list[Row]) -> Row:
 
 
 class Point(NamedTuple):
-    """A method: what it costs and how wrong it is (less is better)."""
+    """Cost and error of a method (less is better)."""
 
     name: str
     cost: float
@@ -361,7 +361,7 @@ Key: TypeAlias = tuple[str, str, str]
 
 
 def key_of_row(row: dict[str, Any]) -> Key:
-    """Return what a row belongs to."""
+    """Return the key of a row."""
     return row["scene"], row["effect"], row["lens"]
 
 
@@ -371,7 +371,7 @@ def named(key: Key) -> dict[str, Any]:
 
 
 def figure_name(key: Key) -> str:
-    """Return what the files of a figure are called; motion blur alone has no lens."""
+    """Return the stem of a figure's files; motion blur alone has no lens."""
     scene, effect, lens = key
     return f"{scene}_{effect}" if effect == "motion_blur" else f"{scene}_{effect}_lens{lens}"
 

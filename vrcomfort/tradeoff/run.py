@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, TypeAlias
 
 from vrcomfort.errors import InputError
 from vrcomfort.gpu.gl import describe
@@ -24,16 +24,12 @@ from vrcomfort.tradeoff.store import Store, scene_and_hash
 from vrcomfort.tradeoff.tables import doubts
 from vrcomfort.workers import Work, workers
 
-
-class StageProgress(Protocol):
-    """Shows how far a stage is: called with its title and its steps, gives what advances it."""
-
-    def __call__(self, title: str, steps: int, /) -> Callable[[], None]:
-        """Begin a stage."""
+StageProgress: TypeAlias = Callable[[str, int], Callable[[], None]]
+"""Shows a stage: called with its title and number of steps, gives a function to advance it."""
 
 
 class Summary(NamedTuple):
-    """What a run has done."""
+    """Result of a run."""
 
     page: Path | None
     """None where only references were drawn."""
@@ -138,7 +134,7 @@ def _time(todo: list[Case], scope: Scope, progress: StageProgress) -> list[CaseT
 def _traffic(
     todo: list[Case], scope: Scope, progress: StageProgress
 ) -> dict[tuple[Case, str], dict[str, Any]]:
-    """Count what the effects of each method send through memory."""
+    """Count the traffic of each method's effects."""
     pairs = [(case, method) for case in _wholes(todo) for method in _methods(case, scope)]
     advance = progress("reads and bytes", len(pairs))
     found = {}

@@ -46,7 +46,7 @@ class Store:
             ) from error
 
     def read(self, key: str) -> dict[str, NDArray[Any]] | None:
-        """Return what was kept under a key; None where there is nothing, or half of it."""
+        """Return the arrays under a key; None where there are none, or half a file."""
         try:
             with self._path(key).open("rb") as file, np.load(file, allow_pickle=False) as found:
                 return dict(found)
@@ -54,7 +54,7 @@ class Store:
             return None
 
     def write(self, key: str, **arrays: NDArray[Any]) -> None:
-        """Keep arrays under a key; what was there is replaced."""
+        """Keep arrays under a key, in place of earlier ones."""
         path = self._path(key)
         partial = path.with_suffix(f".{os.getpid()}.part")
         with partial.open("wb") as file:
@@ -80,7 +80,7 @@ def default_folder() -> Path:
 
 
 def key_of(kind: str, *facts: Any) -> str:
-    """Return a file name for what depends on `facts` (anything JSON can say)."""
+    """Return a file name for data that depends on `facts` (any JSON)."""
     text = json.dumps([__version__, *facts], sort_keys=True, default=str)
     return f"{kind}-{hashlib.sha256(text.encode()).hexdigest()[:24]}"
 

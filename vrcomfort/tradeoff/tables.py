@@ -74,7 +74,7 @@ WIDEST_AGAIN = 0.10
 
 
 def number(value: float | None, digits: int) -> str:
-    """Return a number with so many significant digits and without exponent; a dash for none."""
+    """Return a number with `digits` significant digits and without exponent; a dash for none."""
     if value is None:
         return "–"
     if value == 0:
@@ -85,7 +85,7 @@ def number(value: float | None, digits: int) -> str:
 
 
 def markdown(found: dict[str, Any]) -> str:
-    """Return all tables and what they mean."""
+    """Return all tables with their notes."""
     parts = [
         f"Measured by `vrcomfort tradeoff` {found['vrcomfort']} on {found['device']} "
         f"({found['machine']}); times: {found['timer']}.",
@@ -103,7 +103,7 @@ def markdown(found: dict[str, Any]) -> str:
 
 
 def notes(found: dict[str, Any]) -> list[str]:
-    """Return what a reader must know of the conditions, one sentence each."""
+    """Return notes on the conditions, one sentence each."""
     scope, settings = found["scope"], found["settings"]
     return [
         f"{_what(scope)}, {_places(scope)} on each scene's walk "
@@ -212,7 +212,7 @@ VERDICT_COLUMNS: tuple[tuple[str, Callable[[Row], str]], ...] = (
 
 
 def headline(found: dict[str, Any]) -> str:
-    """Return in how many comparisons one of ours is both faster and closer, and what they are."""
+    """Return in how many comparisons one of ours is both faster and closer, and which."""
     verdicts = found["verdicts"]
     if not verdicts:
         return "No source's method was compared with one of ours."

@@ -1,4 +1,4 @@
-"""Frames of the shipped walks, for measurements on what people see."""
+"""Frames of the shipped walks, for measurements on real views."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def time_s(frame: Frame) -> float:
 
 
 def _movement(before: Frame, after: Frame) -> float:
-    """Return metres plus radians between two frames: about what things a metre away move by."""
+    """Return metres plus radians between two frames: about the motion of points a metre away."""
     step = before.head_pose.inverse() @ after.head_pose
     half_turn = np.linalg.norm(step.orientation[:3])
     return float(np.linalg.norm(step.position) + 2 * np.arcsin(min(float(half_turn), 1.0)))

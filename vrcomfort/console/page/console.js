@@ -318,7 +318,7 @@ function showLines() {
 
 // What needs words is asked for first; it is meant for the step in which that was opened.
 const ASKS = { note: "Note", abort: "Why is the session stopped? It can be resumed." };
-function wish(action) {
+function askAndSend(action) {
   if (action === "withdraw_surely") return send(action, { text: at("withdrawing-why").value });
   if (!ASKS[action]) return send(action);
   put(at("ask-title"), ASKS[action]);
@@ -334,15 +334,15 @@ function wish(action) {
 
 document.addEventListener("click", (event) => {
   const button = event.target.closest("button[data-action]");
-  if (button) wish(button.dataset.action);
+  if (button) askAndSend(button.dataset.action);
 });
 document.addEventListener("keydown", (event) => {
   const typing = /^(INPUT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "checkbox";
   if (typing || !at("keys").checked || event.ctrlKey || event.metaKey || event.altKey) return;
   if (at("ask").open || state === null) return;
   const key = event.key.toLowerCase();
-  if (key === "p" && state.allowed.includes("pause")) wish(state.paused ? "go_on" : "pause");
-  else if (key === "n" && state.allowed.includes("note")) wish("note");
+  if (key === "p" && state.allowed.includes("pause")) askAndSend(state.paused ? "go_on" : "pause");
+  else if (key === "n" && state.allowed.includes("note")) askAndSend("note");
   else if (/^[0-9]$/.test(key)) {
     const button = at("answers").querySelector(`button[data-value="${key}"]`);
     const longer = at("answers").querySelector('button[data-value="10"]'); // 1 may begin 12

@@ -7,27 +7,158 @@ Sci. Data 11:716) and its eye tracking.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
 from vrcomfort import __version__
-from vrcomfort.exchange.bids.files import write_json, write_tsv
-from vrcomfort.exchange.bids.gaze import write_gazes
-from vrcomfort.exchange.bids.motion import SYSTEMS, recorded, write_motion
-from vrcomfort.exchange.bids.phenotype import write_phenotype
-from vrcomfort.exchange.bids.practice import write_practice
-from vrcomfort.exchange.bids.runs import Run, read_runs
-from vrcomfort.exchange.room import new_folder, require_whole
-from vrcomfort.records.events import EVENTS, shared_detail
-from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.study import (
-    read_description,
-    read_participants,
-    recorded_sessions,
+from vrcomfort.exchange.bids.runs import (
+    SYSTEMS,
+    Run,
+    read_runs,
+    recorded,
+    write_gazes,
+    write_json,
+    write_motion,
+    write_tsv,
 )
+from vrcomfort.exchange.room import new_folder, require_whole
+from vrcomfort.questionnaire import Instrument, instruments_in, shipped_instruments
+from vrcomfort.records.events import EVENTS, shared_detail
+from vrcomfort.records.exposure_rows import PracticeRow
+from vrcomfort.records.reader import Session, Study
+from vrcomfort.records.recorder import session_folder
+from vrcomfort.records.rows import Column, declared
+from vrcomfort.records.schema import full_meaning
+from vrcomfort.records.session_rows import QuestionnaireRow
+
+
+def write_phenotype(study: Study, out: Path, participants: Iterable[str]) -> None:
+    """Write a table and its sidecar for each instrument that was answered.
+
+    Raises
+    ------
+    InputError
+        If a table is damaged.
+    """
+    known = {**shipped_instruments(), **instruments_in([study.folder])}
+    tables: dict[str, dict[str, dict[str, str]]] = {}
+    columns: dict[str, dict[str, dict[str, Any]]] = {}
+    for name in participants:
+        for session in study.sessions_of(name):
+            asked_in = _languages(session)
+            for row in session.text_rows(QuestionnaireRow):
+                instrument = row["instrument"]
+                cells = tables.setdefault(instrument, {}).setdefault(f"sub-{name}", {})
+                said = columns.setdefault(instrument, {})
+                for column, value, meaning in _cells(row, known.get(instrument)):
+                    cells[column] = value
+                    said.setdefault(column, meaning)
+                if instrument in asked_in:
+                    column = f"ses-{row['session']}_language"
+                    cells[column] = asked_in[instrument]
+                    text = f"Language in which it was asked in session {row['session']}"
+                    said.setdefault(column, {"Description": text})
+    for instrument, rows in tables.items():
+        _write_instrument(out / "phenotype", instrument, rows, columns[instrument], known)
+
+
+def _languages(session: Session) -> dict[str, str]:
+    """Return instrument → language in which a session asked it, as its manifest says."""
+    wordings = session.manifest.get("wordings") or []
+    return {str(each["instrument"]): str(each["language"]) for each in wordings}
+
+
+def _cells(row: Mapping[str, str], instrument: Instrument | None) -> Iterable[tuple[str, str, Any]]:
+    """Yield column, value and meaning of an answer, and of the condition that it is of."""
+    place = f"ses-{row['session']}"
+    when = f"session {row['session']}, {row['timepoint']}"
+    if row["trial"]:
+        place += f"_trial-{row['trial']}"
+        when += f", exposure {row['trial']}"
+        text = f"Condition of exposure {row['trial']} of session {row['session']}"
+        yield f"{place}_condition", row["condition"], {"Description": text}
+    yield (
+        f"{place}_{row['timepoint']}_{row['item']}",
+        row["response"],
+        _meaning(row, when, instrument),
+    )
+
+
+def _meaning(row: Mapping[str, str], when: str, instrument: Instrument | None) -> dict[str, Any]:
+    item = instrument.item(row["item"]) if instrument else None
+    if instrument is None or item is None:
+        return {"Description": f"{row['item']} ({when})"}
+    text = f"{item.text} ({when}); n/a: rather not say, or not asked"
+    answers = item.answers
+    if len(answers.labels) != len(answers.asked):
+        return {"Description": text, "Minimum": answers.low, "Maximum": answers.high}
+    levels = zip(map(str, answers.asked), answers.labels, strict=True)
+    return {"Description": text, "Levels": dict(levels)}
+
+
+def _write_instrument(
+    folder: Path,
+    name: str,
+    rows: Mapping[str, Mapping[str, str]],
+    columns: Mapping[str, dict[str, Any]],
+    known: Mapping[str, Instrument],
+) -> None:
+    table = [(who, *(cells.get(column, "") for column in columns)) for who, cells in rows.items()]
+    write_tsv(folder / f"{name}.tsv", ("participant_id", *columns), table)
+    instrument = known.get(name)
+    tool = {"Description": name}
+    if instrument is not None:
+        tool = {"Description": f"{instrument.title} ({instrument.short}). {instrument.citation}"}
+    write_json(folder / f"{name}.json", {"MeasurementToolMetadata": tool, **columns})
+
+
+_OF_THE_NAME = ("participant", "session")
+
+
+def write_practice(session: Session, folder: Path, whose: str, task: str) -> None:
+    """Write the practice of one session, if it had any.
+
+    Parameters
+    ----------
+    folder
+        Of the session in the dataset.
+    whose
+        Beginning of its files' names.
+    task
+        Label of what the exposures are; practice is told from it by its own.
+
+    Raises
+    ------
+    InputError
+        If the table is damaged.
+    """
+    rows = list(session.text_rows(PracticeRow))
+    if not rows:
+        return
+    label = f"{task}practice"
+    described = [each for each in declared(PracticeRow) if each.name not in _OF_THE_NAME]
+    columns = [each.name for each in described]
+    stem = folder / "beh" / f"{whose}_task-{label}_beh"
+    table = ([row.get(name, "") for name in columns] for row in rows)
+    write_tsv(stem.with_suffix(".tsv"), columns, table)
+    write_json(
+        stem.with_suffix(".json"),
+        {
+            "TaskName": label,
+            "TaskDescription": "Practice before the exposures of a session, of which it is none",
+            **{each.name: _described(each) for each in described},
+        },
+    )
+
+
+def _described(column: Column) -> dict[str, str]:
+    return {
+        "Description": full_meaning(column),
+        **({"Units": column.unit} if column.unit else {}),
+    }
+
 
 BIDS_VERSION = "1.11.1"
 _EVENT_COLUMNS = ("onset", "duration", "trial_type", "value", "condition", "scene")
@@ -77,7 +208,8 @@ def export_bids(study: Path, out: Path) -> list[str]:
 
 
 def _write(study: Path, out: Path) -> list[str]:
-    description = read_description(study)
+    recorded = Study(study)
+    description = recorded.description
     name, protocol = str(description.get("name") or study.name), str(description["protocol"])
     write_json(
         out / "dataset_description.json",
@@ -90,13 +222,13 @@ def _write(study: Path, out: Path) -> list[str]:
     )
     readme = _README.format(name=name, protocol=protocol, bids=BIDS_VERSION)
     (out / "README.md").write_text(readme, encoding="utf-8")
-    people = read_participants(study)
+    people = recorded.enrolled
     task = re.sub("[^A-Za-z0-9]", "", protocol) or "exposure"
     left_out: list[str] = []
-    begun = [row for row in people if recorded_sessions(study, row.participant)]
+    begun = [row for row in people if recorded.sessions_of(row.participant)]
     for row in begun:
-        for number in recorded_sessions(study, row.participant):
-            left_out += _session(study, out, row.participant, number, task)
+        for session in recorded.sessions_of(row.participant):
+            left_out += _session(session, out, task)
     others = list(dict.fromkeys(key for row in begun for key, _ in row.others))
     columns = ("participant_id", "sequence", "status", *others)
     table = [
@@ -106,7 +238,7 @@ def _write(study: Path, out: Path) -> list[str]:
     ]  # fmt: skip
     write_tsv(out / "participants.tsv", columns, table)
     write_json(out / "participants.json", _columns_of_participants(others))
-    write_phenotype(study, out, [row.participant for row in begun])
+    write_phenotype(recorded, out, [row.participant for row in begun])
     nobody = len(people) - len(begun)
     return [*left_out, *([f"{nobody} enrolled without a session"] if nobody else [])]
 
@@ -127,14 +259,13 @@ def _columns_of_participants(others: list[str]) -> dict[str, Any]:
     }
 
 
-def _session(study: Path, out: Path, who: str, number: int, task: str) -> list[str]:
+def _session(session: Session, out: Path, task: str) -> list[str]:
     """Write one session; return what was left out of it."""
-    source = session_folder(study, who, number)
-    manifest = read_manifest(source)
+    who, number, manifest = session.participant, session.number, session.manifest
     folder = session_folder(out, who, number)
     scans: list[tuple[str, str]] = []
     left_out = []
-    runs = read_runs(source)
+    runs = read_runs(session)
     for run in runs:
         if not run.frames:
             left_out.append(f"sub-{who}/ses-{number}: exposure {run.number} has no frames")
@@ -156,7 +287,7 @@ def _session(study: Path, out: Path, who: str, number: int, task: str) -> list[s
         _write_events(stem, run)
     if scans:
         write_tsv(folder / f"sub-{who}_ses-{number}_scans.tsv", ("filename", "acq_time"), scans)
-    write_practice(source, folder, f"sub-{who}_ses-{number}", task)
+    write_practice(session, folder, f"sub-{who}_ses-{number}", task)
     unknown = {each["name"] for run in runs for each in run.events} - EVENTS.keys()
     return [
         *left_out,

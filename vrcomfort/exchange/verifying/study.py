@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of
 from vrcomfort.exchange.verifying.findings import Verified
@@ -17,8 +16,10 @@ from vrcomfort.records.consents import read_consents
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
 from vrcomfort.records.json_file import read_json
 from vrcomfort.records.manifest_shape import DescribedShape, ImportShape
+from vrcomfort.records.reader import Session
 from vrcomfort.records.session_rows import ConsentRow, ParticipantRow, QuestionnaireRow
 from vrcomfort.records.study import DESCRIPTION, read_description, read_participants
+from vrcomfort.records.tables import read_table
 
 IMPORT = "import.json"
 _ANONYMISED = "anonymised.json"
@@ -237,7 +238,7 @@ def _check_session_order(
     file = folder / TrialRow.FILE
     try:
         sessions = design_of(manifest).sequence(row.sequence).sessions
-        table = CsvTable.read(file, appended=True)
+        table = Session(folder).table(TrialRow)
         table.require(("trial", "condition", "scene", "status"))
     except InputError:
         return None  # which has been told, or another version's protocol
@@ -275,7 +276,7 @@ def _imported(study: Path, found: Verified) -> None:
 def _table(file: Path, found: Verified) -> list[tuple[int, dict[str, str]]]:
     """Return line and cells of each row; none, and a finding, where it is no table."""
     try:
-        table = CsvTable.read(file)
+        table = read_table(file, appended=False)
         table.require(("participant",))
     except InputError as error:
         found.refusal(error, file)

@@ -1,4 +1,4 @@
-"""What the active runtime has, found stage by stage: the runtime, its headset, a session."""
+"""Capabilities of the active runtime, stage by stage: runtime, headset, session."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class RuntimeFacts:
 
 
 @dataclass(frozen=True)
-class HeadsetFacts:
+class SystemFacts:
     """A headset: its name, the size of image that it wants per eye, and whether it tracks eyes.
 
     `each_eye`: whether it tells where each of them looks.
@@ -83,7 +83,7 @@ def find_runtime() -> RuntimeFacts:
             watched(xr.destroy_instance, instance)
 
 
-def find_headset() -> HeadsetFacts:
+def find_headset() -> SystemFacts:
     """Find the headset that the active runtime drives.
 
     Raises
@@ -95,7 +95,7 @@ def find_headset() -> HeadsetFacts:
         runtime = connect(OpenXrSettings(), (OPENGL,), lambda _: None)
         try:
             each_eye = runtime.has_each_eye
-            return HeadsetFacts(
+            return SystemFacts(
                 runtime.headset_name,
                 runtime.recommended_size_px,
                 gaze=runtime.has_gaze or each_eye,

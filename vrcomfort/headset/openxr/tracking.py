@@ -11,7 +11,7 @@ import xr
 from vrcomfort.frame import HeadsetEvent
 from vrcomfort.geometry import Fov, Pose, View, heading
 from vrcomfort.headset.inputs import Inputs
-from vrcomfort.headset.locomotion import Locomotion, floor_under, wish_of
+from vrcomfort.headset.locomotion import Locomotion, floor_under, move_command
 from vrcomfort.headset.openxr.connection import Connection
 from vrcomfort.headset.openxr.instance import EYES, STEREO
 from vrcomfort.headset.openxr.lifecycle import SpaceChange
@@ -198,7 +198,7 @@ class ParticipantPose:
             return True
         if in_scene:
             head = self.tracking.head
-            self.snap_turned = self._locomotion.step(head, wish_of(inputs), passed_s)
+            self.snap_turned = self._locomotion.step(head, move_command(inputs), passed_s)
             return self._locomotion.teleported
         return False
 

@@ -8,14 +8,19 @@ from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
-from vrcomfort.importing.files import read_grids
-from vrcomfort.importing.headings import as_table
+from vrcomfort.importing.files import as_table, read_grids
 from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.source import Reading, SourceTable
 from vrcomfort.importing.suggest.draft import Doubt, Draft
-from vrcomfort.importing.suggest.long_tables import stands_on_its_side
+from vrcomfort.importing.suggest.layouts import stands_on_its_side
 from vrcomfort.importing.suggest.table_draft import TableDraft
+from vrcomfort.importing.suggest.vocabulary import (
+    Known,
+    Vocabulary,
+    read_vocabulary,
+    shipped_vocabulary,
+)
 from vrcomfort.questionnaire import Instrument, usual_instruments
 
 _TOP = (
@@ -48,7 +53,9 @@ class Suggestion:
 
 
 def suggest_mapping(
-    files: Sequence[Path], own: Mapping[str, Instrument] | None = None
+    files: Sequence[Path],
+    own: Mapping[str, Instrument] | None = None,
+    vocabularies: Sequence[Path] = (),
 ) -> Suggestion:
     """Write a mapping from files.
 
@@ -56,14 +63,17 @@ def suggest_mapping(
     ----------
     own
         File → instrument that is not shipped, and may be meant as well.
+    vocabularies
+        A lab's own vocabulary files, which win over the shipped ones.
 
     Raises
     ------
     InputError
-        If a file cannot be read.
+        If a file cannot be read, or a vocabulary is wrong; with line and column.
     """
     own = own or {}
-    known = (*own.values(), *usual_instruments())
+    words = Vocabulary([*map(read_vocabulary, vocabularies)]) if vocabularies else None
+    known = Known((*own.values(), *usual_instruments()), words or shipped_vocabulary())
     read = [table for file in files for table in _tables(file, known)]
     groups: dict[tuple[object, ...], list[SourceTable]] = {}
     for table in read:
@@ -93,7 +103,7 @@ def suggest_mapping(
     )
 
 
-def _tables(file: Path, known: Sequence[Instrument]) -> list[SourceTable]:
+def _tables(file: Path, known: Known) -> list[SourceTable]:
     grids = read_grids(file, Reading())
     return [
         as_table(replace(g, reading=g.reading._replace(transpose=stands_on_its_side(g, known))))

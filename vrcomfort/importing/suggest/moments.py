@@ -1,27 +1,22 @@
-"""What the words around items' names say of when and under what they were asked."""
+"""Reads timepoint and condition in headings of answers, and the template that headings share."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
+from itertools import takewhile
+from typing import NamedTuple
 
+from vrcomfort.importing.mapping import template_pattern
 from vrcomfort.importing.suggest.draft import Doubt
-from vrcomfort.importing.suggest.vocabulary import TIMEPOINTS
+from vrcomfort.importing.suggest.vocabulary import Vocabulary
 
-_COUNTED = {
-    "session": ("session", "sess", "ses", "visit", "day", "sitzung", "termin", "tag"),
-    "trial": ("trial", "run", "round", "exposure", "runde", "durchgang", "tr"),
-    "period": ("period", "periode"),
-    "block": ("block", "blk"),
-}
-_FACT_OF = {word: fact for fact, words in _COUNTED.items() for word in words}
-_NUMBERED_TIMES = ("t", "time", "timepoint", "tp", "messzeitpunkt", "mzp", "wave", "zeitpunkt")
-_KEPT = {*TIMEPOINTS, *_FACT_OF, *_NUMBERED_TIMES}
-"""Words that say something even where all headings have them."""
-_NOISE = frozenset(["ssq", "score", "item", "q", "question", "cond", "condition", "the", "vr"])
+_ITEM = "{item}"
+_PART = re.compile(r"[^\W_]+|[\W_]+")
 
 
 def moments(
-    contexts: Sequence[tuple[str, ...]], *, numbers: str = "condition"
+    contexts: Sequence[tuple[str, ...]], vocabulary: Vocabulary, *, numbers: str = "condition"
 ) -> tuple[list[dict[str, str]], list[Doubt]]:
     """Return for each questionnaire of a row the facts that its headings say, and doubts.
 
@@ -31,42 +26,48 @@ def moments(
         The fact that numbers are taken for that stand alone.
     """
     if len(contexts) == 1:
-        return _of_one(contexts[0])
+        return _of_one(contexts[0], vocabulary)
     shared = set.intersection(*map(set, contexts))
     if any(set(context) <= shared for context in contexts) and max(map(len, contexts)) <= 4:
         shared = set()  # such as Blur and No Blur
     facts: list[dict[str, str]] = []
     doubts: list[Doubt] = []
     for context in contexts:
-        rest = [w for w in context if w not in shared or w in _KEPT]
-        facts.append(_facts(rest))
+        # Words for timepoints and numbers say something even where all headings have them.
+        rest = [
+            word
+            for word in context
+            if word not in shared or word in vocabulary.timepoints or word in vocabulary.numbered
+        ]
+        facts.append(_facts(rest, vocabulary))
     _numbered_times(facts, doubts)
     _two_unnamed(facts, doubts)
     _name_the_rest(facts, doubts, numbers)
     return facts, doubts
 
 
-def _of_one(context: tuple[str, ...]) -> tuple[list[dict[str, str]], list[Doubt]]:
-    when = [TIMEPOINTS[word] for word in context if word in TIMEPOINTS]
+def _of_one(
+    context: tuple[str, ...], vocabulary: Vocabulary
+) -> tuple[list[dict[str, str]], list[Doubt]]:
+    when = [vocabulary.timepoints[word] for word in context if word in vocabulary.timepoints]
     return [{"timepoint": when[0]} if len(set(when)) == 1 else {}], []
 
 
-def _facts(words: Sequence[str]) -> dict[str, str]:
+def _facts(words: Sequence[str], vocabulary: Vocabulary) -> dict[str, str]:
+    numbered, timepoints = vocabulary.numbered, vocabulary.timepoints
     facts: dict[str, str] = {}
     rest: list[str] = []
     place = 0
     while place < len(words):
         word = words[place]
         following = words[place + 1] if place + 1 < len(words) else ""
-        if word in _FACT_OF and following.isdecimal():
-            facts[_FACT_OF[word]] = following
+        fact = numbered.get(word, "")
+        if fact and following.isdecimal():
+            facts[fact] = f"t{following}" if fact == "timepoint" else following
             place += 1
-        elif word in _NUMBERED_TIMES and following.isdecimal():
-            facts["timepoint"] = f"t{following}"
-            place += 1
-        elif word in TIMEPOINTS and "timepoint" not in facts:
-            facts["timepoint"] = TIMEPOINTS[word]
-        elif word not in _FACT_OF and word not in _NOISE:
+        elif word in timepoints and "timepoint" not in facts:
+            facts["timepoint"] = timepoints[word]
+        elif fact in {"", "timepoint"} and word not in vocabulary.condition_fillers:
             rest.append(word)
         place += 1
     if rest:
@@ -116,3 +117,115 @@ def _name_the_rest(facts: list[dict[str, str]], doubts: list[Doubt], fact: str) 
             each["condition"] = f"questionnaire_{place}"
             question = f"Of which condition is questionnaire {place} of a row?"
             doubts.append(Doubt(question, f"`questionnaire_{place}`"))
+
+
+class Template(NamedTuple):
+    """Headings of several questionnaires.
+
+    Parameters
+    ----------
+    heading
+        With ``{item}``, and ``{condition}`` and the like where they differ.
+    items
+        Item → what stands for it.
+    values
+        Fact → text in the heading → what it means.
+    """
+
+    heading: str
+    items: dict[str, str]
+    values: dict[str, dict[str, str]]
+
+
+def template_of(
+    headings: Sequence[Mapping[str, str]],
+    facts: Sequence[Mapping[str, str]],
+    others: Sequence[str],
+) -> Template | None:
+    """Return how headings are made; None where no one template says exactly these.
+
+    Parameters
+    ----------
+    headings
+        For each questionnaire, item → heading.
+    facts
+        For each questionnaire, what its headings say.
+    others
+        All other headings of the table, of which the template must take none.
+    """
+    split = [_split(each) for each in headings]
+    items = split[0][2]
+    if len(headings) < 2 or any(found != items for _, _, found in split):
+        return None
+    sides = [[*_PART.findall(left), _ITEM, *_PART.findall(right)] for left, right, _ in split]
+    if len({len(side) for side in sides}) > 1:
+        return None
+    parts: list[str] = []
+    values: dict[str, dict[str, str]] = {}
+    for texts in zip(*sides, strict=True):
+        if len(set(texts)) == 1:
+            parts.append(texts[0])
+            continue
+        fact = _fact_of(texts, facts, values)
+        if fact is None:
+            return None
+        values[fact] = {t: each[fact] for t, each in zip(texts, facts, strict=True)}
+        parts.append(f"{{{fact}}}")
+    found = Template("".join(parts), dict(items), values)
+    whole = all(set(each) == set(values) for each in facts)
+    return found if whole and _says(found, headings, others) else None
+
+
+def _split(headings: Mapping[str, str]) -> tuple[str, str, dict[str, str]]:
+    """Return what all headings begin and end with, and what stands between."""
+    texts = list(headings.values())
+    left = _common_start(texts)
+    right = _common_start([text[len(left) :][::-1] for text in texts])[::-1]
+    left = left[: len(left) - len(_tail(left))]
+    right = right[len(_head(right)) :]
+    end = -len(right) or None
+    return left, right, {item: text[len(left) : end] for item, text in headings.items()}
+
+
+def _common_start(texts: Sequence[str]) -> str:
+    """Return the letters with which all texts begin."""
+    same = takewhile(lambda letters: len(set(letters)) == 1, zip(*texts, strict=False))
+    return "".join(letters[0] for letters in same)
+
+
+def _tail(text: str) -> str:
+    """Return the letters at the end, which may belong to the items."""
+    found = re.search(r"[^\W_]+$", text)
+    return found[0] if found else ""
+
+
+def _head(text: str) -> str:
+    found = re.match(r"[^\W_]+", text)
+    return found[0] if found else ""
+
+
+def _fact_of(
+    texts: Sequence[str], facts: Sequence[Mapping[str, str]], taken: Mapping[str, object]
+) -> str | None:
+    """Return the fact that goes with the texts: one value for each, and another for another."""
+    for fact in dict.fromkeys(name for each in facts for name in each):
+        pairs = {(text, each.get(fact)) for text, each in zip(texts, facts, strict=True)}
+        known = {text for text, value in pairs if value is not None}
+        if fact not in taken and len(pairs) == len(known) == len(set(texts)):
+            return fact
+    return None
+
+
+def _says(found: Template, headings: Sequence[Mapping[str, str]], others: Sequence[str]) -> bool:
+    """Return whether a template takes exactly these headings, each for its item."""
+    pattern = template_pattern(found.heading)
+    pieces = {piece: item for item, piece in found.items.items()}
+    for each in headings:
+        for item, heading in each.items():
+            match = pattern.fullmatch(heading)
+            if match is None or pieces.get(match["item"]) != item:
+                return False
+            if any(match[fact] not in texts for fact, texts in found.values.items()):
+                return False
+    matches = (pattern.fullmatch(heading) for heading in others)
+    return not any(match is not None and match["item"] in pieces for match in matches)

@@ -1,27 +1,216 @@
-"""Drafts what the mapping says of one questionnaire, and asks what is doubtful in it."""
+"""Drafts questionnaires: items, the coding of their answers, and the doubts that both leave."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from vrcomfort.importing.answers import number
-from vrcomfort.importing.headings import is_number
+from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.blocks import Found
-from vrcomfort.importing.suggest.coding import Coding, coding_of, coding_of_texts
 from vrcomfort.importing.suggest.draft import Doubt, Draft
-from vrcomfort.importing.suggest.headings import Named, mentions
-from vrcomfort.importing.suggest.long_tables import Long
-from vrcomfort.importing.suggest.ratings import FoundRating
-from vrcomfort.importing.suggest.roles import Roles, texts
-from vrcomfort.importing.suggest.scores import parts_of
-from vrcomfort.importing.suggest.vocabulary import SEVERITY
-from vrcomfort.questionnaire import Instrument, plain
+from vrcomfort.importing.suggest.evidence import Roles, texts
+from vrcomfort.importing.suggest.items import Found, Named, mentions
+from vrcomfort.importing.suggest.layouts import FoundRating, Long, parts_of
+from vrcomfort.importing.suggest.vocabulary import Known, Vocabulary
+from vrcomfort.questionnaire import Instrument, never_zero, plain, shipped_instruments
+
+_CODES = frozenset(
+    {-1, -2, -7, -8, -9, -77, -88, -99, -999, -9999, 9, 77, 88, 99, 777, 888, 999, 9999}
+)
+"""Numbers by which statistics programs mark missing answers."""
+_NUMBERED = re.compile(r"\(?(\d+)\)?\s*[-–=:.)]?\s*(\D+)|(\D+?)\s*[-–=:(]\s*(\d+)\)?")
 
 
-def mend_items(table: SourceTable, block: Found, roles: Roles) -> tuple[Found, list[Doubt]]:
+@dataclass
+class Coding:
+    """How the answers of some columns stand in the file.
+
+    Parameters
+    ----------
+    answers
+        Word → number of the instrument.
+    coded_from
+        The number of the lowest answer, where it is not the instrument's.
+    times
+        What the file's numbers are multiplied by.
+    variant
+        The instrument that has these answers, where the one that was looked for has not.
+    """
+
+    answers: dict[str, int] = field(default_factory=dict)
+    coded_from: int | None = None
+    times: int | None = None
+    variant: Instrument | None = None
+    missing: list[str] = field(default_factory=list)
+    doubts: list[Doubt] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+def coding_of(
+    table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: Vocabulary
+) -> Coding:
+    """Return how the answers in some columns are to be read, with what is doubtful."""
+    cells = [table.rows[r][c] for r in range(len(table.rows)) for c in columns]
+    return coding_of_texts(cells, instrument, table.reading.decimal or ".", vocabulary)
+
+
+def _variant(instrument: Instrument, values: Iterable[int]) -> Instrument | None:
+    """Return the shipped variant of an instrument that has all of these answers."""
+    return next(
+        (
+            each
+            for each in shipped_instruments().values()
+            if each.variant_of == instrument.name and all(map(each.answers.has, values))
+        ),
+        None,
+    )
+
+
+def coding_of_texts(
+    cells: Sequence[str], instrument: Instrument, decimal: str, vocabulary: Vocabulary
+) -> Coding:
+    """Return how some answers are to be read, with what is doubtful."""
+    counts = Counter(cell for cell in cells if cell)
+    found = Coding()
+    values: dict[int, int] = {}
+    words: list[str] = []
+    broken: list[str] = []
+    for text, count in counts.items():
+        value = number(text, decimal)
+        if value is not None and not value.is_integer() and instrument.answers.has(value):
+            continue
+        if value is not None and value.is_integer():
+            values[int(value)] = values.get(int(value), 0) + count
+        elif value is not None:
+            broken.append(text)
+        else:
+            words.append(text)
+    if broken:
+        shown = ", ".join(broken[:6]) + (" …" if len(broken) > 6 else "")
+        question = f"Why are answers {shown}, where those of {instrument.name} are whole numbers?"
+        found.doubts.append(Doubt(question, "the import will refuse them"))
+    _words(words, values, instrument, found, vocabulary)
+    _numbers(values, instrument, found)
+    return found
+
+
+def _words(
+    words: list[str],
+    values: dict[int, int],
+    instrument: Instrument,
+    found: Coding,
+    vocabulary: Vocabulary,
+) -> None:
+    said = _labels(instrument, vocabulary)
+    unknown = []
+    for text in sorted(words):
+        answer = said.get(plain(text))
+        if answer is None:
+            answer = _numbered(text, said, instrument)
+        if plain(text) == "none" and values and len(words) == 1:
+            question = "Is `None` an answer (0) or a missing value? All others are numbers."
+            found.doubts.append(Doubt(question, "it is missing"))
+            found.missing.append(text)
+        elif text.casefold() in vocabulary.missing:
+            found.missing.append(text)
+        elif answer is not None:
+            found.answers[text] = answer
+        else:
+            unknown.append(text)
+    if found.answers:
+        found.answers = dict(sorted(found.answers.items(), key=lambda each: each[1]))
+    if unknown:
+        shown = ", ".join(repr(text) for text in unknown[:8]) + (" …" if len(unknown) > 8 else "")
+        question = f"Which answers of {instrument.name} are the words {shown}?"
+        found.doubts.append(Doubt(question, "none yet: give them under answers, or under missing"))
+    _doubled(found, instrument)
+
+
+def _labels(instrument: Instrument, vocabulary: Vocabulary) -> dict[str, int]:
+    """Return word → answer, of the instrument's own words and of none to severe."""
+    low, high = int(instrument.low), int(instrument.high)
+    said: dict[str, int] = {}
+    if high - low == 3:
+        said = {word: low + value for word, value in vocabulary.severity.items()}
+    return said | {plain(word): int(answer) for word, answer in instrument.answers.words.items()}
+
+
+def _numbered(text: str, said: dict[str, int], instrument: Instrument) -> int | None:
+    """Return the answer of ``0 - None`` or ``slight (1)``: by its word, else by its number."""
+    match = _NUMBERED.fullmatch(text)
+    if match is None:
+        return None
+    digits, word = (match[1], match[2]) if match[1] else (match[4], match[3])
+    if plain(word) in said:
+        return said[plain(word)]
+    value = int(digits)
+    return value if instrument.low <= value <= instrument.high else None
+
+
+def _doubled(found: Coding, instrument: Instrument) -> None:
+    """Ask where two words mean one answer, or more words were met than there are answers."""
+    by_value: dict[int, set[str]] = {}
+    for text, value in found.answers.items():
+        by_value.setdefault(value, set()).add(plain(text))
+    doubled = [sorted(words) for words in by_value.values() if len(words) > 1]
+    if doubled:
+        shown = "; ".join(" and ".join(words) for words in doubled)
+        question = f"Are these one answer of {instrument.name} each: {shown}?"
+        found.doubts.append(Doubt(question, "they are, as `answers` has them"))
+
+
+def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> None:
+    low, high = int(instrument.low), int(instrument.high)
+    outside = sorted(value for value in values if not low <= value <= high)
+    inside = [value for value in values if low <= value <= high]
+    codes = [value for value in outside if value in _CODES and value != high + 1]
+    for code in codes:
+        found.missing.append(str(code))
+    if codes:
+        shown = ", ".join(map(str, codes))
+        question = f"Do the numbers {shown} stand for missing answers? {instrument.name} has none."
+        found.doubts.append(Doubt(question, "they do"))
+    rest = [value for value in outside if value not in codes]
+    variant = _variant(instrument, values)
+    if rest and low in values and variant is not None:
+        found.variant = variant
+        question = f"Answers go from {low} to {max(rest)}: is this the {variant.short}?"
+        found.doubts.append(Doubt(question, f"it is, and not comparable with {instrument.short}"))
+    elif rest == [low - 1] and high not in values:
+        found.coded_from = low - 1
+        question = f"Are the answers {low - 1} to {high - 1} in place of {low} to {high}?"
+        found.doubts.append(Doubt(question, f"they are: {low - 1} stands for {low}"))
+    elif rest == [high + 1] and low not in values:
+        found.coded_from = low + 1
+        question = f"Are the answers {low + 1} to {high + 1} in place of {low} to {high}?"
+        found.doubts.append(Doubt(question, f"they are: {low + 1} stands for {low}"))
+    elif rest:
+        shown = ", ".join(map(str, rest[:6]))
+        question = f"What do the answers {shown} mean? {instrument.name} has {low} to {high}."
+        found.doubts.append(Doubt(question, "the import will refuse them"))
+    elif high >= 100 and inside and max(inside) <= 21:
+        found.times = 10 if max(inside) <= 10 else 5
+        found.coded_from = 1 if max(inside) == 21 else None
+        question = f"Answers of {instrument.short} are {low} to {high}, these {min(inside)} to"
+        doubt = Doubt(f"{question} {max(inside)}: are they marks?", f"times {found.times}")
+        found.doubts.append(doubt)
+    elif not found.answers and (
+        count := never_zero(instrument, {value: values[value] for value in inside})
+    ):
+        found.coded_from = low + 1
+        question = (
+            f"None of {count} answers is {low}: are they counted from {low + 1} (with no "
+            f"{high + 1} among them), or was {low} never answered?"
+        )
+        found.doubts.append(Doubt(question, f"they are: {low + 1} stands for {low}"))
+
+
+def mend_items(
+    table: SourceTable, block: Found, roles: Roles, vocabulary: Vocabulary
+) -> tuple[Found, list[Doubt]]:
     """Take a sum for no item, though its heading names one; and ask."""
     doubts = []
     items = dict(block.items)
@@ -37,7 +226,9 @@ def mend_items(table: SourceTable, block: Found, roles: Roles) -> tuple[Found, l
         del items[item]
         roles.unknown.append(named.column)
         shown = ", ".join(parts)
-        candidates = [c for c in roles.unknown if _may_answer(table, c, block.instrument)]
+        candidates = [
+            c for c in roles.unknown if _may_answer(table, c, block.instrument, vocabulary)
+        ]
         if len(candidates) == 1:
             other = candidates[0]
             roles.unknown.remove(other)
@@ -58,27 +249,33 @@ def _values(table: SourceTable, column: int) -> list[float | None]:
     return [number(cell, table.reading.decimal or ".") for cell in table.column(column)]
 
 
-def _coded_values(table: SourceTable, column: int, instrument: Instrument) -> list[float | None]:
+def _coded_values(
+    table: SourceTable, column: int, instrument: Instrument, vocabulary: Vocabulary
+) -> list[float | None]:
     """Return the answers of a column, those in words as numbers."""
-    words = coding_of(table, [column], instrument).answers
+    words = coding_of(table, [column], instrument, vocabulary).answers
     decimal = table.reading.decimal or "."
     return [words.get(cell, number(cell, decimal)) for cell in table.column(column)]
 
 
-def _may_answer(table: SourceTable, column: int, instrument: Instrument) -> bool:
+def _may_answer(
+    table: SourceTable, column: int, instrument: Instrument, vocabulary: Vocabulary
+) -> bool:
     """Return whether a column holds nothing but answers of an instrument."""
     words = texts(table, column)
     answers = {str(n) for n in range(int(instrument.low), int(instrument.high) + 1)}
-    return bool(words) and all(word in answers or plain(word) in SEVERITY for word in words)
+    return bool(words) and all(
+        word in answers or plain(word) in vocabulary.severity for word in words
+    )
 
 
 def draft_block(
-    table: SourceTable, block: Found, facts: Mapping[str, str], known: Sequence[Instrument]
+    table: SourceTable, block: Found, facts: Mapping[str, str], known: Known
 ) -> tuple[Draft, list[Doubt]]:
     """Draft a questionnaire that has a column for each item."""
     draft = Draft({"instrument": block.instrument.name, **facts})
     doubts = _instrument_doubts(table, block, known)
-    coding = coding_of(table, block.columns, block.instrument)
+    coding = coding_of(table, block.columns, block.instrument, known.vocabulary)
     if coding.variant is not None:
         block = replace(block, instrument=coding.variant)
         draft.put("instrument", block.instrument.name)
@@ -102,17 +299,17 @@ def draft_block(
     return draft, doubts
 
 
-def _instrument_doubts(
-    table: SourceTable, block: Found, known: Sequence[Instrument]
-) -> list[Doubt]:
+def _instrument_doubts(table: SourceTable, block: Found, known: Known) -> list[Doubt]:
     """Ask which instrument it is, where another has all of these items, too."""
     text = " ".join(table.headings[c] + " " + table.labels[c] for c in block.columns)
-    if block.instrument.name in mentions(f"{table.file.stem} {table.sheet} {text}", known):
+    if block.instrument.name in mentions(
+        f"{table.file.stem} {table.sheet} {text}", known.instruments
+    ):
         return []
     found = set(block.items)
     others = [
         other.name.upper()
-        for other in known
+        for other in known.instruments
         if other.name != block.instrument.name and found <= {item.name for item in other.items}
     ]
     if not others:
@@ -179,9 +376,7 @@ def _of_single_items(
             doubts.remove(doubt)
 
 
-def draft_long(
-    table: SourceTable, long: Long, known: Sequence[Instrument]
-) -> tuple[Draft, list[Doubt]]:
+def draft_long(table: SourceTable, long: Long, known: Known) -> tuple[Draft, list[Doubt]]:
     """Draft a questionnaire of a table that has a row for each answer."""
     draft = Draft({"instrument": long.instrument.name})
     draft.put("item_column", table.headings[long.item_column])
@@ -193,7 +388,7 @@ def draft_long(
         rows = [row for row in rows if row[column] == text]
     words = set(long.items.values())
     cells = [row[long.response_column] for row in rows if row[long.item_column] in words]
-    coding = coding_of_texts(cells, long.instrument, table.reading.decimal or ".")
+    coding = coding_of_texts(cells, long.instrument, table.reading.decimal or ".", known.vocabulary)
     _coded(draft, coding)
     named = {
         item: Named(long.item_column, long.instrument.name, item, how, (), ())
@@ -218,9 +413,11 @@ def draft_long(
     return draft, doubts
 
 
-def _other_instruments(table: SourceTable, column: int, known: Sequence[Instrument]) -> list[Doubt]:
+def _other_instruments(table: SourceTable, column: int, known: Known) -> list[Doubt]:
     """Ask whether the rows of questionnaires that we do not know may be left out."""
-    names = {plain(name) for each in known for name in (each.name, each.short, each.title)}
+    names = {
+        plain(name) for each in known.instruments for name in (each.name, each.short, each.title)
+    }
     others = [text for text in texts(table, column) if plain(text) not in names]
     if not others:
         return []
@@ -229,7 +426,7 @@ def _other_instruments(table: SourceTable, column: int, known: Sequence[Instrume
 
 
 def draft_rating(
-    table: SourceTable, rating: FoundRating, facts: Mapping[str, str]
+    table: SourceTable, rating: FoundRating, facts: Mapping[str, str], vocabulary: Vocabulary
 ) -> tuple[Draft, list[Doubt]]:
     """Draft a scale of one item: ratings during exposure, where there is a time."""
     (item,) = rating.instrument.items
@@ -237,14 +434,17 @@ def draft_rating(
     if rating.time is not None:
         draft.put("time", table.headings[rating.time], "seconds since the exposure began")
         draft.put("summaries", ["peak", "mean", "last"], "what the report has of each exposure")
-    coding = coding_of(table, [rating.column], rating.instrument)
+    coding = coding_of(table, [rating.column], rating.instrument, vocabulary)
     _coded(draft, coding)
     draft.tables["items"] = Draft({item.name: table.headings[rating.column]})
     return draft, coding.doubts
 
 
 def draft_course(
-    table: SourceTable, course: Sequence[FoundRating], facts: Mapping[str, str]
+    table: SourceTable,
+    course: Sequence[FoundRating],
+    facts: Mapping[str, str],
+    vocabulary: Vocabulary,
 ) -> tuple[Draft, list[Doubt]]:
     """Draft ratings during exposure that have a column for each time."""
     first = course[0]
@@ -257,7 +457,7 @@ def draft_course(
     heading = "".join(template)
     draft = Draft({"instrument": first.instrument.name, **facts, "heading": heading})
     draft.put("summaries", ["peak", "mean", "last"], "what the report has of each exposure")
-    coding = coding_of(table, [rating.column for rating in course], first.instrument)
+    coding = coding_of(table, [rating.column for rating in course], first.instrument, vocabulary)
     _coded(draft, coding)
     what = "minutes" if unit == "time_min" else "seconds"
     question = (
@@ -267,14 +467,16 @@ def draft_course(
 
 
 def leftovers(
-    table: SourceTable, columns: Sequence[int], blocks: Sequence[Found]
+    table: SourceTable, columns: Sequence[int], blocks: Sequence[Found], vocabulary: Vocabulary
 ) -> tuple[dict[int, str], list[Doubt]]:
     """Return why columns are ignored, as far as that is known, and ask about answers in them."""
     reasons: dict[int, str] = {}
     doubts = []
     items = [
         {
-            table.headings[named.column]: _coded_values(table, named.column, block.instrument)
+            table.headings[named.column]: _coded_values(
+                table, named.column, block.instrument, vocabulary
+            )
             for named in block.items.values()
         }
         for block in blocks
@@ -291,7 +493,7 @@ def leftovers(
         if parts is not None:
             shown = ", ".join(parts[:3]) + (f" and {len(parts) - 3} more" if parts[3:] else "")
             reasons[column] = f"the exact (weighted) sum of {shown}"
-        elif blocks and _may_answer(table, column, blocks[0].instrument):
+        elif blocks and _may_answer(table, column, blocks[0].instrument, vocabulary):
             question = f"{heading!r} holds what may be answers: is it an item?"
             doubts.append(Doubt(question, "it is not, and is ignored"))
     return reasons, doubts

@@ -5,14 +5,29 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.blocks import Found, find_blocks
 from vrcomfort.importing.suggest.draft import Doubt, Draft
-from vrcomfort.importing.suggest.exposures import draft_facts
-from vrcomfort.importing.suggest.fact_draft import DraftedFacts, Exposures
-from vrcomfort.importing.suggest.headings import words_of
-from vrcomfort.importing.suggest.long_tables import Long, find_long
-from vrcomfort.importing.suggest.moments import moments
+from vrcomfort.importing.suggest.evidence import (
+    Context,
+    is_personal,
+    roles_of,
+    texts,
+    total_rows,
+)
+from vrcomfort.importing.suggest.facts import AnswersFound, DraftedFacts, draft_facts
+from vrcomfort.importing.suggest.items import Found, find_blocks
+from vrcomfort.importing.suggest.layouts import (
+    FoundRating,
+    FoundScores,
+    Long,
+    courses_of,
+    find_long,
+    find_ratings,
+    find_scores,
+    kind_of,
+)
+from vrcomfort.importing.suggest.moments import moments, template_of
 from vrcomfort.importing.suggest.questionnaires import (
     draft_block,
     draft_course,
@@ -21,12 +36,7 @@ from vrcomfort.importing.suggest.questionnaires import (
     leftovers,
     mend_items,
 )
-from vrcomfort.importing.suggest.ratings import FoundRating, courses_of, find_ratings
-from vrcomfort.importing.suggest.roles import is_personal, roles_of, texts, total_rows
-from vrcomfort.importing.suggest.scores import FoundScores, find_scores, kind_of
-from vrcomfort.importing.suggest.templates import template_of
-from vrcomfort.importing.suspects import alike
-from vrcomfort.questionnaire import Instrument
+from vrcomfort.importing.suggest.vocabulary import Known, words_of
 from vrcomfort.settings import toml_value
 
 
@@ -34,16 +44,6 @@ def _row_keys(longs: Sequence[Long]) -> list[int]:
     """Return the columns that tell the answers of one moment apart."""
     columns = [long.item_column for long in longs[:1]]
     return columns + [long.instrument_column[0] for long in longs[:1] if long.instrument_column]
-
-
-def _context_of(course: Sequence[FoundRating]) -> tuple[str, tuple[str, ...]]:
-    """Return the instrument of a course of ratings, and the words that all its headings share."""
-    first = course[0]
-    words = tuple(word for word in first.context if not word.isdecimal() and word not in _UNITS)
-    return first.instrument.name, words
-
-
-_UNITS = frozenset(["min", "mins", "minute", "minutes", "s", "sec", "secs", "second", "seconds"])
 
 
 class TableDraft:
@@ -54,12 +54,13 @@ class TableDraft:
     tables
         The tables; the first one's reading is written down.
     known
-        Instruments that may be meant.
+        Instruments that may be meant, and the words of other labs' files.
     """
 
-    def __init__(self, tables: Sequence[SourceTable], known: Sequence[Instrument]) -> None:
+    def __init__(self, tables: Sequence[SourceTable], known: Known) -> None:
         self._tables = tables
         self._known = known
+        self._vocabulary = known.vocabulary
         rows = tuple(row for table in tables for row in table.rows)
         self.table = replace(tables[0], rows=rows)
         self.draft = Draft()
@@ -85,7 +86,9 @@ class TableDraft:
         )
         taken |= {c for each in self._scores for c in each.scales.values()}
         self._taken = taken
-        self._roles = roles_of(self.table, [c for c in self._columns() if c not in taken])
+        self._roles = roles_of(
+            self.table, [c for c in self._columns() if c not in taken], self._vocabulary
+        )
         self._write()
 
     def _columns(self) -> range:
@@ -134,13 +137,16 @@ class TableDraft:
         when = self._roles.facts.get("timepoint", [])
         if len(facts) == 1 and any(len(texts(self.table, column)) > 1 for column in when):
             facts[0].pop("timepoint", None)  # a column says it better
-        self._course_facts = self._moments_of([_context_of(course) for course in self._courses])
+        self._course_facts = self._moments_of(
+            [self._context_of(course) for course in self._courses]
+        )
         said = {name for each in (*facts, *self._course_facts) for name in each}
-        exposures = draft_facts(self._exposures(said))
+        context, answers = self._context(), self._found_answers(said)
+        exposures = draft_facts(context, answers)
         self.draft.values |= exposures.draft.values
         self.draft.comments |= exposures.draft.comments
         self.doubts += exposures.doubts
-        self._leave_out(exposures.participant)
+        self._leave_out(context.participant)
         self._questionnaires(facts)
         self._covariates(exposures)
         self._ignore(exposures)
@@ -174,26 +180,30 @@ class TableDraft:
         self.labels["_".join(parts)] = " ".join(parts)
         return {**facts, "condition": "_".join(parts)}
 
-    def _exposures(self, said: set[str]) -> Exposures:
-        answered = any(
-            (self._blocks, self._longs, self._scores, self._ratings, self._courses),
+    def _context_of(self, course: Sequence[FoundRating]) -> tuple[str, tuple[str, ...]]:
+        """Return the instrument of a rating time course, and the words of all its headings."""
+        first, units = course[0], self._vocabulary.units
+        words = tuple(word for word in first.context if not word.isdecimal() and word not in units)
+        return first.instrument.name, words
+
+    def _context(self) -> Context:
+        time = next((r.time for r in self._ratings if r.time is not None), None)
+        return Context(
+            self.table, self._vocabulary, self._roles, one_row_each=not self._longs, time=time
         )
-        return Exposures(
-            self.table,
-            self._tables,
-            self._roles,
-            said,
-            self._taken,
-            one_row_each=not self._longs,
-            row_keys=_row_keys(self._longs),
-            answered=answered,
-            time=next((r.time for r in self._ratings if r.time is not None), None),
-        )
+
+    def _found_answers(self, said: set[str]) -> AnswersFound:
+        answered = any((self._blocks, self._longs, self._scores, self._ratings, self._courses))
+        return AnswersFound(self._tables, said, self._taken, _row_keys(self._longs), answered)
 
     def _total_rows(self) -> dict[int, list[str]]:
         """Take rows of means and sums out of the table; return column → their texts."""
         for column in range(min(4, len(self.table.headings))):
-            found = [text for table in self._tables for text in total_rows(table, column)]
+            found = [
+                text
+                for table in self._tables
+                for text in total_rows(table, column, self._vocabulary.totals)
+            ]
             if found:
                 rows = tuple(row for row in self.table.rows if row[column] not in found)
                 self.table = replace(self.table, rows=rows)
@@ -203,7 +213,7 @@ class TableDraft:
     def _fill_down(self) -> None:
         """Let blank cells of a column of participants mean the one above, where they are many."""
         first = range(min(4, len(self.table.headings)))
-        columns = roles_of(self.table, first).facts.get("participant", [])
+        columns = roles_of(self.table, first, self._vocabulary).facts.get("participant", [])
         for column in columns or ([0] if self.table.reading.transpose else []):
             cells = self.table.column(column)
             if cells[0] and cells.count("") * 4 >= len(cells):
@@ -235,7 +245,7 @@ class TableDraft:
     def _questionnaires(self, facts: Sequence[dict[str, str]]) -> None:
         drafts: list[Draft] = []
         for block, own in zip(self._blocks, facts, strict=False):
-            mended, doubts = mend_items(self.table, block, self._roles)
+            mended, doubts = mend_items(self.table, block, self._roles, self._vocabulary)
             self.doubts += doubts
             draft, doubts = draft_block(self.table, mended, own, self._known)
             drafts.append(draft)
@@ -246,11 +256,11 @@ class TableDraft:
             self.doubts += doubts
         rated = facts if not self._blocks and not self._scores else self._moments_of_ratings()
         for rating, own in zip(self._ratings, rated, strict=True):
-            draft, doubts = draft_rating(self.table, rating, own)
+            draft, doubts = draft_rating(self.table, rating, own, self._vocabulary)
             drafts.append(draft)
             self.doubts += doubts
         for course, own in zip(self._courses, self._course_facts, strict=True):
-            draft, doubts = draft_course(self.table, course, own)
+            draft, doubts = draft_course(self.table, course, own, self._vocabulary)
             drafts.append(draft)
             self.doubts += doubts
         self.doubts[:] = list(dict.fromkeys(self.doubts))
@@ -305,7 +315,9 @@ class TableDraft:
         facts: list[dict[str, str]] = [{} for _ in named]
         for name in dict.fromkeys(name for name, _ in named):
             places = [i for i, (other, _) in enumerate(named) if other == name]
-            own, doubts = moments([named[i][1] for i in places], numbers=self._numbers())
+            own, doubts = moments(
+                [named[i][1] for i in places], self._vocabulary, numbers=self._numbers()
+            )
             self.doubts += doubts
             for place, said in zip(places, own, strict=True):
                 facts[place] = self._spelt(said)
@@ -338,11 +350,11 @@ class TableDraft:
             self.draft.lists["scores"] = drafts
 
     def _covariates(self, exposures: DraftedFacts) -> None:
-        if exposures.covariates:
-            names = {n: self.table.headings[c] for n, c in exposures.covariates.items()}
+        if exposures.context.covariates:
+            names = {n: self.table.headings[c] for n, c in exposures.context.covariates.items()}
             self.draft.put("participants", names)
-        if exposures.participant is not None:
-            groups = alike(dict.fromkeys(self.table.column(exposures.participant)))
+        if exposures.context.participant is not None:
+            groups = alike(dict.fromkeys(self.table.column(exposures.context.participant)))
             if groups:
                 shown = "; ".join(" and ".join(map(repr, group)) for group in groups)
                 one = {other: group[0] for group in groups for other in group[1:]}
@@ -356,18 +368,18 @@ class TableDraft:
         rest = [
             column
             for column in (*self._roles.metadata, *self._roles.unknown, *exposures.unused, *made)
-            if column not in exposures.used
+            if column not in exposures.context.used
         ]
         columns = sorted(set(rest))
         if not columns:
             return
         asked = [column for column in columns if column not in self._roles.metadata]
-        reasons, doubts = leftovers(self.table, asked, self._blocks)
+        reasons, doubts = leftovers(self.table, asked, self._blocks, self._vocabulary)
         self.doubts += doubts
         for column in columns:
             name = self.table.headings[column]
             reason = reasons.get(column) or made.get(column, "")
-            if is_personal(name):
+            if is_personal(name, self._vocabulary):
                 reason = "may tell who the person is"
             if reason:
                 self.draft.note(f"{name}: {reason}", "ignore")

@@ -1,220 +1,318 @@
-"""Words by which labs call things, in the languages that we meet. Compared as `plain` writes them.
+"""Reads the words of other labs' files: TOML, the shipped files and perhaps a lab's own.
 
-A word that is not here is no fault: it becomes a doubt in the mapping, or an ignored column.
+A word that is in no file is no fault: it becomes a doubt in the mapping, or an ignored column.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
 
-from vrcomfort.questionnaire.instruments import plain
+from pydantic import Field
 
-_FACT_HEADINGS: Mapping[str, str] = {
-    "participant": "p, participant, participant id, participantid, participant number, "
-    "participant no, "
-    "participant code, part id, id participant, subject, subject id, subjectid, subject number, "
-    "subject no, subj, subj id, sub, sub id, pid, ppid, p id, pp, ppn, pp nr, vp, vpn, vp nr, "
-    "vp code, "
-    "vpnummer, vp nummer, versuchsperson, versuchspersonencode, versuchspersonennummer, proband, "
-    "probanden id, probandennummer, probandencode, teilnehmer, teilnehmer id, teilnehmernummer, "
-    "teilnehmercode, teilnehmer code, personencode, persönlicher code, code, user, user id, "
-    "userid, "
-    "username, person, "
-    "person id, id, no, nr, number, nummer, case, caseid, participante, sujeto, sujet, numéro, "
-    "soggetto, partecipante, deelnemer, deelnemer id, proefpersoon, uczestnik, "
-    "participant identifier, "
-    "respondent, respondent id, prolific id, prolific pid, subject code, identifier, anonymous id, "
-    "your participant id, please enter your participant id, your id, study id",
-    "condition": "condition, cond, conditions, condition name, bedingung, versuchsbedingung, "
-    "treatment, condición, condicion, conditie, condizione, warunek, exp condition, "
-    "experimental condition, display, display mode, technique, method, locomotion, "
-    "locomotion technique, stimulus, variant, setting, mode, modus, effect, blur, fov, vignette, "
-    "which condition, condition code, system",
-    "timepoint": "timepoint, time point, time, phase, moment, measurement, measurement time, "
-    "messzeitpunkt, zeitpunkt, zeit, pre post, prepost, when, occasion, wave, stage, "
-    "administration, "
-    "momento, tiempo, tijdstip, meting, test time",
-    "session": "session, session id, session number, session no, sessionid, sitzung, termin, "
-    "visit, "
-    "day, tag, sesión, sesion, séance, sessie, sessione",
-    "trial": "trial, trial number, trial no, trial id, trialnumber, run, round, runde, durchgang, "
-    "exposure, exposure number, position, presentation order, condition order, order number, "
-    "trial index, iteration, attempt, ronda, essai, run number, exposure no",
-    "period": "period, periode",
-    "block": "block, block number",
-    "scene": "scene, environment, world, level, map, umgebung, szene, virtual environment, ve, "
-    "scenario, game",
-}
-
-_COVARIATE_HEADINGS: Mapping[str, str] = {
-    "age": "age, alter, edad, âge, leeftijd, età, idade, your age, age years, age in years, "
-    "how old "
-    "are you, wiek",
-    "sex": "sex, geschlecht, sexo, sexe, sesso, geslacht, biological sex",
-    "gender": "gender, género, genre, genere, your gender, gender identity, płeć",
-    "group": "group, gruppe, groupe, grupo, gruppo, groep, cohort, study group, "
-    "experimental group, "
-    "grupa",
-    "sequence": "sequence, order, reihenfolge, condition sequence, counterbalancing, "
-    "counterbalance, order group, latin square, volgorde, ordre, orden",
-    "handedness": "handedness, hand, händigkeit, dominant hand",
-    "vr_experience": "vr experience, experience with vr, vr erfahrung, prior vr experience, "
-    "experience, erfahrung, used vr, previous vr use, vr usage",
-    "gaming": "gaming, gamer, gaming experience, games, gaming hours, spielerfahrung",
-    "mssq": "mssq, mssq short, mssq score, motion sickness susceptibility, mssq total",
-    "ipd_mm": "ipd, ipd mm, interpupillary distance, pupillendistanz",
-    "vision": "vision, glasses, visual acuity, corrected vision, brille, sehhilfe, "
-    "vision correction",
-    "height": "height, height cm, größe, körpergröße",
-    "status": "",
-}
-
-_METADATA_HEADINGS = (
-    "timestamp, zeitstempel, start date, startdate, end date, enddate, recorded date, "
-    "recordeddate, "
-    "date, datum, fecha, datetime, created at, submitted at, submit date, submitdate, "
-    "date submitted, date started, startdate, datestamp, last page, lastpage, start language, "
-    "startlanguage, seed, refurl, ip address, ipaddress, ipaddr, status, progress, "
-    "duration in seconds, duration, finished, response id, responseid, recipient last name, "
-    "recipientlastname, recipient first name, recipientfirstname, recipient email, recipientemail, "
-    "external reference, externalreference, externaldatareference, location latitude, "
-    "locationlatitude, location longitude, locationlongitude, distribution channel, "
-    "distributionchannel, user language, userlanguage, q recaptcha score, qrecaptchascore, email, "
-    "email address, e mail, e mail adresse, name, first name, last name, vorname, nachname, "
-    "consent, "
-    "einverständnis, einwilligung, comments, comment, kommentar, kommentare, remarks, bemerkungen, "
-    "notes, feedback, lfdn, external lfdn, tester, dispcode, interview time, interviewtime, "
-    "lastdata, collector id, collectorid, respondent id, custom data 1"
+from vrcomfort.questionnaire import Instrument, plain
+from vrcomfort.resources import data_folder
+from vrcomfort.settings import (
+    KeyPath,
+    Problem,
+    Settings,
+    Word,
+    first_problem,
+    parse_settings,
+    read_text,
 )
 
-_PERSONAL = ("email", "emailaddress", "name", "firstname", "lastname", "ipaddress", "ipaddr",
-             "vorname", "nachname", "recipientemail", "emailadresse")  # fmt: skip
+FOLDER = "vocabulary"
+"""The folder of the shipped files, inside that of the instruments."""
+IGNORED = "ignored"
+"""The role of columns that no analysis needs."""
+_Words = tuple[str, ...]
+_TOKEN = re.compile(r"\d+|[^\W\d_]+")
+_CAPITALS = re.compile(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+"""Where a word begins inside ``preSSQ`` and ``SSQNausea``."""
 
 
-def _split(words: str) -> frozenset[str]:
-    return frozenset(plain(word) for word in words.split(",") if plain(word))
+def tokens(heading: str) -> list[str]:
+    """Return the words and numbers of a heading in small letters; ``preSSQ8`` is three."""
+    return [word.casefold() for word in words_of(heading)]
 
 
-FACT_HEADINGS = {fact: _split(words) for fact, words in _FACT_HEADINGS.items()}
-COVARIATES = {name: _split(words) for name, words in _COVARIATE_HEADINGS.items()}
-METADATA = _split(_METADATA_HEADINGS)
-PERSONAL = frozenset(_PERSONAL)
+def words_of(heading: str) -> list[str]:
+    """Return the words and numbers of a heading."""
+    return _TOKEN.findall(_CAPITALS.sub(" ", heading))
 
-_TIMEPOINTS: Mapping[str, str] = {
-    "baseline": "baseline, pre, before, vorher, vor, prä, prae, pretest, pre test, pre exposure, "
-    "preexposure, pre vr, prevr, before vr, before exposure, avant, antes, prima, voor, "
-    "voormeting, "
-    "vormessung, przed, initial, bl, base, pre immersion, preimmersion, pre ssq, prior",
-    "post": "post, after, nachher, nach, posttest, post test, post exposure, postexposure, "
-    "post vr, "
-    "postvr, after vr, after exposure, après, apres, después, despues, dopo, na, nameting, "
-    "nachmessung, po, post immersion, postimmersion, immediately after, direkt danach, danach",
-    "recovery": "recovery, follow up, followup, fu, later, recovered, erholung, after rest, "
-    "post2, post 2, delayed, post10, post 10 min, post 15 min, post 30 min, post30, post15, "
-    "after10, "
-    "30 min after, nacherhebung",
-}
-TIMEPOINTS = {word: name for name, words in _TIMEPOINTS.items() for word in _split(words)}
-"""Word → timepoint."""
 
-_SEVERITY = (
-    # none, slight, moderate, severe
-    ("none, no, not at all, absent, never, no symptom, no symptoms, nothing, nil, not present",
-     "slight, slightly, mild, mildly, a little, little, low, minimal, weak, light, a bit, minor",
-     "moderate, moderately, medium, mid, some, somewhat, average, middle",
-     "severe, severely, strong, strongly, high, extreme, extremely, very, very much, heavy, "
-     "intense, "
-     "a lot"),
-    ("keine, nicht, gar nicht, überhaupt nicht, kein, nein, nicht vorhanden, keines, keiner, nie",
-     "leicht, gering, etwas, wenig, schwach, ein wenig, geringfügig, leichte, leichtes",
-     "mittel, mäßig, mässig, moderat, mittelmäßig, mittelmässig, mittelstark, mittlere, maessig, "
-     "mittelgradig",
-     "stark, schwer, sehr, heftig, sehr stark, schwere, starke, ausgeprägt"),
-    ("aucun, aucune, pas du tout, nul, absente, rien, non",
-     "léger, légère, faible, un peu, légèrement, leger, legere",
-     "modéré, modérée, moyen, moyenne, modérément, modere, moderee, moyennement",
-     "sévère, severe, fort, forte, sévèrement, intense, fortement"),
-    ("ninguno, ninguna, nada, ausente, en absoluto, ningún",
-     "leve, ligero, ligera, poco, un poco, ligeramente",
-     "moderado, moderada, medio, moderadamente, regular",
-     "severo, severa, grave, fuerte, intenso, intensa, mucho"),
-    ("nessuno, nessuna, assente, per niente, niente, affatto, per nulla",
-     "lieve, leggero, leggera, leggermente, un po",
-     "moderato, moderata, medio, media, moderatamente",
-     "grave, severo, severa, forte, intenso, gravemente"),
-    ("nenhum, nenhuma, nada, ausente, de modo nenhum",
-     "leve, ligeiro, ligeira, pouco, levemente",
-     "moderado, moderada, médio, moderadamente",
-     "severo, severa, grave, forte, intenso"),
-    ("geen, niet, helemaal niet, afwezig",
-     "licht, lichte, mild, een beetje, gering",
-     "matig, matige, gemiddeld",
-     "ernstig, zwaar, hevig, sterk, ernstige, erg"),
-    ("ingen, inga, inget, inte alls, ikke, slet ikke",
-     "lätt, lindrig, let, lite, mild, litt, lindrigt",
-     "måttlig, måttligt, moderat",
-     "svår, kraftig, svær, sterk, alvorlig, svårt, kraftigt"),
-    ("brak, wcale, nie", "lekki, lekkie, lekka, łagodny, słaby",
-     "umiarkowany, umiarkowane, umiarkowana, średni", "silny, silne, silna, ciężki, poważny"),
-    ("なし, ない, 無し, まったくない, 全くない, 感じない",
-     "わずか, 少し, 軽度, やや, 少しある, わずかにある",
-     "中程度, 中等度, 中くらい, 中度", "重度, ひどい, 激しい, 強い, かなり, 非常に"),
-    ("无, 没有, 無, 沒有, 完全没有, 无症状", "轻微, 輕微, 轻度, 輕度, 稍微, 有点",
-     "中等, 中度, 中等程度, 一般, 适中", "严重, 嚴重, 重度, 非常严重, 剧烈"),
-    ("없음, 전혀 없음, 전혀없음, 없다", "약간, 경미, 조금, 경도, 약간 있음",
-     "보통, 중간, 중등도, 중간 정도", "심함, 심각, 심하다, 중증, 매우 심함"),
-    ("yok, hiç", "hafif, az", "orta", "şiddetli, ağır, çok"),
-    ("нет, отсутствует, никакой", "слабо, легкая, лёгкая, слегка, легкий, слабая",
-     "умеренно, умеренная, средне, умеренный", "сильно, сильная, тяжелая, тяжёлая, сильный"),
-)  # fmt: skip
-SEVERITY: dict[str, int] = {}
-"""Word → 0 (none) to 3 (severe)."""
-for _language in _SEVERITY:
-    for _value, _words in enumerate(_language):
-        for _word in _split(_words):
-            SEVERITY.setdefault(_word, _value)
+class Labels(Settings):
+    """Headings of one role."""
 
-MISSING = frozenset(
-    ["na", "n/a", "nan", "null", "nil", ".", "-", "--", "#n/a", "#null!", "missing", "k.a.",
-     "k. a.", "ka", "keine angabe", "prefer not to say", "prefer not to answer", "no answer",
-     "no response", "sin respuesta", "weiß nicht", "weiss nicht", "don't know", "ns/nc", "?",
-     "n.a.", "not answered", "undefined", "#value!", "#div/0!"]
-)  # fmt: skip
-"""Texts (in small letters) that mean that there is no answer."""
+    labels: _Words = ()
+    """Whole headings."""
+    words: _Words = ()
+    """Words that speak for the role in any heading."""
 
-TOTALS = frozenset(
-    ["mean", "means", "average", "avg", "total", "totals", "sum", "sd", "std", "stdev", "n",
-     "count", "median", "min", "max", "se", "sem", "mittelwert", "mw", "summe", "gesamt",
-     "standardabweichung",
-     "anzahl", "durchschnitt", "moyenne", "media", "promedio", "gemiddelde", "std dev", "variance",
-     "grand total", "mean sd", "m", "grand mean", "standard deviation", "total general"]
-)  # fmt: skip
-"""Names of rows below the participants."""
 
-LONG_ITEM = _split(
-    "item, question, symptom, item name, questionnaire item, frage, variable, item id, "
-    "question id, "
-    "itemname, questionid, questiontext, question text, symptome, síntoma, pregunta, key, "
-    "name, label"
-)
-LONG_RESPONSE = _split(
-    "response, answer, value, rating, score, antwort, wert, responses, answers, reply, severity, "
-    "respuesta, valor, réponse, antwoord, result, selected, selection, choice, response value, "
-    "answer value"
-)
-ELAPSED_S = _split(
-    "time s, times, t s, elapsed s, elapsed, seconds, sec, onset s, onset, elapsed time, "
-    "time seconds, time sec, time in s, exposure time, t, zeit s, sekunden"
-)
+class FactLabels(Settings):
+    """Headings of facts; where two share a word, the fact that stands first here has it."""
 
-SCALE_WORDS: Mapping[str, Mapping[str, str]] = {
-    "ssq": {
-        "total": "T", "totalscore": "T", "ts": "T", "t": "T", "totalseverity": "T", "gesamt": "T",
-        "sum": "T", "score": "T", "overall": "T", "totalssq": "T",
-        "nausea": "N", "n": "N", "naus": "N", "übelkeit": "N",
-        "oculomotor": "O", "o": "O", "oculomotordisturbance": "O", "okulomotorik": "O", "ocu": "O",
-        "oculo": "O", "oculomotordiscomfort": "O", "oculomotorstrain": "O", "om": "O",
-        "disorientation": "D", "d": "D", "diso": "D", "dis": "D", "desorientierung": "D",
-    },
-}  # fmt: skip
-"""Instrument → word (without sum, score and the like) → scale."""
+    participant: Labels = Labels()
+    condition: Labels = Labels()
+    timepoint: Labels = Labels()
+    session: Labels = Labels()
+    trial: Labels = Labels()
+    period: Labels = Labels()
+    block: Labels = Labels()
+    scene: Labels = Labels()
+
+
+class IgnoredLabels(Settings):
+    """Headings of columns that no analysis needs."""
+
+    labels: _Words = ()
+    personal: _Words = ()
+    """Headings of columns that may identify a person."""
+
+
+class LongLabels(Settings):
+    """Headings of files with a row for each answer."""
+
+    item: _Words = ()
+    response: _Words = ()
+
+
+class RatingLabels(Settings):
+    """Headings of ratings during exposure."""
+
+    seconds: _Words = ()
+    units: _Words = ()
+
+
+class NumberedWords(Settings):
+    """Words before a number in headings of answers."""
+
+    session: _Words = ()
+    trial: _Words = ()
+    period: _Words = ()
+    block: _Words = ()
+    timepoint: _Words = ()
+
+
+class Fillers(Settings):
+    """Words in headings of answers that name no condition, item or scale."""
+
+    condition: _Words = ()
+    item: _Words = ()
+    scale: _Words = ()
+
+
+class TimepointWords(Settings):
+    """Words for the timepoints that every study has."""
+
+    baseline: _Words = ()
+    post: _Words = ()
+    recovery: _Words = ()
+
+
+class SeverityWords(Settings):
+    """Answers in words, in one language."""
+
+    none: _Words = ()
+    slight: _Words = ()
+    moderate: _Words = ()
+    severe: _Words = ()
+
+
+class VocabularyFile(Settings):
+    """A vocabulary file; each shipped one has some of these tables."""
+
+    facts: FactLabels = FactLabels()
+    covariates: dict[Word, Labels] = Field(default_factory=dict)
+    """Name in participants.csv → its headings."""
+    ignored: IgnoredLabels = IgnoredLabels()
+    long: LongLabels = LongLabels()
+    ratings: RatingLabels = RatingLabels()
+    numbered: NumberedWords = NumberedWords()
+    fillers: Fillers = Fillers()
+    scales: dict[str, dict[str, _Words]] = Field(default_factory=dict)
+    """Instrument → scale → words for it."""
+    missing: _Words = ()
+    totals: _Words = ()
+    timepoints: TimepointWords = TimepointWords()
+    severity: dict[str, SeverityWords] = Field(default_factory=dict)
+    """Language → answers in words."""
+    items: dict[str, _Words] = Field(default_factory=dict)
+    """Item of any instrument → spellings of its name."""
+    initials: dict[str, dict[str, _Words]] = Field(default_factory=dict)
+    """Instrument → item → initials that stand for it."""
+
+
+def read_vocabulary(file: Path) -> VocabularyFile:
+    """Read a vocabulary file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, a key is unknown, or a label is blank or of two roles; with line and
+        column.
+    """
+    text = read_text(file, "vocabulary")
+    found = parse_settings(VocabularyFile, text, file)
+    if problems := list(_problems(found)):
+        raise first_problem(problems, text, file)
+    return found
+
+
+@cache
+def shipped_vocabulary() -> Vocabulary:
+    """Return the vocabulary of the shipped files."""
+    return Vocabulary(())
+
+
+class Vocabulary:
+    """Words of other labs' files, compiled for look-up as `plain` writes them.
+
+    Parameters
+    ----------
+    own
+        A lab's own files, which win over the shipped ones.
+    """
+
+    def __init__(self, own: Sequence[VocabularyFile]) -> None:
+        shipped = sorted((data_folder("instruments") / FOLDER).glob("*.toml"))
+        files = (*own, *map(read_vocabulary, shipped))
+        merged = _merged([file.model_dump() for file in files])
+        self.own_roles = {key: role for file in own[::-1] for role, _, key in _labels(file)}
+        """Label of a lab's own file → role."""
+        self.roles = {key: role for file in files[::-1] for role, _, key in _labels(file)}
+        """Label → fact, covariate or `IGNORED`."""
+        self.fact_words = _word_sets(merged["facts"], "words")
+        self.covariate_words = _word_sets(merged["covariates"], "words")
+        self.covariate_labels = _word_sets(merged["covariates"], "labels")
+        self.personal = _plain_set(merged["ignored"]["personal"])
+        self.item_labels = _plain_set(merged["long"]["item"])
+        self.response_labels = _plain_set(merged["long"]["response"])
+        self.seconds = _plain_set(merged["ratings"]["seconds"])
+        self.units = _plain_set(merged["ratings"]["units"])
+        self.numbered = _looked_up(merged["numbered"])
+        """Word before a number → fact."""
+        self.condition_fillers = _plain_set(merged["fillers"]["condition"])
+        self.item_fillers = _plain_set(merged["fillers"]["item"])
+        self.scale_fillers = _plain_set(merged["fillers"]["scale"])
+        self.scales = {name: _looked_up(words) for name, words in merged["scales"].items()}
+        """Instrument → word → scale."""
+        self.missing = frozenset(text.casefold() for text in merged["missing"])
+        self.totals = frozenset(text.casefold() for text in merged["totals"])
+        self.timepoints = _looked_up(merged["timepoints"])
+        """Word → timepoint."""
+        self.severity: dict[str, int] = {}
+        """Word → 0 (none) to 3 (severe); the first language that has the word decides."""
+        for language in merged["severity"].values():
+            for value, words in enumerate(language.values()):
+                for word in words:
+                    self.severity.setdefault(plain(word), value)
+        self._initials = {name: _looked_up(items) for name, items in merged["initials"].items()}
+        self._items: Mapping[str, _Words] = merged["items"]
+        self._spellings: dict[Instrument, dict[str, str]] = {}
+
+    def spellings(self, instrument: Instrument) -> Mapping[str, str]:
+        """Return spelling → item; the instrument's own spellings win."""
+        if instrument not in self._spellings:
+            found: dict[str, str] = {}
+            for item in instrument.items:
+                for key in item.keys:
+                    found.setdefault(key, item.name)
+            for item in instrument.items:
+                for word in self._items.get(item.name, ()):
+                    found.setdefault(plain(word), item.name)
+            self._spellings[instrument] = found
+        return self._spellings[instrument]
+
+    def initials(self, instrument: Instrument) -> dict[str, str]:
+        """Return ``gd``, ``deo``, ``n`` … → item, where no two items share them."""
+        found: dict[str, set[str]] = {}
+        for item in instrument.asked:
+            words = item.name.split("_")
+            short = {"".join(word[0] for word in words)}
+            short.add("".join(word[0] for word in words if word != "of"))
+            if len(words) == 1:
+                short |= {item.name[:2], item.name[:3]}
+            for word in tokens(item.text):
+                if len(words) == 1 and tokens(item.text) == [word]:
+                    short.add(word[:4])
+            for each in short:
+                found.setdefault(each, set()).add(item.name)
+        known = {each: names.pop() for each, names in found.items() if len(names) == 1}
+        return {**known, **self._initials.get(instrument.name, {})}
+
+    def timepoint(self, text: str) -> str | None:
+        """Return the timepoint that a text means, such as ``Pre-VR``, or None."""
+        key = plain(text)
+        if key in self.timepoints:
+            return self.timepoints[key]
+        found = {self.timepoints[word] for word in tokens(text) if word in self.timepoints}
+        return found.pop() if len(found) == 1 else None
+
+
+class Known(NamedTuple):
+    """Instruments that a file may hold answers to, and the words of other labs' files."""
+
+    instruments: Sequence[Instrument]
+    vocabulary: Vocabulary
+
+
+def _labels(file: VocabularyFile) -> Iterator[tuple[str, KeyPath, str]]:
+    """Yield role, key path and `plain` text of each whole heading; the last one of a text wins."""
+    for name, labels in reversed(file.covariates.items()):
+        for place, text in enumerate(labels.labels):
+            yield name, ("covariates", name, "labels", place), plain(text)
+    for name in reversed(FactLabels.model_fields):
+        for place, text in enumerate(getattr(file.facts, name).labels):
+            yield name, ("facts", name, "labels", place), plain(text)
+    for key in ("labels", "personal"):
+        for place, text in enumerate(getattr(file.ignored, key)):
+            yield IGNORED, ("ignored", key, place), plain(text)
+
+
+def _problems(file: VocabularyFile) -> Iterator[Problem]:
+    for name in file.covariates:
+        if name in FactLabels.model_fields or name == IGNORED:
+            yield Problem(("covariates", name), f"`{name}` is no covariate; write another name")
+    seen: dict[str, str] = {}
+    for role, path, key in reversed([*_labels(file)]):
+        if not key:
+            yield Problem(path, "this label has no letter and no digit; write the heading")
+        elif seen.setdefault(key, role) != role:
+            message = f"this label is of {role} and of {seen[key]}; keep one"
+            yield Problem(path, message)
+
+
+def _merged(tables: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Merge tables key by key; the lists of the first ones come first."""
+    merged: dict[str, Any] = {}
+    for table in tables:
+        for key, value in table.items():
+            there = merged.get(key)
+            if isinstance(value, Mapping):
+                merged[key] = _merged([there or {}, value])
+            else:
+                merged[key] = (*(there or ()), *value)
+    return merged
+
+
+def _plain_set(words: Iterable[str]) -> frozenset[str]:
+    return frozenset(plain(word) for word in words if plain(word))
+
+
+def _word_sets(tables: Mapping[str, Any], key: str) -> dict[str, frozenset[str]]:
+    return {name: _plain_set(table[key]) for name, table in tables.items() if table[key]}
+
+
+def _looked_up(words: Mapping[str, Iterable[str]]) -> dict[str, str]:
+    """Return word → name; the first name that has the word."""
+    found: dict[str, str] = {}
+    for name, texts in words.items():
+        for text in texts:
+            found.setdefault(plain(text), name)
+    return found

@@ -1,1 +1,1 @@
-"""What a condition does to the image: one effect each."""
+"""Effects on the image of one eye, one module each."""

@@ -1,7 +1,7 @@
-"""What an effect is to the rest of the renderer: one step from an eye's image to the next.
+"""Interface of effects: each is one step from an eye's image to the next.
 
 A new effect is a table of settings (`vrcomfort.protocol.conditions.EffectTables`), a pass that is
-an `Effect`, its shader and the shader's twin, and an `EffectKind` in
+an `EffectPass`, its shader and the shader's twin, and an `RegisteredEffect` in
 `vrcomfort.render.plan`.
 """
 
@@ -22,7 +22,7 @@ from vrcomfort.scene.data import Scene
 
 
 class EyeFrame(NamedTuple):
-    """An eye of this frame, and what motion blur counts as the eye of the frame before.
+    """An eye of this frame, and the previous eye as motion blur counts it.
 
     `eye_index` is 0 for the left eye, which is drawn first. `step` is how the head got here, None
     where the frame before has nothing to do with this one. `still`: nothing moves in the image.
@@ -39,7 +39,7 @@ class EyeFrame(NamedTuple):
 
 @dataclass(frozen=True)
 class EffectInputs:
-    """What an effect is built from.
+    """Textures and settings for building an effect.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class EffectInputs:
     reads: Mapping[str, moderngl.Texture]
 
 
-class Effect(Protocol):
+class EffectPass(Protocol):
     """Draws its inputs, changed, into `target`: linear HDR RGBA16F."""
 
     target: moderngl.Texture
@@ -79,12 +79,12 @@ class Effect(Protocol):
         """Draw the present inputs as this eye sees them; the left eye comes first."""
 
     def warm_up(self) -> None:
-        """Draw once what frames in which nothing moves leave out, so that it is compiled."""
+        """Draw once the passes that frames without motion skip, so that they are compiled."""
 
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Be as if no frame had been drawn."""
 
 
@@ -99,10 +99,10 @@ class Adjustable(Protocol):
         """Draw by these settings from now on: its own table of the condition."""
 
 
-def reading_colour(make: Callable[..., Effect]) -> Callable[[EffectInputs], Effect]:
-    """Return what builds an effect that reads nothing but `colour`."""
+def reading_colour(make: Callable[..., EffectPass]) -> Callable[[EffectInputs], EffectPass]:
+    """Return the builder of an effect that reads only `colour`."""
 
-    def build(inputs: EffectInputs) -> Effect:
+    def build(inputs: EffectInputs) -> EffectPass:
         return make(
             inputs.ctx, colour=inputs.colour, settings=inputs.settings, size_px=inputs.size_px
         )
@@ -111,7 +111,7 @@ def reading_colour(make: Callable[..., Effect]) -> Callable[[EffectInputs], Effe
 
 
 @dataclass(frozen=True)
-class EffectKind:
+class RegisteredEffect:
     """How an effect is planned and built.
 
     Parameters
@@ -128,5 +128,5 @@ class EffectKind:
 
     name: EffectName
     plan: Callable[[Scene, Condition], PlannedPass]
-    build: Callable[[EffectInputs], Effect | None]
+    build: Callable[[EffectInputs], EffectPass | None]
     reads: frozenset[Literal["focus", "velocity"]] = frozenset()

@@ -28,7 +28,7 @@ from vrcomfort.gpu.shaders import Defines
 from vrcomfort.optics.motion import ramp, sampling_of
 from vrcomfort.protocol.conditions import Condition, MotionBlur
 from vrcomfort.render.camera import HeadStep
-from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.effects.effect import EffectInputs, EyeFrame, RegisteredEffect
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
@@ -70,7 +70,7 @@ def build(inputs: EffectInputs) -> MotionBlurPass:
 
 
 def streak_scale(settings: MotionBlur, step: HeadStep | None) -> float:
-    """Return what all streaks are multiplied by: 1 to 0.
+    """Return the factor of all streaks, 1 to 0.
 
     The shutter is open for a part of one period, also where the frame before lies further back;
     and streaks may fade for how fast the head turns.
@@ -142,7 +142,7 @@ class MotionBlurPass:
     def _draw(self, scale: float) -> None:
         self._method.render(Shutter(self._settings.shutter_fraction * scale, self.limit_px))
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Do nothing: frames after a cut have no streaks."""
 
     def longest_half_velocity_px(self) -> float:
@@ -153,7 +153,7 @@ class MotionBlurPass:
         return self._method.longest_half_velocity_px()
 
     def clamps(self) -> tuple[str, ...]:
-        """Return what the limit has done to the frames so far, in words; waits for the GPU."""
+        """Return the limit's effect on the frames so far, in words; waits for the GPU."""
         longest_px = self.longest_half_velocity_px()
         if longest_px <= self.limit_px:
             return ()
@@ -163,7 +163,7 @@ class MotionBlurPass:
         )
 
 
-KIND = EffectKind("motion_blur", plan, build, reads=frozenset({"velocity"}))
+EFFECT = RegisteredEffect("motion_blur", plan, build, reads=frozenset({"velocity"}))
 
 
 class Shutter(NamedTuple):
@@ -218,7 +218,7 @@ class Reconstruction:
             self._average("motion_blur_long", in_parts, self.target),
             self._average("motion_blur", colour, self.target, {"PAIRS": sampling.pairs}),
         )
-        self._foreground = self._mixed_tiles(depth)
+        self._foreground = self._complex_tiles(depth)
 
     def _average(
         self,
@@ -249,7 +249,7 @@ class Reconstruction:
             target=target,
         )
 
-    def _mixed_tiles(self, depth: moderngl.Texture) -> FullscreenPass:
+    def _complex_tiles(self, depth: moderngl.Texture) -> FullscreenPass:
         longest, crossing = self._dilate.targets
         tile_px = self._tile_max.tile_px
         return FullscreenPass(
@@ -269,7 +269,7 @@ class Reconstruction:
                 "JUMP": self._sampling.jump,
                 "TILE": tile_px,
                 "POINT_PX": tile_px,
-                "CLASS": "MIXED",
+                "CLASS": "COMPLEX",
                 "STRIDE": self._sampling.stride_px,
                 "MOST_TAPS": self._sampling.most_taps,
             },
@@ -280,7 +280,7 @@ class Reconstruction:
 
     @property
     def tiles(self) -> tuple[moderngl.Texture, moderngl.Texture]:
-        """Return what reaches each tile and its class, and what crosses it.
+        """Return the streaks that reach each tile with its class, and those that cross it.
 
         Of the last frame in which things may have passed each other.
         """
@@ -408,7 +408,7 @@ class FrameStreaks:
         self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
 
     def render(self) -> None:
-        """Begin with a new frame; what is remembered over all frames stays."""
+        """Begin with a new frame; the maximum over all frames stays."""
         self._clear(self._framebuffer, (0.0, 0.0, _LEAST, 0.0))
         self._tile_max.use(0)
         self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)

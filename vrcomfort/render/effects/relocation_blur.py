@@ -8,7 +8,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.optics.motion import level_after
 from vrcomfort.protocol.conditions import Condition, RelocationBlur
 from vrcomfort.render.background_blur import MipLevelPass
-from vrcomfort.render.effects.effect import EffectKind, EyeFrame, reading_colour
+from vrcomfort.render.effects.effect import EyeFrame, RegisteredEffect, reading_colour
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
@@ -69,8 +69,8 @@ class RelocationBlurPass:
         """Return nothing: it has no limit."""
         return ()
 
-    def forget(self) -> None:
-        """Be as if nobody had ever been relocated."""
+    def reset(self) -> None:
+        """Start again without a relocation."""
         self._relocated_ns = None
 
     def _level(self, eye: EyeFrame) -> float:
@@ -83,4 +83,4 @@ class RelocationBlurPass:
         return level_after(settings.level, elapsed_s=elapsed_s, duration_s=settings.duration_s)
 
 
-KIND = EffectKind("relocation_blur", plan, reading_colour(RelocationBlurPass))
+EFFECT = RegisteredEffect("relocation_blur", plan, reading_colour(RelocationBlurPass))

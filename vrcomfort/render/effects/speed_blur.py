@@ -12,7 +12,7 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics.motion import sigma_px
 from vrcomfort.protocol.conditions import Condition, SpeedBlur
 from vrcomfort.render.camera import speed_share
-from vrcomfort.render.effects.effect import EffectKind, EyeFrame, reading_colour
+from vrcomfort.render.effects.effect import EyeFrame, RegisteredEffect, reading_colour
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
@@ -79,7 +79,7 @@ class SpeedBlurPass:
         """Return nothing: no limit shortens it."""
         return ()
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Do nothing: each frame has its own speed."""
 
     def _draw(self, x_px: float, y_px: float) -> None:
@@ -96,4 +96,4 @@ def _axis(
     )
 
 
-KIND = EffectKind("speed_blur", plan, reading_colour(SpeedBlurPass))
+EFFECT = RegisteredEffect("speed_blur", plan, reading_colour(SpeedBlurPass))

@@ -13,7 +13,7 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics.motion import clear_deg, moved_towards, widest_angle_deg
 from vrcomfort.protocol.conditions import Condition, Vignette
 from vrcomfort.render.camera import speed_share
-from vrcomfort.render.effects.effect import EffectKind, EyeFrame, reading_colour
+from vrcomfort.render.effects.effect import EyeFrame, RegisteredEffect, reading_colour
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
@@ -113,7 +113,7 @@ class VignettePass:
         """Return nothing: it has no limit."""
         return ()
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Open the field."""
         self._strength, self._time_ns, self._mean_time_ns = 0.0, -1, -1
 
@@ -169,4 +169,4 @@ def _mean(
     )
 
 
-KIND = EffectKind("vignette", plan, reading_colour(VignettePass))
+EFFECT = RegisteredEffect("vignette", plan, reading_colour(VignettePass))

@@ -1,4 +1,4 @@
-"""`autofocus_zone`: what is in the middle of the image, weighted, on the GPU or on the CPU.
+"""`autofocus_zone`: weighted mean or extreme of the image's middle, on the GPU or the CPU.
 
 ::
 
@@ -23,7 +23,7 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import autofocus_zone
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.camera import rotation_only
-from vrcomfort.render.focus.search import FocusInputs, FocusRule, FocusSearch, Look, Sight
+from vrcomfort.render.focus.search import FocusInputs, FocusRule, FocusSearch, HeadView, ProbeResult
 from vrcomfort.render.planned_pass import PlannedPass
 
 
@@ -145,26 +145,26 @@ class AutofocusZone:
             )
         return tuple(passes)
 
-    def look(self, sight: Sight) -> Look:
+    def look(self, view: HeadView) -> ProbeResult:
         """Draw the zone, reduce it, and bind the texel."""
-        width, height = sight.screen_tangents
+        width, height = view.screen_tangents
         ratio = self._settings.zone_ratio
-        centre = autofocus_zone.kept_within(sight.zone_centre, sight.screen_tangents, ratio)
+        centre = autofocus_zone.kept_within(view.zone_centre, view.screen_tangents, ratio)
         place = _Place((width * ratio, height * ratio), centre)
-        self._draw(sight, place)
+        self._draw(view, place)
         along_ray = place if self._along_ray else None
         for index, each in enumerate(self._passes):
             each.render(along_ray if index == 0 else None)
         if not self._passes:
             self._reduce_on_cpu(along_ray)
         self._reduced.use(2)
-        return Look({})
+        return ProbeResult({})
 
-    def _draw(self, sight: Sight, place: _Place) -> None:
+    def _draw(self, view: HeadView, place: _Place) -> None:
         ctx = self._ctx
         middle, half = np.array(place.centre), np.array(place.half_tangents)
         (left, down), (right, up) = np.arctan([middle - half, middle + half]).tolist()
-        head = sight.world_from_head
+        head = view.world_from_head
         clip_from_relative = clip_from_view(Fov(left, right, up, down), self._near_m)
         clip_from_relative = clip_from_relative @ rotation_only(head.rotation.T)
         self._zone.use()

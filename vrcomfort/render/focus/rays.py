@@ -22,7 +22,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.optics.focus import RAYS, gaze_tangents, ray_tangents
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.camera import rotation_only
-from vrcomfort.render.focus.search import FocusInputs, FocusRule, FocusSearch, Look, Sight
+from vrcomfort.render.focus.search import FocusInputs, FocusRule, FocusSearch, HeadView, ProbeResult
 from vrcomfort.render.planned_pass import PlannedPass
 
 RAY_WIDTH = 1e-4
@@ -135,20 +135,20 @@ class NineRays:
         """Return those of the last look."""
         return self._narrow.triangles
 
-    def look(self, sight: Sight) -> Look:
+    def look(self, view: HeadView) -> ProbeResult:
         """Draw the rays ahead."""
-        return self.look_along(self._ahead, sight.world_from_head)
+        return self.look_along(self._ahead, view.world_from_head)
 
     def aimed(self, tangents: Array) -> Aim:
         """Return nine rays with these (9, 2) tangents (right, up)."""
         lengths = ray_lengths(tangents) if self._along_ray else np.ones(RAYS)
         return Aim(ray_projections(tangents, self._near_m), lengths)
 
-    def look_along(self, aim: Aim, world_from_head: Pose) -> Look:
+    def look_along(self, aim: Aim, world_from_head: Pose) -> ProbeResult:
         """Draw nine rays."""
         self._narrow.draw(aim.clips_from_head, world_from_head)
         uniforms = {"ray_lengths": aim.lengths.tolist()} if self._along_ray else {}
-        return Look(uniforms, self._narrow.image, aim.lengths)
+        return ProbeResult(uniforms, self._narrow.image, aim.lengths)
 
 
 def _build_nine_ray(inputs: FocusInputs) -> FocusSearch:
@@ -196,7 +196,7 @@ class GazeRays:
         """Return those of the last look."""
         return self._ahead.triangles
 
-    def look(self, sight: Sight) -> Look:
+    def look(self, view: HeadView) -> ProbeResult:
         """Draw the rays around the line of sight, if there is one.
 
         Raises
@@ -204,26 +204,26 @@ class GazeRays:
         InputError
             Without an eye tracker, unless the settings say what else to do.
         """
-        if sight.gaze is None:
+        if view.gaze is None:
             if self._settings.without_gaze == "stop":
                 raise InputError(NO_EYE_TRACKER)
-            return _estimated(self.MEAN, self._ahead.look(sight))
-        tangents = self._around(sight.gaze.pose) if sight.gaze.valid else None
-        cut = sight.discontinuity
+            return _estimated(self.MEAN, self._ahead.look(view))
+        tangents = self._around(view.gaze.pose) if view.gaze.valid else None
+        cut = view.discontinuity
         self._has_target = tangents is not None or (self._has_target and not cut)
         if tangents is None and self._has_target:
-            return Look({"estimate": self.KEEP})
+            return ProbeResult({"estimate": self.KEEP})
         if tangents is None:
             tangents = self._around(Pose())
         assert tangents is not None  # noqa: S101 - straight ahead is always within reach
-        look = self._ahead.look_along(self._ahead.aimed(tangents), sight.world_from_head)
+        look = self._ahead.look_along(self._ahead.aimed(tangents), view.world_from_head)
         return _estimated(self.MEDIAN, look)
 
     def _around(self, head_from_gaze: Pose) -> Array | None:
         return gaze_tangents(head_from_gaze, self._settings.gaze_radius_deg)
 
 
-def _estimated(estimate: int, look: Look) -> Look:
+def _estimated(estimate: int, look: ProbeResult) -> ProbeResult:
     return look._replace(uniforms={**look.uniforms, "estimate": estimate})
 
 

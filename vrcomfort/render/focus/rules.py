@@ -13,7 +13,7 @@ from vrcomfort.render.focus.search import (
     FocusInputs,
     FocusPass,
     FocusRule,
-    Sight,
+    HeadView,
     focus_texture,
     write_focus,
 )
@@ -27,17 +27,17 @@ def _plan_fixed(settings: Focus) -> PlannedPass:
 
 
 class FixedFocus:
-    """The focus distance `fixed_m` in every frame, whatever law there is."""
+    """The focus distance `fixed_m` in every frame, under any law."""
 
     def __init__(self, inputs: FocusInputs) -> None:
         self._focus_m = inputs.settings.fixed_m
         self.texture = focus_texture(inputs.ctx, self._focus_m)
         self.triangles = 0
 
-    def render(self, sight: Sight) -> tuple[FocusSample, ...]:
+    def render(self, view: HeadView) -> tuple[FocusSample, ...]:
         """Return the sample of this frame."""
         no_rays, unused = np.full(RAYS, np.nan), np.zeros(RAYS, dtype=bool)
-        return (FocusSample(sight.frame_index, self._focus_m, self._focus_m, no_rays, unused),)
+        return (FocusSample(view.frame_index, self._focus_m, self._focus_m, no_rays, unused),)
 
     def adjust(self, settings: Focus) -> None:
         """Be at another distance from now on."""
@@ -56,7 +56,7 @@ def _plan_script(settings: Focus) -> PlannedPass:
 
 
 class ScriptedFocus:
-    """The distance that `script` has at the time of the scene, whatever law there is.
+    """The distance in `script` at the time of the scene, under any law.
 
     Mantiuk et al. 2011 compare it with focus that follows the gaze.
     """
@@ -69,12 +69,12 @@ class ScriptedFocus:
     def _focus_m(self, time_s: float) -> float:
         return scripted_focus_m(self._settings.script, time_s, self._settings.script_every_s)
 
-    def render(self, sight: Sight) -> tuple[FocusSample, ...]:
+    def render(self, view: HeadView) -> tuple[FocusSample, ...]:
         """Write the distance of this frame, and return its sample."""
-        focus_m = self._focus_m(sight.scene_time_s)
+        focus_m = self._focus_m(view.scene_time_s)
         self.texture.write(np.array([focus_m, focus_m, 0.0, 1.0], dtype=np.float32))
         no_rays, unused = np.full(RAYS, np.nan), np.zeros(RAYS, dtype=bool)
-        return (FocusSample(sight.frame_index, focus_m, focus_m, no_rays, unused),)
+        return (FocusSample(view.frame_index, focus_m, focus_m, no_rays, unused),)
 
     def drain(self) -> tuple[FocusSample, ...]:
         """Return nothing: nothing is late."""
@@ -100,5 +100,5 @@ def make_focus_pass(
     near_m: float = 0.02,
     along_ray: bool = False,
 ) -> FocusPass:
-    """Return the pass that `settings.method` asks for: :class:`FocusInputs` says what it takes."""
+    """Return the focus pass of `settings.method`; parameters as in :class:`FocusInputs`."""
     return RULES[settings.method].build(FocusInputs(ctx, gpu, settings, near_m, along_ray))

@@ -31,8 +31,8 @@ from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.planned_pass import PlannedPass
 
 
-class Sight(NamedTuple):
-    """Where the head of a frame is, and what its eyes see.
+class HeadView(NamedTuple):
+    """Head of a frame: its place, its frustum and its gaze.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class Sight(NamedTuple):
 
 
 class FocusInputs(NamedTuple):
-    """What a rule is built from.
+    """Scene and settings for building a focus rule.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class FocusPass(Protocol):
     def triangles(self) -> int:
         """Those that the last frame sent."""
 
-    def render(self, sight: Sight) -> tuple[FocusSample, ...]:
+    def render(self, view: HeadView) -> tuple[FocusSample, ...]:
         """Find the focus of a frame, and return the samples that have arrived meanwhile."""
 
     def drain(self) -> tuple[FocusSample, ...]:
@@ -117,8 +117,8 @@ class FocusRule:
     build: Callable[[FocusInputs], FocusPass]
 
 
-class Look(NamedTuple):
-    """What a probe has drawn, and bound to texture unit 2.
+class ProbeResult(NamedTuple):
+    """A probe's drawing, bound to texture unit 2.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ class Look(NamedTuple):
 
 
 class Probe(Protocol):
-    """What a rule adds to the search: a small image, and the shader that reads a target from it."""
+    """A rule's part of the search: a small image, and the shader that reads a target from it."""
 
     @property
     def fragment(self) -> str:
@@ -154,8 +154,8 @@ class Probe(Protocol):
     def triangles(self) -> int:
         """Those of the last look."""
 
-    def look(self, sight: Sight) -> Look:
-        """Draw what focus looks at."""
+    def look(self, view: HeadView) -> ProbeResult:
+        """Draw the small image."""
 
 
 class FocusSearch:
@@ -183,21 +183,21 @@ class FocusSearch:
         """Return those that the last frame sent."""
         return self._probe.triangles
 
-    def render(self, sight: Sight) -> tuple[FocusSample, ...]:
+    def render(self, view: HeadView) -> tuple[FocusSample, ...]:
         """Find the focus of a frame, and return the samples that have arrived meanwhile.
 
         The refocus law gets the time since the frame before; at a discontinuity, at the first
         frame, and where time goes back, focus is at once at its target.
         """
-        now_ns = sight.display_time_ns
+        now_ns = view.display_time_ns
         last_ns, self._last_time_ns = self._last_time_ns, now_ns
         if last_ns is None or now_ns < last_ns:
-            sight = sight._replace(discontinuity=True)
+            view = view._replace(discontinuity=True)
         dt_s = 0.0 if last_ns is None else (now_ns - last_ns) * 1e-9
-        step = AT_ONCE if sight.discontinuity else self._law.step_size(self._settings, dt_s)
-        look = self._probe.look(sight)
+        step = AT_ONCE if view.discontinuity else self._law.step_size(self._settings, dt_s)
+        look = self._probe.look(view)
         self._decide({**look.uniforms, "step_size": step})
-        return self._readback.record(sight.frame_index, look.rays, look.ray_lengths, self._target)
+        return self._readback.record(view.frame_index, look.rays, look.ray_lengths, self._target)
 
     def drain(self) -> tuple[FocusSample, ...]:
         """Return the samples that are still on their way."""

@@ -8,26 +8,21 @@ from __future__ import annotations
 
 import hashlib
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.measures import Limit, MeasureSettings
 from vrcomfort.report.plan.data_files import DataFiles
-from vrcomfort.report.plan.designs import (
-    Agreed,
-    Correlated,
-    Equivalent,
-    Ordinal,
-    Preferred,
-    TestName,
-)
 from vrcomfort.report.plan.gaze_and_head import GazeAndHead
 from vrcomfort.report.plan.ratings import RatingAnalysis
 from vrcomfort.settings import Name, Settings
 from vrcomfort.settings.locate import locate
 
+TestName = Literal["signed_rank", "paired_t", "sign", "mann_whitney", "welch_t", "student_t"]
+PAIRED = ("signed_rank", "paired_t", "sign")
+INDEPENDENT = ("mann_whitney", "welch_t", "student_t")
 Side = Literal["two-sided", "greater", "less"]
 FigureName = Literal[
     "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals", "ratings",
@@ -38,6 +33,15 @@ TrialMeasure = Literal[
     "hidden_s", "unfocused_s",
 ]  # fmt: skip
 Participants = Annotated[int, Field(ge=1, le=1_000_000)]
+
+
+class Entry(Settings):
+    """An entry of an analysis' key in a plan; its fields are those of the analysis."""
+
+    @property
+    def of_choices(self) -> str:
+        """Return the questionnaire whose answers are choices, and no scores; blank: none."""
+        return ""
 
 
 class Contrast(Settings):
@@ -107,7 +111,10 @@ class Exclusion(Settings):
 
 
 class Plan(Settings):
-    """One analysis, decided before the data are seen."""
+    """One analysis, decided before the data are seen.
+
+    The keys of single analyses are added by `plan_files`, from the analyses themselves.
+    """
 
     name: Name
     title: str
@@ -152,16 +159,6 @@ class Plan(Settings):
     narrow where there is an effect; they differ in the n of the standard error. R's ``effectsize``
     counts the non-zero scores of condition a; the formula is for the non-zero differences."""
     confidence: Annotated[float, Field(gt=0.5, lt=1)] = 0.95
-    correlations: tuple[Correlated, ...] = ()
-    equivalence: tuple[Equivalent, ...] = ()
-    """Two one-sided t tests at 1 − `confidence` each."""
-    preferences: tuple[Preferred, ...] = ()
-    agreement: tuple[Agreed, ...] = ()
-    """Intraclass correlations."""
-    ordinal: tuple[Ordinal, ...] = ()
-    """Cumulative logit models of items."""
-    z_scores: tuple[str, ...] = ()
-    """Outcomes that are standardised within each person as well."""
     families: tuple[Family, ...] = ()
     """Outcomes in no family are not adjusted."""
 
@@ -198,7 +195,13 @@ class Plan(Settings):
     @property
     def of_choices(self) -> frozenset[str]:
         """Return the questionnaires that compare conditions and are counted as preferences."""
-        return frozenset(each.item.partition(".")[0] for each in self.preferences)
+        entries = [each for key in type(self).model_fields for each in self.entries(key)]
+        return frozenset(each.of_choices for each in entries if isinstance(each, Entry)) - {""}
+
+    def entries(self, key: str) -> tuple[Any, ...]:
+        """Return the entries of an analysis' key, which is a list; none where it has no key."""
+        found = getattr(self, key, ())
+        return found if isinstance(found, tuple) else ()
 
     @property
     def needs_every_score(self) -> bool:

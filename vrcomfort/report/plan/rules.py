@@ -7,8 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.report.measures import fault_of
 from vrcomfort.report.outcomes import Outcome, fault_of_outcome, known_outcomes
-from vrcomfort.report.plan.designs import INDEPENDENT, PAIRED
-from vrcomfort.report.plan.model import Contrast, Exclusion, Plan
+from vrcomfort.report.plan.model import INDEPENDENT, PAIRED, Contrast, Exclusion, Plan
 from vrcomfort.settings import Problem, did_you_mean, repeated
 
 _TAKEN = {"participant", "score"}
@@ -20,7 +19,6 @@ def problems(plan: Plan, instruments: Iterable[Instrument] | None = None) -> Ite
     yield from repeated(("outcomes",), plan.outcomes)
     yield from repeated(("mixed_model",), plan.mixed_model)
     yield from repeated(("covariates",), plan.covariates)
-    yield from repeated(("z_scores",), plan.z_scores)
     yield from repeated(("figures",), plan.figures)
     yield from _named_twice(plan)
     yield from _outcomes(plan, known)
@@ -28,7 +26,6 @@ def problems(plan: Plan, instruments: Iterable[Instrument] | None = None) -> Ite
     yield from _families(plan, known)
     for index, contrast in enumerate(plan.contrasts):
         yield from (Problem(("contrasts", index), said) for said in _of_contrast(contrast, plan))
-    yield from _of_designs(plan)
     for index, factor in enumerate(plan.anova):
         if factor.name in _TAKEN:
             message = f"`{factor.name}` cannot name a factor; choose another word"
@@ -89,35 +86,6 @@ def _families(plan: Plan, known: Mapping[str, Outcome]) -> Iterator[Problem]:
                 if before != family.name:
                     message = f"the {analysis} of `{name}` are in family `{before}` already"
                     yield Problem(path, f"{message}; adjust them once")
-
-
-def _of_designs(plan: Plan) -> Iterator[Problem]:
-    """Yield what is wrong with correlations, equivalence, preferences and agreement."""
-    yield from repeated(("preferences",), [each.name for each in plan.preferences])
-    named = [
-        *((("correlations", i, key), getattr(each, key))
-          for i, each in enumerate(plan.correlations) for key in ("x", "y")),
-        *((("equivalence", i, "outcome"), each.outcome) for i, each in enumerate(plan.equivalence)),
-        *((("agreement", i, "outcome"), each.outcome) for i, each in enumerate(plan.agreement)),
-        *((("z_scores", i), name) for i, name in enumerate(plan.z_scores)),
-    ]  # fmt: skip
-    for path, name in named:
-        if plan.outcomes and name not in plan.outcomes:
-            hint = did_you_mean(name, plan.outcomes)
-            yield Problem(path, f"`{name}` is not among the outcomes; {hint}")
-    for index, pair in enumerate(plan.correlations):
-        if pair.x == pair.y:
-            yield Problem(("correlations", index), f"`{pair.x}` is correlated with itself")
-    for index, bounds in enumerate(plan.equivalence):
-        if bounds.low >= bounds.high:
-            message = f"low ({bounds.low:g}) is not below high ({bounds.high:g})"
-            yield Problem(("equivalence", index, "low"), message)
-    for index, asked in enumerate(plan.preferences):
-        if asked.a == asked.b or {asked.a, asked.b} & set(asked.none):
-            yield Problem(("preferences", index), "a, b and none name one value twice")
-        if bool(asked.column) == bool(asked.item):
-            message = "say where it stands: `column` of participants.csv, or `item`, and not both"
-            yield Problem(("preferences", index), message)
 
 
 def _of_groups(contrast: Contrast) -> Iterator[str]:

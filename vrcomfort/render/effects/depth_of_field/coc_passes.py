@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Array, Fov, Pose, focal_length_px, rotate
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MaxReductionPass, Together, Uniforms
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MaxReductionPass, UniformGroup, Uniforms
 from vrcomfort.optics import blur_kernels
 from vrcomfort.optics.circle_of_confusion import CLOSEST_FOCUS
 from vrcomfort.protocol.conditions import DepthOfField
@@ -20,7 +20,7 @@ from vrcomfort.render.effects.depth_of_field.lens_radius import (
     radius_limit_px,
     radius_of_arcmin,
 )
-from vrcomfort.render.scene_pass import ResolvePass
+from vrcomfort.render.scene_pass import Radii, ResolvePass
 
 TILE_PX = 8
 """Side of the tiles whose range of radii is known."""
@@ -30,7 +30,7 @@ Axis: TypeAlias = tuple[float, float, float]
 
 
 class EyeUniforms(NamedTuple):
-    """What ``include/coc_of_depth.glsl`` needs of the eye that drew the image."""
+    """Uniforms of ``include/coc_of_depth.glsl`` for the eye that drew the image."""
 
     tangents: tuple[float, float, float, float]
     head_forward_in_view: tuple[float, float, float]
@@ -94,7 +94,7 @@ def axis_in_view(axis: Array | None, head_from_eye: Pose) -> Axis | None:
 
 
 class DepthToCoc:
-    """The signed radius of any depth in one eye's image: what ``include/coc_of_depth.glsl`` needs.
+    """Signed radius of any depth in one eye's image, for ``include/coc_of_depth.glsl``.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ class DepthToCoc:
         self._settings, self._size_px = settings, depth.size
         self.depth = depth
         self.inputs = {"focus": focus}
-        self.constants: Uniforms = Together(
+        self.constants: Uniforms = UniformGroup(
             _lens_constants(settings, infinity_m), *_peripheral_constants(settings)
         )
         self._along_ray = settings.distance_along == "ray"
@@ -141,7 +141,7 @@ class DepthToCoc:
             ctx,
             fragment,
             inputs={"depth": self.depth, **self.inputs, **(inputs or {})},
-            constants=Together(self.constants, *([constants] if constants else [])),
+            constants=UniformGroup(self.constants, *([constants] if constants else [])),
             defines={**self.defines, **(defines or {})},
             **options,
         )
@@ -153,17 +153,17 @@ class DepthToCoc:
     def of_eye(
         self, eye: EyeUniforms, focal_px: float, peripheral_axis: Axis | None = None
     ) -> Uniforms:
-        """Return the uniforms for what an eye drew; `focal_px` is that of its image.
+        """Return the uniforms of an eye; `focal_px` is the focal length of its image.
 
         `peripheral_axis`: what peripheral blur is centred on, in view; None: the head's axis.
         """
         limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
         used = eye if self._along_ray else ForwardUniforms(*eye[:-1])
         axis = peripheral_axis or eye.head_forward_in_view
-        return Together(used, scale, limit, *_peripheral_unit(self._settings, focal_px, axis))
+        return UniformGroup(used, scale, limit, *_peripheral_unit(self._settings, focal_px, axis))
 
     def of_camera(self, camera: EyeCamera) -> Uniforms:
-        """Return the uniforms for what a camera draws."""
+        """Return the uniforms of a camera."""
         head_from_eye = camera.head.inverse() @ camera.world_from_eye
         focal_px = focal_length_px(camera.fov, self._size_px)[0]
         eye = eye_uniforms(camera.fov, camera.near_m, head_from_eye)
@@ -208,7 +208,7 @@ class CocPasses:
         self.depth_to_coc = DepthToCoc(
             depth=depth, focus=focus, settings=settings, infinity_m=infinity_m
         )
-        self.now: Uniforms = Together()
+        self.now: Uniforms = UniformGroup()
         """What :meth:`DepthToCoc.of_eye` says of the last eye; nothing before the first."""
         self.eye: ForwardUniforms | None = None
         """The last eye; None before the first."""
@@ -239,7 +239,7 @@ class CocPasses:
 
     @property
     def tile_min_max(self) -> moderngl.Texture:
-        """What :class:`CocTileMinMax` has found of the last eye; who asks for it reads it."""
+        """Tiles of :class:`CocTileMinMax` of the last eye; asking once keeps them drawn."""
         self._tiles_are_read = True
         return self._tile_min_max.target
 
@@ -252,7 +252,9 @@ class CocPasses:
 
     def _with_radii(self) -> moderngl.Texture:
         if self._resolve is not None:
-            self._resolve.write_radii(self.depth_to_coc)
+            found = self.depth_to_coc
+            radii = Radii(found.inputs, found.defines, found.constants, found.of_camera)
+            self._resolve.write_radii(radii)
             return self._colour
         inputs = {"colour": self._colour}
         self._beside = self.depth_to_coc.make_pass(
@@ -270,7 +272,7 @@ class CocPasses:
         head_from_eye: Pose,
         peripheral_axis: Array | None = None,
     ) -> None:
-        """Find the radii of what an eye drew: its frustum, near plane and place in the head.
+        """Find the radii of an eye's image from its frustum, near plane and place in the head.
 
         `peripheral_axis`: (3,) that of an `EyeCamera`.
         """
@@ -291,9 +293,9 @@ class CocPasses:
         self._settings = settings
         self.depth_to_coc.adjust(settings)
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
-        self._tile_min_max.forget()
+        self._tile_min_max.reset()
         self._least_limit_px = self.limit_px
 
     def largest_radius_px(self) -> float:
@@ -301,7 +303,7 @@ class CocPasses:
         return self._tile_min_max.read()
 
     def clamps(self) -> tuple[str, ...]:
-        """Return what the limit has done to the frames so far, in words; waits for the GPU."""
+        """Return the limit's effect on the frames so far, in words; waits for the GPU."""
         largest_px = self.largest_radius_px()
         if largest_px <= self._least_limit_px:
             return ()
@@ -348,9 +350,9 @@ class CocTileMinMax:
         self._largest = MaxReductionPass(ctx, self.widest, components="x")
 
     def render(self, eye: Uniforms) -> None:
-        """Take what an eye drew into account: :meth:`DepthToCoc.of_eye`."""
+        """Add an eye's image; `eye` is from :meth:`DepthToCoc.of_eye`."""
         self._tiles.render(eye)
-        self._of_eye.forget()
+        self._of_eye.reset()
         self._of_eye.render()
         self._largest.render()
 
@@ -358,9 +360,9 @@ class CocTileMinMax:
         """Return the largest radius of all frames; waits for the GPU."""
         return self._largest.read()
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Start again from 0."""
-        self._largest.forget()
+        self._largest.reset()
 
 
 def _limit_and_scale(
@@ -386,7 +388,7 @@ def _lens_constants(settings: DepthOfField, infinity_m: float) -> Uniforms:
     infinity = _Infinity(infinity_m)
     if settings.law != "thin_lens":
         return infinity
-    return Together(infinity, _ThinLens(settings.focal_length_m, settings.distance_offset_m))
+    return UniformGroup(infinity, _ThinLens(settings.focal_length_m, settings.distance_offset_m))
 
 
 def _peripheral_defines(settings: DepthOfField) -> dict[str, int]:

@@ -21,7 +21,7 @@ from vrcomfort.render.camera import Lens
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
 from vrcomfort.render.effects.depth_of_field.lens_radius import lens, radius_per_dioptre_px
-from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.effects.effect import EffectInputs, EyeFrame, RegisteredEffect
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.render.scene_pass import ResolvePass
 from vrcomfort.scene.data import Scene
@@ -53,7 +53,7 @@ def plan(_: Scene, condition: Condition) -> PlannedPass:
 
 
 def build(inputs: EffectInputs) -> DepthOfFieldPass | None:
-    """Build what blurs one view; None where many views need no blur."""
+    """Build the blur of one view; None where many views need no blur."""
     of_one_view = blur_of_one_view(inputs.settings, inputs.size_px)
     if of_one_view is None:
         return None
@@ -142,15 +142,15 @@ class DepthOfFieldPass:
         return self._coc.limit_now_px
 
     def clamps(self) -> tuple[str, ...]:
-        """Return what the largest radius has cut off so far, in words; waits for the GPU."""
+        """Return how far the largest radius has cut blur off so far; waits for the GPU."""
         return () if self._slices_m else self._coc.clamps()
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
-        self._coc.forget()
+        self._coc.reset()
 
 
-KIND = EffectKind("depth_of_field", plan, build, reads=frozenset({"focus"}))
+EFFECT = RegisteredEffect("depth_of_field", plan, build, reads=frozenset({"focus"}))
 
 
 LEAST_BLUR_PX = 0.75
@@ -186,12 +186,12 @@ def blur_of_one_view(settings: DepthOfField, size_px: tuple[int, int]) -> DepthO
 
 
 def _at_one_dioptre_px(settings: DepthOfField, part: float, size_px: tuple[int, int]) -> float:
-    """Return the radius of a view's blur at one dioptre of defocus: what the law gives."""
+    """Return the radius of a view's blur at one dioptre of defocus, by the law."""
     return part * radius_per_dioptre_px(settings, size_px)
 
 
 class LensViews:
-    """Averages what is drawn through each point of a lens; the mean is `target`.
+    """Averages views through points of a lens; the mean is `target`.
 
     The points are the same in both eyes and in every frame: no noise, no rivalry. Sums are 32-bit
     floats. Focus is left to the GPU (`ScenePass.lens_focus`).

@@ -24,7 +24,7 @@ def radius_limit_px(settings: DepthOfField, size_px: tuple[int, int]) -> float:
 
 
 def radius_limit_in_px(settings: DepthOfField, focal_px: float, size_px: tuple[int, int]) -> float:
-    """Return the largest radius for an eye whose image has a focal length of `focal_px`."""
+    """Return the largest radius at a focal length of `focal_px`."""
     limit_px = radius_limit_px(settings, size_px)
     if settings.max_diameter_arcmin is None:
         return limit_px
@@ -111,7 +111,7 @@ class Range(NamedTuple):
 
 
 class Unlimited(NamedTuple):
-    """A condition whose views show more blur than one view, which has the limit, would."""
+    """A condition with more blur in its views than in one view, which has the limit."""
 
     views: int
     limit_dioptre: float

@@ -1,0 +1,38 @@
+#version 450 core
+// Fast tiles, without a depth discontinuity within reach: the mean over each pixel's disc.
+//
+// Input:  colour_and_coc (colour_and_coc.frag; signed CoC RADIUS in px of image width); gathered
+//         (gather.frag), WITH_HALF_RESOLUTION, for discs that are not summed over pixels.
+// Output: the blurred image, linear HDR, full resolution.
+#include "coc.glsl"
+#include "discs.glsl"
+#include "levels.glsl"
+
+uniform sampler2D colour_and_coc;
+#ifdef WITH_HALF_RESOLUTION
+uniform sampler2D gathered;
+#endif
+
+out vec4 blurred;
+
+vec3 colour_of(sampler2D image, ivec2 at) {
+    return texelFetch(image, at, 0).rgb;
+}
+#define IMAGE sampler2D
+#include "footprint.glsl"
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 p = texelFetch(colour_and_coc, pixel, 0);
+    float own_px = abs(p.a);
+    bool wanted = own_px > 0.5;
+    float wide = coarser_part(0, own_px);
+    blurred = vec4(mean_over(colour_and_coc, vec2(pixel), own_px, wanted && wide < 1.0), 1.0);
+#ifdef WITH_HALF_RESOLUTION
+    for (bool on = wanted && wide > 0.0; on; on = false) {
+        vec2 at = gl_FragCoord.xy / vec2(textureSize(colour_and_coc, 0));
+        blurred.rgb = mix(blurred.rgb, textureLod(gathered, at, 0.0).rgb, wide);
+    }
+#endif
+    blurred.rgb = wanted ? blurred.rgb : p.rgb;
+}

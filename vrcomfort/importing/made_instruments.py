@@ -1,0 +1,185 @@
+"""Makes instruments of scores without answers, and of rating time courses.
+
+The items of such an instrument are the scales, or the summaries of a time course: nothing takes
+them for answers, and everything that analyses answers analyses them.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import isclose
+from typing import TYPE_CHECKING
+
+from vrcomfort.importing.mapping import ScoreKind, Summary
+from vrcomfort.importing.rows import Imported, Moment, Sheet
+from vrcomfort.questionnaire import Answer, Instrument, Scale, parse_instrument
+from vrcomfort.questionnaire.answers import common_divisor, exact, plain_number
+from vrcomfort.settings import toml_value
+
+ROUNDED = 0.051
+"""Labs round scores to one decimal or more."""
+MOST = 1e6
+"""Of a score of another formula: an instrument has no larger answer."""
+MOST_DECIMALS = 9
+_DIGITS = 12
+"""Of such a score: 22.740000000000002 is 22.74, and ties with it."""
+
+_NAMES: Mapping[ScoreKind, str] = {
+    "score": "scores",
+    "raw_sum": "raw_sums",
+    "other": "other_scores",
+}
+_TITLES: Mapping[ScoreKind, str] = {
+    "score": "scores alone",
+    "raw_sum": "raw sums alone",
+    "other": "scores made in another way",
+}
+
+
+def name_of(instrument: Instrument, kind: ScoreKind) -> str:
+    """Return the name of the instrument of somebody's scores: ``ssq_scores``."""
+    return f"{instrument.name}_{_NAMES[kind]}"
+
+
+def step_of(scale: Scale, kind: ScoreKind) -> Fraction | None:
+    """Return what scores are whole multiples of; None where no decimal number is that."""
+    if kind == "other":
+        return None
+    step = Fraction(1) if kind == "raw_sum" else scale.unit
+    return step if Fraction(str(float(step))) == step else None
+
+
+def on_scale(value: float, scale: Scale, kind: ScoreKind) -> Answer | None:
+    """Return the score that a rounded number means; None where it is none of the scale's."""
+    if kind == "other":
+        found = round(float(f"{value:.{_DIGITS}g}"), MOST_DECIMALS)
+        return plain_number(exact(found)) if abs(found) <= MOST else None
+    unit = Fraction(1) if kind == "raw_sum" else scale.unit
+    steps = round(value / unit)
+    score = steps * unit
+    low, high = scale.low / scale.unit * unit, scale.high / scale.unit * unit
+    if not isclose(float(score), value, abs_tol=ROUNDED) or not low <= score <= high:
+        return None
+    step = step_of(scale, kind)
+    return plain_number(score if step is not None else round(score, 2))
+
+
+@dataclass
+class ScoreInstrument:
+    """The instrument of somebody's scores in the making: what values its scales have."""
+
+    of: Instrument
+    kind: ScoreKind
+    values: dict[str, list[Answer]] = field(default_factory=dict)
+
+    def made(self) -> Instrument:
+        """Return the instrument, whose text is its file."""
+        scales = [scale for scale in self.of.scales if scale.column in self.values]
+        title = f"{self.of.title}, {_TITLES[self.kind]}"
+        words = _NAMES[self.kind].replace("_", " ")
+        lines = [
+            f"# Made by an import: the file has {_TITLES[self.kind]} of {self.of.name}.",
+            f"name = {toml_value(name_of(self.of, self.kind))}",
+            f"short = {toml_value(f'{self.of.short} {words}')}",
+            f"title = {toml_value(title)}",
+            f"citation = {toml_value(self.of.citation)}" if self.of.citation else "",
+            'rule = "scores as the file has them, without the answers that they were made of"',
+            f"primary = {toml_value(_primary(self.of, scales))}",
+            f"answers = {toml_value(self._range(scales[0]))}",
+        ]
+        for scale in scales:
+            lines += ["", "[[items]]", f"name = {toml_value(scale.column)}"]
+            lines += [f"text = {toml_value(scale.title)}"]
+            lines += [f"answers = {toml_value(self._range(scale))}"]
+        return parse_instrument("\n".join(lines) + "\n")
+
+    def _range(self, scale: Scale) -> dict[str, Answer]:
+        step = step_of(scale, self.kind)
+        if self.kind == "other":
+            values = self.values[scale.column] or [0]
+            low, high = exact(min(0, *values)), exact(max(1, *values))
+            step = Fraction(1, 10 ** _decimals(values))
+        else:
+            unit = Fraction(1) if self.kind == "raw_sum" else scale.unit
+            low, high = (each / scale.unit * unit for each in (scale.low, scale.high))
+        found = {"low": low, "high": high, "step": Fraction(1, 100) if step is None else step}
+        return {name: plain_number(number) for name, number in found.items()}
+
+
+def _primary(instrument: Instrument, scales: Iterable[Scale]) -> str:
+    columns = {scale.name: scale.column for scale in scales}
+    return columns.get(instrument.primary, next(iter(columns.values())))
+
+
+def _decimals(values: Iterable[Answer]) -> int:
+    """Return the number of decimals needed; `on_scale` has left at most `MOST_DECIMALS`."""
+    return next(
+        digits
+        for digits in range(MOST_DECIMALS + 1)
+        if all((exact(value) * 10**digits).denominator == 1 for value in values)
+    )
+
+
+if TYPE_CHECKING:
+    from vrcomfort.importing.rows import Place, Rating
+
+DECIMALS = 4
+"""Of means."""
+_TEXTS: Mapping[Summary, str] = {
+    "peak": "highest rating",
+    "mean": "mean rating",
+    "last": "last rating",
+}
+
+
+def course_instrument(instrument: Instrument, summaries: Sequence[Summary]) -> Instrument:
+    """Return the instrument whose items are summaries of courses: ``fms_course``."""
+    answers = instrument.answers
+    of_ratings = {"low": answers.low, "high": answers.high, "step": answers.step}
+    fine = common_divisor(Fraction(1, 10**DECIMALS), answers.resolution, exact(answers.high))
+    lines = [
+        f"# Made by an import of ratings during exposure ({instrument.name}).",
+        f"name = {toml_value(f'{instrument.name}_course')}",
+        f"short = {toml_value(f'{instrument.short} during exposure')}",
+        f"title = {toml_value(f'{instrument.title}, during exposure')}",
+        f"citation = {toml_value(instrument.citation)}",
+        'rule = "of the ratings of an exposure, in the order of their times; missed ones left out"',
+        f"primary = {toml_value(summaries[0])}",
+        f"answers = {toml_value(of_ratings)}",
+    ]
+    for name in summaries:
+        step = plain_number(fine) if name == "mean" else answers.step
+        lines += ["[[items]]", f"name = {toml_value(name)}", f"text = {toml_value(_TEXTS[name])}"]
+        lines += [f"answers = {toml_value({**of_ratings, 'step': step})}"]
+    return parse_instrument("\n".join(lines) + "\n")
+
+
+def sum_up(
+    imported: Imported,
+    ratings: Mapping[tuple[str, Moment], tuple[Place, Sequence[Summary], list[Rating]]],
+    known: Mapping[str, Instrument],
+) -> None:
+    """Add the summaries of every course to what was imported."""
+    wanted: dict[str, dict[Summary, None]] = defaultdict(dict)
+    for (name, moment), (place, summaries, course) in ratings.items():
+        if not summaries:
+            continue
+        wanted[name] |= dict.fromkeys(summaries)
+        given = [r.response for r in sorted(course, key=lambda r: r.onset_s)]
+        answers = [answer for answer in given if answer is not None]
+        sheet = Sheet(place, {each: _summary(each, answers) for each in summaries})
+        imported.sheets[f"{name}_course", moment] = sheet
+    for name, items in wanted.items():
+        made = course_instrument(known[name], [*items])
+        imported.instruments[made.name] = made
+
+
+def _summary(name: Summary, answers: Sequence[Answer]) -> Answer | None:
+    if not answers:
+        return None
+    if name == "mean":
+        return round(sum(answers) / len(answers), DECIMALS)
+    return max(answers) if name == "peak" else answers[-1]

@@ -1,0 +1,420 @@
+"""Weighs the evidence for the role of each column beside the answers.
+
+Each line of the two tables is one piece of evidence: a named test of a column, the role it speaks
+for, and its weight. `HEADINGS` are tried first: they decide for each column by itself. `CELLS`
+look at cells in the light of decisions before, and let a role choose among columns. In both, the
+heaviest evidence decides, and of equal evidence the first column. A new kind of layout begins with
+a line here.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from vrcomfort.importing.files import is_number
+from vrcomfort.importing.mapping import FACTS
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.vocabulary import IGNORED, Vocabulary, tokens
+from vrcomfort.questionnaire import plain
+
+MOST_CONDITIONS = 12
+LONGEST_CODE = 24
+"""Letters of a participant's code at most."""
+LONGEST_CONDITION = 40
+"""Letters of a condition's name at most."""
+FIRST_COLUMNS = 4
+"""Columns among which codes of participants are looked for: they stand in front."""
+
+
+@dataclass
+class Roles:
+    """The roles of columns by their headings.
+
+    Parameters
+    ----------
+    facts
+        Fact → columns, the likeliest first.
+    covariates
+        Name → column.
+    metadata
+        Columns that no analysis needs.
+    unknown
+        All others.
+    alike
+        Fact → columns that are as likely as the likeliest.
+    """
+
+    facts: dict[str, list[int]] = field(default_factory=lambda: defaultdict(list))
+    covariates: dict[str, int] = field(default_factory=dict)
+    metadata: list[int] = field(default_factory=list)
+    unknown: list[int] = field(default_factory=list)
+    alike: dict[str, list[int]] = field(default_factory=dict)
+
+
+@dataclass
+class Context:
+    """A table in the light of decisions before.
+
+    Parameters
+    ----------
+    participant
+        The column of the participants, if there is one.
+    one_row_each
+        A row is a person or a questionnaire, and not an answer.
+    time
+        The column of the seconds of ratings.
+    used
+        Columns that have a role.
+    columns
+        Fact → its columns, as decided so far.
+    covariates
+        Name → its column, as decided so far.
+    """
+
+    table: SourceTable
+    vocabulary: Vocabulary
+    roles: Roles
+    one_row_each: bool = True
+    time: int | None = None
+    participant: int | None = None
+    used: set[int] = field(default_factory=set)
+    columns: dict[str, tuple[int, ...]] = field(default_factory=dict)
+    covariates: dict[str, int] = field(default_factory=dict)
+
+
+class HeadingEvidence(NamedTuple):
+    """A test of a heading, and the roles it speaks for, the likeliest first."""
+
+    name: str
+    weight: int
+    roles: Callable[[str, Vocabulary], Iterable[str]]
+
+
+class CellEvidence(NamedTuple):
+    """A test of a column's cells, the role it speaks for, and the doubt it leaves."""
+
+    role: str
+    name: str
+    weight: int
+    test: Callable[[Context, int], bool]
+    question: str = ""
+    assumed: str = ""
+
+
+class Finding(NamedTuple):
+    """A column that may have a role, and its heaviest evidence."""
+
+    column: int
+    evidence: CellEvidence
+
+
+def _own_label(text: str, vocabulary: Vocabulary) -> list[str]:
+    key = plain(text)
+    return [vocabulary.own_roles[key]] if key in vocabulary.own_roles else []
+
+
+def _fact_word(text: str, vocabulary: Vocabulary, *, most: int) -> list[str]:
+    words = set(tokens(text))
+    if len(words) > most:
+        return []
+    return [fact for fact, known in vocabulary.fact_words.items() if words & known]
+
+
+def _label(text: str, vocabulary: Vocabulary, kind: Callable[[str], bool]) -> list[str]:
+    role = vocabulary.roles.get(plain(text), "")
+    return [role] if role and kind(role) else []
+
+
+def _covariate_word(text: str, vocabulary: Vocabulary) -> list[str]:
+    words = set(tokens(text))
+    if len(words) > 6:
+        return []
+    return [name for name, known in vocabulary.covariate_words.items() if words & known]
+
+
+def _word_of_covariate_label(text: str, vocabulary: Vocabulary) -> list[str]:
+    words = set(tokens(text))
+    if len(words) > 3:
+        return []
+    long = {word for word in words if len(word) > 2}
+    return [name for name, known in vocabulary.covariate_labels.items() if long & known]
+
+
+HEADINGS: tuple[HeadingEvidence, ...] = (
+    HeadingEvidence("a label of the lab's own vocabulary", 110, _own_label),
+    HeadingEvidence(
+        "a word for a fact, among at most 3 words", 100, lambda t, v: _fact_word(t, v, most=3)
+    ),
+    # Longer texts are questions ("Which condition did you just complete?"); beyond a dozen words
+    # they are instructions, which mention anything.
+    HeadingEvidence(
+        "a word for a fact, among at most 12 words", 90, lambda t, v: _fact_word(t, v, most=12)
+    ),
+    HeadingEvidence(
+        "a label that no analysis needs", 80, lambda t, v: _label(t, v, IGNORED.__eq__)
+    ),
+    HeadingEvidence("a label of a fact", 70, lambda t, v: _label(t, v, FACTS.__contains__)),
+    HeadingEvidence(
+        "a label of a covariate",
+        60,
+        lambda t, v: _label(t, v, lambda r: r not in {*FACTS, IGNORED}),
+    ),
+    HeadingEvidence("a word for a covariate, among at most 6 words", 50, _covariate_word),
+    HeadingEvidence(
+        "a word that is a covariate's label, among at most 3 words", 40, _word_of_covariate_label
+    ),
+)
+
+
+def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: Vocabulary) -> Roles:
+    """Decide on the roles of columns by their headings, or else by their labels."""
+    roles = Roles()
+    weighed: dict[str, list[tuple[int, int]]] = defaultdict(list)
+    for column in columns:
+        role, weight = _heaviest((table.headings[column], table.labels[column]), vocabulary)
+        if not role or role in roles.covariates:
+            roles.unknown.append(column)
+        elif role == IGNORED:
+            roles.metadata.append(column)
+        elif role in FACTS:
+            weighed[role].append((-weight, column))
+        else:
+            roles.covariates[role] = column
+    for fact, found in weighed.items():
+        roles.facts[fact] = [column for _, column in sorted(found)]
+        roles.alike[fact] = [c for weight, c in sorted(found) if weight == min(found)[0]]
+    return roles
+
+
+def _heaviest(texts_: Sequence[str], vocabulary: Vocabulary) -> tuple[str, int]:
+    """Return role and weight of the heaviest evidence in the first text that has any."""
+    for text in texts_:
+        if plain(text):
+            for evidence in sorted(HEADINGS, key=lambda each: -each.weight):
+                for role in evidence.roles(text, vocabulary):
+                    return role, evidence.weight
+    return "", 0
+
+
+def _tells_people_apart(context: Context, column: int) -> bool:
+    table = context.table
+    if column not in context.roles.unknown[:FIRST_COLUMNS]:
+        return False
+    words, rows = texts(table, column), len(table.rows)
+    if not words or all(map(context.vocabulary.timepoint, words)):
+        return False
+    each_row = len(words) == rows
+    few_rows = not context.one_row_each and 1 < len(words) <= rows / 4
+    in_front = (not table.reading.heading_rows and len(words) * 4 >= rows) or (
+        table.reading.transpose and column == 0 and len(words) > 1
+    )
+    return (each_row or few_rows or in_front) and max(map(len, words)) <= LONGEST_CODE
+
+
+def _codes_of_people(context: Context, column: int) -> bool:
+    words = texts(context.table, column)
+    codes = all(re.fullmatch(r"[\w -]*\d[\w -]*", w) and len(w) <= LONGEST_CODE for w in words)
+    personal = is_personal(context.table.headings[column], context.vocabulary)
+    return column in context.roles.metadata and personal and len(words) > 1 and codes
+
+
+def _timepoints_under_heading(context: Context, column: int) -> bool:
+    return column in context.roles.facts["timepoint"] and bool(_timepoints(context, column))
+
+
+def _several_timepoints(context: Context, column: int) -> bool:
+    return column in context.roles.unknown and len(set(_timepoints(context, column))) > 1
+
+
+def _timepoints(context: Context, column: int) -> list[str]:
+    """Return the timepoints that a column's texts mean; none where one means none."""
+    found = [context.vocabulary.timepoint(word) for word in texts(context.table, column)]
+    said = [when for when in found if when is not None]
+    return said if len(said) == len(found) <= 8 else []
+
+
+def _baseline_among_conditions(context: Context, column: int) -> bool:
+    """Return whether some texts of a column mean before exposure, and others conditions."""
+    roles = context.roles.facts
+    if column not in {*roles["timepoint"], *roles["condition"]} or context.time is not None:
+        return False  # ratings are given during exposure
+    said = [context.vocabulary.timepoint(word) for word in texts(context.table, column)]
+    return "baseline" in said and None in said and len(said) <= MOST_CONDITIONS
+
+
+def _other_texts_under_timepoint(context: Context, column: int) -> bool:
+    named = column in context.roles.facts["timepoint"] and column not in context.used
+    return named and 1 < len(texts(context.table, column)) <= 5
+
+
+def _order_within_people(context: Context, column: int) -> bool:
+    within = context.participant is not None and varies_within(
+        context.table, column, context.participant
+    )
+    named = context.roles.covariates.get("sequence") == column
+    return named and within and is_numeric(context.table, column)
+
+
+def _runs_of_ratings(context: Context, column: int) -> bool:
+    if context.time is None or column not in context.roles.unknown:
+        return False
+    several = len(texts(context.table, column)) > 1
+    return several and varies_within(context.table, column, context.participant)
+
+
+def _differs_within_people(context: Context, column: int) -> bool:
+    """Return whether a column has few texts, which differ within participants as conditions do."""
+    table, open_ = context.table, {*context.roles.unknown, *context.roles.facts["scene"]}
+    if context.participant is None or column not in open_ - context.used:
+        return False
+    if not few_texts(table, column) or _measures(table, column):
+        return False
+    return varies_within(table, column, context.participant)
+
+
+def _words_within_people(context: Context, column: int) -> bool:
+    return _differs_within_people(context, column) and not is_numeric(context.table, column)
+
+
+def _measures(table: SourceTable, column: int) -> bool:
+    """Return whether a column holds decimal numbers or sentences, as no condition does."""
+    words = texts(table, column)
+    decimals = all(map(is_number, words)) and any("." in word or "," in word for word in words)
+    return decimals or any(len(word) > LONGEST_CONDITION for word in words)
+
+
+def _counts_exposures(context: Context, column: int) -> bool:
+    if context.participant is None or column != next(_counted(context), None):
+        return False
+    return varies_within(context.table, column, context.participant)
+
+
+def _counted(context: Context) -> Iterator[int]:
+    """Yield the columns that number exposures, the finest number first."""
+    for fact in ("trial", "session", "period"):
+        if fact in context.columns:
+            yield context.columns[fact][0]
+
+
+def _groups_people(context: Context, column: int) -> bool:
+    return column == context.covariates.get("group", context.covariates.get("sequence"))
+
+
+def _constant_within_people(context: Context, column: int) -> bool:
+    table, who = context.table, context.participant
+    # With one row for each participant, every column is constant within participants.
+    if who is None or len(texts(table, who)) * 2 > len(table.rows):
+        return False
+    if len(texts(table, column)) < 2 or varies_within(table, column, who):
+        return False
+    return is_numeric(table, column) or few_texts(table, column)
+
+
+BASELINE_AMONG_CONDITIONS = CellEvidence(
+    "timepoint", "a baseline among conditions", 20, _baseline_among_conditions
+)
+OTHER_TIMEPOINTS = CellEvidence(
+    "timepoint", "a few other texts under its heading", 10, _other_texts_under_timepoint
+)
+COUNTS_EXPOSURES = CellEvidence(
+    "condition", "a number of exposures", 20, _counts_exposures,
+    "Is {heading!r} the condition?", "it is, for want of another",
+)  # fmt: skip
+GROUPS_PEOPLE = CellEvidence(
+    "condition", "a group of participants", 10, _groups_people,
+    "Is {heading!r} the condition, between participants?", "it is",
+)  # fmt: skip
+"""Together these two are a crossover: the condition is a group's, in each of its exposures."""
+
+CELLS: tuple[CellEvidence, ...] = (
+    CellEvidence(
+        "participant", "short texts, others for each row or person", 30, _tells_people_apart,
+        "Does {heading!r} tell participants apart?", "it does",
+    ),
+    CellEvidence(
+        "participant", "codes under a heading for names", 20, _codes_of_people,
+        "Does {heading!r} tell participants apart?", "it does; it holds codes, no names of people",
+    ),
+    CellEvidence("timepoint", "timepoints under their heading", 40, _timepoints_under_heading),
+    CellEvidence("timepoint", "two timepoints or more, any heading", 30, _several_timepoints),
+    BASELINE_AMONG_CONDITIONS,
+    OTHER_TIMEPOINTS,
+    CellEvidence(
+        "trial", "numbers of an order that differs within participants", 20, _order_within_people,
+        "Is {heading!r} the place of an exposure in its order?", "it is, from 1",
+    ),
+    CellEvidence(
+        "trial", "texts beside ratings that differ within participants", 10, _runs_of_ratings,
+        "Does {heading!r} tell exposures apart?", "it does",
+    ),
+    CellEvidence(
+        "condition", "few words that differ within participants", 40, _words_within_people,
+        "Is {heading!r} the condition?", "it is",
+    ),
+    CellEvidence(
+        "condition", "few texts that differ within participants", 30, _differs_within_people,
+        "Is {heading!r} the condition?", "it is",
+    ),
+    COUNTS_EXPOSURES,
+    GROUPS_PEOPLE,
+    CellEvidence("covariate", "one text for each participant", 10, _constant_within_people),
+)  # fmt: skip
+
+
+def candidates(role: str, columns: Iterable[int], context: Context) -> list[Finding]:
+    """Return the columns with evidence for a role, the heaviest first, then as they are given."""
+    rows = sorted((each for each in CELLS if each.role == role), key=lambda each: -each.weight)
+    found = []
+    for column in dict.fromkeys(columns):
+        heaviest = next((each for each in rows if each.test(context, column)), None)
+        if heaviest is not None:
+            found.append(Finding(column, heaviest))
+    return sorted(found, key=lambda each: -each.evidence.weight)
+
+
+def is_personal(heading: str, vocabulary: Vocabulary) -> bool:
+    """Return whether a column may identify a person."""
+    return plain(heading) in vocabulary.personal
+
+
+def texts(table: SourceTable, column: int) -> list[str]:
+    """Return the different texts of a column, in the order of the file, without blanks."""
+    return [text for text in dict.fromkeys(table.column(column)) if text]
+
+
+def varies_within(table: SourceTable, column: int, participant: int | None) -> bool:
+    """Return whether a participant has more than one text in a column."""
+    if participant is None:
+        return len(texts(table, column)) > 1
+    found: dict[str, set[str]] = defaultdict(set)
+    for row in table.rows:
+        if row[column]:
+            found[row[participant]].add(row[column])
+    return any(len(each) > 1 for each in found.values())
+
+
+def few_texts(table: SourceTable, column: int, most: int = MOST_CONDITIONS) -> bool:
+    """Return whether a column has few different texts, each of them more than once."""
+    found = texts(table, column)
+    return 2 <= len(found) <= most and len(table.rows) >= 2 * len(found)
+
+
+def is_numeric(table: SourceTable, column: int) -> bool:
+    """Return whether all texts of a column are numbers."""
+    found = texts(table, column)
+    return bool(found) and all(map(is_number, found))
+
+
+def total_rows(table: SourceTable, column: int, totals: Collection[str]) -> list[str]:
+    """Return the texts of a column that name means, sums and the like, of the last rows."""
+    cells = table.column(column)
+    found = [
+        text
+        for text in dict.fromkeys(cells[-8:])
+        if text.casefold().strip(" :.") in totals and cells.count(text) == 1
+    ]
+    return found if len(cells) >= 2 * len(found) else []

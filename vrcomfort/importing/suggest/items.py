@@ -1,0 +1,396 @@
+"""Finds the items that headings name, and the columns that are one questionnaire."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from difflib import SequenceMatcher
+from functools import lru_cache
+from typing import Literal, NamedTuple
+
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.vocabulary import Known, Vocabulary, tokens
+from vrcomfort.questionnaire import Instrument, plain
+
+How = Literal["name", "near", "abbreviation", "initials", "number", "position"]
+
+_LONGEST = 40
+_NEAR = 0.84
+
+
+@dataclass(frozen=True)
+class Named:
+    """An item that a heading names.
+
+    Parameters
+    ----------
+    before, after
+        The words of the heading around the item's name, in small letters.
+    """
+
+    column: int
+    instrument: str
+    item: str
+    how: How
+    before: tuple[str, ...]
+    after: tuple[str, ...]
+
+
+def named_item(
+    column: int, heading: str, label: str, instrument: Instrument, vocabulary: Vocabulary
+) -> Named | None:
+    """Return the item of an instrument that a heading names, or else its label.
+
+    A name that is there wins over one that is nearly there, and that over an abbreviation.
+    """
+    known = vocabulary.spellings(instrument)
+    for how, _, find in NAMES:
+        for text, other in ((heading, label), (label, heading)):
+            words = tokens(text)
+            found = find(words, known, instrument)
+            if found is not None:
+                start, end, item = found
+                more = tokens(other) if text is label else []
+                before = (*more, *words[:start])
+                return Named(column, instrument.name, item, how, before, tuple(words[end:]))
+    return None
+
+
+_Span = tuple[int, int, str]
+
+
+@lru_cache(maxsize=1024)
+def _windows(words: tuple[str, ...]) -> tuple[tuple[int, int, str], ...]:
+    """Return start, end and letters of parts of a heading, long ones first.
+
+    Each instrument is looked for in the same headings.
+    """
+    return tuple(
+        (start, start + length, plain("".join(words[start : start + length])))
+        for length in range(min(_LONGEST, len(words)), 0, -1)
+        for start in range(len(words) - length + 1)
+        if not (words[start].isdecimal() or words[start + length - 1].isdecimal())
+    )
+
+
+def _exact(words: Sequence[str], known: Mapping[str, str], _: Instrument) -> _Span | None:
+    for start, end, key in _windows(tuple(words)):
+        if key in known:
+            return start, end, known[key]
+    return None
+
+
+def _near(words: Sequence[str], known: Mapping[str, str], _: Instrument) -> _Span | None:
+    best: tuple[float, _Span] | None = None
+    for start, end, key in _windows(tuple(words)):
+        if len(key) < 5:
+            continue
+        for spelling, item in known.items():
+            if spelling[0] != key[0] or abs(len(spelling) - len(key)) > 3:
+                continue
+            ratio = _likeness(spelling, key)
+            if ratio >= _NEAR and (best is None or ratio > best[0]):
+                best = ratio, (start, end, item)
+    return best[1] if best else None
+
+
+@lru_cache(maxsize=4096)
+def _likeness(spelling: str, key: str) -> float:
+    """Return the ratio of what two words share, or 0 where it is surely less than is asked for."""
+    matcher = SequenceMatcher(None, spelling, key)
+    if matcher.real_quick_ratio() < _NEAR or matcher.quick_ratio() < _NEAR:
+        return 0.0
+    return matcher.ratio()
+
+
+def _abbreviated(
+    words: Sequence[str], _: Mapping[str, str], instrument: Instrument
+) -> _Span | None:
+    """Find ``GenDisc`` or ``stom_aware``: beginnings of the words of exactly one item."""
+    for length in range(min(4, len(words)), 0, -1):
+        for start in range(len(words) - length + 1):
+            part = words[start : start + length]
+            if any(len(word) < 3 or word.isdecimal() for word in part):
+                continue
+            found = [item.name for item in instrument.items if _abbreviates(part, item.name)]
+            enough = length > 1 or len(part[0]) >= 4
+            if len(found) == 1 and enough:
+                return start, start + length, found[0]
+    return None
+
+
+def _abbreviates(part: Sequence[str], name: str) -> bool:
+    """Return whether words are beginnings of words of a name, in order and from the first."""
+    full = [word for word in name.split("_") if word not in {"of"}]
+    if not full[0].startswith(part[0]):
+        return False
+    place = 0
+    for word in part:
+        while place < len(full) and not full[place].startswith(word):
+            place += 1
+        if place == len(full):
+            return False
+        place += 1
+    return True
+
+
+class NameEvidence(NamedTuple):
+    """A way in which a heading can name an item; the heaviest one counts."""
+
+    how: How
+    weight: int
+    find: Callable[[Sequence[str], Mapping[str, str], Instrument], _Span | None]
+
+
+NAMES = (
+    NameEvidence("name", 3, _exact),
+    NameEvidence("near", 2, _near),
+    NameEvidence("abbreviation", 1, _abbreviated),
+)
+_WEIGHTS = {each.how: each.weight for each in NAMES}
+
+
+def mentions(text: str, instruments: Iterable[Instrument]) -> set[str]:
+    """Return the instruments that a text names by their short names."""
+    words = set(tokens(text))
+    joined = plain(text)
+    return {
+        each.name
+        for each in instruments
+        for name in {plain(each.name), plain(each.short)}
+        if name in words or (len(name) > 4 and name in joined)
+    }
+
+
+FEWEST = 4
+"""So many items of an instrument, or all it has, make a questionnaire."""
+
+Context = tuple[str, ...]
+
+
+@dataclass
+class Found:
+    """Columns that are one questionnaire.
+
+    Parameters
+    ----------
+    context
+        The words that its headings share, but for those that name the instrument.
+    items
+        Item → index of its column.
+    """
+
+    instrument: Instrument
+    context: Context
+    items: dict[str, Named]
+
+    @property
+    def columns(self) -> list[int]:
+        """Return the indices of its columns, in the order of the file."""
+        return sorted(named.column for named in self.items.values())
+
+    @property
+    def absent(self) -> list[str]:
+        """Return the items that have no column."""
+        return [item.name for item in self.instrument.asked if item.name not in self.items]
+
+
+def find_blocks(table: SourceTable, known: Known) -> list[Found]:
+    """Return the questionnaires that the headings of a table name, no column twice.
+
+    By the names of the items, else by their numbers, else (where there are no headings) by where
+    the answers stand.
+    """
+    found: list[Found] = []
+    for find in (_by_name, _by_number, _by_initials):
+        taken = {column for block in found for column in block.columns}
+        blocks = [b for i in known.instruments for b in find(table, i, taken, known.vocabulary)]
+        found += _best(table, blocks, known.instruments)
+    if not found and not table.reading.heading_rows:
+        found = _by_position(table, known.instruments)
+    return sorted(found, key=lambda block: block.columns)
+
+
+def _by_name(
+    table: SourceTable, instrument: Instrument, _: set[int], vocabulary: Vocabulary
+) -> list[Found]:
+    if len(instrument.asked) == 1:
+        return []
+    named = [
+        each
+        for index, (heading, label) in enumerate(zip(table.headings, table.labels, strict=True))
+        if (each := named_item(index, heading, label, instrument, vocabulary)) is not None
+    ]
+    contexts = _contexts(named, instrument)
+    groups: dict[Context, dict[str, Named]] = defaultdict(dict)
+    for each, context in zip(named, contexts, strict=True):
+        groups.setdefault(_free(groups, context, each), {})[each.item] = each
+    return [Found(instrument, context, items) for context, items in groups.items()]
+
+
+def _free(groups: dict[Context, dict[str, Named]], context: Context, each: Named) -> Context:
+    """Return the context, with a number if its item has a column that is as good already."""
+    key, number = context, 1
+    while key in groups and each.item in groups[key]:
+        there = groups[key][each.item]
+        if _WEIGHTS[each.how] > _WEIGHTS[there.how]:
+            groups[key][each.item] = each  # the other is left to be asked about
+            return key
+        if _WEIGHTS[each.how] < _WEIGHTS[there.how]:
+            return (*context, "?")
+        number += 1
+        key = (*context, str(number))
+    return key
+
+
+def _contexts(named: Sequence[Named], instrument: Instrument) -> list[Context]:
+    """Return for each heading the words that it shares with those of other items."""
+    numbered = _item_numbers(named)
+    rests = [
+        [
+            word
+            for side, words in (("before", each.before), ("after", each.after))
+            for place, word in _placed(side, words)
+            if (side, place) not in numbered
+        ]
+        for each in named
+    ]
+    items_with: dict[str, set[str]] = defaultdict(set)
+    for each, rest in zip(named, rests, strict=True):
+        for word in rest:
+            items_with[word].add(each.item)
+    items = len({each.item for each in named})
+    shared = {word for word, found in items_with.items() if len(found) * 2 >= items}
+    own = set(tokens(instrument.name))
+    return [tuple(word for word in rest if word in shared and word not in own) for rest in rests]
+
+
+def _placed(side: str, words: Sequence[str]) -> list[tuple[int, str]]:
+    """Return words with how far they stand from the item's name."""
+    if side == "after":
+        return list(enumerate(words, start=1))
+    return [(len(words) - place, word) for place, word in enumerate(words)]
+
+
+def _item_numbers(named: Sequence[Named]) -> set[tuple[str, int]]:
+    """Return the places in headings where the number of the item stands: another for each."""
+    numbers: dict[tuple[str, int], dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
+    for each in named:
+        for side, words in (("before", each.before), ("after", each.after)):
+            for place, word in _placed(side, words):
+                if word.isdecimal():
+                    numbers[side, place][each.item].add(word)
+    items = len({each.item for each in named})
+    return {
+        place
+        for place, found in numbers.items()
+        if len(found) * 2 > items
+        and len({min(each) for each in found.values()}) * 5 >= len(found) * 4 > 8
+    }
+
+
+def _best(
+    table: SourceTable, found: Sequence[Found], instruments: Sequence[Instrument]
+) -> list[Found]:
+    """Return the questionnaires that explain most, none with a column of another."""
+
+    def merit(block: Found) -> tuple[float, ...]:
+        whole = len(block.items) / len(block.instrument.asked)
+        text = " ".join(table.headings[c] for c in block.columns)
+        said = block.instrument.name in mentions(
+            f"{table.file.stem} {table.sheet} {text}", instruments
+        )
+        exact = sum(named.how in {"name", "number"} for named in block.items.values())
+        return (said, whole == 1.0, exact + whole)
+
+    kept: list[Found] = []
+    taken: set[int] = set()
+    for block in sorted(found, key=merit, reverse=True):
+        items = {i: named for i, named in block.items.items() if named.column not in taken}
+        enough = min(FEWEST, len(block.instrument.asked))
+        if len(items) >= enough and _is_worth(block, items):
+            kept.append(replace(block, items=items))
+            taken.update(named.column for named in items.values())
+    return kept
+
+
+def _is_worth(block: Found, items: dict[str, Named]) -> bool:
+    """Return whether what is left is still a questionnaire, and not a few words of another."""
+    hows = Counter(named.how for named in items.values())
+    sure = hows["name"] + hows["number"] + hows["initials"]
+    return len(items) == len(block.items) and sure * 3 >= len(items)
+
+
+def _by_number(
+    table: SourceTable, instrument: Instrument, taken: set[int], vocabulary: Vocabulary
+) -> list[Found]:
+    """Find ``SSQ1`` … ``SSQ16``: headings that differ in a number alone, from 1 (or 0) on."""
+    count = len(instrument.asked)
+    if count < FEWEST or not table.reading.heading_rows:
+        return []
+    groups: dict[tuple[Context, Context], dict[int, int]] = defaultdict(dict)
+    for column, heading in enumerate(table.headings):
+        words = tokens(heading)
+        for place, word in enumerate(words):
+            if column not in taken and word.isdecimal() and len(word) < 4:
+                key = tuple(words[:place]), tuple(words[place + 1 :])
+                groups[key].setdefault(int(word), column)
+    found = []
+    for (before, after), columns in groups.items():
+        first = min(columns)
+        whole = sorted(columns) == list(range(first, first + count)) and first in {0, 1}
+        if whole and _are_answers(table, list(columns.values())):
+            items = {
+                item.name: Named(columns[n], instrument.name, item.name, "number", before, after)
+                for n, item in enumerate(instrument.asked, start=first)
+            }
+            own = set(tokens(instrument.name)) | vocabulary.item_fillers
+            context = tuple(word for word in (*before, *after) if word not in own)
+            found.append(Found(instrument, context, items))
+    return found
+
+
+def _by_initials(
+    table: SourceTable, instrument: Instrument, taken: set[int], vocabulary: Vocabulary
+) -> list[Found]:
+    """Find ``SSQ_GD``, ``SSQ_DEO``: initials of at least nine in ten items of an instrument."""
+    count = len(instrument.asked)
+    known = vocabulary.initials(instrument)
+    own = set(tokens(instrument.name))
+    groups: dict[Context, dict[str, Named]] = defaultdict(dict)
+    for column, heading in enumerate(table.headings):
+        words = [word for word in tokens(heading) if word not in own]
+        for place, word in enumerate(words):
+            if column not in taken and word in known:
+                before, after = tuple(words[:place]), tuple(words[place + 1 :])
+                named = Named(column, instrument.name, known[word], "initials", before, after)
+                groups[*before, *after].setdefault(known[word], named)
+    return [
+        Found(instrument, context, items)
+        for context, items in groups.items()
+        if count >= FEWEST and len(items) * 10 >= count * 9
+        if _are_answers(table, [named.column for named in items.values()])
+    ]
+
+
+def _are_answers(table: SourceTable, columns: Sequence[int]) -> bool:
+    """Return whether columns hold a few short texts, as those of a questionnaire do."""
+    texts = {text for column in columns for text in table.column(column) if text}
+    return 0 < len(texts) <= 30 and max(map(len, texts)) <= 40
+
+
+def _by_position(table: SourceTable, instruments: Sequence[Instrument]) -> list[Found]:
+    """Take the last columns of a table without headings, if they hold small whole numbers."""
+    width = len(table.headings)
+    for instrument in instruments:
+        count = len(instrument.asked)
+        columns = list(range(width - count, width))
+        answers = {*instrument.answers.plain, str(instrument.high + 1), ""}
+        if FEWEST <= count < width and all(set(table.column(c)) <= answers for c in columns):
+            items = {
+                item.name: Named(column, instrument.name, item.name, "position", (), ())
+                for item, column in zip(instrument.asked, columns, strict=True)
+            }
+            return [Found(instrument, (), items)]
+    return []

@@ -1,0 +1,386 @@
+"""Finds answers that are not a column for each item: long tables, ratings, scores alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass
+
+import numpy as np
+
+from vrcomfort.importing.answers import number
+from vrcomfort.importing.files import is_number
+from vrcomfort.importing.made_instruments import on_scale
+from vrcomfort.importing.mapping import ScoreKind, scale_named
+from vrcomfort.importing.source import Grid, SourceTable
+from vrcomfort.importing.suggest.evidence import texts
+from vrcomfort.importing.suggest.items import How, mentions, named_item
+from vrcomfort.importing.suggest.vocabulary import Known, Vocabulary, tokens
+from vrcomfort.questionnaire import Instrument, plain
+
+
+@dataclass(frozen=True)
+class Long:
+    """A table with a row for each answer.
+
+    Parameters
+    ----------
+    items
+        Item → text in the item column.
+    hows
+        Item → how it was found.
+    others
+        Texts of the item column that are no item.
+    instrument_column
+        Where the questionnaire is named, and the text there.
+    """
+
+    instrument: Instrument
+    item_column: int
+    response_column: int
+    items: dict[str, str]
+    hows: dict[str, How]
+    others: list[str]
+    instrument_column: tuple[int, str] | None
+
+
+def find_long(table: SourceTable, known: Known) -> list[Long]:
+    """Return the questionnaires of a long table; none where it is not one."""
+    found: list[Long] = []
+    for column in range(len(table.headings)):
+        words = texts(table, column)
+        if not (4 <= len(words) <= 200) or len(table.rows) < len(words):
+            continue
+        response = _response_column(table, column, known.vocabulary)
+        if response is None:
+            continue
+        for instrument in known.instruments:
+            named = _named_in_rows(table, column, words, instrument, known)
+            if named is not None:
+                items, hows = named
+                others = [word for word in words if word not in items.values()]
+                where = _instrument_column(table, instrument, column)
+                long = Long(instrument, column, response, items, hows, others, where)
+                found.append(long)
+        if found:
+            return _best_long(found)
+    return []
+
+
+def stands_on_its_side(grid: Grid, known: Known) -> bool:
+    """Return whether items stand one below the other, and participants side by side."""
+    width = max(map(len, grid.rows))
+    responses = known.vocabulary.response_labels
+    if grid.named or width < 3 or any(plain(cell) in responses for cell in grid.rows[0]):
+        return False
+    first = [row[0] for row in grid.rows if row[0]]
+    others = {cell for row in grid.rows[1:] for cell in row[1:] if cell}
+    if len(set(first)) < len(first) or len(others) > 30:
+        return False
+    for instrument in known.instruments:
+        spellings = known.vocabulary.spellings(instrument)
+        named = {spellings[plain(text)] for text in first if plain(text) in spellings}
+        if len(named) >= 4 and len(named) * 2 >= len(first):
+            return True
+    return False
+
+
+def _best_long(found: list[Long]) -> list[Long]:
+    """Keep questionnaires that are named in a column of their own, or else the one that fits."""
+    named = [long for long in found if long.instrument_column is not None]
+    if named:
+        return named
+    return [
+        max(
+            found,
+            key=lambda long: (len(long.items) / len(long.instrument.asked), -len(long.others)),
+        )
+    ]
+
+
+def _named_in_rows(
+    table: SourceTable,
+    column: int,
+    words: list[str],
+    instrument: Instrument,
+    known: Known,
+) -> tuple[dict[str, str], dict[str, How]] | None:
+    items: dict[str, str] = {}
+    hows: dict[str, How] = {}
+    for word in words:
+        found = named_item(column, word, "", instrument, known.vocabulary)
+        if found is not None and (
+            found.item not in items or found.how == "name" != hows[found.item]
+        ):
+            items[found.item] = word
+            hows[found.item] = found.how
+    sure = sum(how == "name" for how in hows.values())
+    if sure >= min(4, len(instrument.asked)) and len(instrument.asked) > 1:
+        return items, hows
+    return _numbered_in_rows(table, column, words, instrument, known)
+
+
+def _numbered_in_rows(
+    table: SourceTable,
+    column: int,
+    words: list[str],
+    instrument: Instrument,
+    known: Known,
+) -> tuple[dict[str, str], dict[str, How]] | None:
+    """Find items by numbers, ``1`` … ``16`` or ``SSQ1`` …, in a column that is called item."""
+    heading = plain(table.headings[column])
+    named = mentions(" ".join(words[:3]), known.instruments)
+    if heading not in known.vocabulary.item_labels and not named:
+        return None
+    numbers: dict[int, str] = {}
+    for word in words:
+        digits = [token for token in tokens(word) if token.isdecimal()]
+        named = mentions(word, known.instruments)
+        if len(digits) == 1 and (not named or instrument.name in named):
+            numbers.setdefault(int(digits[0]), word)
+    count = len(instrument.asked)
+    first = min(numbers, default=9)
+    if first > 1 or sorted(numbers) != list(range(first, first + count)) or count < 4:
+        return None
+    items = {item.name: numbers[n] for n, item in enumerate(instrument.asked, start=first)}
+    return items, dict.fromkeys(items, "number")
+
+
+def _response_column(table: SourceTable, item_column: int, vocabulary: Vocabulary) -> int | None:
+    candidates = [
+        column
+        for column, heading in enumerate(table.headings)
+        if column != item_column and _is_response(table, column, heading, vocabulary)
+    ]
+    named = [c for c in candidates if _last_word(table.headings[c]) in vocabulary.response_labels]
+    return named[0] if named else None
+
+
+def _last_word(heading: str) -> str:
+    """Return a heading, or the inner one of ``outer.inner``."""
+    return plain(heading.rsplit(".", 1)[-1])
+
+
+def _is_response(table: SourceTable, column: int, heading: str, vocabulary: Vocabulary) -> bool:
+    words = texts(table, column)
+    if not words or len(words) > 110:
+        return False
+    known = sum(is_number(word) or plain(word) in vocabulary.severity for word in words)
+    return known * 2 >= len(words) or _last_word(heading) in vocabulary.response_labels
+
+
+def _instrument_column(
+    table: SourceTable, instrument: Instrument, item_column: int
+) -> tuple[int, str] | None:
+    for column in range(len(table.headings)):
+        if column != item_column:
+            words = texts(table, column)
+            if len(words) <= 8:
+                for word in words:
+                    if plain(word) in {
+                        plain(instrument.name),
+                        plain(instrument.short),
+                        plain(instrument.title),
+                    }:
+                        return column, word
+    return None
+
+
+@dataclass(frozen=True)
+class FoundRating:
+    """A column of ratings, and that of the seconds at which they were given."""
+
+    instrument: Instrument
+    column: int
+    time: int | None
+    context: tuple[str, ...] = ()
+    """The words of its heading that do not name the scale."""
+
+
+def find_ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
+    """Return the columns that are called by the name of a scale of one item."""
+    time = next((c for c in columns if plain(table.headings[c]) in known.vocabulary.seconds), None)
+    found = []
+    for instrument in known.instruments:
+        if len(instrument.asked) == 1:
+            named = [c for c in columns if _is_rating(table, c, instrument)]
+            own = {plain(instrument.name), "score", "rating", *map(plain, instrument.title.split())}
+            for column in named:
+                rest = tuple(w for w in tokens(table.headings[column]) if w not in own)
+                found.append(FoundRating(instrument, column, time, rest))
+    return found
+
+
+def _is_rating(table: SourceTable, column: int, instrument: Instrument) -> bool:
+    words = tokens(table.headings[column])
+    keys = {plain(instrument.name), plain(instrument.title)}
+    named = plain(table.headings[column]) in keys or (
+        plain(instrument.name) in words and len(words) <= 5
+    )
+    values = [number(t, table.reading.decimal or ".") for t in set(table.column(column)) if t]
+    high = instrument.high
+    return named and any(v is not None and instrument.low <= v <= high for v in values)
+
+
+FEWEST_TIMES = 3
+"""Columns of one scale that differ in a number alone and are a time course of ratings."""
+
+
+def courses_of(ratings: Sequence[FoundRating]) -> list[list[FoundRating]]:
+    """Return ratings whose headings differ in one number alone, such as ``FMS_1 min``."""
+    groups: dict[tuple[str, ...], list[FoundRating]] = {}
+    for rating in ratings:
+        digits = [word for word in rating.context if word.isdecimal()]
+        if rating.time is None and len(digits) == 1:
+            rest = tuple("#" if word.isdecimal() else word for word in rating.context)
+            groups.setdefault((rating.instrument.name, *rest), []).append(rating)
+    return [group for group in groups.values() if len(group) >= FEWEST_TIMES]
+
+
+@dataclass(frozen=True)
+class FoundScores:
+    """Columns that hold scores of one moment.
+
+    Parameters
+    ----------
+    scales
+        Scale → index of its column.
+    """
+
+    instrument: Instrument
+    context: tuple[str, ...]
+    scales: dict[str, int]
+
+
+def find_scores(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundScores]:
+    """Return the columns whose headings name scales: a total, or at least two."""
+    found: list[FoundScores] = []
+    left = list(columns)
+    named = mentions(
+        f"{table.file.stem} {table.sheet} {' '.join(table.headings)}", known.instruments
+    )
+    for instrument in sorted(
+        known.instruments, key=lambda each: (each.name not in named, each.name != "ssq")
+    ):
+        if len(instrument.asked) > 1:
+            own = _of_instrument(table, left, instrument, known.vocabulary)
+            left = [c for c in left if all(c not in each.scales.values() for each in own)]
+            found += own
+    return found
+
+
+def _of_instrument(
+    table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: Vocabulary
+) -> list[FoundScores]:
+    words = _scale_words(instrument, vocabulary)
+    fillers = vocabulary.scale_fillers
+    groups: dict[tuple[str, ...], dict[str, int]] = {}
+    for column in columns:
+        named = _scale(table.headings[column], instrument, words, fillers)
+        if named is not None and _numeric(table, column):
+            scale, context = named
+            groups.setdefault(context, {}).setdefault(scale, column)
+    return [
+        FoundScores(instrument, context, scales)
+        for context, scales in groups.items()
+        if _is_sure(table, instrument, scales)
+    ]
+
+
+def _scale_words(instrument: Instrument, vocabulary: Vocabulary) -> dict[str, str]:
+    """Return word → scale: its name, title and column, and what labs call it else."""
+    words = {
+        plain(word): scale.name
+        for scale in instrument.scales
+        if not scale.alone
+        for word in (scale.name, scale.title, scale.column)
+    }
+    return {**vocabulary.scales.get(instrument.name, {}), **words}
+
+
+def _scale(
+    heading: str, instrument: Instrument, words: Mapping[str, str], fillers: Set[str]
+) -> tuple[str, tuple[str, ...]] | None:
+    """Return the scale that a heading names, and its other words."""
+    own = {plain(instrument.name), *tokens(instrument.short)}
+    rest = [word for word in tokens(heading) if word not in fillers and word not in own]
+    if not rest:
+        said = set(tokens(heading))
+        return (instrument.primary, ()) if said & own and said & {*fillers, "total"} else None
+    for word in sorted(rest, key=len, reverse=True):
+        if word in words:
+            others = list(rest)
+            others.remove(word)
+            return words[word], tuple(w for w in others if w != "total")
+    return None
+
+
+def _is_sure(table: SourceTable, instrument: Instrument, scales: Mapping[str, int]) -> bool:
+    """Return whether these are scores, and not columns that happen to be called N or O."""
+    names = [table.headings[column] for column in scales.values()]
+    places = (*names, table.file.stem, table.sheet)
+    said = any(instrument.name in mentions(name, [instrument]) for name in places)
+    single = all(len("".join(tokens(name))) < 3 for name in names)
+    if single:
+        return len(scales) >= 3
+    return said or len(scales) >= 2
+
+
+def _numeric(table: SourceTable, column: int) -> bool:
+    cells = [cell for cell in table.column(column) if cell]
+    values = [number(cell, table.reading.decimal or ".") for cell in cells]
+    return sum(value is not None for value in values) * 10 >= len(values) * 8 > 0
+
+
+def kind_of(table: SourceTable, found: FoundScores) -> ScoreKind:
+    """Return ``score`` or ``raw_sum`` where all values can be that, else ``other``."""
+    for kind in _KINDS:
+        if all(
+            on_scale(value, scale, kind) is not None
+            for name, column in found.scales.items()
+            if (scale := scale_named(found.instrument, name)) is not None
+            for value in _values(table, column)
+        ):
+            return kind
+    return "other"
+
+
+_KINDS: tuple[ScoreKind, ...] = ("score", "raw_sum")
+
+
+def _values(table: SourceTable, column: int) -> list[float]:
+    read = [number(cell, table.reading.decimal or ".") for cell in table.column(column) if cell]
+    return [value for value in read if value is not None]
+
+
+def parts_of(
+    values: Sequence[float | None], columns: Mapping[str, Sequence[float | None]]
+) -> list[str] | None:
+    """Return the columns of which another is exactly the (weighted) sum, None where it is none.
+
+    Each part counts once or twice, times one weight for all. Rows with a blank are left out. The
+    answer is None, too, where there are too few different rows to tell.
+    """
+    names = list(columns)
+    rows = [
+        (value, [columns[name][place] for name in names])
+        for place, value in enumerate(values)
+        if value is not None and all(columns[name][place] is not None for name in names)
+    ]
+    if len(rows) < 3 or not names:
+        return None
+    target = np.array([value for value, _ in rows], dtype=float)
+    parts = np.array([cells for _, cells in rows], dtype=float)
+    whole = parts.sum(axis=1)
+    if len(names) > 2 and whole.any() and np.allclose(whole, target, atol=1e-6):
+        return names
+    used = [i for i in range(len(names)) if np.ptp(parts[:, i]) > 0]
+    if len(used) < 2 or not target.any() or np.linalg.matrix_rank(parts[:, used]) < len(used):
+        return None
+    found, *_ = np.linalg.lstsq(parts[:, used], target, rcond=None)
+    counted = found[np.abs(found) > 1e-6]
+    if len(counted) < 2 or not np.allclose(parts[:, used] @ found, target, atol=0.02):
+        return None
+    steps = counted / counted.min() if counted.min() > 0 else np.array([0.5])
+    if not np.allclose(steps, np.round(steps), atol=0.02) or steps.max() > 2.1:
+        return None
+    return [names[used[i]] for i, each in enumerate(found) if abs(each) > 1e-6]

@@ -1,0 +1,175 @@
+"""The plan that a report follows where none is given: written down, so that it can be given."""
+
+from __future__ import annotations
+
+from collections import Counter
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vrcomfort.errors import InputError
+from vrcomfort.questionnaire import score_all
+from vrcomfort.report.outcomes import Outcome, outcomes_of
+from vrcomfort.report.plan_files import read_plan
+from vrcomfort.report.study_data import conditions_in
+from vrcomfort.settings import toml_value
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from vrcomfort.report.plan import Plan
+    from vrcomfort.report.study_data import StudyData
+
+BASELINES = ("baseline", "pre", "before", "pretest", "pre_test")
+EXPOSURES = ("post", "after", "posttest", "post_test")
+RECOVERIES = ("recovery", "followup", "follow_up")
+"""Words for the moments of a study, the usual one first."""
+
+_HEAD = """\
+# Derived from the data by `vrcomfort report`, which was given no plan. Change it, and pass it back
+# with --plan, to decide otherwise. As it was written after the data, it is no pre-registration.
+"""
+
+
+def plan_of(study: StudyData) -> Plan:
+    """Return the plan that the data suggest: every score, every pair of conditions.
+
+    Its text, read again, is the same plan.
+
+    Raises
+    ------
+    InputError
+        If nobody answered a questionnaire: then a plan has to say what is analysed.
+    """
+    if not study.sheets:
+        raise InputError(
+            "there is no questionnaires.csv in this folder; to analyse its tasks, ratings or "
+            "preferences alone, give a plan that names them (--plan)",
+            file=study.source,
+        )
+    text = _HEAD + "".join(f"{line}\n" for line in _lines(study))
+    return read_plan(text, None, study.instruments.values())
+
+
+def with_outcomes(plan: Plan, study: StudyData) -> Plan:
+    """Return a plan with the outcomes that the data have, where it names none."""
+    if plan.outcomes:
+        return plan
+    found = _outcomes(study, plan.exposure_timepoint)
+    return plan.model_copy(update={"outcomes": tuple(each.name for each in found)})
+
+
+def _lines(study: StudyData) -> Iterator[str]:
+    moments = _moments(study)
+    conditions = conditions_in(study, moments["exposure_timepoint"])
+    outcomes = _outcomes(study, moments["exposure_timepoint"])
+    before = any(sheet.timepoint == moments["baseline_timepoint"] for sheet in study.sheets)
+    yield 'name = "derived"'
+    yield f"title = {toml_value(_title(conditions, before=before))}"
+    yield f"note = {toml_value('The plan was derived from the data, because none was given.')}"
+    if study.planned_participants:
+        yield f"participants = {study.planned_participants}"
+    yield f"outcomes = {toml_value([each.name for each in outcomes])}"
+    if not before:
+        yield 'scores = "raw"'
+    yield from (f"{key} = {toml_value(name)}" for key, name in moments.items())
+    groups = _groups(study)
+    scenes = {s.scene for s in study.sheets} | {t.get("scene", "") for t in study.trials}
+    factors = ["condition"] if len(conditions) > 1 else []
+    factors += ["scene"] if len(scenes - {""}) > 1 else []
+    factors += groups
+    apart = len(conditions) > 1 and _met_by_different_people(study, moments["exposure_timepoint"])
+    yield f"mixed_model = {toml_value([] if apart else [*factors, 'position', 'session'])}"
+    if not factors:
+        yield "anova = []"
+    yield from _contrasts(study, conditions, moments)
+    yield from _families(outcomes)
+    for column in factors:
+        yield from (
+            "",
+            "[[anova]]",
+            f"name = {toml_value(column)}",
+            f"column = {toml_value(column)}",
+        )
+        if apart and column == "condition":
+            yield 'kind = "between"'
+
+
+def _met_by_different_people(study: StudyData, timepoint: str) -> bool:
+    """Return whether everybody met one condition alone."""
+    met = {(s.participant, s.condition) for s in study.sheets if s.timepoint == timepoint}
+    return len({who for who, condition in met if condition}) == sum(bool(c) for _, c in met)
+
+
+def _outcomes(study: StudyData, timepoint: str) -> tuple[Outcome, ...]:
+    """Return the scores of what was asked then, that everybody who answered all of it has."""
+    found: list[Outcome] = []
+    asked = [s for s in study.sheets if s.timepoint == timepoint]
+    exposed = {s.keys["instrument"] for s in asked if s.condition}  # of a session: no condition
+    for name in study.instruments_at(timepoint):
+        if exposed and name not in exposed:
+            continue
+        instrument = study.instruments[name]
+        sheets = [s.answers for s in study.sheets if s.keys["instrument"] == name]
+        known = score_all(instrument, sheets).known
+        needed = [known[scale] for scale in instrument.needed]
+        complete = np.logical_and.reduce([np.ones(len(sheets), dtype=bool), *needed])
+        found += [
+            each
+            for each in outcomes_of(instrument)
+            if each.scale.name in instrument.needed
+            or (complete.any() and known[each.scale.name][complete].all())
+        ]
+    return tuple(found)
+
+
+def _title(conditions: list[str], *, before: bool) -> str:
+    if len(conditions) == 1:
+        return "Before and after exposure" if before else "One condition, described"
+    return "Every pair of conditions"
+
+
+def _moments(study: StudyData) -> dict[str, str]:
+    """Return the timepoints by what they are, as far as their names say."""
+    there = Counter(sheet.timepoint for sheet in study.sheets)
+    known = {name.casefold(): name for name in there}
+
+    def first(words: tuple[str, ...], otherwise: str) -> str:
+        return next((known[word] for word in words if word in known), otherwise)
+
+    baseline, recovery = first(BASELINES, BASELINES[0]), first(RECOVERIES, RECOVERIES[0])
+    others = [name for name, _ in there.most_common() if name not in {baseline, recovery}]
+    exposure = first(EXPOSURES, next(iter(others), EXPOSURES[0]))
+    return {
+        "baseline_timepoint": baseline,
+        "exposure_timepoint": exposure,
+        "recovery_timepoint": recovery,
+    }
+
+
+def _contrasts(study: StudyData, conditions: list[str], moments: dict[str, str]) -> Iterator[str]:
+    for a, b in combinations(conditions, 2):
+        yield from ("", "[[contrasts]]", f"a = {toml_value(a)}", f"b = {toml_value(b)}")
+    baseline, exposure = moments["baseline_timepoint"], moments["exposure_timepoint"]
+    if len(conditions) == 1 and any(sheet.timepoint == baseline for sheet in study.sheets):
+        yield from ("", "[[contrasts]]", f"a_timepoint = {toml_value(exposure)}")
+        yield f"b_timepoint = {toml_value(baseline)}"
+
+
+def _families(outcomes: tuple[Outcome, ...]) -> Iterator[str]:
+    """Adjust the totals, and what they are summed from, apart: they say the same twice."""
+    totals = [each.name for each in outcomes if each.parts]
+    others = [each.name for each in outcomes if not each.parts]
+    named = {"total": totals, "subscales": others} if totals else {"scores": others}
+    for name, members in named.items():
+        if members:
+            yield from ("", "[[families]]", f"name = {toml_value(name)}")
+            yield f"outcomes = {toml_value(members)}"
+
+
+def _groups(study: StudyData) -> list[str]:
+    """Return `group` where everybody is in one of a few."""
+    groups = study.between("group")
+    sizes = Counter(groups.values())
+    return ["group"] if len(sizes) > 1 and min(sizes.values()) > 1 else []
