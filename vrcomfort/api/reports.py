@@ -75,8 +75,8 @@ def load_plan(name_or_file: str | Path) -> Plan:
     >>> vrcomfort.load_plan("carnegie_2015").outcomes
     ('T', 'N', 'O', 'D')
     """
-    from vrcomfort.report.plan import find_plan
-    from vrcomfort.report.plan import load_plan as load
+    from vrcomfort.report.plan_files import find_plan
+    from vrcomfort.report.plan_files import load_plan as load
 
     return load(find_plan(name_or_file))
 
