@@ -8,7 +8,7 @@ import pytest
 from tests.support.render import at, glowing, scene, wall
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
-from vrcomfort.gpu import memory
+from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.protocol import Condition, DepthOfField
 from vrcomfort.render.gaze_hit import GazeHits
 from vrcomfort.render.gpu_scene import GpuScene
@@ -122,7 +122,7 @@ def test_every_condition_tells_what_the_gaze_meets_some_frames_late(ctx, conditi
 @pytest.mark.parametrize(("finds_hits", "gaze"), [(True, None), (False, looking(0.0))])
 def test_without_gaze_and_where_nobody_asks_nothing_is_made(ctx, finds_hits, gaze):
     renderer = renderer_of(ctx, Condition(name="sharp"), finds_hits=finds_hits)
-    account = memory.account(ctx)
+    account = gpu_memory.account(ctx)
     before = account.mark()
     rendered = [renderer.render(shown(index, gaze), 0.0) for index in range(6)]
     assert account.between(before, account.mark()) == ()

@@ -15,7 +15,7 @@ from tests.support.layouts import CONDITIONS, ENGLISH, ITEMS, PEOPLE, Truth, exa
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
 from vrcomfort.importing import import_files, load_mapping, parse_mapping, write_study
-from vrcomfort.importing.courses import course_instrument
+from vrcomfort.importing.made_instruments import course_instrument
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.suggest import suggest_mapping
 from vrcomfort.questionnaire import shipped_instruments

@@ -11,7 +11,7 @@ import pytest
 from tests.support.workbooks import SHEET, archive_of, good_workbook, parts_of, with_sheet
 from torture.mutate import worse
 from vrcomfort.errors import InputError
-from vrcomfort.importing import archives, source, workbooks
+from vrcomfort.importing import source, workbooks
 from vrcomfort.importing.files import read_tables
 from vrcomfort.importing.source import Grid, Reading
 from vrcomfort.importing.workbooks import read_workbook
@@ -142,7 +142,7 @@ def test_a_formula_whose_saved_value_is_no_text_is_blank(tmp_path):
 def test_more_than_a_table_of_answers_is_refused_before_it_is_made(
     tmp_path, monkeypatch, limit, value, rows, after, says
 ):
-    monkeypatch.setattr(workbooks if limit == "MOST_CELLS" else archives, limit, value)
+    monkeypatch.setattr(workbooks, limit, value)
     with pytest.raises(InputError, match=says):
         grids(tmp_path, with_sheet(rows, after))
 

@@ -9,7 +9,8 @@ from typing import get_args
 import pytest
 
 from tests.support.render import still_life
-from vrcomfort.gpu import gl, memory
+from vrcomfort.gpu import gl
+from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.protocol.conditions import (
     Condition,
     DepthOfField,
@@ -153,7 +154,7 @@ def test_memory_of_a_headsets_size_is_allocated(ctx):
 @pytest.mark.parametrize("condition", CONDITIONS, ids=lambda condition: condition.name)
 def test_a_pipeline_holds_nothing_as_soon_as_it_is_gone(ctx, condition):
     """Or two conditions would fill the GPU until Python looks for cycles."""
-    account = memory.account(ctx)
+    account = gpu_memory.account(ctx)
     first = account.mark()
     renderer = StereoRenderer(ctx, SIZE)
     gc.disable()
@@ -167,8 +168,8 @@ def test_a_pipeline_holds_nothing_as_soon_as_it_is_gone(ctx, condition):
 
 
 def test_mipmaps_go_down_to_one_texel():
-    assert memory.texture_bytes((5, 2), 4, mipmaps=True) == 4 * (10 + 2 + 1)
-    assert memory.texture_bytes((5, 2), 8, samples=4) == 320
+    assert gpu_memory.texture_bytes((5, 2), 4, mipmaps=True) == 4 * (10 + 2 + 1)
+    assert gpu_memory.texture_bytes((5, 2), 8, samples=4) == 320
 
 
 def test_everything_that_renders_allocates_through_the_account():

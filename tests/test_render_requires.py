@@ -11,7 +11,7 @@ import pytest
 from test_render_pipeline import SIZE, standing
 
 from tests.support.render import still_life
-from vrcomfort.gpu import memory
+from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.protocol.conditions import (
     BackgroundBlur,
     Condition,
@@ -79,7 +79,7 @@ def required(ctx, count_objects, monkeypatch):
         return {
             **objects,
             "passes": rendered.passes,
-            "bytes": memory.megabytes(renderer.memory())["total"],
+            "bytes": gpu_memory.megabytes(renderer.memory())["total"],
             "draws": len(draws),
             "scene draws": rendered.draws,
             "triangles": rendered.triangles,

@@ -81,7 +81,7 @@ def found_in(study, text=PLAN):
 
 
 def shares_of(found):
-    return {(z["situation"], z["during"], z["zone"]): z["share"] for z in found.zones}
+    return {(z.situation, z.during, z.zone): z.share for z in found.zones}
 
 
 def test_directions_are_those_of_the_eyes_in_the_head_and_in_the_world(tmp_path):
@@ -118,8 +118,12 @@ def test_frames_without_a_known_head_are_left_out_and_cuts_before_them_stay(tmp_
 def test_shares_fixations_and_spectra_are_those_recorded(study):
     found = found_in(study)
     (row,) = found.exposures
-    assert (row["participant"], row["condition"], row["scene"]) == ("P01", "dof_off", "temple")
-    assert row["gaze_valid_share"] == pytest.approx(1 - 10 / N)
+    assert (row.keys.participant, row.keys.condition, row.keys.scene) == (
+        "P01",
+        "dof_off",
+        "temple",
+    )
+    assert row.gaze_valid_share == pytest.approx(1 - 10 / N)
     half = np.tan(np.radians([AHEAD_DEG, AWAY_DEG])) / np.tan(HALF)
     assert half[0] < 0.3 < half[1] < 0.6
     ahead = (N / 2 - 10) / (N - 10)
@@ -127,17 +131,17 @@ def test_shares_fixations_and_spectra_are_those_recorded(study):
     assert shares["dof_off", "", 0.3] == pytest.approx(ahead, abs=0.003)
     assert shares["dof_off", "", 0.6] == 1
     assert shares["dof_off", "shot", 0.3] == 0  # from 4.5 s to 6.5 s they look away
-    assert row["zone_of_75_percent"] == pytest.approx(half[1])
+    assert row.zones.zone_of_75_percent == pytest.approx(half[1])
     # A sine of amplitude 5 has a root mean square of 5/√2; the bins at the edges count half.
-    assert row["yaw_deg_rms_0.5_2_hz"] == pytest.approx(5 / np.sqrt(2), rel=0.05)
-    assert row["head_z_m_rms_0.5_2_hz"] == pytest.approx(0.01 / np.sqrt(2), rel=0.05)
+    assert row.bands.rms["yaw_deg_rms_0.5_2_hz"] == pytest.approx(5 / np.sqrt(2), rel=0.05)
+    assert row.bands.rms["head_z_m_rms_0.5_2_hz"] == pytest.approx(0.01 / np.sqrt(2), rel=0.05)
     # The head's turning moves the gaze by at most 5° × 2π a second: below 32°/s, not below 30.
     slow = found_in(study, PLAN + "velocity_deg_s = 32.0\n")
     # A blink between 10 and 20 frames, and one saccade of 18° at 4 s.
-    assert slow.exposures[0]["fixations"] == len(slow.fixations) == 3
-    assert row["fixations"] > 3
-    peak = max((r for r in found.spectra if r["signal"] == "yaw_deg"), key=lambda r: r["density"])
-    assert peak["frequency_hz"] == pytest.approx(1.0)
+    assert slow.exposures[0].fixations.fixations == len(slow.fixations) == 3
+    assert row.fixations.fixations > 3
+    peak = max((r for r in found.spectra if r.signal == "yaw_deg"), key=lambda r: r.density)
+    assert peak.frequency_hz == pytest.approx(1.0)
     assert found.maps["dof_off"].share.sum() == pytest.approx(1)
 
 
@@ -156,8 +160,8 @@ def test_path_and_turning_are_those_of_the_frames_per_minute(study):
     data = with_frames(read_study(study))
     (row,) = analyse_gaze_and_head(data, read_plan(PLAN, None), ["dof_off", "dof_on"]).exposures
     # 5° and 1 cm there and back: four amplitudes a second.
-    assert row["head_turning_deg_per_min"] == pytest.approx(60 * 20, rel=0.01)
-    assert row["head_path_m_per_min"] == pytest.approx(60 * 0.04, rel=0.01)
+    assert row.head_turning_deg_per_min == pytest.approx(60 * 20, rel=0.01)
+    assert row.head_path_m_per_min == pytest.approx(60 * 0.04, rel=0.01)
 
 
 def test_every_person_counts_alike(study):
@@ -165,17 +169,17 @@ def test_every_person_counts_alike(study):
     recorded(study / "sub-P03" / "ses-1", ahead_share=1.0)
     recorded(study / "sub-P03" / "ses-2", ahead_share=1.0, trial=2)
     found = found_in(study, PLAN.replace("[0.3, 0.6, 1.0]", "[0.3]"))
-    rows = {(z["situation"], z["during"]): z for z in found.zones}
+    rows = {(z.situation, z.during): z for z in found.zones}
     ahead = (N / 2 - 10) / (N - 10)
-    met = {(row["participant"], row["condition"]) for row in found.exposures}
+    met = {(row.keys.participant, row.keys.condition) for row in found.exposures}
     assert len(met) == len(found.exposures) == 4
     everybody = rows["", ""]
     # P01: one exposure of each kind; P03: all ahead.
-    assert everybody["share"] == pytest.approx(((ahead + 1) / 2 + 1) / 2, abs=0.003)
-    assert everybody["people"] == 2
+    assert everybody.share == pytest.approx(((ahead + 1) / 2 + 1) / 2, abs=0.003)
+    assert everybody.people == 2
     spread = abs((ahead + 1) / 2 - 1) / 2  # half the difference of two
-    assert everybody["standard_error"] == pytest.approx(spread, abs=0.003)
-    assert [s["people"] for s in found.situations] == [2, 2]
+    assert everybody.standard_error == pytest.approx(spread, abs=0.003)
+    assert [s.people for s in found.situations] == [2, 2]
 
 
 def test_a_map_of_fixations_is_one_scenes_from_one_place(study):
@@ -187,11 +191,11 @@ def test_a_map_of_fixations_is_one_scenes_from_one_place(study):
     table.to_csv(file, index=False)
     found = found_in(study, PLAN + "velocity_deg_s = 40.0\n")
     (view,) = found.viewpoints
-    assert view.facts["scene"] == "temple"
+    assert view.row.scene == "temple"
     # P04's head is five metres away.
-    assert (view.exposures, view.elsewhere) == (2, 1)
-    assert view.position_m == pytest.approx([3, 1.6, 0], abs=1e-6)
-    assert view.centre_deg == pytest.approx(45, abs=0.5)  # between 0° and 90° to the right
+    assert (view.row.exposures, view.row.elsewhere) == (2, 1)
+    assert view.row.position_m == pytest.approx([3, 1.6, 0], abs=1e-6)
+    assert view.row.centre_deg == pytest.approx(45, abs=0.5)  # between 0° and 90° to the right
     azimuth, share = view.map.azimuth_deg, view.map.share.sum(axis=0)
     # P01's fixations at 2° and 20° of the world are 43° and 25° left of the middle; the fixations
     # at 92° and 110° of P03 47° to the right, and outside.
@@ -210,7 +214,7 @@ def on_nodes(session, names, *, undrawn=0):
 
 
 def nodes_of(found):
-    return {(row["situation"], row["node"]): row for row in found.nodes}
+    return {(row.situation, row.node): row for row in found.nodes}
 
 
 def test_the_share_of_each_node_is_that_of_the_time_in_which_the_gaze_was_known(study):
@@ -220,11 +224,11 @@ def test_the_share_of_each_node_is_that_of_the_time_in_which_the_gaze_was_known(
     on_nodes(session, names, undrawn=40)
     rows = nodes_of(found_in(study))
     counted = N - 10 - 40
-    assert [row["node"] for row in rows.values()][-1] == ""
+    assert [row.node for row in rows.values()][-1] == ""
     for name, frames in (("a tree, tall", 100), ("door", 100), ("", counted - 200)):
         row = rows["dof_off", name]
-        assert row["share"] == pytest.approx(frames / counted)
-        assert (row["standard_error"], row["people"]) == (None, 1)
+        assert row.share == pytest.approx(frames / counted)
+        assert (row.standard_error, row.people) == (None, 1)
 
 
 def test_people_who_never_looked_at_a_node_count_as_zero(study):
@@ -235,9 +239,9 @@ def test_people_who_never_looked_at_a_node_count_as_zero(study):
     on_nodes(study / "sub-P01" / "ses-2", "tree")
     on_nodes(study / "sub-P03" / "ses-1", "tree")
     found = found_in(study)
-    met = {(row["participant"], row["condition"]) for row in found.exposures}
+    met = {(row.keys.participant, row.keys.condition) for row in found.exposures}
     assert met == {("P01", "dof_off"), ("P03", "dof_off"), ("P01", "dof_on"), ("P04", "dof_on")}
-    said = {at: (row["share"], row["people"]) for at, row in nodes_of(found).items()}
+    said = {at: (row.share, row.people) for at, row in nodes_of(found).items()}
     assert said["dof_off", "door"] == said["dof_off", "tree"] == (0.5, 2)
     assert said["dof_on", "tree"] == (1.0, 1)  # P04's nodes are not known
 
@@ -276,7 +280,7 @@ def test_without_names_of_nodes_there_is_no_table_of_them(study, names):
 
 def test_situations_can_be_scenes(study):
     plan = PLAN + 'situations = "scene"\n'
-    assert {z["situation"] for z in found_in(study, plan).zones} == {"temple"}
+    assert {z.situation for z in found_in(study, plan).zones} == {"temple"}
 
 
 def test_a_damaged_recording_is_told_and_left_out(study):

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from vrcomfort.errors import InputError
-from vrcomfort.importing.mapping import Mapping
+from vrcomfort.importing.mapping import LabMapping
 from vrcomfort.protocol import Protocol
 from vrcomfort.questionnaire.instrument_file import InstrumentTable
 from vrcomfort.report.plan_files import AnalysisPlan as Plan
@@ -25,7 +25,7 @@ FILES: dict[type[Settings], list[Path]] = {
     Plan: sorted(data_folder("analysis").glob("*.toml")),
     InstrumentTable: sorted(data_folder("instruments").glob("*.toml")),
     SideCar: sorted(data_folder("scenes").glob("*.toml")),
-    Mapping: [Path(__file__).parent / "data/fms/mapping.toml"],
+    LabMapping: [Path(__file__).parent / "data/fms/mapping.toml"],
 }
 WRONG: tuple[Any, ...] = ({"x": {"x": 1}}, [["x"]], [{}], 10**30, float("nan"), "\u2028")
 

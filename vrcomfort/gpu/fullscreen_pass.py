@@ -126,15 +126,15 @@ class FullscreenPass:
         for unit, sampler in self._samplers:
             sampler.use(unit)
         if self._writes_depth:
-            self._ctx.depth_func = "1"
+            self._ctx.depth_func = "1"  # moderngl's GL_ALWAYS: fragments replace any depth
         self._triangle.render(self._mode, vertices=self._vertices)
         for unit, sampler in self._samplers:
-            sampler.clear(unit)
+            sampler.clear(unit)  # samplers override the textures of passes that follow
 
     def _set(self, uniforms: Uniforms) -> None:
         for part in _parts(uniforms):
             for name, value in zip(part._fields, part, strict=True):
-                if self._values.get(name) != value:  # the program keeps the others
+                if self._values.get(name) != value:  # a program keeps uniforms between draws
                     self._values[name] = value
                     self._write(name, value)
 

@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 import moderngl
 
 from vrcomfort.errors import InputError
-from vrcomfort.gpu import memory
+from vrcomfort.gpu import memory as gpu_memory
 
 MINIMUM_VERSION = 450
 """OpenGL 4.5: the first with clip control. The README names it, too."""
@@ -42,6 +42,7 @@ _SRGB8_ALPHA8, _TEXTURE_SAMPLES, _SAMPLE_POSITION = 0x8C43, 0x9106, 0x8E50
 _TEXTURE_2D_ARRAY, _RGBA8, _RGBA, _UNSIGNED_BYTE = 0x8C1A, 0x8058, 0x1908, 0x1401
 
 _UNIFORM_ALIGNMENT = 256
+"""The most that GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT may be."""
 
 
 def create_context() -> moderngl.Context:
@@ -208,8 +209,8 @@ def image_array(
     for layer, pixels in enumerate(layers):
         texture.write(pixels, viewport=(0, 0, layer, width, height, 1))
     texture.build_mipmaps()
-    entry = memory.texture("image", size_px, 4, "f1", mipmaps=True, layers=len(layers))
-    memory.account(ctx).add(texture, entry)
+    entry = gpu_memory.texture("image", size_px, 4, "f1", mipmaps=True, layers=len(layers))
+    gpu_memory.account(ctx).add(texture, entry)
     return texture
 
 
@@ -229,8 +230,8 @@ def uniform_stride(size_bytes: int) -> int:
 
 
 def _entered_buffer(ctx: moderngl.Context, made: moderngl.Buffer) -> moderngl.Buffer:
-    entry = memory.GpuAllocation("buffer", f"{made.size} bytes", made.size)
-    memory.account(ctx).add(made, entry)
+    entry = gpu_memory.GpuAllocation("buffer", f"{made.size} bytes", made.size)
+    gpu_memory.account(ctx).add(made, entry)
     return made
 
 
@@ -238,8 +239,8 @@ def _entered(
     ctx: moderngl.Context, target: moderngl.Texture, components: int, dtype: str
 ) -> moderngl.Texture:
     samples = _samples(ctx, target) if target.samples else 0
-    entry = memory.texture("target", target.size, components, dtype, samples=samples)
-    memory.account(ctx).add(target, entry)
+    entry = gpu_memory.texture("target", target.size, components, dtype, samples=samples)
+    gpu_memory.account(ctx).add(target, entry)
     return target
 
 

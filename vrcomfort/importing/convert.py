@@ -1,30 +1,422 @@
-"""From a lab's tables and a mapping to answers, scores, ratings and participants."""
+"""Converts a lab's tables to answers, scores, ratings and participants, as a mapping says."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass, field
+from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import TypeAlias
 
 from vrcomfort.errors import InputError
-from vrcomfort.importing.courses import sum_up
-from vrcomfort.importing.facts import Numbers
+from vrcomfort.importing.answers import AnswerReader, number
+from vrcomfort.importing.columns import TIMEPOINT, Block, Columns, Numbers, RowFacts
 from vrcomfort.importing.files import as_table, read_grids
-from vrcomfort.importing.mapping import (
-    Mapping,
-    Table,
+from vrcomfort.importing.made_instruments import (
+    MOST,
+    ScoreInstrument,
+    name_of,
+    on_scale,
+    sum_up,
 )
-from vrcomfort.importing.rows import Imported
+from vrcomfort.importing.mapping import (
+    LabMapping,
+    Questionnaire,
+    ScoreKind,
+    Scores,
+    Summary,
+    Table,
+    scale_named,
+    texts_of,
+)
+from vrcomfort.importing.rows import Imported, Moment, Place, Rating, Sheet, moment_of, suspects
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suspects import suspects
-from vrcomfort.importing.table_import import Made, TableImport
-from vrcomfort.importing.unmatched import texts_in, unmatched
-from vrcomfort.questionnaire import Instrument, shipped_instruments
+from vrcomfort.questionnaire import Answer, Instrument, Scale, plain, shipped_instruments
+from vrcomfort.settings import KeyPath, Problem, did_you_mean
+
+Seen: TypeAlias = Set[tuple[str, str]]
+"""(heading, text) of cells."""
+
+
+def texts_in(table: SourceTable, mapping: Table) -> Seen:
+    """Return the cells of the columns in which the mapping names texts."""
+    named = {_spaced(column) for each in mapping.questionnaires for column in _columns(each)}
+    named |= {_spaced(column) for each in mapping.scores for column in each.where}
+    return {
+        (heading, text)
+        for index, heading in enumerate(table.headings)
+        if heading in named
+        for text in table.column(index)
+    }
+
+
+def unmatched(
+    mapping: LabMapping,
+    seen: Sequence[Seen],
+    known: Mapping[str, Instrument],
+    conditions: Iterable[str],
+) -> Iterator[Problem]:
+    """Yield names and texts of a mapping that no row has.
+
+    Parameters
+    ----------
+    seen
+        The `texts_in` all files of each table.
+    conditions
+        Those of the answers.
+    """
+    there = set(conditions)
+    for name in mapping.condition_labels:
+        if name not in there:
+            message = f"no answer is of a condition `{name}`; {did_you_mean(name, there)}"
+            yield Problem(("condition_labels", name), message)
+    for place, (table, cells) in enumerate(zip(mapping.tables, seen, strict=True)):
+        for kind, sources in (("questionnaires", table.questionnaires), ("scores", table.scores)):
+            for index, each in enumerate(sources):
+                path = ("tables", place, kind, index)
+                for column, texts in each.where.items():
+                    yield from _texts((*path, "where", column), column, texts_of(texts), cells)
+                if isinstance(each, Questionnaire) and each.item_column is not None:
+                    yield from _items(path, each, known[each.instrument], cells)
+
+
+def _columns(each: Questionnaire) -> Iterator[str]:
+    yield from each.where
+    if each.item_column is not None:
+        yield each.item_column
+
+
+def _texts(path: KeyPath, column: str, texts: Iterable[str], cells: Seen) -> Iterator[Problem]:
+    there = _of_column(column, cells)
+    for text in texts:
+        if _spaced(text) not in there:
+            yield Problem(path, f"no row has `{text}` under {column}; {_near(text, there)}")
+
+
+def _items(
+    path: KeyPath, each: Questionnaire, instrument: Instrument, cells: Seen
+) -> Iterator[Problem]:
+    """Yield the items of a long questionnaire that no row answers."""
+    column = each.item_column or ""
+    there = _of_column(column, cells) - {""}
+    keys = {plain(text) for text in there} - {""}
+    for item, texts in each.items.items():
+        if not any(_spaced(text) in there or plain(text) in keys for text in texts_of(texts)):
+            text = texts_of(texts)[0] if texts_of(texts) else ""
+            message = f"no row has `{text}` under {column}; {_near(text, there)}"
+            yield Problem((*path, "items", item), message)
+    said = {*each.items, *each.not_asked}
+    if not each.items:
+        found = (instrument.item(text) for text in there)
+        said |= {item.name for item in found if item is not None}
+    silent = [item.name for item in instrument.asked if item.name not in said]
+    if silent:
+        message = f"no row answers {', '.join(silent)}; give them under items, or under not_asked"
+        yield Problem(path, f"{message} if they were not asked")
+
+
+def _of_column(column: str, cells: Seen) -> Set[str]:
+    return {text for heading, text in cells if heading == _spaced(column)}
+
+
+def _near(text: str, there: Iterable[str]) -> str:
+    """Return a hint: the nearest text, else the first ones."""
+    known = sorted(set(there) - {""})
+    near = get_close_matches(text, known, n=1, cutoff=0.6)
+    return f"did you mean `{near[0]}`?" if near else f"it has {', '.join(known[:8]) or 'no text'}"
+
+
+def _spaced(text: str) -> str:
+    """Return a text as cells have it: single spaces, none around it."""
+    return " ".join(text.split())
+
+
+KnownInstruments = dict[str, Instrument]
+ALMOST = 0.85
+"""Similarity from which a text counts as another one misspelt."""
+STATUSES = ("enrolled", "completed", "withdrawn", "excluded")
+
+
+@dataclass
+class Made:
+    """What becomes of all tables together: scores without answers, courses of ratings."""
+
+    scores: dict[str, ScoreInstrument] = field(default_factory=dict)
+    courses: dict[tuple[str, Moment], tuple[Place, Sequence[Summary], list[Rating]]] = field(
+        default_factory=dict
+    )
+
+
+class TableImport:
+    """The import of one table."""
+
+    def __init__(
+        self,
+        table: SourceTable,
+        mapping: Table,
+        known: KnownInstruments,
+        imported: Imported,
+        numbers: Numbers,
+        made: Made,
+    ) -> None:
+        self._made = made
+        self._table = table
+        self._mapping = mapping
+        self._imported = imported
+        self._columns = Columns(table, mapping, known)
+        self._facts = RowFacts(table, mapping, self._columns, numbers)
+        self._all_blocks = (*self._columns.blocks, *self._columns.scores)
+        self._known_moments: dict[tuple[object, ...], list[Moment]] = {}
+        self._left_out = 0
+        self._blank: Counter[str] = Counter()
+        self._unknown_items: dict[str, list[tuple[int, int]]] = {}
+        """Text that is no item → row and column of each such cell."""
+        self._elsewhere: Counter[str] = Counter()
+        self._readers: dict[tuple[int, str], AnswerReader] = {}
+
+    def run(self) -> str:
+        """Import every row, and note what was left out; return the name of the sheet."""
+        filled = [self._columns.index(name, "fill_down") for name in self._mapping.fill_down]
+        above: dict[int, str] = {}
+        for found, row in zip(self._table.rows, self._table.numbers, strict=True):
+            above = {i: found[i] or above.get(i, "") for i in filled}
+            cells = tuple(above.get(i, cell) for i, cell in enumerate(found)) if filled else found
+            if any(cells[i] in texts for i, texts in self._columns.leave_out.items()):
+                self._left_out += 1
+            else:
+                self._row(cells, row)
+        self._note()
+        return self._table.sheet
+
+    def _row(self, cells: tuple[str, ...], row: int) -> None:
+        elsewhere: list[str] = []
+        taken: list[int] = []
+        for place, block in enumerate(self._all_blocks):
+            if block.where and any(cells[i] not in texts for i, texts in block.where.items()):
+                elsewhere += [cells[i] for i in block.where]
+            else:
+                taken.append(place)
+        for place, moment in zip(taken, self._moments_of(taken, cells, row), strict=True):
+            self._take(place, self._all_blocks[place], moment, cells, row)
+        if elsewhere and not taken:
+            self._elsewhere[", ".join(dict.fromkeys(elsewhere))] += 1
+        if self._columns.participants:
+            who = self._facts.of_row(cells, row).get("participant", "")
+            self._covariates(who, cells, row)
+
+    def _moments_of(self, blocks: list[int], cells: tuple[str, ...], row: int) -> list[Moment]:
+        """Return the moment of each block of a row; rows that say the same are looked up."""
+        said = self._facts.key(cells)
+        key = (*blocks, said)
+        if said is not None and key in self._known_moments:
+            return self._known_moments[key]
+        of_row = self._facts.of_row(cells, row)
+        counted: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
+        found = []
+        for block in map(self._all_blocks.__getitem__, blocks):
+            facts = {**of_row, **self._renamed(block, row)}
+            same = tuple(sorted(facts.items()))
+            if same not in counted:  # questionnaires of one moment are of one exposure
+                counted[same] = self._facts.counted(facts, _item_text(block, cells))
+            found.append(self._moment(counted[same], row))
+        if said is not None:
+            self._known_moments[key] = found
+        return found
+
+    def _renamed(self, block: Block, row: int) -> dict[str, str]:
+        said = block.source.constants
+        return {
+            name: text if name in said else self._facts.renamed(name, text, row)
+            for name, text in block.facts.items()
+        }
+
+    def _moment(self, facts: dict[str, str], row: int) -> Moment:
+        if not facts.get("participant"):
+            columns = self._columns.facts.get("participant")
+            message = "there is no participant; name the row under leave_out if it is nobody's"
+            raise self._table.fault(message, row, columns[0] if columns else None)
+        return moment_of({"timepoint": TIMEPOINT, **facts})
+
+    def _take(
+        self, place: int, block: Block, moment: Moment, cells: tuple[str, ...], row: int
+    ) -> None:
+        if isinstance(block.source, Scores):
+            self._scores(block, moment, cells, row)
+        elif block.time_column is not None or block.onset_s is not None:
+            self._rating(place, block, moment, cells, row)
+        else:
+            self._answers(place, block, moment, cells, row)
+
+    def _items(self, block: Block, cells: tuple[str, ...], row: int) -> list[tuple[int, str]]:
+        """Return (column, item) of the answers of a row."""
+        if block.item_column is None or block.response_column is None:
+            return list(block.columns.items())
+        item = block.words.get(cells[block.item_column])
+        if item is None:
+            text = cells[block.item_column]
+            self._unknown_items.setdefault(text, []).append((row, block.item_column))
+            return []
+        return [(block.response_column, item)]
+
+    def _read(
+        self, place: int, block: Block, item: str, text: str, row: int, column: int
+    ) -> Answer | None:
+        reader = self._readers.get((place, item))
+        if reader is None:
+            if not isinstance(block.source, Questionnaire):
+                raise TypeError(block.source)
+            missing = self._mapping.missing
+            reader = AnswerReader(self._table, block.source, block.instrument, item, missing)
+            self._readers[place, item] = reader
+        return reader.read(text, row, column)
+
+    def _answers(
+        self, place: int, block: Block, moment: Moment, cells: tuple[str, ...], row: int
+    ) -> None:
+        found = self._items(block, cells, row)
+        answers = {i: self._read(place, block, i, cells[c], row, c) for c, i in found}
+        if block.item_column is None and not any(a is not None for a in answers.values()):
+            self._blank[moment.timepoint] += 1
+            return
+        here = Place(self._table.file.name, self._table.sheet, row)
+        name = block.instrument.name
+        sheet = self._imported.sheets.setdefault((name, moment), Sheet(here))
+        for column, item in found:
+            self._require_unanswered(sheet, item, moment, row, column)
+            sheet.answers[item] = answers[item]
+        source = block.source
+        if isinstance(source, Questionnaire) and source.not_asked:
+            before = self._imported.not_asked.get(name, ())
+            self._imported.not_asked[name] = tuple(dict.fromkeys((*before, *source.not_asked)))
+
+    def _rating(
+        self, place: int, block: Block, moment: Moment, cells: tuple[str, ...], row: int
+    ) -> None:
+        onset_s = block.onset_s
+        if block.time_column is not None:
+            decimal = self._table.reading.decimal or "."
+            onset_s = number(cells[block.time_column], decimal)
+        if onset_s is None:
+            text = "" if block.time_column is None else cells[block.time_column]
+            raise self._table.fault(f"{text!r} is no time in seconds", row, block.time_column)
+        for column, item in self._items(block, cells, row):
+            response = self._read(place, block, item, cells[column], row, column)
+            rating = Rating(moment, block.instrument.name, onset_s, response)
+            self._imported.ratings.append(rating)
+            here = Place(self._table.file.name, self._table.sheet, row)
+            summaries = block.source.summaries if isinstance(block.source, Questionnaire) else ()
+            key = block.instrument.name, moment
+            self._made.courses.setdefault(key, (here, summaries, []))[2].append(rating)
+
+    def _scores(self, block: Block, moment: Moment, cells: tuple[str, ...], row: int) -> None:
+        source = block.source
+        if not isinstance(source, Scores):
+            raise TypeError(source)
+        name = name_of(block.instrument, source.kind)
+        made = self._made.scores.setdefault(name, ScoreInstrument(block.instrument, source.kind))
+        here = Place(self._table.file.name, self._table.sheet, row)
+        found: dict[int, tuple[str, Answer | None]] = {}
+        for column, scale in block.columns.items():
+            known = scale_named(block.instrument, scale)
+            if known is None:
+                names = ", ".join(each.name for each in block.instrument.scales)
+                raise self._table.fault(f"{scale!r} is no scale; there are {names}", column=column)
+            value = self._score(known, source.kind, cells[column], row, column)
+            made.values.setdefault(known.column, []).extend([] if value is None else [value])
+            found[column] = known.column, value
+        if all(value is None for _, value in found.values()):
+            self._blank[moment.timepoint] += 1
+            return
+        sheet = self._imported.sheets.setdefault((name, moment), Sheet(here))
+        for column, (item, value) in found.items():
+            self._require_unanswered(sheet, item, moment, row, column)
+            sheet.answers[item] = value
+
+    def _score(
+        self, scale: Scale, kind: ScoreKind, text: str, row: int, column: int
+    ) -> Answer | None:
+        if not text or text in self._mapping.missing:
+            return None
+        value = number(text, self._table.reading.decimal or ".")
+        if value is None:
+            raise self._table.fault(f"{text!r} is no number, as scores are", row, column)
+        found = on_scale(value, scale, kind)
+        if found is None and kind == "other":
+            raise self._table.fault(f"{text} is larger than any score, {MOST:,.0f}", row, column)
+        if found is None:
+            unit = 1 if kind == "raw_sum" else scale.weight
+            highest = float(scale.high) if kind == "score" else float(scale.high / scale.unit)
+            message = f"{text} is no {kind} of {scale.title}, which are multiples of {unit:g} up to"
+            hint = f'{highest:g}; kind = "other" takes scores of another formula as they are'
+            raise self._table.fault(f"{message} {hint}", row, column)
+        return found
+
+    def _require_unanswered(
+        self, sheet: Sheet, item: str, moment: Moment, row: int, column: int
+    ) -> None:
+        if item in sheet.answers:
+            message = f"{item} is answered a second time by {moment.words}; first in"
+            hint = "a trial or session tells repetitions apart (or trial = { count = true })"
+            raise self._table.fault(f"{message} {sheet.place}; {hint}", row, column)
+
+    def _covariates(self, participant: str, cells: tuple[str, ...], row: int) -> None:
+        if not participant:
+            columns = self._columns.facts.get("participant")
+            message = "there is no participant; name the row under leave_out if it is nobody's"
+            raise self._table.fault(message, row, columns[0] if columns else None)
+        known = self._imported.participants.setdefault(participant, {})
+        for name, column in self._columns.participants.items():
+            text = "" if cells[column] in self._mapping.missing else cells[column]
+            if text and known.get(name) and known[name] != text:
+                message = f"{name} of {participant} is {known[name]!r} elsewhere, {text!r} here"
+                raise self._table.fault(f"{message}; a participant has one", row, column)
+            if name == "status" and text not in {"", *STATUSES}:
+                message = f"{text!r} is no status; there are {', '.join(STATUSES)}"
+                raise self._table.fault(message, row, column)
+            known[name] = text or known.get(name, "")
+
+    def _note(self) -> None:
+        notes = [*self._table.notes]
+        name = self._table.name
+        if self._left_out:
+            notes.append(f"{name}: {self._left_out} rows were left out, as the mapping says")
+        for timepoint, count in self._blank.items():
+            what = "questionnaire has" if count == 1 else "questionnaires have"
+            notes.append(f"{name}: {count} {what} no answer at all at {timepoint}; none was made")
+        for text, count in self._elsewhere.items():
+            notes.append(
+                f"{name}: {count} rows with {text!r} are in no questionnaire of the mapping"
+            )
+        notes += self._rows_of_no_item()
+        self._imported.notes += notes
+
+    def _rows_of_no_item(self) -> Iterator[str]:
+        """Yield notes on rows of unknown items.
+
+        Raises
+        ------
+        InputError
+            If the text is almost one: it is misspelt, and would be dropped.
+        """
+        known = {plain(text): text for block in self._all_blocks for text in block.words}
+        for text, cells in self._unknown_items.items():
+            if plain(text) in known:
+                continue  # of another questionnaire
+            if near := get_close_matches(plain(text), known, n=1, cutoff=ALMOST):
+                message = f"{text!r} is no item; is it {known[near[0]]!r}? Give it under items, or"
+                raise self._table.fault(f"{message} under leave_out, in the mapping", *cells[0])
+            what = f"{len(cells)} rows of {text!r} were left out"
+            yield f"{self._table.name}: {what}: no item of that name"
+
+
+def _item_text(block: Block, cells: tuple[str, ...]) -> str:
+    return "" if block.item_column is None else cells[block.item_column]
 
 
 def import_files(
-    files: Sequence[Path], mapping: Mapping, own: Sequence[Instrument] = ()
+    files: Sequence[Path], mapping: LabMapping, own: Sequence[Instrument] = ()
 ) -> Imported:
     """Read files as a mapping says.
 
@@ -87,7 +479,7 @@ def _sheets(file: Path, table: Table) -> list[SourceTable]:
     return [as_table(grid) for grid in kept]
 
 
-def _require_sheets(file: Path, mapping: Mapping, taken: Sequence[str]) -> None:
+def _require_sheets(file: Path, mapping: LabMapping, taken: Sequence[str]) -> None:
     """Raise `InputError` where a sheet of a workbook is left out without a word."""
     if file.suffix.lower() not in {".xlsx", ".xlsm"}:
         return

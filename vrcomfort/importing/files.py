@@ -10,9 +10,8 @@ from pathlib import Path
 
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import InputError
-from vrcomfort.importing.json_files import read_json_table
 from vrcomfort.importing.source import Grid, Reading, SourceTable, require_room, unique
-from vrcomfort.importing.text_files import read_text_table
+from vrcomfort.importing.text_files import read_json_table, read_text_table
 from vrcomfort.importing.workbooks import read_workbook
 
 JOIN = " / "

@@ -193,7 +193,7 @@ class Doubt(Settings):
     """Written by a person; the mapping is refused until there is one."""
 
 
-class Mapping(Settings):
+class LabMapping(Settings):
     """What the files of a study mean."""
 
     format_version: Literal[1]
@@ -220,7 +220,7 @@ class Mapping(Settings):
 class MappingFile:
     """A mapping, the text that it was read from, and the instruments that it brings."""
 
-    mapping: Mapping
+    mapping: LabMapping
     file: Path
     text: str
     instruments: tuple[Instrument, ...] = ()
@@ -252,7 +252,7 @@ def load_mapping(file: Path) -> MappingFile:
     return MappingFile(mapping, file, text, own)
 
 
-def parse_mapping(text: str, file: Path | None) -> Mapping:
+def parse_mapping(text: str, file: Path | None) -> LabMapping:
     """Read the text of a mapping, whose doubts may be open.
 
     Raises
@@ -260,14 +260,14 @@ def parse_mapping(text: str, file: Path | None) -> Mapping:
     InputError
         If it is wrong, with line and column.
     """
-    mapping = parse_settings(Mapping, text, file)
+    mapping = parse_settings(LabMapping, text, file)
     mapping._text, mapping._file = text, file
     mapping.require_none(_problems(mapping))
     mapping.require_none(_unknown(mapping, dict(shipped_instruments())))
     return mapping
 
 
-def _unknown(mapping: Mapping, known: dict[str, Instrument]) -> Iterator[Problem]:
+def _unknown(mapping: LabMapping, known: dict[str, Instrument]) -> Iterator[Problem]:
     """Yield items and scales that the instruments among `known` do not have."""
     for place, table in enumerate(mapping.tables):
         for index, each in enumerate(table.questionnaires):
@@ -298,7 +298,7 @@ def _unknown_items(each: Questionnaire, instrument: Instrument, path: KeyPath) -
                 yield Problem((*path, key, index if key == "not_asked" else item), message)
 
 
-def _problems(mapping: Mapping) -> Iterator[Problem]:
+def _problems(mapping: LabMapping) -> Iterator[Problem]:
     """Yield what the types cannot say."""
     for place, table in enumerate(mapping.tables):
         here: tuple[str | int, ...] = ("tables", place)

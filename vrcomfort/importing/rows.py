@@ -1,12 +1,31 @@
-"""What an import makes of a lab's files, before it is written."""
+"""The content of an import, before it is written."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from vrcomfort.questionnaire import Answer, Instrument
+from vrcomfort.questionnaire import Answer, Instrument, plain
+
+
+def alike(names: Iterable[str]) -> list[list[str]]:
+    """Return groups of names that differ in case, spaces, signs or leading zeros alone."""
+    groups: dict[str, list[str]] = defaultdict(list)
+    for name in names:
+        groups[re.sub(r"(?<!\d)0+(?=\d)", "", plain(name))].append(name)
+    return [group for group in groups.values() if len(group) > 1]
+
+
+def suspects(names: Iterable[str]) -> list[str]:
+    """Return a sentence for each group of names that may be one participant."""
+    return [
+        f"participants {', '.join(map(repr, group))} may be one person; they are kept apart "
+        "(participant values in the mapping make them one)"
+        for group in alike(names)
+    ]
 
 
 class Moment(NamedTuple):

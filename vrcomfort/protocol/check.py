@@ -25,7 +25,7 @@ from vrcomfort.settings.reading import did_you_mean
 
 
 def view_problems(protocol: Protocol, shipped: list[str]) -> Iterator[Problem]:
-    """Yield what is wrong with views by themselves; their scenes are looked at elsewhere."""
+    """Yield faults of views by themselves; their scenes are checked elsewhere."""
     yield from repeated(("views",), [view.name for view in protocol.views])
     for index, view in enumerate(protocol.views):
         path: KeyPath = ("views", index)
@@ -54,7 +54,7 @@ def too_short(protocol: Protocol, view: SceneView, duration_s: float) -> str:
 
 
 def problems(protocol: Protocol) -> Iterator[Problem]:
-    """Yield every fault of a protocol whose types are right."""
+    """Yield every fault of a protocol that pydantic has accepted."""
     yield from reserved(("name",), protocol.name)
     if not protocol.conditions:
         message = "there is nothing to show; add a [[conditions]] table, or [[factors]]"

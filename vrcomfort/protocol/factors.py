@@ -15,7 +15,7 @@ MOST_CONDITIONS = 64
 
 
 class LevelName(Settings):
-    """What a level is called."""
+    """A level's name and label."""
 
     name: Name
     """Part of the names of conditions."""
@@ -24,11 +24,11 @@ class LevelName(Settings):
 
 
 class FactorLevel(ConditionSettings, LevelName):
-    """A level of a factor: what it sets of a condition, and nothing else."""
+    """A level of a factor: the settings of a condition that it changes."""
 
 
 class Factor(Settings):
-    """A within-subject factor, whose levels are crossed with those of the others."""
+    """A within-subject factor; its levels are crossed with those of the others."""
 
     name: Word
     """What conditions' `levels` and `max_run` call it."""

@@ -1,4 +1,4 @@
-"""Loads a protocol: its file, what it includes, its instruments and its tasks."""
+"""Loads a protocol: its file with all includes, its instruments and its tasks."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ MOST_LETTERS, MOST_OF_INSTRUCTION = 200, 110
 
 
 def find_instruments(protocol: Protocol) -> tuple[dict[str, Instrument], list[Problem]]:
-    """Return what the protocol calls an instrument → that instrument, and what is not found."""
+    """Return the instruments by their names in the protocol, and faults of missing ones."""
     beside = protocol.file.parent if protocol.file else None
     found: dict[str, Instrument] = {}
     faults: list[Problem] = []
@@ -66,7 +66,7 @@ def _named_instruments(protocol: Protocol) -> Iterator[tuple[KeyPath, str]]:
 
 
 def missing_wording(protocol: Protocol) -> Iterator[InputError]:
-    """Yield instruments whose items have no wording in a language in which people are asked.
+    """Yield instruments with items that lack a wording in one of the study's languages.
 
     Simulated participants answer them all the same.
     """
@@ -96,7 +96,7 @@ def _unworded(form: Instrument, languages: tuple[str, ...]) -> str:
 def instrument_problems(
     protocol: Protocol, instruments: Mapping[str, Instrument]
 ) -> Iterator[Problem]:
-    """Yield what keeps the instruments that were found from being asked."""
+    """Yield faults of found instruments that cannot be asked."""
     more = protocol.sliders or protocol.adjustments or protocol.free_texts
     if not (protocol.questionnaires or protocol.ratings or protocol.tasks or more):
         message = (
@@ -274,7 +274,17 @@ def _named_tasks(protocol: Protocol) -> Iterator[tuple[KeyPath, str | None]]:
 
 
 def load_protocol(name_or_path: str | Path) -> Protocol:
-    """Read a protocol: a file, or the name of a shipped one such as ``carnegie_2015``.
+    """Read a protocol: a file, or a shipped one.
+
+    Parameters
+    ----------
+    name_or_path : str or Path
+        A TOML file, or the name of a shipped protocol such as ``"carnegie_2015"``.
+
+    Returns
+    -------
+    Protocol
+        The validated protocol; ``protocol.condition("dof_on")`` is one of its conditions.
 
     Raises
     ------
@@ -315,7 +325,7 @@ def parse_protocol(text: str, *, file: Path | None = None) -> Protocol:
 
 
 def _with_crossed_factors(protocol: Protocol, source: Source) -> Protocol:
-    """Return a protocol whose conditions are the combinations of its factors' levels."""
+    """Return a protocol with the combinations of its factors' levels as conditions."""
     if not protocol.factors:
         return protocol
     found = list(factor_problems(protocol.factors))

@@ -1,20 +1,21 @@
 """Questionnaires: what is asked, how it is read from files, how it is scored."""
 
 from vrcomfort.questionnaire.answers import Answer, Answers
-from vrcomfort.questionnaire.found import asked_in, guess, guess_for_file
 from vrcomfort.questionnaire.instrument_file import parse_instrument, read_instrument, short_form
 from vrcomfort.questionnaire.instruments import Instrument, Item, plain
 from vrcomfort.questionnaire.library import (
     FOLDER,
+    asked_in,
     find_instrument,
+    guess,
+    guess_for_file,
     instruments_in,
     shipped_instruments,
     usual_instruments,
 )
 from vrcomfort.questionnaire.scales import Scale
-from vrcomfort.questionnaire.scoring import Score, score, score_all, score_file
-from vrcomfort.questionnaire.suspects import never_zero
-from vrcomfort.questionnaire.tables import Sheet, read_long, read_sheets
+from vrcomfort.questionnaire.scoring import Score, score, score_all, score_file, score_sheets
+from vrcomfort.questionnaire.tables import Sheet, never_zero, read_long, read_sheets
 
 __all__ = [
     "FOLDER",
@@ -39,6 +40,7 @@ __all__ = [
     "score",
     "score_all",
     "score_file",
+    "score_sheets",
     "shipped_instruments",
     "short_form",
     "usual_instruments",

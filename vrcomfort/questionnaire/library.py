@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
+from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire.instrument_file import read_instrument
 from vrcomfort.questionnaire.instruments import Instrument
@@ -100,3 +102,81 @@ def instruments_in(folders: Iterable[Path]) -> dict[str, Instrument]:
                 message = f"another instrument is called `{own.name}` too; rename one of them"
                 raise InputError(message, file=file)
     return found
+
+
+def asked_in(tables: Iterable[CsvTable], known: Mapping[str, Instrument]) -> dict[str, float]:
+    """Return the name of each instrument → about how many of its questionnaires there are.
+
+    Those after exposures come first, and before those the more frequent ones. Rows that name no
+    instrument are of the one whose items they have, if there is one. A name that is not known
+    stands there with its number of rows.
+    """
+    counts: Counter[tuple[str, bool]] = Counter()
+    nameless: set[str] = set()
+    for table in tables:
+        names = _column(table, "instrument")
+        exposed = [bool(cell.strip()) for cell in _column(table, "condition")]
+        items = _column(table, "item")
+        lower = {name: name.strip().lower() for name in set(names)}
+        counts.update(zip(map(lower.__getitem__, names), exposed, strict=True))
+        if "" in lower.values():
+            nameless |= {i for i, name in zip(items, names, strict=True) if not name.strip()}
+    guessed = guess(sorted(nameless), known)
+    totals: dict[str, list[float]] = {}
+    for (name, after_exposure), rows in counts.items():
+        found = name or (guessed.name if guessed else "")
+        size = len(known[found].asked) if found in known else 1
+        total = totals.setdefault(found, [0.0, 0.0])
+        total[0] += after_exposure * rows / size
+        total[1] += rows / size
+    order = sorted(totals, key=lambda name: totals[name], reverse=True)
+    return {name: totals[name][1] for name in order if name}
+
+
+def guess(headings: Sequence[str], known: Mapping[str, Instrument]) -> Instrument | None:
+    """Return the instrument that knows most of the headings and lacks the fewest; None if two do.
+
+    A variant of another is never guessed: its answers would say something else.
+    """
+    fits: dict[tuple[int, int], list[Instrument]] = {}
+    for instrument in known.values():
+        found = {item.name for item in map(instrument.item, headings) if item is not None}
+        if found and not instrument.variant_of:
+            lacking = sum(item.name not in found for item in instrument.asked)
+            fits.setdefault((len(found), -lacking), []).append(instrument)
+    best = fits[max(fits)] if fits else []
+    return best[0] if len(best) == 1 else None
+
+
+def guess_for_file(file: Path) -> Instrument:
+    """Return the shipped instrument that a wide or a long CSV file holds.
+
+    Raises
+    ------
+    InputError
+        If the file holds none, or several.
+    """
+    table = CsvTable.read(file)
+    if not table.header:
+        raise InputError("there is nothing in this file", file=file)
+    known = shipped_instruments()
+    headings = {heading.lower() for heading in table.header}
+    if {"item", "response"} <= headings:
+        names = list(asked_in([table], known))
+    else:
+        found = guess(table.header, known)
+        names = [found.name] if found else []
+    if len(names) == 1 and names[0] in known:
+        return known[names[0]]
+    what = "holds answers to " + " and ".join(names) if names else "has the items of no instrument"
+    hint = f"give --instrument NAME ({', '.join(known)}), or the file of your own"
+    hint += "; for other layouts there is `vrcomfort import FILE --suggest`"
+    raise InputError(f"this {what}; {hint}", file=file)
+
+
+def _column(table: CsvTable, name: str) -> list[str]:
+    headings = [heading.lower() for heading in table.header]
+    if name not in headings:
+        return [""] * len(table.rows)
+    place = headings.index(name)
+    return [cells[place] for cells in table.rows]

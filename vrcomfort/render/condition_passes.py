@@ -91,7 +91,7 @@ class ConditionPasses:
         self._size_px = size_px
         planned = plan_passes(scene, condition)
         self.names = tuple(item.name for item in planned if item.needed)
-        kinds = [kind for kind in in_order(condition) if kind.name in self.names]
+        registered = [each for each in in_order(condition) if each.name in self.names]
         blur = condition.depth_of_field if "depth_of_field" in self.names else None
         self._views = blur.views if blur is not None else 1
         self.scene = ScenePass(
@@ -104,7 +104,7 @@ class ConditionPasses:
             background=condition if "background_blur" in self.names else None,
         )
         self.focus: FocusPass | None = None
-        if any("focus" in kind.reads for kind in kinds):
+        if any("focus" in each.reads for each in registered):
             along_ray = blur is not None and blur.distance_along == "ray"
             self.focus = make_focus_pass(
                 ctx, self.scene.gpu, condition.focus, near_m=near_m, along_ray=along_ray
@@ -128,34 +128,34 @@ class ConditionPasses:
         """Drawn once."""
         self._depth_of_field: EffectPass | None = None
         self._named: dict[str, Renderable] = {}
-        for kind in kinds:
-            self._add(kind, condition)
+        for each in registered:
+            self._add(each, condition)
         exposure = scene.environment.exposure
         self.tone_maps = tuple(
             ToneMapPass(ctx, radiance=self.colour, size_px=size_px, exposure=exposure)
             for _ in range(eyes)
         )
 
-    def _add(self, kind: RegisteredEffect, condition: Condition) -> None:
+    def _add(self, registered: RegisteredEffect, condition: Condition) -> None:
         focus = self.focus.texture if self.focus is not None else None
         made = {"focus": focus, "velocity": self.scene.velocity}
-        effect = kind.build(
+        effect = registered.build(
             EffectInputs(
                 self._ctx,
                 condition,
-                getattr(condition, kind.name),
+                getattr(condition, registered.name),
                 self._size_px,
                 self.colour,
                 self.scene.depth,
                 self.scene.resolve if self.colour is self.scene.colour else None,
-                {name: texture for name in kind.reads if (texture := made[name]) is not None},
+                {name: texture for name in registered.reads if (texture := made[name]) is not None},
             )
         )
         if effect is not None:
             self._of_eye.append(effect)
-            self._named[kind.name] = effect
+            self._named[registered.name] = effect
             self.colour = effect.target
-        if kind.name == "depth_of_field":
+        if registered.name == "depth_of_field":
             self._depth_of_field = effect
             self._add_lens_views(condition)
 

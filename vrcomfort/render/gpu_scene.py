@@ -1,9 +1,9 @@
-"""A scene on the GPU: one vertex buffer, one index buffer, one multi-draw per kind of surface.
+"""A scene on the GPU: one vertex buffer, one index buffer, one multi-draw per state.
 
-Per frame Python does not loop over things but over kinds of surfaces: which things are seen, at
+Per frame Python does not loop over instances but over OpenGL states: which instances are seen, at
 which level of detail and in which order is decided by array operations on `DrawList`, for both eyes
 at once, and the GPU gets one row (a 3 × 4 matrix and a few numbers) and one indirect command per
-thing. Textures and materials are bound once.
+instance. Textures and materials are bound once.
 """
 
 from __future__ import annotations
@@ -75,6 +75,7 @@ class _Layer(NamedTuple):
     triangles: int
 
 
+# Bits of a layer's number: blended (1), foreground (2).
 _LAYERS, _OF_FOREGROUND = 4, 2
 """Opaque, blended; then those of the foreground."""
 
@@ -89,7 +90,8 @@ class GpuScene:
     foreground
         (nodes,) which are drawn apart from the others; none without it.
 
-    Call `update` once per frame, then `see` once for all eyes and `draw` for each; or `draw_depth`.
+    Call `update` once per frame, then `cull` once for all eyes and `draw` for each; or
+    `draw_depth`.
     """
 
     def __init__(
@@ -113,10 +115,10 @@ class GpuScene:
         joints = scene.all_skins.count
         self._joints = JointBuffer(ctx, joints) if joints else None
         factory = self._factory(defines or {})
-        self._surfaces = [factory.color(key) for key in table.keys]
-        self._depth_surfaces = [factory.depth(key) for key in table.depth_keys]
-        self._semantic_surfaces: list[BatchState] | None = None
-        self._semantic = partial(_semantic_surfaces, factory, table)
+        self._color_states = [factory.color(key) for key in table.keys]
+        self._depth_states = [factory.depth(key) for key in table.depth_keys]
+        self._semantic_states: list[BatchState] | None = None
+        self._semantic = partial(_semantic_states, factory, table)
         self.has_blended = bool(table.blended.any())
         self._foreground = None if foreground is None else foreground[table.node]
         self._triangles_of_row = table.commands["index_count"].astype(np.int64) // 3
@@ -173,7 +175,7 @@ class GpuScene:
         """Return whether anything in the scene moves by itself (not with the head)."""
         return self._rows.moves
 
-    def see(self, views: Sequence[ViewFrustum]) -> None:
+    def cull(self, views: Sequence[ViewFrustum]) -> None:
         """Cull and order the instances of several views, all at once.
 
         Opaque and masked surfaces are drawn front to back, blended ones back to front.
@@ -187,18 +189,19 @@ class GpuScene:
         layer = view * _LAYERS + self._list.blended[row]
         if self._foreground is not None:
             layer += _OF_FOREGROUND * self._foreground[row]
-        run = layer * len(self._surfaces) + self._list.key[row]
+        # One number for layer and state: equal numbers in a row are one multi-draw.
+        run = layer * len(self._color_states) + self._list.key[row]
         self._rows.write(self._color_rows, row, origins[view])
         triangles = np.bincount(layer, self._triangles_of_row[row], minlength=_LAYERS * len(views))
         self._layers = [_Layer([], int(count)) for count in triangles]
         for batch in batches(run):
-            number, key = divmod(batch.key, len(self._surfaces))
+            number, key = divmod(batch.key, len(self._color_states))
             self._layers[number].batches.append(Batch(key, batch.first, batch.length))
 
     def _order(self, seen: Rows) -> Rows:
         """Order places in `SceneRows.in_use` by their distance from the head: alike in both eyes.
 
-        Blended things come last, and from back to front; what is in the foreground comes after
+        Blended instances come last, and from back to front; what is in the foreground comes after
         what is not.
         """
         rows, distance = self._rows.in_use[seen], self._rows.distance_m[seen]
@@ -214,7 +217,7 @@ class GpuScene:
         return np.concatenate([order[~blended], over[back_to_front]])
 
     def draw(self, view: int, *, blended: bool, foreground: bool = False) -> int:
-        """Draw a view of the last `see`, and return the number of triangles.
+        """Draw a view of the last `cull`, and return the number of triangles.
 
         Parameters
         ----------
@@ -225,7 +228,7 @@ class GpuScene:
         """
         layer = self._layers[_LAYERS * view + _OF_FOREGROUND * foreground + blended]
         self._begin()
-        self._drawer.draw(layer.batches, self._surfaces, self._color_rows.commands)
+        self._drawer.draw(layer.batches, self._color_states, self._color_rows.commands)
         self.draws += len(layer.batches)
         return layer.triangles
 
@@ -260,16 +263,16 @@ class GpuScene:
             else self._seen_from(planes, origin_m)
         )
         return self._draw_depth_rows(
-            rows, clip_from_relative, origin_m, self._depth_surfaces, cull=not shadow
+            rows, clip_from_relative, origin_m, self._depth_states, cull=not shadow
         )
 
     def draw_semantic(self, clip_from_relative: Array, origin_m: Array) -> int:
         """Draw depth as `draw_depth` does and, as colour, semantic weights."""
-        if self._semantic_surfaces is None:
-            self._semantic_surfaces = self._semantic()
+        if self._semantic_states is None:
+            self._semantic_states = self._semantic()
         rows = self._seen_from(culling.planes(clip_from_relative), origin_m)
         return self._draw_depth_rows(
-            rows, clip_from_relative, origin_m, self._semantic_surfaces, cull=True
+            rows, clip_from_relative, origin_m, self._semantic_states, cull=True
         )
 
     def draw_node_numbers(self, clip_from_relative: Array, origin_m: Array) -> int:
@@ -277,14 +280,14 @@ class GpuScene:
 
         Numbers count from 1, in the order of `Scene.nodes`.
         """
-        if self._semantic_surfaces is None:
-            self._semantic_surfaces = self._semantic()
+        if self._semantic_states is None:
+            self._semantic_states = self._semantic()
         rows = self._seen_from(culling.planes(clip_from_relative), origin_m)
         return self._draw_depth_rows(
             rows,
             clip_from_relative,
             origin_m,
-            self._semantic_surfaces,
+            self._semantic_states,
             cull=True,
             numbered=True,
         )
@@ -299,7 +302,7 @@ class GpuScene:
         rows: Rows,
         clip_from_relative: Array,
         origin_m: Array,
-        surfaces: list[BatchState],
+        states: list[BatchState],
         *,
         cull: bool,
         numbered: bool = False,
@@ -313,7 +316,7 @@ class GpuScene:
         self._clips.bind(0)
         drawn = batches(key[order])
         self._begin()
-        self._drawer.draw(drawn, surfaces, self._depth_rows.commands, cull=cull)
+        self._drawer.draw(drawn, states, self._depth_rows.commands, cull=cull)
         self.draws += len(drawn)
         return self._triangles(rows)
 
@@ -335,19 +338,19 @@ class GpuScene:
             seen &= ~self._list.blended[self._rows.in_use]
         view, place = seen.nonzero()
         row = self._rows.in_use[place]
-        key = self._list.depth_key[row] + view * len(self._depth_surfaces)
+        key = self._list.depth_key[row] + view * len(self._depth_states)
         order = np.argsort(key, kind="stable")
         self._rows.write(self._depth_rows, row[order], origin_m)
         self._clips.write(clips_from_relative)
         views: dict[int, list[Batch]] = {}
         for batch in batches(key[order]):
-            number, surface = divmod(batch.key, len(self._depth_surfaces))
-            views.setdefault(number, []).append(Batch(surface, batch.first, batch.length))
+            number, state = divmod(batch.key, len(self._depth_states))
+            views.setdefault(number, []).append(Batch(state, batch.first, batch.length))
         self._begin()
         for number, of_view in views.items():
             begin_view(number)
             self._clips.bind(number)
-            self._drawer.draw(of_view, self._depth_surfaces, self._depth_rows.commands)
+            self._drawer.draw(of_view, self._depth_states, self._depth_rows.commands)
             self.draws += len(of_view)
         return self._triangles(row)
 
@@ -361,7 +364,7 @@ class GpuScene:
         return int(self._triangles_of_row[rows].sum())
 
 
-def _semantic_surfaces(factory: BatchStateFactory, table: DrawList) -> list[BatchState]:
+def _semantic_states(factory: BatchStateFactory, table: DrawList) -> list[BatchState]:
     return [factory.semantic(key) for key in table.depth_keys]
 
 
@@ -402,7 +405,7 @@ class BatchDrawer:
     def draw(
         self,
         batches: Sequence[Batch],
-        surfaces: Sequence[BatchState],
+        states: Sequence[BatchState],
         commands: moderngl.Buffer,
         *,
         cull: bool = True,
@@ -411,23 +414,23 @@ class BatchDrawer:
 
         Parameters
         ----------
-        surfaces
-            What the keys of batches number.
+        states
+            Numbered by the keys of batches.
         cull
             Whether back faces of one-sided surfaces are left out.
         """
         covers = False
         for batch in batches:
-            surface = surfaces[batch.key]
-            if surface.block is not None and surface.block != self._block:
-                self._block = surface.block
-                self._materials.bind(surface.block)
-            self._cull(surface.faces if cull else None)
-            if surface.covers != covers:
-                covers = surface.covers
+            state = states[batch.key]
+            if state.block is not None and state.block != self._block:
+                self._block = state.block
+                self._materials.bind(state.block)
+            self._cull(state.faces if cull else None)
+            if state.covers != covers:
+                covers = state.covers
                 toggle = self._ctx.enable_direct if covers else self._ctx.disable_direct
                 toggle(_ALPHA_TO_COVERAGE)
-            surface.array.render_indirect(commands, count=batch.length, first=batch.first)
+            state.array.render_indirect(commands, count=batch.length, first=batch.first)
         if covers:
             self._ctx.disable_direct(_ALPHA_TO_COVERAGE)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +58,7 @@ class Light:
         self._shadow_from_relative = block["shadow_from_relative"]
         self._bias = block["shadow_bias"]
 
-    def look_from(self, eye_m: Array, shadow: Shadow | None) -> None:
+    def look_from(self, eye_m: Array, shadow: ShadowUniforms | None) -> None:
         """Write positions relative to an eye.
 
         Parameters
@@ -70,18 +70,18 @@ class Light:
         """
         np.subtract(self._world_m, eye_m, out=self._lamps, casting="same_kind")
         if shadow is not None:
-            self._shadow_from_relative[...] = relative_to(shadow.shadow_from_world, eye_m).T
+            self._shadow_from_relative[...] = relative_to(shadow.from_world, eye_m).T
             self._bias[...] = shadow.bias
 
 
-class Shadow(Protocol):
+class ShadowUniforms(NamedTuple):
     """Shadow map as the block of light reads it.
 
-    `shadow_from_world` is (4, 4) to its texture coordinates and depth; `bias` (4,) is
-    ``shadow_bias`` of light.glsl.
+    `from_world` is (4, 4) to its texture coordinates and depth; `bias` (4,) is ``shadow_bias`` of
+    light.glsl.
     """
 
-    shadow_from_world: Array
+    from_world: Array
     bias: Array
 
 

@@ -24,10 +24,10 @@ Features: TypeAlias = tuple[str, ...]
 """Defines of ``scene.frag``."""
 
 BLOCK_BYTES = 16384
-"""Every driver has uniform blocks of this size."""
+"""Every driver has uniform blocks of this size (least GL_MAX_UNIFORM_BLOCK_SIZE)."""
 
 MOST_LAYERS = 2048
-"""Every driver has so many in a texture array."""
+"""Every driver has as many layers in a texture array (least GL_MAX_ARRAY_TEXTURE_LAYERS)."""
 
 
 class Slot(NamedTuple):
@@ -236,13 +236,13 @@ ANISOTROPY = 8.0
 """Samples along the steep axis of a slanted surface, at most, where the hardware does it."""
 
 SHADOW_UNIT = 32
-"""What a scene reads lies on units that no other pass binds anything to: it is bound once a frame.
-Below are those of passes (OpenGL 4.5 promises 16 to each shader) and moderngl's own, the 32nd at
-most."""
+"""Textures of the scene lie on units that no other pass binds anything to: they are bound once a
+frame. Below are those of passes (OpenGL 4.5 promises 16 to each shader) and moderngl's own, the
+32nd at most."""
 
 FIRST_UNIT = SHADOW_UNIT + 1
 UNITS = 96
-"""OpenGL 4.5 promises so many in all."""
+"""Least GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS of OpenGL 4.5."""
 
 
 class TextureStore:
@@ -298,12 +298,12 @@ MakeVertexArray = Callable[[moderngl.Program], moderngl.VertexArray]
 
 @dataclass(frozen=True, eq=False)
 class BatchState:
-    """One batch's state."""
+    """OpenGL state of a batch: vertex array with its program, block of materials, culling."""
 
     array: moderngl.VertexArray
     block: int | None
     faces: str | None
-    """Which way round front faces go; None where both sides are seen."""
+    """Winding of front faces (mirrored instances turn it round); None where both sides are seen."""
     covers: bool
     """Whether alpha says how many samples of a pixel are covered."""
 
@@ -325,7 +325,7 @@ class MaterialBuffer:
 
 
 class BatchStateFactory:
-    """Makes the surfaces of a scene; equal variants share a program and a vertex array."""
+    """Makes the states of a scene's batches; equal variants share a program and a vertex array."""
 
     def __init__(
         self,

@@ -21,7 +21,8 @@ import numpy as np
 
 from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash
 from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
-from vrcomfort.gpu import gl, memory
+from vrcomfort.gpu import gl
+from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
 from vrcomfort.optics.focus import Centre
 from vrcomfort.protocol.conditions import Condition
@@ -192,7 +193,7 @@ class StereoRenderer:
         self._scene = scene
         self._has_hands = scene.has_hands
         self._condition = condition
-        account = memory.account(self.ctx)
+        account = gpu_memory.account(self.ctx)
         first = account.mark()
         self._passes = ConditionPasses(
             self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m,
@@ -203,10 +204,10 @@ class StereoRenderer:
             self._patch = PatchPainter(self.ctx, self._photodiode, images)
         self._allocated = first, account.mark()
 
-    def memory(self) -> tuple[memory.GpuAllocation, ...]:
+    def memory(self) -> tuple[gpu_memory.GpuAllocation, ...]:
         """Return the textures and buffers of the present condition and scene."""
         self._built()
-        return memory.account(self.ctx).between(*self._allocated)
+        return gpu_memory.account(self.ctx).between(*self._allocated)
 
     def plan(self) -> list[PlannedPass]:
         """Return the passes of the present condition and scene, with reasons."""

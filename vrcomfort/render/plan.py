@@ -10,6 +10,7 @@ from vrcomfort.render.effects import motion_blur, relocation_blur, speed_blur, v
 from vrcomfort.render.effects.depth_of_field import effect
 from vrcomfort.render.effects.effect import RegisteredEffect
 from vrcomfort.render.focus.rules import RULES
+from vrcomfort.render.lighting import has_sun
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
@@ -40,7 +41,7 @@ def plan_passes(scene: Scene, condition: Condition) -> list[PlannedPass]:
         PlannedPass("scene", True, "always: colour and depth of both eyes"),
         plan_velocity(scene, condition),
         background_blur.plan(scene, condition),
-        *(kind.plan(scene, condition) for kind in in_order(condition)),
+        *(effect.plan(scene, condition) for effect in in_order(condition)),
         PlannedPass("tone_map", True, "always: linear light to display values"),
     ]
 
@@ -53,15 +54,15 @@ def plan_effect(name: EffectName, scene: Scene, condition: Condition) -> Planned
 def _readers(texture: str, scene: Scene, condition: Condition) -> list[str]:
     """Return the effects that are there and read a texture."""
     return [
-        kind.name
-        for kind in in_order(condition)
-        if texture in kind.reads and kind.plan(scene, condition).needed
+        effect.name
+        for effect in in_order(condition)
+        if texture in effect.reads and effect.plan(scene, condition).needed
     ]
 
 
 def plan_shadow(scene: Scene) -> PlannedPass:
     """Plan the sun's shadow map."""
-    needed = any(value > 0 for value in scene.environment.sun_irradiance)
+    needed = has_sun(scene.environment)
     return PlannedPass(
         "shadow", needed, "the scene has a sun" if needed else "the scene has no sun"
     )

@@ -6,8 +6,8 @@ an eye share.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -136,7 +136,7 @@ class ScenePass:
             self._shadow.render(time_s, head)
             self._shadow_triangles = self._shadow.triangles
         if eyes:
-            self.gpu.see([_viewpoint(eye) for eye in eyes])
+            self.gpu.cull([_viewpoint(eye) for eye in eyes])
 
     def render(
         self,
@@ -181,7 +181,7 @@ class ScenePass:
         self._targets.begin()
         self.triangles = self._draw_opaque(view)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
-        self._ctx.depth_func = ">="
+        self._ctx.depth_func = ">="  # the sky lies at infinity: depth 0, as the clear value
         self._sky.draw()
         self.triangles += self._draw_blended(view)
         if self._background is not None:
@@ -371,7 +371,9 @@ class EyeBlocks:
             ).T
         if self._lens:
             self._write_lens(camera, camera.lens or PINHOLE)
-        self._light.look_from(camera.world_from_eye.position, shadow)
+        self._light.look_from(
+            camera.world_from_eye.position, None if shadow is None else shadow.uniforms
+        )
         self._buffer.orphan()  # what the other eye is being drawn with stays as it is
         self._buffer.write(self._bytes)
         if lens_focus is not None and camera.lens is not None:
@@ -395,23 +397,21 @@ class EyeBlocks:
         self._view["head_forward"] = (*forward, ahead_m + lens.distance_offset_m)
 
 
-class Radii(Protocol):
-    """The circle of confusion of each depth, which is written into the alpha of colour."""
+class Radii(NamedTuple):
+    """Inputs of ``include/coc_of_depth.glsl``, which gives each depth its circle of confusion.
 
-    @property
-    def inputs(self) -> dict[str, moderngl.Texture]:
-        """Return the textures that ``include/coc_of_depth.glsl`` needs."""
+    Parameters
+    ----------
+    constants
+        Uniforms that never change.
+    of_camera
+        Gives those of an eye.
+    """
 
-    @property
-    def defines(self) -> dict[str, Any]:
-        """Return its variant."""
-
-    @property
-    def constants(self) -> Uniforms:
-        """Return its uniforms that never change."""
-
-    def of_camera(self, camera: EyeCamera) -> Uniforms:
-        """Return those of an eye."""
+    inputs: dict[str, moderngl.Texture]
+    defines: dict[str, Any]
+    constants: Uniforms
+    of_camera: Callable[[EyeCamera], Uniforms]
 
 
 class Samples(NamedTuple):

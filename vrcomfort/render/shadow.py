@@ -16,7 +16,7 @@ import numpy as np
 from vrcomfort.geometry import Array, Pose, normalize
 from vrcomfort.gpu import gl
 from vrcomfort.render.gpu_scene import GpuScene
-from vrcomfort.render.lighting import relative_to
+from vrcomfort.render.lighting import ShadowUniforms, relative_to
 from vrcomfort.render.materials import SHADOW_UNIT
 from vrcomfort.render.scene_buffers import Movement
 
@@ -54,10 +54,12 @@ class ShadowMap:
         self._center: Array | None = None
         self._drawn_for: tuple[float, Pose] | None = None
         texel_m = 2 * radius_m / size_px
-        self.bias = np.array(
+        # The 3 × 3 tent of `sunlight` (scene.frag) reaches 1.5 texels. Lifted by as much along its
+        # normal, a surface cannot shade itself at any slant θ to the sun: d / cos θ ≥ d · tan θ.
+        self._bias = np.array(
             [1 / size_px, 1.5 * texel_m, 0.2 * texel_m / (2 * DEPTH_RANGE * radius_m), 0]
         )
-        self.shadow_from_world = np.eye(4)
+        self.uniforms = ShadowUniforms(np.eye(4), self._bias)
         self.triangles = 0
 
     def render(self, time_s: float, head: Pose) -> None:
@@ -97,7 +99,7 @@ class ShadowMap:
         self._clip_from_world = clip_from_world
         texture_from_clip = np.diag([0.5, 0.5, 1.0, 1.0])
         texture_from_clip[:2, 3] = 0.5
-        self.shadow_from_world = texture_from_clip @ clip_from_world
+        self.uniforms = ShadowUniforms(texture_from_clip @ clip_from_world, self._bias)
         self._origin_m = self._light_from_world.T @ center
 
     def _draw(self, target: _Map, *, clear: bool) -> None:

@@ -5,18 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Literal
 
 from vrcomfort.report.analyses import MethodsParagraph, methods_paragraphs
-from vrcomfort.report.courses.analysis import course_paragraphs
 from vrcomfort.report.descriptives import TIMEPOINT
-from vrcomfort.report.gaze_and_head.analysis import gaze_paragraphs
 from vrcomfort.report.references import is_known
+from vrcomfort.report.sections import section_paragraphs
 from vrcomfort.report.vocabulary import answers_in_words, short
 from vrcomfort.stats.means import RESAMPLES, SEED
 from vrcomfort.stats.ranks import fewest_for_interval
 from vrcomfort.stats.signed_rank import EXACT_UP_TO
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
+    from vrcomfort.report.sections import Section
     from vrcomfort.report.vocabulary import Vocabulary
 
 Results = dict[str, Any]
@@ -29,7 +29,9 @@ _SIDES = {
 }
 
 
-def methods(results: Results, words: Vocabulary, *, drawn: bool) -> list[MethodsParagraph]:
+def methods(
+    results: Results, words: Vocabulary, sections: Iterable[Section], *, drawn: bool
+) -> list[MethodsParagraph]:
     """Return the paragraphs on everything that this report holds; `drawn`: figures, too."""
     plan = results["plan"]
     made = any(not test["not_tested"] for test in results["tests"])
@@ -46,8 +48,7 @@ def methods(results: Results, words: Vocabulary, *, drawn: bool) -> list[Methods
             _anova(results, drawn=drawn),
             *methods_paragraphs(results, "models", "order"),
             _withdrawals(results),
-            *(MethodsParagraph(*paragraph) for paragraph in course_paragraphs(results)),
-            *(MethodsParagraph(*paragraph) for paragraph in gaze_paragraphs(results)),
+            *section_paragraphs(sections),
             _figures(results) if drawn else None,
             _answering(results),
             MethodsParagraph("Choices", plan["note"]) if plan["note"] else None,

@@ -11,11 +11,9 @@ from typing import Any
 import pandas as pd
 
 from vrcomfort.report.analyses import csv_tables
-from vrcomfort.report.courses import TimeCourseAnalysis
-from vrcomfort.report.courses.analysis import course_tables
 from vrcomfort.report.exposures import Exposures, column_of
-from vrcomfort.report.gaze_and_head import GazeAndHeadAnalysis
 from vrcomfort.report.rows import Cells
+from vrcomfort.report.sections import Section, section_tables
 
 Row = dict[str, Any]
 
@@ -26,9 +24,7 @@ so that one apostrophe can be taken off again, a text that begins with apostroph
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
 
 
-def all_tables(
-    results: Row, scored: Exposures, courses: TimeCourseAnalysis, looked: GazeAndHeadAnalysis
-) -> dict[str, str]:
+def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> dict[str, str]:
     """Return file name → CSV text."""
     columns = ["participant", "session", "position", "condition", "scene", "early"]
     weights = results["weights"]
@@ -57,7 +53,6 @@ def all_tables(
         "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
         "stimulus_time": results["stimulus_time"],
         "movement": results["movement"],
-        **_gaze_and_head(looked),
         "frame_measures": results["frame_measures"],
         "straight_lined": results["answering"]["straight_lined"],
         "withdrawals": results["withdrawals"]["list"],
@@ -74,7 +69,7 @@ def all_tables(
             row | {"participants": " ".join(row["participants"])} for row in results["deviations"]
         ],
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
-        **course_tables(results, courses),
+        **section_tables(sections),
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
 
@@ -123,16 +118,6 @@ def model_columns(results: Row, scored: Exposures) -> dict[str, list[Any]]:
 
 def _or_none(values: pd.Series) -> list[Any]:
     return [None if pd.isna(value) else value for value in values]
-
-
-def _gaze_and_head(looked: GazeAndHeadAnalysis) -> dict[str, list[Row]]:
-    return {
-        "gaze_and_head": looked.exposures,
-        "gaze_zones": looked.zones,
-        "gaze_nodes": looked.nodes,
-        "fixations": looked.fixations,
-        "head_spectra": looked.spectra,
-    }
 
 
 def _whole(value: float | None) -> int | None:

@@ -36,7 +36,7 @@ class TypedRating:
         self._until_s = -1.0
 
     def take(self, line: str, elapsed_s: float) -> str:
-        """Take a line; return what to say of one that is not recorded, else nothing."""
+        """Take a line; return a message on one that is not recorded, else nothing."""
         scale = self._instrument
         if scale is None:
             return f"{line!r} was not recorded: nothing was asked"
@@ -51,7 +51,7 @@ class TypedRating:
         return ""
 
     def too_late(self, line: str) -> str:
-        """Return what to say of a line that nobody waits for any more."""
+        """Return a message on a line that came too late."""
         return f"{line!r} came too late and was not recorded"
 
 
@@ -100,13 +100,13 @@ class TerminalRespondent:
         self._console.print(f"{_STOP}, at any time.")
 
     def start_exposure(self, exposure: Exposure) -> None:
-        """Say what is shown and how to stop it; the condition is not named: the room may hear."""
+        """Print the scene and how to stop it, without the condition: the room may hear."""
         self._rating = TypedRating()
         self._finish_asking_whether_to_stop()
         self._console.print(f"Exposure {exposure.trial}, {exposure.scene}. {_STOP}.")
 
     def update(self, elapsed_s: float) -> None:
-        """Take what was typed: a withdrawal, or the rating that was asked for.
+        """Take typed lines: a withdrawal, or the present rating.
 
         Raises
         ------
@@ -133,7 +133,7 @@ class TerminalRespondent:
         return self._rating.response
 
     def resting(self, left_s: float) -> bool:  # noqa: ARG002 - the bar shows it
-        """Take what is typed: a withdrawal."""
+        """Take typed lines: a withdrawal."""
         self._clear_typed()
         return False
 
@@ -155,7 +155,7 @@ class TerminalRespondent:
         *,
         may_go_on: bool,
     ) -> float | None:
-        """Print what is told, to be read aloud; Enter goes on.
+        """Print an instruction, to be read aloud; Enter goes on.
 
         Raises
         ------
@@ -183,7 +183,7 @@ class TerminalRespondent:
         return None if may_go_on and not line else _LOOKS_EVERY_S
 
     def leave(self) -> None:
-        """Wait for the answer to whether somebody wants to stop.
+        """Wait for the confirmation of a withdrawal.
 
         Raises
         ------
@@ -257,7 +257,7 @@ class TerminalRespondent:
         return Written("\n".join(lines), self._now_s() - since_s)
 
     def decide(self, question: str) -> bool:
-        """Ask the experimenter, who says yes or no."""
+        """Ask the experimenter a yes-or-no question."""
         self._finish_asking_whether_to_stop()
         self._clear_typed()
         while (line := self._read(f"{question} ({keyboard.YES}/{keyboard.NO}) ")) not in _YES_OR_NO:
@@ -295,7 +295,7 @@ class TerminalRespondent:
                 self._one(instrument, int(line) - 1, answers, heard)
 
     def _line(self, prompt: str) -> str:
-        """Return what is typed after a prompt; a wish to stop is asked once more."""
+        """Return the text typed after a prompt; a wish to stop is asked once more."""
         while True:
             line = self._read(prompt)
             if line != keyboard.STOP:

@@ -200,11 +200,6 @@ class OperatorControl:
         """Whether the clock of the step stands still."""
         return self._paused_at_s is not None
 
-    @property
-    def asked_to_withdraw(self) -> bool:
-        """Whether a withdrawal was asked for, and not yet whether it is meant."""
-        return self._leaving
-
     def attach(
         self,
         events: Events,

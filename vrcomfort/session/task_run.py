@@ -78,12 +78,12 @@ class TaskRun:
         return self._task.done and self.context.protocol.exposure_ends == "task"
 
     def demand(self, frame: Frame) -> Demand | None:
-        """Return what is to be done now."""
+        """Return the ideal action now."""
         del frame
         return self._task.demand()
 
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
-        """Take a frame before it is drawn: move the balls, and write what is over.
+        """Take a frame before it is drawn: move the balls, and write complete results.
 
         Parameters
         ----------
@@ -225,7 +225,7 @@ class _Thing:
         raise InputError(f"a task names `{name}`, which scene {called} does not have; {hint}")
 
     def __call__(self, time_s: float) -> Ball:
-        """Return the ball around the middle of what is drawn there."""
+        """Return the bounding sphere of a node's meshes."""
         low, high = node_box(self.scene, self.index, time_s)
         return Ball((low + high) / 2, float(np.linalg.norm(high - low)) / 2)
 
@@ -233,7 +233,7 @@ class _Thing:
 def task_random(
     seed: int, participant: str, session: int, trial: int, stream: int = _STREAM
 ) -> np.random.Generator:
-    """Return what a task draws from: the same at each attempt at a trial."""
+    """Return a task's random generator: the same at each attempt at a trial."""
     person = int.from_bytes(hashlib.sha256(participant.encode()).digest()[:4])
     key = (person, session, trial, stream)
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))

@@ -204,7 +204,7 @@ def _are_tables(value: Any) -> bool:
 
 
 def _copied(value: Any) -> Any:
-    """Return a value whose tables can be added to."""
+    """Return a value with tables that can be added to."""
     if isinstance(value, dict):
         return {key: _copied(each) for key, each in value.items()}
     return [_copied(each) for each in value] if isinstance(value, list) else value

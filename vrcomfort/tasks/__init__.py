@@ -1,4 +1,4 @@
-"""What participants do during an exposure: one file for each task, and one line in `kinds`."""
+"""Tasks of participants during an exposure: one file for each task, and one line in `kinds`."""
 
 from vrcomfort.tasks.base import (
     Ball,

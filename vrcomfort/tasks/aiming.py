@@ -34,7 +34,7 @@ _BEFORE_WALLS = 0.9
 
 
 class Aiming(Pointed):
-    """Shoot what appears: hits, precision in degrees, reaction times (Hillaire et al. 2008)."""
+    """Shoot targets: hits, precision in degrees, reaction times (Hillaire et al. 2008)."""
 
     kind: Literal["aiming"]
     """What is done."""

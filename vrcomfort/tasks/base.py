@@ -1,4 +1,4 @@
-"""What a task is: it sees each frame of an exposure, shows balls in the scene, and says results.
+"""The interface of tasks: a task sees each frame, shows balls, and returns results.
 
 A task knows nothing of files, headsets or rendering: it gets poses in the world, and gives places
 and numbers. Everything left to chance comes from the generator that it is given, so that the same
@@ -65,7 +65,7 @@ class Moment:
 
 @dataclass(frozen=True, eq=False)
 class Demand:
-    """What somebody who does a task well would do now; simulated participants go by it.
+    """The ideal action at the moment; simulated participants follow it.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class Demand:
 
 @dataclass(frozen=True)
 class Result:
-    """A row of ``tasks.csv``; what means nothing for it is None.
+    """A row of ``tasks.csv``; None where a column does not apply.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ class Thing(Protocol):
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What a task knows of where it takes place.
+    """A task's view of its scene.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ class Task(ABC):
 
     @property
     def wanted(self) -> str | None:
-        """Return what the participant is to be told, such as what to look for; None: nothing."""
+        """Return an instruction for the participant, such as a thing to look for; None: nothing."""
         return None
 
     @property
@@ -181,19 +181,19 @@ class Task(ABC):
 
     @abstractmethod
     def step(self, moment: Moment) -> Sequence[Result]:
-        """Take a frame, before it is drawn; return what is over with it."""
+        """Take a frame, before it is drawn; return the results that are complete with it."""
 
     def balls(self) -> Sequence[Ball | None]:
         """Return where each ball is now, in the order of `looks`; None: it is not shown."""
         return ()
 
     def demand(self) -> Demand | None:
-        """Return what is to be done now; None: nothing."""
+        """Return the ideal action now; None: nothing."""
         return None
 
     @abstractmethod
     def finish(self, time_s: float) -> Sequence[Result]:
-        """End with the exposure; return what was open, and last the row of the trial."""
+        """End with the exposure; return open results, and last the row of the trial."""
 
 
 class TaskSettings(Settings):

@@ -22,7 +22,7 @@ from vrcomfort.tasks.base import (
 
 
 class VisualSearch(Pointed):
-    """Find a named thing, point at it and press: what was found, and in which time."""
+    """Find a named thing, point at it and press: hits and search times."""
 
     kind: Literal["search"]
     """What is done."""
@@ -54,7 +54,7 @@ class _Search(Task):
 
     @property
     def wanted(self) -> str | None:
-        """Return what is looked for; None when all is over."""
+        """Return the thing to be found; None when all is over."""
         return self._things[self._index][0] if self._index < len(self._things) else None
 
     @property

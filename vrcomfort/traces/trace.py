@@ -1,4 +1,4 @@
-"""Head traces: poses over time, as arrays, with their files.
+"""Head traces: poses over time, as arrays, with their files; also those of Unity.
 
 A trace file is a CSV with the pose columns of `frames.csv` (`records.pose_columns`): time and
 head are required, the rest is optional and further columns are ignored.
@@ -23,33 +23,56 @@ from numpy.typing import NDArray
 
 from vrcomfort.csv_table import plain_digits
 from vrcomfort.errors import InputError
-from vrcomfort.geometry import Array
+from vrcomfort.geometry import Array, axis_angle, quaternion_multiply
 from vrcomfort.records.frame_rows import CUT, SNAP_TURN, FrameRow, GazeRow
 from vrcomfort.records.pose_columns import AVATAR, HEAD
-from vrcomfort.traces.columns import (
+from vrcomfort.traces.gaze_track import GazeTrack, read_gaze
+from vrcomfort.traces.pose_track import PoseTrack, Times
+from vrcomfort.traces.table import (
     DISCONTINUITY,
     EYES,
     FOVS,
     HANDS,
     PERIOD,
+    ROWS_AT_ONCE,
     TIME,
     TRIAL,
     UNITY_HEADER,
+    Table,
     cuts_of,
     eyes_of,
     fovs_of,
     hands_of,
     has_group,
+    int64,
     periods_of,
+    read_parts,
     require_trace,
     require_unity,
     snap_turns_of,
     track_of,
 )
-from vrcomfort.traces.gaze_track import GazeTrack, read_gaze
-from vrcomfort.traces.pose_track import PoseTrack, Times
-from vrcomfort.traces.table import ROWS_AT_ONCE, Table, int64, read_parts
-from vrcomfort.traces.unity_euler import orientations_from_unity, positions_from_unity
+
+
+def positions_from_unity(positions: Array) -> Array:
+    """Return (n, 3) right-handed positions of Unity's left-handed ones: ``(x, y, -z)``."""
+    return positions * [1.0, 1.0, -1.0]
+
+
+def orientations_from_unity(euler_deg: Array) -> Array:
+    """Return (n, 4) right-handed quaternions of Unity's (n, 3) Euler angles in degrees.
+
+    Unity turns about z first, then x, then y, by the left-hand rule. Quaternion algebra does not
+    know about handedness, so the product is formed in Unity's frame and then mirrored in z:
+    ``(-x, -y, z, w)``.
+    """
+    about_x, about_y, about_z = (
+        axis_angle(axis, np.radians(angle))
+        for axis, angle in zip(np.eye(3)[:, None], euler_deg.T, strict=True)
+    )
+    unity = quaternion_multiply(quaternion_multiply(about_y, about_x), about_z)
+    return unity * [-1.0, -1.0, 1.0, 1.0]
+
 
 Format = Literal["unity-euler"]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, TypeAlias
 
 from vrcomfort.errors import InputError
 from vrcomfort.gpu.gl import describe
@@ -24,12 +24,8 @@ from vrcomfort.tradeoff.store import Store, scene_and_hash
 from vrcomfort.tradeoff.tables import doubts
 from vrcomfort.workers import Work, workers
 
-
-class StageProgress(Protocol):
-    """Shows a stage: called with its title and number of steps, gives a function to advance it."""
-
-    def __call__(self, title: str, steps: int, /) -> Callable[[], None]:
-        """Begin a stage."""
+StageProgress: TypeAlias = Callable[[str, int], Callable[[], None]]
+"""Shows a stage: called with its title and number of steps, gives a function to advance it."""
 
 
 class Summary(NamedTuple):

@@ -70,7 +70,7 @@ def _windows(words: tuple[str, ...]) -> tuple[tuple[int, int, str], ...]:
         (start, start + length, plain("".join(words[start : start + length])))
         for length in range(min(_LONGEST, len(words)), 0, -1)
         for start in range(len(words) - length + 1)
-        if not (words[start].isdecimal() or words[start + length - 1].isdigit())
+        if not (words[start].isdecimal() or words[start + length - 1].isdecimal())
     )
 
 

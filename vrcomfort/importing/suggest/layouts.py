@@ -9,8 +9,8 @@ import numpy as np
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
+from vrcomfort.importing.made_instruments import on_scale
 from vrcomfort.importing.mapping import ScoreKind, scale_named
-from vrcomfort.importing.score_instruments import on_scale
 from vrcomfort.importing.source import Grid, SourceTable
 from vrcomfort.importing.suggest.evidence import texts
 from vrcomfort.importing.suggest.items import How, mentions, named_item

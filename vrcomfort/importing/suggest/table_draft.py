@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import AnswersFound, Doubt, Draft, DraftedFacts
+from vrcomfort.importing.suggest.draft import Doubt, Draft
 from vrcomfort.importing.suggest.evidence import (
     Context,
     is_personal,
@@ -14,7 +15,7 @@ from vrcomfort.importing.suggest.evidence import (
     texts,
     total_rows,
 )
-from vrcomfort.importing.suggest.facts import draft_facts
+from vrcomfort.importing.suggest.facts import AnswersFound, DraftedFacts, draft_facts
 from vrcomfort.importing.suggest.items import Found, find_blocks
 from vrcomfort.importing.suggest.layouts import (
     FoundRating,
@@ -36,7 +37,6 @@ from vrcomfort.importing.suggest.questionnaires import (
     mend_items,
 )
 from vrcomfort.importing.suggest.vocabulary import Known, words_of
-from vrcomfort.importing.suspects import alike
 from vrcomfort.settings import toml_value
 
 

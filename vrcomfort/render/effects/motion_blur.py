@@ -218,7 +218,7 @@ class Reconstruction:
             self._average("motion_blur_long", in_parts, self.target),
             self._average("motion_blur", colour, self.target, {"PAIRS": sampling.pairs}),
         )
-        self._foreground = self._mixed_tiles(depth)
+        self._foreground = self._complex_tiles(depth)
 
     def _average(
         self,
@@ -249,7 +249,7 @@ class Reconstruction:
             target=target,
         )
 
-    def _mixed_tiles(self, depth: moderngl.Texture) -> FullscreenPass:
+    def _complex_tiles(self, depth: moderngl.Texture) -> FullscreenPass:
         longest, crossing = self._dilate.targets
         tile_px = self._tile_max.tile_px
         return FullscreenPass(
@@ -269,7 +269,7 @@ class Reconstruction:
                 "JUMP": self._sampling.jump,
                 "TILE": tile_px,
                 "POINT_PX": tile_px,
-                "CLASS": "MIXED",
+                "CLASS": "COMPLEX",
                 "STRIDE": self._sampling.stride_px,
                 "MOST_TAPS": self._sampling.most_taps,
             },

@@ -16,6 +16,7 @@ from vrcomfort.settings import Problem, did_you_mean
 from vrcomfort.web_page import escape_hidden
 
 if TYPE_CHECKING:
+    from vrcomfort.records.recording import Memory
     from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.contrasts import Compared
     from vrcomfort.report.exposures import Exposures
@@ -265,6 +266,69 @@ class Analysis(Generic[Row]):
     references: Mapping[str, str] = field(default_factory=dict)
     analysed: Callable[[Row], Sequence[str]] | None = None
     r_lines: str = ""
+
+
+@dataclass(frozen=True)
+class SectionData:
+    """The data of an analysis with a section of its own.
+
+    Parameters
+    ----------
+    results
+        Those of the report so far: conditions, tests, excluded participants.
+    memory
+        The most that reading frames may take.
+    """
+
+    study: StudyData
+    plan: Plan
+    results: Mapping[str, Any]
+    memory: Memory | None = None
+
+
+@dataclass(frozen=True)
+class SectionAnalysis(Generic[Found]):
+    """An analysis of ratings or recordings, with a section of its own on the page.
+
+    Its rows are not a list of like ones, as those of an `Analysis` are: its template writes them.
+
+    Parameters
+    ----------
+    key
+        In the plan, as a table of settings, and in results.json; without results under it, the
+        page has no section.
+    anchor, heading, template
+        Of the section on the page.
+    compute
+        Makes the analysis, of the data and of the plan.
+    results
+        Its keys of results.json.
+    tables
+        Name → lines of its CSV tables.
+    figures
+        Name → drawing; None where there is nothing to draw.
+    methods
+        The paragraphs on what was made; what they cite stands in references.toml.
+    conditions
+        Those in its data, which may be none of the scores' conditions.
+    notes
+        Recordings that could not be read.
+    names
+        What the template calls a thing beside the words of the report.
+    """
+
+    key: str
+    anchor: str
+    heading: str
+    template: str
+    compute: Callable[[SectionData], Found]
+    results: Callable[[Found], dict[str, Any]]
+    tables: Callable[[Found], Mapping[str, Sequence[Cells]]]
+    figures: Callable[[Found, Vocabulary], Mapping[str, Drawing | None]]
+    methods: Callable[[Found], Iterable[MethodsParagraph]]
+    conditions: Callable[[Found], Iterable[str]] = lambda _: ()
+    notes: Callable[[Found], Iterable[str]] = lambda _: ()
+    names: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
 
 def unknown_outcome(plan: Plan, name: str, *path: str | int) -> Iterator[Problem]:

@@ -20,7 +20,13 @@ from vrcomfort.report.canvas import (
     lines,
     threads,
 )
-from vrcomfort.report.courses.survival import TimeToEvent, curve_of, repeated
+from vrcomfort.report.courses.survival import (
+    TimeToEvent,
+    curve_of,
+    repeated,
+    times_to_threshold,
+    times_to_withdrawal,
+)
 from vrcomfort.report.courses.time_courses import at_times
 from vrcomfort.report.palette import colour_of, marker_of
 
@@ -45,9 +51,27 @@ STEPS = (1, 2, 5, 10)
 """Of ticks of time."""
 
 
+def rating_figures(courses: TimeCourseAnalysis, words: Vocabulary) -> dict[str, Drawing | None]:
+    """Return name → drawing of rating time courses, and of times to a rating and to withdrawal."""
+    found, confidence = courses.ratings, courses.confidence
+    drawn: dict[str, Drawing | None] = {"ratings": course_figure(courses, words)}
+    if found is not None and found.reached:
+        events = times_to_threshold(courses.exposures, found.threshold)
+        title = f"share below a rating of {found.threshold:g}"
+        drawn["survival_rating"] = survival_figure(
+            "survival-rating", events, title, words, confidence
+        )
+    if courses.leaving is not None:
+        events = times_to_withdrawal(courses.exposures)
+        drawn["survival_leaving"] = survival_figure(
+            "survival-leaving", events, "share that went on", words, confidence
+        )
+    return drawn
+
+
 def course_figure(courses: TimeCourseAnalysis, words: Vocabulary) -> Drawing | None:
     """Draw the means together, and each condition with its exposures; None without ratings."""
-    found, curves = courses.results["ratings"], courses.curves
+    found, curves = courses.ratings, courses.curves
     if found is None or curves is None or not curves.times_s.size:
         return None
     rows = -(-len(courses.conditions) // COLUMNS)
@@ -60,18 +84,18 @@ def course_figure(courses: TimeCourseAnalysis, words: Vocabulary) -> Drawing | N
             together = panels.pop(0)
             _draw_together(together, courses, words, scale)
             together.set_xlabel(f"time in exposure ({unit})")
-            together.set_ylabel(f"mean {found['short']} rating")
+            together.set_ylabel(f"mean {found.short} rating")
         for place, axes in enumerate(panels):
             _draw_condition(axes, courses, place, words, scale)
             first = place % COLUMNS == 0
             axes.tick_params(labelleft=first)
             if first:
-                axes.set_ylabel(f"{found['short']} rating")
+                axes.set_ylabel(f"{found.short} rating")
             if place + COLUMNS >= len(panels):
                 axes.set_xlabel(f"time in exposure ({unit})")
         gone = [e.ended_s for e in courses.exposures if e.left]
         longest = max([float(curves.times_s.max()), *gone])
-        _limits(panels, found["low"], found["high"], longest / scale)
+        _limits(panels, found.low, found.high, longest / scale)
     return drawing
 
 

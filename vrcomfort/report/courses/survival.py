@@ -2,27 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.survival import KaplanMeier, NoHazardRatioError, cox, kaplan_meier, log_rank
+from vrcomfort.report.analyses.contract import MethodsParagraph
+from vrcomfort.report.rows import INLINE, as_json
+from vrcomfort.stats.survival import (
+    Cox,
+    KaplanMeier,
+    NoHazardRatioError,
+    SurvivalAt,
+    cox,
+    kaplan_meier,
+    log_rank,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from vrcomfort.report.courses.exposures import RatedExposure
 
-
-Row = dict[str, Any]
 ALL = "all available"
 
 
 @dataclass(frozen=True)
 class TimeToEvent:
-    """An exposure until its event, or until it was watched no longer."""
+    """An exposure until its event, or until it was watched no longer.
+
+    Parameters
+    ----------
+    position
+        Its place among the participant's exposures, from 1.
+    came
+        Whether the event came; otherwise the time is censored.
+    """
 
     participant: str
     condition: str
@@ -31,7 +47,87 @@ class TimeToEvent:
     came: bool
 
 
-def of_threshold(
+@dataclass(frozen=True)
+class SurvivalCurve:
+    """The Kaplan–Meier estimates of one condition, or of all together (None)."""
+
+    condition: str | None
+    robust: bool
+    """Whether errors allow for people with several exposures."""
+    n: int
+    came: int
+    at: list[SurvivalAt]
+    last_s: float
+    median_s: float | None
+    median_low_s: float | None
+    median_high_s: float | None
+
+
+@dataclass(frozen=True)
+class PositionCount:
+    """Exposures and events at one place among the exposures of people."""
+
+    position: int
+    n: int
+    came: int
+
+
+@dataclass(frozen=True)
+class LogRankStatistics:
+    """A log-rank test, with counts by group."""
+
+    n: list[int]
+    observed: list[int]
+    expected: list[float]
+    chi_square: float
+    df: int
+    p: float
+
+
+@dataclass(frozen=True)
+class LogRankRow:
+    """The log-rank test of some groups, or the reason for its absence."""
+
+    by: str
+    groups: list[str]
+    within_people: bool
+    not_tested: str | None
+    found: LogRankStatistics | None = field(metadata=INLINE)
+
+
+@dataclass(frozen=True)
+class HazardRatios:
+    """Hazard ratios of conditions against the reference, and of the position."""
+
+    not_fitted: None
+    left_out: list[str]
+    model: Cox = field(metadata=INLINE)
+
+
+@dataclass(frozen=True)
+class NoHazardRatios:
+    """The reason for the absence of hazard ratios, and the term it is about."""
+
+    not_fitted: str
+    term: str | None
+
+
+@dataclass(frozen=True)
+class SurvivalAnalysis:
+    """Curves, log-rank tests and hazard ratios of one kind of event."""
+
+    n: int
+    people: int
+    came: int
+    repeated: bool
+    """Whether people have several exposures."""
+    curves: list[SurvivalCurve]
+    by_position: list[PositionCount]
+    log_rank: list[LogRankRow]
+    cox: HazardRatios | NoHazardRatios
+
+
+def times_to_threshold(
     exposures: Iterable[RatedExposure], threshold: float, *, how: str = ALL
 ) -> list[TimeToEvent]:
     """Return the time to the first rating at a threshold or above.
@@ -39,8 +135,8 @@ def of_threshold(
     Parameters
     ----------
     how
-        `all available`: who left below it was watched until then. `completers`: those exposures
-        are left out. `worst case`: leaving counts as reaching it.
+        `all available`: withdrawals below it are censored. `completers`: they are left out.
+        `worst case`: they count as reaching it.
     """
     found = []
     for e in exposures:
@@ -52,8 +148,8 @@ def of_threshold(
     return found
 
 
-def of_leaving(exposures: Iterable[RatedExposure]) -> list[TimeToEvent]:
-    """Return the time to leaving of every exposure that trials.csv has."""
+def times_to_withdrawal(exposures: Iterable[RatedExposure]) -> list[TimeToEvent]:
+    """Return the time to withdrawal, or to the stop rule, of the exposures of trials.csv."""
     return [
         TimeToEvent(e.participant, e.condition, e.position, e.ended_s, e.left)
         for e in exposures
@@ -75,32 +171,32 @@ def repeated(events: Iterable[TimeToEvent]) -> bool:
     return len(set(people)) < len(people)
 
 
-def event_results(
+def survival_analysis(
     events: list[TimeToEvent],
     conditions: list[str],
     pairs: list[tuple[str, str]],
     times_s: list[float],
     reference: str,
     confidence: float,
-) -> Row:
+) -> SurvivalAnalysis:
     """Return curves, log-rank tests, and hazard ratios over those of the reference."""
     again = repeated(events)
     shown = [c for c in conditions if any(e.condition == c for e in events)]
     against = sorted(shown, key=lambda name: name != reference)
-    return {
-        "n": len(events),
-        "people": len({e.participant for e in events}),
-        "came": sum(e.came for e in events),
-        "repeated": again,
-        "curves": [
+    return SurvivalAnalysis(
+        n=len(events),
+        people=len({e.participant for e in events}),
+        came=sum(e.came for e in events),
+        repeated=again,
+        curves=[
             _curve(events, condition, times_s, confidence, robust=robust)
             for condition in [None, *(shown if len(shown) > 1 else [])]
             for robust in ([False, True] if again else [False])
         ],
-        "by_position": _by_position(events),
-        "log_rank": _log_ranks(events, shown, pairs),
-        "cox": _hazards(events, against, confidence),
-    }
+        by_position=_by_position(events),
+        log_rank=_log_ranks(events, shown, pairs),
+        cox=_hazards(events, against, confidence),
+    )
 
 
 def _curve(
@@ -110,38 +206,31 @@ def _curve(
     confidence: float,
     *,
     robust: bool,
-) -> Row:
+) -> SurvivalCurve:
     mine = [e for e in events if condition in {None, e.condition}]
     curve = curve_of(mine, confidence, robust=robust)
-    median, low, high = curve.median_s()
-    return {
-        "condition": condition,
-        "robust": robust,
-        "n": len(mine),
-        "came": sum(e.came for e in mine),
-        "at": [asdict(row) for row in curve.at(times_s)],
-        "last_s": float(curve.times_s[-1]),
-        "median_s": median,
-        "median_low_s": low,
-        "median_high_s": high,
-    }
+    came = sum(e.came for e in mine)
+    last_s = float(curve.times_s[-1])
+    return SurvivalCurve(
+        condition, robust, len(mine), came, curve.at(times_s), last_s, *curve.median_s()
+    )
 
 
-def _by_position(events: list[TimeToEvent]) -> list[Row]:
+def _by_position(events: list[TimeToEvent]) -> list[PositionCount]:
     """Count by the place of the exposure among those of its participant."""
     return [
-        {
-            "position": place,
-            "n": sum(e.position == place for e in events),
-            "came": sum(e.came for e in events if e.position == place),
-        }
+        PositionCount(
+            position=place,
+            n=sum(e.position == place for e in events),
+            came=sum(e.came for e in events if e.position == place),
+        )
         for place in sorted({e.position for e in events})
     ]
 
 
 def _log_ranks(
     events: list[TimeToEvent], shown: list[str], pairs: list[tuple[str, str]]
-) -> list[Row]:
+) -> list[LogRankRow]:
     """Return the test of all conditions, of each planned pair, and of positions."""
     whole = [shown] if len(shown) > 2 else []
     asked = [*whole, *([a, b] for a, b in pairs if a in shown and b in shown)]
@@ -159,12 +248,11 @@ def _log_ranks(
 
 def _tests(
     by: str, events: list[TimeToEvent], group: Callable[[TimeToEvent], str], names: list[str]
-) -> list[Row]:
+) -> list[LogRankRow]:
     """Test groups as they are and, where people come again, within people."""
     rows = []
     for within in [False, True] if repeated(events) else [False]:
         strata = [e.participant for e in events] if within else None
-        row: Row = {"by": by, "groups": names, "within_people": within, "not_tested": None}
         try:
             found = log_rank(
                 [e.time_s for e in events],
@@ -173,25 +261,26 @@ def _tests(
                 strata=strata,
             )
         except InputError as error:
-            rows.append({**row, "not_tested": error.message})
+            rows.append(LogRankRow(by, names, within, error.message, None))
             continue
+        # The test sorts its groups by name; rows have them in the order of the report.
         order = [found.groups.index(name) for name in names if name in found.groups]
-        rows.append(
-            {
-                **row,
-                "n": [found.n[i] for i in order],
-                "observed": [found.observed[i] for i in order],
-                "expected": [found.expected[i] for i in order],
-                "chi_square": found.chi_square,
-                "df": found.df,
-                "p": found.p,
-            }
+        statistics = LogRankStatistics(
+            n=[found.n[i] for i in order],
+            observed=[found.observed[i] for i in order],
+            expected=[found.expected[i] for i in order],
+            chi_square=found.chi_square,
+            df=found.df,
+            p=found.p,
         )
+        rows.append(LogRankRow(by, names, within, None, statistics))
     return rows
 
 
-def _hazards(events: list[TimeToEvent], shown: list[str], confidence: float) -> Row:
-    """Return hazard ratios of conditions against the first, with and without the position."""
+def _hazards(
+    events: list[TimeToEvent], shown: list[str], confidence: float
+) -> HazardRatios | NoHazardRatios:
+    """Return hazard ratios of conditions against the first, with the position if it can be."""
     levels = shown[1:]
     places = len({e.position for e in events}) > 1
     columns: dict[str, np.ndarray[Any, Any]] = {
@@ -202,7 +291,8 @@ def _hazards(events: list[TimeToEvent], shown: list[str], confidence: float) -> 
         columns["position"] = np.array([e.position for e in events], dtype=np.float64)
     if not columns:
         alone = "there is one condition in one position, so nothing is compared"
-        return {"not_fitted": alone, "term": None}
+        return NoHazardRatios(alone, None)
+    # Where each condition has its own positions, both together have no estimate.
     for left_out in ([], ["position"]) if places and levels else ([],):
         kept = {name: values for name, values in columns.items() if name not in left_out}
         try:
@@ -215,7 +305,49 @@ def _hazards(events: list[TimeToEvent], shown: list[str], confidence: float) -> 
             )
         except InputError as error:
             term = error.term if isinstance(error, NoHazardRatioError) else None
-            reason = {"not_fitted": error.message, "term": term}
+            reason = NoHazardRatios(error.message, term)
             continue
-        return {"not_fitted": None, "left_out": left_out, **asdict(model)}
+        return HazardRatios(None, left_out, model)
     return reason
+
+
+def survival_tables(name: str, found: SurvivalAnalysis) -> dict[str, list[dict[str, Any]]]:
+    """Return name → lines of the CSV tables of one kind of event."""
+    hazards = found.cox
+    effects = hazards.model.effects if isinstance(hazards, HazardRatios) else {}
+    tables = {
+        f"{name}_curves": [
+            {"condition": curve.condition, "robust": curve.robust, "n": curve.n, **as_json(at)}
+            for curve in found.curves
+            for at in curve.at
+        ],
+        f"{name}_log_rank": [
+            {
+                key: " ".join(map(str, value)) if isinstance(value, list) else value
+                for key, value in as_json(test).items()
+            }
+            for test in found.log_rank
+        ],
+        f"{name}_hazards": [{"term": term, **as_json(e)} for term, e in effects.items()],
+        f"{name}_by_position": as_json(found.by_position),
+    }
+    return {title: lines for title, lines in tables.items() if lines}
+
+
+def survival_paragraph(*, again: bool) -> MethodsParagraph:
+    """Return the paragraph on survival analyses; `again`: people have several exposures."""
+    text = (
+        "Times to events are Kaplan–Meier estimates (1958) with Greenwood’s error and intervals "
+        "of the logarithm of survival; groups are compared by log-rank tests (Mantel, 1966) and "
+        "by Cox’s (1972) proportional hazards with Efron’s (1977) treatment of ties, of condition "
+        "and order."
+    )
+    cited = ["kaplan_1958", "mantel_1966", "cox_1972", "efron_1977"]
+    if again:
+        text += (
+            " As people come more than once, log-rank tests are made within people as well (each "
+            "one a stratum), and errors of hazard ratios and of curves are robust: scores and "
+            "influences are summed within people (Lin & Wei, 1989)."
+        )
+        cited.append("lin_1989")
+    return MethodsParagraph("Time to events", text, tuple(cited))

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
 from vrcomfort.errors import InputError
+from vrcomfort.report.analyses.contract import MethodsParagraph
+from vrcomfort.report.rows import INLINE
 from vrcomfort.stats.means import MeanCurves, mean_curves
-from vrcomfort.stats.mixed import mixed_model
+from vrcomfort.stats.mixed import Estimate, MixedModel, Pairwise, mixed_model
+from vrcomfort.stats.random_intercept import FTest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -22,8 +25,6 @@ if TYPE_CHECKING:
     from vrcomfort.stats.rating_courses import RatingCourse
 
     Floats = NDArray[np.float64]
-
-Row = dict[str, Any]
 
 SUMMARIES: dict[str, Callable[[RatingCourse], float | None]] = {
     "peak": lambda course: course.peak(),
@@ -48,6 +49,95 @@ MEANINGS = {
 }
 
 
+@dataclass(frozen=True)
+class SummaryStatistics:
+    """A summary of ratings under one condition, or under all together (None)."""
+
+    summary: str
+    condition: str | None
+    n: int
+    people: int
+    mean: float | None
+    sd: float | None
+    median: float | None
+
+
+@dataclass(frozen=True)
+class OmnibusTest:
+    """The test of a factor, with the squares that lme4 prints beside it."""
+
+    test: FTest = field(metadata=INLINE)
+    mean_square: float
+    sum_of_squares: float
+
+
+@dataclass(frozen=True)
+class SummaryEstimates:
+    """The estimates of a mixed model; its fields are those of `MixedModel`."""
+
+    reference: str
+    n_participants: int
+    n_values: int
+    intercept: Estimate
+    terms: dict[str, Estimate]
+    omnibus: dict[str, OmnibusTest]
+    participant_sd: float
+    residual_sd: float
+    means: dict[str, dict[str, Estimate]]
+    pairwise: dict[str, dict[str, Pairwise]]
+
+    @classmethod
+    def of(cls, model: MixedModel, reference: str) -> SummaryEstimates:
+        """Return the estimates of a fitted model."""
+        square = model.residual_sd**2
+        tests = {
+            name: OmnibusTest(test, test.f * square, test.f * test.df_effect * square)
+            for name, test in model.omnibus.items()
+        }
+        return cls(reference, **{**vars(model), "omnibus": tests})
+
+
+@dataclass(frozen=True)
+class SummaryModel:
+    """The mixed model of a summary, or the reason for its absence."""
+
+    summary: str
+    not_fitted: str | None
+    found: SummaryEstimates | None = field(default=None, metadata=INLINE)
+
+
+@dataclass(frozen=True)
+class AssumedEffect:
+    """An effect of a model under an assumption."""
+
+    n: int
+    term: str
+    estimate: Estimate = field(metadata=INLINE)
+
+
+@dataclass(frozen=True)
+class SensitivityRow:
+    """An effect under an assumption about withdrawals, or the reason for its absence."""
+
+    summary: str
+    analysis: str
+    effect: AssumedEffect | None = field(metadata=INLINE)
+    not_fitted: str | None
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """The mean rating of a condition at one time, with its interval."""
+
+    condition: str
+    time_s: float
+    n: int
+    mean: float
+    low: float | None
+    high: float | None
+    carried_forward: float | None
+
+
 def summary_table(
     exposures: Iterable[RatedExposure], summary: Course, of: Callable[[RatedExposure], float | None]
 ) -> pd.DataFrame:
@@ -57,29 +147,32 @@ def summary_table(
     return pd.DataFrame(rows, columns=columns).dropna(subset=[summary])
 
 
-def describe(exposures: list[RatedExposure], summary: Course, conditions: list[str]) -> list[Row]:
+def describe(
+    exposures: list[RatedExposure], summary: Course, conditions: list[str]
+) -> list[SummaryStatistics]:
     """Describe a summary under each condition, and, last, under all together."""
     table = summary_table(exposures, summary, lambda e: SUMMARIES[summary](e.course))
     rows = []
     for condition in [*conditions, None]:
         mine = table if condition is None else table[table["condition"] == condition]
         values = mine[summary].astype(float)
-        many = len(values) > 1
         rows.append(
-            {
-                "summary": summary,
-                "condition": condition,
-                "n": len(values),
-                "people": int(mine["participant"].nunique()),
-                "mean": float(values.mean()) if len(values) else None,
-                "sd": float(values.std(ddof=1)) if many else None,
-                "median": float(values.median()) if len(values) else None,
-            }
+            SummaryStatistics(
+                summary=summary,
+                condition=condition,
+                n=len(values),
+                people=int(mine["participant"].nunique()),
+                mean=float(values.mean()) if len(values) else None,
+                sd=float(values.std(ddof=1)) if len(values) > 1 else None,
+                median=float(values.median()) if len(values) else None,
+            )
         )
     return rows if len(conditions) > 1 else rows[:-1]
 
 
-def model_of(table: pd.DataFrame, summary: Course, reference: str, confidence: float) -> Row:
+def model_of(
+    table: pd.DataFrame, summary: Course, reference: str, confidence: float
+) -> SummaryModel:
     """Fit ``summary ~ condition + (1 | participant)``, or say why there is no model."""
     try:
         model = mixed_model(
@@ -91,21 +184,13 @@ def model_of(table: pd.DataFrame, summary: Course, reference: str, confidence: f
             confidence=confidence,
         )
     except InputError as error:
-        return {"summary": summary, "not_fitted": error.message}
-    squares = {
-        name: {"mean_square": test.f * model.residual_sd**2,
-               "sum_of_squares": test.f * test.df_effect * model.residual_sd**2}
-        for name, test in model.omnibus.items()
-    }  # fmt: skip
-    found = asdict(model)
-    for name, more in squares.items():
-        found["omnibus"][name] |= more
-    return {"summary": summary, "not_fitted": None, "reference": reference, **found}
+        return SummaryModel(summary, error.message)
+    return SummaryModel(summary, None, SummaryEstimates.of(model, reference))
 
 
 def models(
     exposures: list[RatedExposure], summaries: Iterable[Course], reference: str, confidence: float
-) -> list[Row]:
+) -> list[SummaryModel]:
     """Return the model of each summary, of all available data."""
 
     def table(name: Course) -> pd.DataFrame:
@@ -120,10 +205,10 @@ def sensitivity(
     reference: str,
     highest: float,
     confidence: float,
-) -> list[Row]:
-    """Return the effects of each model under other assumptions of those who left early.
+) -> list[SensitivityRow]:
+    """Return the effects of each model under other assumptions about withdrawals.
 
-    Only peak, mean and last ratings have a value for the time after somebody left.
+    Only peak, mean and last ratings have a value for the time after a withdrawal.
     """
     if not any(e.left for e in exposures):
         return []
@@ -132,14 +217,14 @@ def sensitivity(
     for name in summaries:
         for how, of in _assumptions(name, planned, highest).items():
             kept = [e for e in exposures if how != COMPLETERS or e.ending == "completed"]
-            found = model_of(summary_table(kept, name, of), name, reference, confidence)
-            base = {"summary": name, "analysis": how}
-            if found["not_fitted"]:
-                rows.append({**base, "not_fitted": found["not_fitted"]})
+            model = model_of(summary_table(kept, name, of), name, reference, confidence)
+            if model.found is None:
+                rows.append(SensitivityRow(name, how, None, model.not_fitted))
                 continue
+            n = model.found.n_values
             rows += [
-                {**base, "n": found["n_values"], "term": term, **effect, "not_fitted": None}
-                for term, effect in found["terms"].items()
+                SensitivityRow(name, how, AssumedEffect(n, term, estimate), None)
+                for term, estimate in model.found.terms.items()
             ]
     return rows
 
@@ -178,27 +263,24 @@ def _filled(exposure: RatedExposure, planned: float, value: float | None) -> flo
     return mean * share + value * (1 - share)
 
 
-def long_table(exposures: Iterable[RatedExposure]) -> list[Row]:
-    """Return a row for each exposure: how it ended, and its summaries."""
-    rows = []
-    for e in exposures:
-        answered = int(e.course.answered.ratings.size)
-        rows.append(
-            {
-                "participant": e.participant,
-                "session": e.session,
-                "trial": e.trial,
-                "condition": e.condition,
-                "position": e.position,
-                "ending": e.ending,
-                "ended_s": round(e.ended_s, 9),
-                "not_live_s": round(e.not_live_s, 9),
-                "answered": answered,
-                "missed": int(np.isnan(e.course.ratings).sum()),
-                **{name: of(e.course) for name, of in SUMMARIES.items()},
-            }
-        )
-    return rows
+def exposure_lines(exposures: Iterable[RatedExposure]) -> list[dict[str, Any]]:
+    """Return the CSV line of each exposure: its ending, and its summaries."""
+    return [
+        {
+            "participant": e.participant,
+            "session": e.session,
+            "trial": e.trial,
+            "condition": e.condition,
+            "position": e.position,
+            "ending": e.ending,
+            "ended_s": round(e.ended_s, 9),
+            "not_live_s": round(e.not_live_s, 9),
+            "answered": int(e.course.answered.ratings.size),
+            "missed": int(np.isnan(e.course.ratings).sum()),
+            **{name: of(e.course) for name, of in SUMMARIES.items()},
+        }
+        for e in exposures
+    ]
 
 
 MOST_TIMES = 48
@@ -266,3 +348,55 @@ def condition_curves(
         count=len(conditions),
         confidence=confidence,
     )
+
+
+def curve_points(
+    curves: MeanCurves | None, carried: MeanCurves | None, conditions: list[str]
+) -> list[CurvePoint]:
+    """Return the means of each condition at the times at which it has an exposure."""
+    if curves is None:
+        return []
+    points = []
+    for row, condition in enumerate(conditions):
+        for place, time in enumerate(curves.times_s):
+            if not curves.n[row, place]:
+                continue
+            mean, half = float(curves.mean[row, place]), float(curves.half[row, place])
+            known = not np.isnan(half)
+            points.append(
+                CurvePoint(
+                    condition=condition,
+                    time_s=float(time),
+                    n=int(curves.n[row, place]),
+                    mean=mean,
+                    low=mean - half if known else None,
+                    high=mean + half if known else None,
+                    carried_forward=None if carried is None else float(carried.mean[row, place]),
+                )
+            )
+    return points
+
+
+def time_course_paragraph(*, several: bool, assumptions: bool) -> MethodsParagraph:
+    """Return the paragraph on time courses of several conditions, and on assumptions."""
+    text = (
+        "Each course of ratings is summed up by one number (Matthews et al., 1990), which a mixed "
+        "model with a random intercept for each participant takes as its outcome. Times are live "
+        "ones, where they were recorded. "
+    )
+    cited = ["matthews_1990"]
+    if several:
+        text += (
+            "At each time, the means of conditions are those of such a model of the last ratings "
+            "then, and their intervals compare conditions within people: the variance of a mean’s "
+            "distance from the mean of all k conditions times k/(k − 1), which is Cousineau’s "
+            "(2005) with Morey’s (2008) correction and, where nothing is missing, the interval of "
+            "Loftus and Masson (1994). "
+        )
+        cited += ["cousineau_2005", "morey_2008", "loftus_1994"]
+    if assumptions:
+        text += (
+            "Models are repeated of completed exposures alone, and with the last rating, or the "
+            "highest answer, standing from leaving until the planned end."
+        )
+    return MethodsParagraph("Ratings during exposure", text.strip(), tuple(cited))

@@ -3,48 +3,422 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.records.frame_rows import FrameRow
+from vrcomfort.report.analyses.contract import MethodsParagraph
 from vrcomfort.report.gaze_and_head.exposures import (
-    HELD,
     NOTHING,
     SIGNALS,
     WHOLE,
     ExposureSummary,
+    FixationStatistics,
+    GazeSummary,
+    GazeZones,
+    HeadBands,
     read_motion,
+    rms_name,
     summarise_exposure,
     times_of,
 )
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.rows import INLINE, as_json
 from vrcomfort.stats.gaze_and_head import Map, angles_deg, saliency_map, unit_vectors
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
     from vrcomfort.records.reader import Session
     from vrcomfort.records.recording import Memory
-    from vrcomfort.report.gaze_and_head.exposures import ExposureSummary
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.plan.gaze_and_head import GazeAndHead
     from vrcomfort.report.study_data import StudyData
-    from vrcomfort.stats.gaze_and_head import Map
 
+    Floats = NDArray[np.float64]
 
-Row = dict[str, Any]
+EVERYBODY = ""
+"""The situation of all exposures together."""
 SHOWN = 10
-"""Nodes that stand on the page; the others are summed."""
+"""Nodes on the page; the others are summed."""
 
 
-def node_rows(names: Sequence[str], people: Mapping[str, NDArray[np.float64]]) -> list[Row]:
-    """Return a row for each situation and node: the mean share over people, with its error.
+@dataclass(frozen=True)
+class ExposureKeys:
+    """The place of an exposure in the study."""
+
+    participant: str
+    session: str
+    trial: str
+    condition: str
+    scene: str
+
+
+@dataclass(frozen=True)
+class ExposureRow:
+    """Gaze and head motion of one exposure; columns are missing where they are not known."""
+
+    keys: ExposureKeys = field(metadata=INLINE)
+    gaze_valid_share: float | None
+    zones: GazeZones | None = field(metadata=INLINE)
+    fixations: FixationStatistics | None = field(metadata=INLINE)
+    spectrum_windows: int
+    bands: HeadBands | None = field(metadata=INLINE)
+    head_path_m_per_min: float | None
+    head_turning_deg_per_min: float | None
+
+
+@dataclass(frozen=True)
+class SituationRow:
+    """Means over people of a situation: a condition or a scene."""
+
+    situation: str
+    exposures: int
+    people: int
+    means: dict[str, float | None] = field(metadata=INLINE)
+
+
+@dataclass(frozen=True)
+class ZoneShare:
+    """The share of the gaze within a zone during an event, over people."""
+
+    situation: str
+    during: str
+    zone: float
+    share: float
+    standard_error: float | None
+    people: int
+
+
+@dataclass(frozen=True)
+class NodeShare:
+    """The share of the gaze on a node, over people."""
+
+    situation: str
+    kind: Literal["node", "others", "nothing"]
+    node: str
+    share: float
+    standard_error: float | None
+    people: int
+
+
+@dataclass(frozen=True)
+class SpectrumPoint:
+    """The density of a signal at one frequency, over people."""
+
+    situation: str
+    signal: str
+    frequency_hz: float
+    density: float
+    people: int
+
+
+@dataclass(frozen=True)
+class FixationRow:
+    """One fixation."""
+
+    keys: ExposureKeys = field(metadata=INLINE)
+    start_s: float
+    duration_s: float
+    azimuth_deg: float
+    elevation_deg: float
+    samples: int
+
+
+@dataclass(frozen=True)
+class ViewpointRow:
+    """The fixations of all exposures that saw a scene from one place.
+
+    Parameters
+    ----------
+    position_m
+        In the world.
+    centre_deg
+        Azimuth in the world of the middle of the map: the mean direction of heads.
+    exposures, elsewhere
+        Those in the map, and those with the head elsewhere or moving about.
+    fixations
+        Each counts for its length.
+    outside
+        Share of the time outside the map.
+    """
+
+    scene: str
+    position_m: list[float]
+    centre_deg: float
+    exposures: int
+    elsewhere: int
+    fixations: int
+    outside: float
+
+
+@dataclass(frozen=True)
+class SceneViewpoint:
+    """The map of the fixations from the viewpoint of a scene."""
+
+    row: ViewpointRow
+    map: Map
+
+
+@dataclass(frozen=True)
+class SituatedExposure:
+    """An exposure and its situation: its condition or its scene."""
+
+    row: ExposureRow
+    situation: str
+    summary: ExposureSummary
+
+    @property
+    def person(self) -> str:
+        """Return the participant."""
+        return self.row.keys.participant
+
+
+@dataclass(frozen=True)
+class GazeAndHeadAnalysis:
+    """Gaze and head motion of a study.
+
+    Parameters
+    ----------
+    nodes, shown
+        Shares of all nodes; and those on the page, where the least looked at are summed.
+    fixations, spectra
+        In tables alone.
+    maps
+        Situation → mean map of the gaze in the head's frame.
+    notes
+        Damaged recordings.
+    asked
+        The plan's settings; None: nothing was asked for.
+    """
+
+    exposures: list[ExposureRow] = field(default_factory=list)
+    situations: list[SituationRow] = field(default_factory=list)
+    zones: list[ZoneShare] = field(default_factory=list)
+    nodes: list[NodeShare] = field(default_factory=list)
+    shown: list[NodeShare] = field(default_factory=list)
+    spectra: list[SpectrumPoint] = field(default_factory=list)
+    fixations: list[FixationRow] = field(default_factory=list)
+    maps: dict[str, Map] = field(default_factory=dict)
+    viewpoints: list[SceneViewpoint] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    asked: GazeAndHead | None = None
+
+    @property
+    def results(self) -> dict[str, Any] | None:
+        """Return the part of results.json; None where nothing was asked for."""
+        if self.asked is None:
+            return None
+        return {
+            "exposures": as_json(self.exposures),
+            "situations": as_json(self.situations),
+            "zones": as_json(self.zones),
+            "notes": self.notes,
+            "nodes": as_json(self.shown),
+            "outside_map": {name: found.outside for name, found in self.maps.items()},
+            "viewpoints": [as_json(each.row) for each in self.viewpoints],
+        }
+
+
+def analyse_gaze_and_head(
+    study: StudyData, plan: Plan, conditions: list[str], memory: Memory | None = None
+) -> GazeAndHeadAnalysis:
+    """Analyse gaze and head motion, as far as the plan asks for them and the files have them."""
+    asked = plan.gaze_and_head
+    if asked is None:
+        return GazeAndHeadAnalysis()
+    rates = _head_rates(study)
+    exposures: list[SituatedExposure] = []
+    notes = []
+    for session in study.recorded_sessions:
+        trials = [trial for trial in study.trials if _is_of(session, trial)]
+        try:
+            exposures += _session(session, trials, asked, rates, memory)
+        except InputError as error:  # nothing of a session is kept if a part is damaged
+            notes.append(str(error).replace(f"{study.source}/", ""))
+    there = {each.situation for each in exposures}
+    order = conditions if asked.situations == "condition" else sorted(there, key=natural)
+    situations = [name for name in order if name in there]
+    nodes, shown = _nodes(exposures, situations)
+    together = [EVERYBODY] if len(situations) > 1 else []
+    return GazeAndHeadAnalysis(
+        exposures=[each.row for each in exposures],
+        situations=[_situation_row(exposures, name) for name in situations],
+        zones=_zone_rows(exposures, [*situations, *together], asked),
+        nodes=nodes,
+        shown=shown,
+        spectra=_spectrum_rows(exposures, situations),
+        fixations=[
+            FixationRow(each.row.keys, *fixation)
+            for each in exposures
+            for fixation in (each.summary.gaze.fixations if each.summary.gaze else ())
+        ],
+        maps=_mean_maps(exposures, situations),
+        viewpoints=_viewpoints(exposures, asked.viewpoint_within_m, asked.saliency_sigma_deg),
+        notes=notes,
+        asked=asked,
+    )
+
+
+def _is_of(session: Session, trial: dict[str, str]) -> bool:
+    names = session.folder.parent.name, session.folder.name
+    return names == (f"sub-{trial['participant']}", f"ses-{trial['session']}")
+
+
+Rates = tuple[float | None, float | None]
+"""Path (metres) and turning (degrees) of the head per minute of live time."""
+
+
+def _head_rates(study: StudyData) -> dict[tuple[str, str, str], Rates]:
+    """Return the rates of each exposure: participant, session, trial."""
+    rates = {}
+    for each in sorted(study.frames, key=lambda each: each.attempt):
+        # Later attempts at an exposure replace earlier ones.
+        path, turning = (
+            60 * whole / each.live_s if whole and each.live_s else None
+            for whole in (each.head_path_m, each.head_turning_deg)
+        )
+        rates[each.participant, each.session, str(each.trial)] = path, turning
+    return rates
+
+
+def _session(
+    session: Session,
+    trials: list[dict[str, str]],
+    asked: GazeAndHead,
+    rates: Mapping[tuple[str, str, str], Rates],
+    memory: Memory | None,
+) -> list[SituatedExposure]:
+    """Return the exposures of a session that have frames."""
+    events = {name: times_of(session, name, asked.during_s) for name in asked.during}
+    found = []
+    motions = read_motion(session.folder / FrameRow.FILE, trials, memory)
+    for trial, motion in zip(trials, motions, strict=True):
+        if motion is None:
+            continue
+        keys = ExposureKeys(
+            trial["participant"],
+            trial["session"],
+            trial["trial"],
+            trial["condition"],
+            trial["scene"],
+        )
+        summary = summarise_exposure(motion, asked, events)
+        rate = rates.get((keys.participant, keys.session, keys.trial), (None, None))
+        row = _exposure_row(keys, summary, rate)
+        found.append(SituatedExposure(row, trial[asked.situations], summary))
+    return found
+
+
+def _exposure_row(keys: ExposureKeys, summary: ExposureSummary, rates: Rates) -> ExposureRow:
+    gaze, spectrum = summary.gaze, summary.spectrum
+    return ExposureRow(
+        keys=keys,
+        gaze_valid_share=summary.gaze_valid_share,
+        zones=gaze.zones if gaze else None,
+        fixations=gaze.statistics if gaze else None,
+        spectrum_windows=spectrum.windows if spectrum else 0,
+        bands=summary.bands,
+        head_path_m_per_min=rates[0],
+        head_turning_deg_per_min=rates[1],
+    )
+
+
+_YAW = rms_name("yaw_deg", 0.5, 2.0)
+_MEANS: dict[str, Callable[[ExposureRow], float | None]] = {
+    "gaze_valid_share": lambda row: row.gaze_valid_share,
+    "zone_of_75_percent": lambda row: row.zones.zone_of_75_percent if row.zones else None,
+    "zone_of_90_percent": lambda row: row.zones.zone_of_90_percent if row.zones else None,
+    "fixations_per_min": lambda row: row.fixations.fixations_per_min if row.fixations else None,
+    "fixation_median_s": lambda row: row.fixations.fixation_median_s if row.fixations else None,
+    "head_path_m_per_min": lambda row: row.head_path_m_per_min,
+    "head_turning_deg_per_min": lambda row: row.head_turning_deg_per_min,
+    _YAW: lambda row: row.bands.rms[_YAW] if row.bands else None,
+    "frames_filled_share": lambda row: row.bands.frames_filled_share if row.bands else None,
+}
+"""Columns of exposures of which situations have the mean of people's means."""
+
+
+def _situation_row(exposures: list[SituatedExposure], situation: str) -> SituationRow:
+    mine = [each for each in exposures if each.situation == situation]
+    people: dict[str, list[ExposureRow]] = defaultdict(list)
+    for each in mine:
+        people[each.person].append(each.row)
+    means = {
+        name: _mean([_mean(map(value, rows)) for rows in people.values()])
+        for name, value in _MEANS.items()
+    }
+    return SituationRow(situation, len(mine), len(people), means)
+
+
+def _mean(values: Iterable[float | None]) -> float | None:
+    known = [value for value in values if value is not None and np.isfinite(value)]
+    return sum(known) / len(known) if known else None
+
+
+def _by_person(
+    exposures: list[SituatedExposure],
+    situation: str,
+    take: Callable[[ExposureSummary], Floats | None],
+) -> Floats:
+    """Return (people, …): each person's mean over the exposures of a situation that have it."""
+    people: dict[str, list[Floats]] = defaultdict(list)
+    for each in exposures:
+        value = take(each.summary) if situation in (each.situation, EVERYBODY) else None
+        if value is not None:
+            people[each.person].append(value)
+    return np.array([np.mean(values, axis=0) for values in people.values()])
+
+
+def _over_people(shares: Floats) -> tuple[float, float | None, int]:
+    """Return the mean share, its standard error, and the number of people."""
+    error = float(shares.std(ddof=1) / np.sqrt(len(shares))) if len(shares) > 1 else None
+    return float(shares.mean()), error, len(shares)
+
+
+def _zone_rows(
+    exposures: list[SituatedExposure], situations: list[str], asked: GazeAndHead
+) -> list[ZoneShare]:
+    found = []
+    for event in (WHOLE, *asked.during):
+        for situation in situations:
+            shares = _by_person(exposures, situation, partial(_shares, event))
+            for place, zone in enumerate(asked.zones if len(shares) else ()):
+                found.append(ZoneShare(situation, event, zone, *_over_people(shares[:, place])))
+    return found
+
+
+def _shares(event: str, summary: ExposureSummary) -> Floats | None:
+    gaze = summary.gaze
+    return np.array(gaze.shares[event]) if gaze and event in gaze.shares else None
+
+
+def _nodes(
+    exposures: list[SituatedExposure], situations: list[str]
+) -> tuple[list[NodeShare], list[NodeShare]]:
+    """Return the shares of all nodes, and those on the page."""
+    gazes = [each.summary.gaze for each in exposures if each.summary.gaze]
+    names = sorted({name for gaze in gazes for name in gaze.nodes})
+
+    def shares(summary: ExposureSummary) -> Floats | None:
+        nodes = summary.gaze.nodes if summary.gaze else {}
+        return np.array([nodes.get(name, 0.0) for name in names]) if nodes else None
+
+    people = {name: _by_person(exposures, name, shares) for name in situations}
+    known = {name: values for name, values in people.items() if len(values)}
+    rows = _node_rows(names, known)
+    return rows, _shown_nodes(rows, names, known)
+
+
+def _node_rows(names: Sequence[str], people: Mapping[str, Floats]) -> list[NodeShare]:
+    """Return the share of each situation and node.
 
     Parameters
     ----------
@@ -55,355 +429,53 @@ def node_rows(names: Sequence[str], people: Mapping[str, NDArray[np.float64]]) -
 
     Returns
     -------
-    list of dict
+    list of NodeShare
         In the order of the mean of all situations, the longest looked at first; `NOTHING` is last.
     """
-    known = {name: shares for name, shares in people.items() if len(shares)}
-    if not known:
+    if not people:
         return []
-    over_all = np.mean([shares.mean(axis=0) for shares in known.values()], axis=0)
+    over_all = np.mean([shares.mean(axis=0) for shares in people.values()], axis=0)
     order = sorted(
         range(len(names)), key=lambda at: (names[at] == NOTHING, -over_all[at], names[at])
     )
     return [
-        _row(situation, "node" if names[at] else "nothing", names[at], shares[:, at])
-        for situation, shares in known.items()
+        NodeShare(
+            situation,
+            "nothing" if names[at] == NOTHING else "node",
+            names[at],
+            *_over_people(shares[:, at]),
+        )
+        for situation, shares in people.items()
         for at in order
     ]
 
 
-def shown_nodes(
-    rows: Sequence[Row], names: Sequence[str], people: Mapping[str, NDArray[np.float64]]
-) -> list[Row]:
-    """Return the rows of the longest looked at; the others are one row, summed for each person."""
-    nodes = list(dict.fromkeys(row["node"] for row in rows if row["kind"] == "node"))
+def _shown_nodes(
+    rows: Sequence[NodeShare], names: Sequence[str], people: Mapping[str, Floats]
+) -> list[NodeShare]:
+    """Return the longest looked at; the others are one row, summed for each person."""
+    nodes = list(dict.fromkeys(row.node for row in rows if row.kind == "node"))
     few, rest = nodes[:SHOWN], nodes[SHOWN:]
     at = [place for place, name in enumerate(names) if name in set(rest)]
-    found = [row for row in rows if row["node"] in few or row["kind"] == "nothing"]
+    found = [row for row in rows if row.node in few or row.kind == "nothing"]
     if rest:
         label = f"{len(rest)} others"
         found += [
-            _row(situation, "others", label, shares[:, at].sum(axis=1))
+            NodeShare(situation, "others", label, *_over_people(shares[:, at].sum(axis=1)))
             for situation, shares in people.items()
-            if len(shares)
         ]
     return found
 
 
-def _row(
-    situation: str,
-    kind: Literal["node", "others", "nothing"],
-    name: str,
-    shares: NDArray[np.float64],
-) -> Row:
-    error = float(shares.std(ddof=1) / np.sqrt(len(shares))) if len(shares) > 1 else None
-    return {
-        "situation": situation, "kind": kind, "node": name, "share": float(shares.mean()),
-        "standard_error": error, "people": len(shares),
-    }  # fmt: skip
-
-
-@dataclass(frozen=True)
-class SceneViewpoint:
-    """The fixations of everybody who looked at a scene from one place.
-
-    Parameters
-    ----------
-    position_m
-        (3,) in the world.
-    centre_deg
-        Azimuth in the world of the middle of the map: where heads faced on average.
-    exposures, elsewhere
-        Those in the map, and those in which the head was elsewhere or moved about.
-    fixations
-        How many; each counts for its length.
-    """
-
-    scene: str
-    position_m: NDArray[np.float64]
-    centre_deg: float
-    exposures: int
-    elsewhere: int
-    fixations: int
-    map: Map
-
-    @property
-    def facts(self) -> dict[str, Any]:
-        """Return everything but the map."""
-        return {
-            "scene": self.scene,
-            "position_m": self.position_m.tolist(),
-            "centre_deg": self.centre_deg,
-            "exposures": self.exposures,
-            "elsewhere": self.elsewhere,
-            "fixations": self.fixations,
-            "outside": self.map.outside,
-        }
-
-
-def viewpoints(
-    exposures: Iterable[tuple[str, ExposureSummary]], within_m: float, sigma_deg: float
-) -> list[SceneViewpoint]:
-    """Return the map of each scene, of which there are fixations from one place.
-
-    Parameters
-    ----------
-    exposures
-        Scene, and what was seen in it.
-    within_m
-        How far the median position of a head may be from the median of the scene's, and how far
-        from its own the head may be in nine tenths of the frames.
-    sigma_deg
-        Of the Gaussian that a fixation is spread by.
-    """
-    scenes: dict[str, list[ExposureSummary]] = defaultdict(list)
-    for scene, seen in exposures:
-        if seen.fixations:
-            scenes[scene].append(seen)
-    names = sorted(scenes, key=natural)
-    found = (_viewpoint(name, scenes[name], within_m, sigma_deg) for name in names)
-    return [each for each in found if each is not None]
-
-
-def _viewpoint(
-    scene: str, exposures: list[ExposureSummary], within_m: float, sigma_deg: float
-) -> SceneViewpoint | None:
-    places = np.array([seen.viewpoint_m for seen in exposures])
-    middle = np.median(places, axis=0)
-    still = np.array([seen.reach_m for seen in exposures]) <= within_m
-    near = still & (np.linalg.norm(places - middle, axis=1) <= within_m)
-    here = [seen for seen, is_near in zip(exposures, near, strict=True) if is_near]
-    if not here:
-        return None
-    centre_deg = float(angles_deg(np.sum([seen.forward for seen in here], axis=0)[None])[0][0])
-    fixated = [each for seen in here for each in seen.fixations]
-    ways = unit_vectors(
-        np.array([each.azimuth_deg for each in fixated]),
-        np.array([each.elevation_deg for each in fixated]),
-    )
-    seconds = np.array([each.duration_s for each in fixated])
-    shown = saliency_map(ways, seconds, centre_deg=centre_deg, sigma_deg=sigma_deg)
-    return SceneViewpoint(
-        scene, middle, centre_deg, len(here), len(exposures) - len(here), len(fixated), shown
-    )
-
-
-EVERYBODY = ""
-"""The situation of all exposures together."""
-HALF_HEIGHT = 0.5
-PER_MINUTE = {"head_path_m": "head_path_m_per_min", "head_turning_deg": "head_turning_deg_per_min"}
-MEANS = (
-    "gaze_valid_share", *(f"zone_of_{100 * share:.0f}_percent" for share in HELD),
-    "fixations_per_min", "fixation_median_s", *PER_MINUTE.values(), "yaw_deg_rms_0.5_2_hz",
-    "frames_filled_share",
-)  # fmt: skip
-"""Columns of the exposures of which situations have the mean of people's means."""
-
-
-class SituatedExposure(NamedTuple):
-    """An exposure: whose, in which situation and scene, and what it says."""
-
-    person: str
-    situation: str
-    scene: str
-    seen: ExposureSummary
-
-
-@dataclass
-class GazeAndHeadAnalysis:
-    """What was found.
-
-    Parameters
-    ----------
-    exposures, situations
-        A row for each exposure; for each situation, means over people.
-    zones
-        A row for each situation, event and zone: mean share over people, with its error.
-    nodes, shown
-        A row for each situation and node: mean share of the gaze over people, with its error; and
-        those of the longest looked at, the others summed.
-    spectra
-        A row for each situation, signal and frequency: mean density over people.
-    fixations
-        A row for each fixation.
-    maps
-        Situation → mean map of the gaze in the head's frame.
-    viewpoints
-        Maps of the fixations from the viewpoint of each scene.
-    notes
-        What could not be read.
-    """
-
-    exposures: list[Row] = field(default_factory=list)
-    situations: list[Row] = field(default_factory=list)
-    zones: list[Row] = field(default_factory=list)
-    nodes: list[Row] = field(default_factory=list)
-    shown: list[Row] = field(default_factory=list)
-    spectra: list[Row] = field(default_factory=list)
-    fixations: list[Row] = field(default_factory=list)
-    maps: dict[str, Map] = field(default_factory=dict)
-    viewpoints: list[SceneViewpoint] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-
-    @property
-    def results(self) -> Row:
-        """Return what results.json holds; fixations and frequencies are in tables alone."""
-        names = ("exposures", "situations", "zones", "notes")
-        return {
-            **{name: getattr(self, name) for name in names},
-            "nodes": self.shown,
-            "outside_map": {name: found.outside for name, found in self.maps.items()},
-            "viewpoints": [each.facts for each in self.viewpoints],
-        }
-
-
-def analyse_gaze_and_head(
-    study: StudyData, plan: Plan, conditions: list[str], memory: Memory | None = None
-) -> GazeAndHeadAnalysis:
-    """Return gaze and head motion, as far as the plan asks for them and the files have them."""
-    asked, found = plan.gaze_and_head, GazeAndHeadAnalysis()
-    if asked is None:
-        return found
-    met: list[SituatedExposure] = []
-    for session in study.recorded_sessions:
-        trials = [trial for trial in study.trials if _is_of(session, trial)]
-        try:
-            met += _session(session, trials, asked, found, memory)
-        except InputError as error:
-            found.notes.append(str(error).replace(f"{study.source}/", ""))
-    _add_paths(study, found.exposures)
-    there = {each.situation for each in met}
-    order = conditions if asked.situations == "condition" else sorted(there, key=natural)
-    situations = [name for name in order if name in there]
-    found.situations = _means(found.exposures, situations, asked.situations)
-    shown = [*situations, *([EVERYBODY] if len(situations) > 1 else [])]
-    found.zones = _zone_rows(met, shown, asked)
-    found.nodes, found.shown = _nodes(met, situations)
-    found.spectra = _spectrum_rows(met, situations)
-    found.maps = _mean_maps(met, situations)
-    scenes = [(each.scene, each.seen) for each in met]
-    found.viewpoints = viewpoints(scenes, asked.viewpoint_within_m, asked.saliency_sigma_deg)
-    return found
-
-
-def _is_of(session: Session, trial: dict[str, str]) -> bool:
-    names = session.folder.parent.name, session.folder.name
-    return names == (f"sub-{trial['participant']}", f"ses-{trial['session']}")
-
-
-def _session(
-    session: Session,
-    trials: list[dict[str, str]],
-    asked: GazeAndHead,
-    found: GazeAndHeadAnalysis,
-    memory: Memory | None,
-) -> list[SituatedExposure]:
-    """Look at the exposures of a session; nothing of it is kept if a part is damaged."""
-    events = {name: times_of(session, name, asked.during_s) for name in asked.during}
-    met = []
-    for trial, motion in zip(
-        trials, read_motion(session.folder / FrameRow.FILE, trials, memory), strict=True
-    ):
-        if motion is None:
-            continue
-        seen = summarise_exposure(motion, asked, events)
-        keys = {
-            key: trial[key] for key in ("participant", "session", "trial", "condition", "scene")
-        }
-        seen.row = keys | seen.row
-        found.exposures.append(seen.row)
-        found.fixations += [keys | fixation._asdict() for fixation in seen.fixations]
-        met.append(
-            SituatedExposure(trial["participant"], trial[asked.situations], trial["scene"], seen)
-        )
-    return met
-
-
-def _add_paths(study: StudyData, rows: list[Row]) -> None:
-    """Add the path and the turning of the head per minute of live time."""
-    frames = {}
-    for each in sorted(study.frames, key=lambda each: each.attempt):
-        frames[each.participant, each.session, str(each.trial)] = each  # the last attempt
-    for row in rows:
-        said = frames.get((row["participant"], row["session"], row["trial"]))
-        for name, column in PER_MINUTE.items():
-            whole = getattr(said, name, None)
-            row[column] = 60 * whole / said.live_s if said and whole and said.live_s else None
-
-
-def _means(rows: list[Row], situations: list[str], by: str) -> list[Row]:
-    found = []
-    for situation in situations:
-        mine = [row for row in rows if row[by] == situation]
-        people = dict.fromkeys(row["participant"] for row in mine)
-        mean: Row = {"situation": situation, "exposures": len(mine), "people": len(people)}
-        for name in MEANS:
-            own = [_mean(r.get(name) for r in mine if r["participant"] == who) for who in people]
-            mean[name] = _mean(own)
-        found.append(mean)
-    return found
-
-
-def _mean(values: Iterable[float | None]) -> float | None:
-    known = [value for value in values if value is not None and np.isfinite(value)]
-    return sum(known) / len(known) if known else None
-
-
-def _by_person(
-    met: list[SituatedExposure],
-    situation: str,
-    take: Callable[[ExposureSummary], NDArray[np.float64] | None],
-) -> NDArray[np.float64]:
-    """Return (people, …): each person's mean over the exposures of a situation that have it."""
-    people: dict[str, list[NDArray[np.float64]]] = defaultdict(list)
-    for each in met:
-        value = take(each.seen) if situation in (each.situation, EVERYBODY) else None
-        if value is not None:
-            people[each.person].append(value)
-    return np.array([np.mean(values, axis=0) for values in people.values()])
-
-
-def _zone_rows(met: list[SituatedExposure], situations: list[str], asked: GazeAndHead) -> list[Row]:
-    """Return the mean share of each zone over people, with its standard error."""
-    found = []
-    for event in (WHOLE, *asked.during):
-        for situation in situations:
-            shares = _by_person(met, situation, partial(_shares, event))
-            for place, zone in enumerate(asked.zones if len(shares) else ()):
-                one = shares[:, place]
-                error = float(one.std(ddof=1) / np.sqrt(len(one))) if len(one) > 1 else None
-                found.append({
-                    "situation": situation, "during": event, "zone": zone,
-                    "share": float(one.mean()), "standard_error": error, "people": len(one),
-                })  # fmt: skip
-    return found
-
-
-def _shares(event: str, seen: ExposureSummary) -> NDArray[np.float64] | None:
-    return np.array(seen.shares[event]) if event in seen.shares else None
-
-
-def _nodes(met: list[SituatedExposure], situations: list[str]) -> tuple[list[Row], list[Row]]:
-    """Return the rows of all nodes, and those that stand on the page."""
-    names = sorted({name for each in met for name in each.seen.nodes})
-
-    def shares(seen: ExposureSummary) -> NDArray[np.float64] | None:
-        return np.array([seen.nodes.get(name, 0.0) for name in names]) if seen.nodes else None
-
-    people = {situation: _by_person(met, situation, shares) for situation in situations}
-    rows = node_rows(names, people)
-    return rows, shown_nodes(rows, names, people)
-
-
-def _spectrum_rows(met: list[SituatedExposure], situations: list[str]) -> list[Row]:
+def _spectrum_rows(exposures: list[SituatedExposure], situations: list[str]) -> list[SpectrumPoint]:
     """Return the mean density over people, at the frequencies of the first exposure."""
-    known = [each.seen.spectrum for each in met if each.seen.spectrum is not None]
+    known = [each.summary.spectrum for each in exposures if each.summary.spectrum is not None]
     if not known:
         return []
     grid = known[0].frequency_hz
 
-    def density(seen: ExposureSummary) -> NDArray[np.float64] | None:
-        one = seen.spectrum
+    def density(summary: ExposureSummary) -> Floats | None:
+        one = summary.spectrum
         if one is None:
             return None
         columns = [np.interp(grid, one.frequency_hz, each) for each in one.density.T]
@@ -411,77 +483,143 @@ def _spectrum_rows(met: list[SituatedExposure], situations: list[str]) -> list[R
 
     found = []
     for situation in situations:
-        people = _by_person(met, situation, density)
+        people = _by_person(exposures, situation, density)
         mean = people.mean(axis=0) if len(people) else np.empty((0, len(SIGNALS)))
         found += [
-            {"situation": situation, "signal": signal, "frequency_hz": f, "density": float(d),
-             "people": len(people)}
+            SpectrumPoint(situation, signal, f, float(d), len(people))
             for place, signal in enumerate(SIGNALS)
             for f, d in zip(grid.tolist(), mean[:, place].tolist(), strict=bool(len(people)))
             if f > 0
-        ]  # fmt: skip
+        ]
     return found
 
 
-def _mean_maps(met: list[SituatedExposure], situations: list[str]) -> dict[str, Map]:
-    """Return the mean of each situation's maps, every person counting alike."""
-    some = next((each.seen.head_map for each in met if each.seen.head_map is not None), None)
+def _mean_maps(exposures: list[SituatedExposure], situations: list[str]) -> dict[str, Map]:
+    """Return the mean of each situation's maps; each person has the same weight."""
+    gazes = [each.summary.gaze for each in exposures if each.summary.gaze]
     found: dict[str, Map] = {}
     for situation in situations:
-        shares = _by_person(met, situation, lambda s: s.head_map.share if s.head_map else None)
-        if some is not None and len(shares):
+        shares = _by_person(
+            exposures, situation, lambda s: s.gaze.head_map.share if s.gaze else None
+        )
+        if len(shares):
             share = shares.mean(axis=0)
+            some = gazes[0].head_map  # all maps have the same cells
             found[situation] = some._replace(share=share, outside=1.0 - float(share.sum()))
     return found
 
 
-Results = dict[str, Any]
-Paragraph = tuple[str, str, tuple[str, ...]]
-"""Title, text, and the keys of what it cites."""
+def _viewpoints(
+    exposures: Iterable[SituatedExposure], within_m: float, sigma_deg: float
+) -> list[SceneViewpoint]:
+    """Return the map of each scene that has fixations from one place.
+
+    These are the maps of Mantiuk et al. (2011), Figure 3.
+
+    Parameters
+    ----------
+    within_m
+        Largest distance of the median position of a head from the median of the scene's, and of
+        the head from its own in nine tenths of the frames.
+    sigma_deg
+        Of the Gaussian that spreads a fixation.
+    """
+    scenes: dict[str, list[tuple[ExposureSummary, GazeSummary]]] = defaultdict(list)
+    for each in exposures:
+        if each.summary.gaze and each.summary.gaze.fixations:
+            scenes[each.row.keys.scene].append((each.summary, each.summary.gaze))
+    names = sorted(scenes, key=natural)
+    found = (_viewpoint(name, scenes[name], within_m, sigma_deg) for name in names)
+    return [each for each in found if each is not None]
 
 
-def gaze_paragraphs(results: Results) -> list[Paragraph]:
-    """Return the paragraphs on what this report holds of these."""
-    found = results["gaze_and_head"]
-    if not found or not found["exposures"]:
-        return []
-    asked = results["plan"]["gaze_and_head"]
-    seen = any(row["gaze_valid_share"] for row in found["exposures"])
-    return [*([_gaze(asked, found)] if seen else []), _head(asked)]
+def _viewpoint(
+    scene: str,
+    exposures: list[tuple[ExposureSummary, GazeSummary]],
+    within_m: float,
+    sigma_deg: float,
+) -> SceneViewpoint | None:
+    places = np.array([summary.viewpoint_m for summary, _ in exposures])
+    middle = np.median(places, axis=0)
+    still = np.array([summary.reach_m for summary, _ in exposures]) <= within_m
+    near = still & (np.linalg.norm(places - middle, axis=1) <= within_m)
+    here = [each for each, is_near in zip(exposures, near, strict=True) if is_near]
+    if not here:
+        return None
+    facing = np.sum([summary.forward for summary, _ in here], axis=0)
+    centre_deg = float(angles_deg(facing[None])[0][0])
+    fixated = [each for _, gaze in here for each in gaze.fixations]
+    ways = unit_vectors(
+        np.array([each.azimuth_deg for each in fixated]),
+        np.array([each.elevation_deg for each in fixated]),
+    )
+    seconds = np.array([each.duration_s for each in fixated])
+    shown = saliency_map(ways, seconds, centre_deg=centre_deg, sigma_deg=sigma_deg)
+    row = ViewpointRow(
+        scene=scene,
+        position_m=middle.tolist(),
+        centre_deg=centre_deg,
+        exposures=len(here),
+        elsewhere=len(exposures) - len(here),
+        fixations=len(fixated),
+        outside=shown.outside,
+    )
+    return SceneViewpoint(row, shown)
 
 
-def _gaze(asked: Results, found: Results) -> Paragraph:
+def gaze_and_head_tables(found: GazeAndHeadAnalysis) -> dict[str, list[dict[str, Any]]]:
+    """Return name → lines of the CSV tables."""
+    return {
+        "gaze_and_head": as_json(found.exposures),
+        "gaze_zones": as_json(found.zones),
+        "gaze_nodes": as_json(found.nodes),
+        "fixations": as_json(found.fixations),
+        "head_spectra": as_json(found.spectra),
+    }
+
+
+def gaze_paragraphs(found: GazeAndHeadAnalysis) -> Iterator[MethodsParagraph]:
+    """Yield the paragraphs of the methods section."""
+    asked = found.asked
+    if asked is None or not found.exposures:
+        return
+    if any(row.gaze_valid_share for row in found.exposures):
+        yield _gaze_paragraph(asked, found)
+    yield _head_paragraph(asked)
+
+
+def _gaze_paragraph(asked: GazeAndHead, found: GazeAndHeadAnalysis) -> MethodsParagraph:
     rule = (
-        f"slower than {asked['velocity_deg_s']:g}° per second from sample to sample (I-VT"
-        if asked["fixations"] == "i_vt"
-        else f"within a dispersion of {asked['dispersion_deg']:g}° (I-DT"
+        f"slower than {asked.velocity_deg_s:g}° per second from sample to sample (I-VT"
+        if asked.fixations == "i_vt"
+        else f"within a dispersion of {asked.dispersion_deg:g}° (I-DT"
     )
     text = (
         "The gaze is the headset’s, in the frames in which it was valid, and counts for each "
         "frame’s period. A centred zone of ratio r has r times the height and width of an eye’s "
         "image (Hillaire et al., 2008). Fixations are stretches of the line of sight in the world "
-        f"{rule}; Salvucci & Goldberg, 2000), of at least {asked['shortest_fixation_s']:g} s. "
+        f"{rule}; Salvucci & Goldberg, 2000), of at least {asked.shortest_fixation_s:g} s. "
     )
     cited = ["hillaire_2008", "salvucci_2000"]
-    if found["viewpoints"]:
+    if found.viewpoints:
         text += (
             "Fixation maps are those of exposures that were seen from one place (Mantiuk et al., "
             "2011); each fixation counts for its length. "
         )
         cited.append("mantiuk_2011")
-    if found["nodes"]:
+    if found.shown:
         text += (
             "What was looked at is the node of the scene that the line of sight meets first; a "
             "node’s share is of the time in which the gaze was known and the scene drawn. "
         )
-    return "Gaze", f"{text}Every person counts alike.", tuple(cited)
+    return MethodsParagraph("Gaze", f"{text}Every person counts alike.", tuple(cited))
 
 
-def _head(asked: Results) -> Paragraph:
+def _head_paragraph(asked: GazeAndHead) -> MethodsParagraph:
     text = (
         "Spectra of the head’s position and orientation in the stage are Welch’s (1967), with Hann "
-        f"windows of {asked['spectrum_window_s']:g} s that overlap by half and are without their "
+        f"windows of {asked.spectrum_window_s:g} s that overlap by half and are without their "
         "means. Dropped frames are filled by linear interpolation; a gap of more than four "
         "refreshes, or a jump, ends a stretch."
     )
-    return "Head motion", text, ("welch_1967",)
+    return MethodsParagraph("Head motion", text, ("welch_1967",))

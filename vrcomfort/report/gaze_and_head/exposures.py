@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from vrcomfort.records.exposure_rows import TaskRow
 from vrcomfort.records.frame_rows import CUT
 from vrcomfort.records.recording import Categories, Memory, Recording
 from vrcomfort.records.session_rows import EventRow
+from vrcomfort.report.rows import INLINE
 from vrcomfort.rotations import rotate
 from vrcomfort.stats.gaze_and_head import (
     GazeFixation,
@@ -227,93 +228,158 @@ def _begun(table: CsvTable, column: str, name: str) -> list[tuple[float, float]]
 SIGNALS = ("head_x_m", "head_y_m", "head_z_m", "yaw_deg", "pitch_deg")
 BANDS_HZ = ((0.25, 0.5), (0.5, 2.0), (2.0, 8.0))
 HELD = (0.75, 0.9)
-"""Shares of the gaze of which the zone that holds them is given."""
+"""Shares of the gaze; see `GazeZones`."""
 NOTHING = ""
 """The name of what is no node: the sky."""
 WHOLE = ""
 """The time of a whole exposure, beside that of events."""
-Row = dict[str, Any]
 Times = list[tuple[float, float]]
 
 
-@dataclass
-class ExposureSummary:
-    """What is known of an exposure.
+@dataclass(frozen=True)
+class GazeZones:
+    """Heights, as shares of the image's, of the zones that hold `HELD` of the gaze."""
+
+    zone_of_75_percent: float
+    zone_of_90_percent: float
+
+
+@dataclass(frozen=True)
+class FixationStatistics:
+    """Number and lengths of fixations; per minute and share are of the time of known gaze."""
+
+    fixations: int
+    fixations_per_min: float
+    fixation_median_s: float | None
+    fixated_share: float
+
+
+@dataclass(frozen=True)
+class HeadBands:
+    """Root mean squares of `SIGNALS` in `BANDS_HZ`, and the share of frames behind them."""
+
+    frames_filled_share: float
+    frames_left_out_share: float
+    rms: dict[str, float] = field(metadata=INLINE)
+    """By signal and band; see `rms_name`."""
+
+
+def rms_name(signal: str, low_hz: float, high_hz: float) -> str:
+    """Return the column of a signal's root mean square in a band."""
+    return f"{signal}_rms_{low_hz:g}_{high_hz:g}_hz"
+
+
+@dataclass(frozen=True)
+class GazeSummary:
+    """The gaze of an exposure.
 
     Parameters
     ----------
-    row
-        Its numbers, for the table.
+    zones
+        None where the size of the images was not recorded.
     shares
         Event, or `WHOLE` → share of the gaze in each of the plan's zones.
     nodes
         Node → share of the gaze on it; empty where that is not known.
     head_map
-        Where the gaze was, seen from the head.
+        Map of the gaze in the frame of the head.
     fixations
         In the world.
-    viewpoint_m, reach_m, forward
-        Median position of the head in the world, how far from it the head was in nine tenths of
-        the frames, and the mean direction that it faced.
-    spectrum
-        Of `SIGNALS`.
     """
 
-    row: Row
-    shares: dict[str, list[float]] = field(default_factory=dict)
-    nodes: dict[str, float] = field(default_factory=dict)
-    head_map: Map | None = None
-    fixations: list[GazeFixation] = field(default_factory=list)
-    viewpoint_m: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.nan))
-    reach_m: float = np.nan
-    forward: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.nan))
-    spectrum: Spectrum | None = None
+    zones: GazeZones | None
+    shares: dict[str, list[float]]
+    nodes: dict[str, float]
+    head_map: Map
+    fixations: list[GazeFixation]
+    statistics: FixationStatistics
+
+
+@dataclass(frozen=True)
+class ExposureSummary:
+    """Gaze and head motion of an exposure.
+
+    Parameters
+    ----------
+    gaze_valid_share
+        None without an eye tracker.
+    gaze
+        None where the gaze was never valid.
+    viewpoint_m, reach_m, forward
+        Median position of the head in the world, its distance from there in nine tenths of the
+        frames, and its mean direction.
+    spectrum
+        Of `SIGNALS`; `bands` are its parts.
+    """
+
+    gaze_valid_share: float | None
+    gaze: GazeSummary | None
+    viewpoint_m: Floats
+    reach_m: float
+    forward: Floats
+    spectrum: Spectrum | None
+    bands: HeadBands | None
 
 
 def summarise_exposure(
     motion: Motion, asked: GazeAndHead, events: dict[str, Times]
 ) -> ExposureSummary:
-    """Return what an exposure says; `events` are those of its session, by name."""
+    """Summarise an exposure; `events` are those of its session, by name."""
     middle = np.median(motion.place, axis=0)
     away_m = np.linalg.norm(motion.place - middle, axis=1)
-    seen = ExposureSummary(
-        _gaze_known(motion),
+    spectrum = head_spectrum(
+        motion.time_s, motion.head, motion.cuts, period_s=float(np.median(motion.seconds)),
+        window_s=asked.spectrum_window_s,
+    )  # fmt: skip
+    return ExposureSummary(
+        gaze_valid_share=_valid_share(motion),
+        gaze=_summarise_gaze(motion, asked, events) if motion.valid.any() else None,
         viewpoint_m=middle,
         reach_m=float(np.quantile(away_m, 0.9)),
         forward=motion.forward.mean(axis=0),
+        spectrum=spectrum,
+        bands=None if spectrum is None else _bands(spectrum),
     )
-    if motion.valid.any():
-        _zones(seen, motion, asked, events)
-        _fixations(seen, motion, asked)
-        seen.nodes = node_shares(motion)
-    _spectrum(seen, motion, asked)
-    return seen
 
 
-def _gaze_known(motion: Motion) -> Row:
+def _valid_share(motion: Motion) -> float | None:
     if motion.in_world is None:
-        return {"gaze_valid_share": None}
-    seconds = motion.seconds
-    return {"gaze_valid_share": float(seconds[motion.valid].sum() / seconds.sum())}
+        return None
+    return float(motion.seconds[motion.valid].sum() / motion.seconds.sum())
+
+
+def _summarise_gaze(motion: Motion, asked: GazeAndHead, events: dict[str, Times]) -> GazeSummary:
+    valid = motion.valid
+    assert motion.in_head is not None  # noqa: S101 - some gaze is valid
+    ways, seconds = motion.in_head[valid], motion.seconds[valid]
+    zones, shares = _zones(motion, asked, events)
+    found = _fixations(motion, asked)
+    return GazeSummary(
+        zones=zones,
+        shares=shares,
+        nodes=node_shares(motion),
+        head_map=saliency_map(ways, seconds, sigma_deg=asked.saliency_sigma_deg),
+        fixations=found,
+        statistics=_fixation_statistics(found, float(seconds.sum())),
+    )
 
 
 def _zones(
-    seen: ExposureSummary, motion: Motion, asked: GazeAndHead, events: dict[str, Times]
-) -> None:
+    motion: Motion, asked: GazeAndHead, events: dict[str, Times]
+) -> tuple[GazeZones | None, dict[str, list[float]]]:
+    """Return the zones that hold shares of the gaze, and the gaze's shares in the plan's zones."""
     valid = motion.valid
     assert motion.in_head is not None  # noqa: S101 - some gaze is valid
     ways, seconds, half = motion.in_head[valid], motion.seconds[valid], motion.half_widths[valid]
-    seen.head_map = saliency_map(ways, seconds, sigma_deg=asked.saliency_sigma_deg)
     if not np.isfinite(half).all():
-        return
+        return None, {}
     ratios = zone_ratios(ways, half)
-    seen.shares[WHOLE] = zone_shares(ratios, seconds, asked.zones)
-    for share in HELD:
-        seen.row[f"zone_of_{100 * share:.0f}_percent"] = zone_holding(ratios, seconds, share)
+    shares = {WHOLE: zone_shares(ratios, seconds, asked.zones)}
     for name, times in events.items():
         now = during(motion.session_s[valid], times)
         if now.any():
-            seen.shares[name] = zone_shares(ratios[now], seconds[now], asked.zones)
+            shares[name] = zone_shares(ratios[now], seconds[now], asked.zones)
+    return GazeZones(*(zone_holding(ratios, seconds, share) for share in HELD)), shares
 
 
 def during(at_s: NDArray[np.float64], times: Times) -> NDArray[np.bool_]:
@@ -345,9 +411,9 @@ def node_shares(motion: Motion) -> dict[str, float]:
     }
 
 
-def _fixations(seen: ExposureSummary, motion: Motion, asked: GazeAndHead) -> None:
+def _fixations(motion: Motion, asked: GazeAndHead) -> list[GazeFixation]:
     assert motion.in_world is not None  # noqa: S101 - some gaze is valid
-    seen.fixations = fixations(
+    return fixations(
         motion.time_s,
         motion.in_world,
         motion.valid,
@@ -357,26 +423,22 @@ def _fixations(seen: ExposureSummary, motion: Motion, asked: GazeAndHead) -> Non
         dispersion_deg=asked.dispersion_deg,
         shortest_s=asked.shortest_fixation_s,
     )
-    lengths = [each.duration_s for each in seen.fixations]
-    known_s = float(motion.seconds[motion.valid].sum())
-    seen.row |= {
-        "fixations": len(lengths),
-        "fixations_per_min": 60 * len(lengths) / known_s,
-        "fixation_median_s": float(np.median(lengths)) if lengths else None,
-        "fixated_share": sum(lengths) / known_s,
-    }
 
 
-def _spectrum(seen: ExposureSummary, motion: Motion, asked: GazeAndHead) -> None:
-    seen.spectrum = found = head_spectrum(
-        motion.time_s, motion.head, motion.cuts, period_s=float(np.median(motion.seconds)),
-        window_s=asked.spectrum_window_s,
-    )  # fmt: skip
-    seen.row["spectrum_windows"] = found.windows if found else 0
-    if found is None:
-        return
-    seen.row |= {"frames_filled_share": found.filled, "frames_left_out_share": found.left_out}
+def _fixation_statistics(found: list[GazeFixation], known_s: float) -> FixationStatistics:
+    lengths = [each.duration_s for each in found]
+    return FixationStatistics(
+        fixations=len(lengths),
+        fixations_per_min=60 * len(lengths) / known_s,
+        fixation_median_s=float(np.median(lengths)) if lengths else None,
+        fixated_share=sum(lengths) / known_s,
+    )
+
+
+def _bands(spectrum: Spectrum) -> HeadBands:
+    rms = {}
     for low, high in BANDS_HZ:
-        power = band_power(found, low, high)
+        power = band_power(spectrum, low, high)
         for name, value in zip(SIGNALS, power.tolist(), strict=True):
-            seen.row[f"{name}_rms_{low:g}_{high:g}_hz"] = float(np.sqrt(value))
+            rms[rms_name(name, low, high)] = float(np.sqrt(value))
+    return HeadBands(spectrum.filled, spectrum.left_out, rms)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.ticker import FuncFormatter
@@ -38,7 +38,7 @@ def gaze_and_head_figures(found: GazeAndHeadAnalysis, words: Vocabulary) -> dict
         maps = {words.condition(name): shown for name, shown in found.maps.items()}
         drawn["gaze_maps"] = _maps("gaze-maps", maps, "to the right of the head’s axis, °")
     if found.viewpoints:
-        maps = {each.scene: each.map for each in found.viewpoints}
+        maps = {each.row.scene: each.map for each in found.viewpoints}
         drawn["gaze_fixations"] = _maps("gaze-fixations", maps, "to the right of the middle, °")
     if found.spectra:
         drawn["head_spectra"] = _spectra(found, words)
@@ -47,19 +47,17 @@ def gaze_and_head_figures(found: GazeAndHeadAnalysis, words: Vocabulary) -> dict
 
 def _zones(found: GazeAndHeadAnalysis, words: Vocabulary) -> Drawing:
     """Draw a curve for each situation, and of each event's time; all situations together in ink."""
-    events = list(dict.fromkeys(row["during"] for row in found.zones))
-    situations = list(dict.fromkeys(row["situation"] for row in found.zones))
+    events = list(dict.fromkeys(row.during for row in found.zones))
+    situations = list(dict.fromkeys(row.situation for row in found.zones))
     with canvas("gaze-zones", 6.6, 3.6) as (figure, drawing):
         axes = figure.add_subplot()
         for place, situation in enumerate(situations):
             of_all = situation == EVERYBODY
             label = "all" if of_all else lines(words.condition(situation), 28)
             for dash, event in enumerate(events):
-                mine = [
-                    r for r in found.zones if (r["situation"], r["during"]) == (situation, event)
-                ]
+                mine = [r for r in found.zones if (r.situation, r.during) == (situation, event)]
                 axes.plot(
-                    [r["zone"] for r in mine], [100 * r["share"] for r in mine],
+                    [r.zone for r in mine], [100 * r.share for r in mine],
                     _DASHES[dash % len(_DASHES)], ms=3.5, lw=2.2 if of_all else 1.4,
                     marker="" if of_all else marker_of(place),
                     color=INK if of_all else colour_of(place),
@@ -100,20 +98,18 @@ def _map(axes: Axes, shown: Map, brightest: float) -> None:
 
 
 def _spectra(found: GazeAndHeadAnalysis, words: Vocabulary) -> Drawing:
-    situations = list(dict.fromkeys(row["situation"] for row in found.spectra))
+    situations = list(dict.fromkeys(row.situation for row in found.spectra))
     with canvas("head-spectra", 6.8, 3.2) as (figure, drawing):
         for axes, signal in zip(figure.subplots(1, len(_SHOWN)), _SHOWN, strict=True):
             for place, situation in enumerate(situations):
-                mine: list[dict[str, Any]] = [
-                    r for r in found.spectra if (r["situation"], r["signal"]) == (situation, signal)
-                ]
+                mine = [r for r in found.spectra if (r.situation, r.signal) == (situation, signal)]
                 axes.loglog(
-                    [r["frequency_hz"] for r in mine],
-                    [r["density"] or None for r in mine],
+                    [r.frequency_hz for r in mine],
+                    [r.density or None for r in mine],
                     color=colour_of(place),
                     label=lines(words.condition(situation), 24),
                 )
-            top = max((r["density"] for r in found.spectra if r["signal"] == signal), default=1.0)
+            top = max((r.density for r in found.spectra if r.signal == signal), default=1.0)
             axes.set(
                 xlabel="frequency, Hz", title=_TITLES[signal],
                 ylim=(top / _DECADES_SHOWN, 3 * top) if top else None,

@@ -19,10 +19,9 @@ from vrcomfort.scene.data import (
     SpotLight,
     parent_from_node,
 )
-from vrcomfort.scene.gltf.file import GltfFile
+from vrcomfort.scene.gltf.file import GltfFile, places_of
 from vrcomfort.scene.gltf.mesh import Meshes
 from vrcomfort.scene.gltf.parts import FARTHEST, SHORTEST_QUATERNION
-from vrcomfort.scene.gltf.schema import places_of
 from vrcomfort.scene.skinning import Skin
 
 Lights = tuple[tuple[PointLight, ...], tuple[DirectionalLight, ...]]

@@ -20,7 +20,7 @@ from vrcomfort.render.effects.depth_of_field.lens_radius import (
     radius_limit_px,
     radius_of_arcmin,
 )
-from vrcomfort.render.scene_pass import ResolvePass
+from vrcomfort.render.scene_pass import Radii, ResolvePass
 
 TILE_PX = 8
 """Side of the tiles whose range of radii is known."""
@@ -252,7 +252,9 @@ class CocPasses:
 
     def _with_radii(self) -> moderngl.Texture:
         if self._resolve is not None:
-            self._resolve.write_radii(self.depth_to_coc)
+            found = self.depth_to_coc
+            radii = Radii(found.inputs, found.defines, found.constants, found.of_camera)
+            self._resolve.write_radii(radii)
             return self._colour
         inputs = {"colour": self._colour}
         self._beside = self.depth_to_coc.make_pass(
