@@ -24,9 +24,9 @@ from vrcomfort.render.effects.effect import (
     RegisteredEffect,
 )
 from vrcomfort.render.focus.autofocus_zone import screen_tangents
+from vrcomfort.render.focus.rays import GazeHits
 from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.focus.search import FocusPass, HeadView
-from vrcomfort.render.gaze_hit import GazeHits
 from vrcomfort.render.plan import in_order, plan_passes
 from vrcomfort.render.scene_pass import ResolvePass, ScenePass
 from vrcomfort.scene.data import Scene
