@@ -102,7 +102,7 @@ class EyeCamera:
 class PreviousCamera:
     """Where the eye counts as having been one frame ago, and the scene's time then.
 
-    `render.camera_motion.previous_eye_pose` makes it; head-locked nodes do not use the pose.
+    `previous_eye_pose` makes it; head-locked nodes do not use the pose.
     """
 
     world_from_eye: Pose

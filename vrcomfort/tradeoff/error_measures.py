@@ -171,7 +171,7 @@ def region_errors(error: Array, masks: dict[str, Mask], known: Mask) -> dict[str
     Parameters
     ----------
     masks
-        (h, w) by name, those of :data:`regions.REGIONS`.
+        (h, w) by name, those of :data:`REGIONS`.
     known
         (h, w): where the reference is sure; the others do not count.
     """

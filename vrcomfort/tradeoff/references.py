@@ -214,7 +214,7 @@ def ideal_scatter(pinhole: Pinhole, samples: ArrayLike, /) -> Array:
     Parameters
     ----------
     samples
-        (n, 3), as of `optics.sampling.lens_and_shutter`.
+        (n, 3), as of `optics.lens_sampling.lens_and_shutter`.
     """
     height, width, _ = pinhole.image.shape
     order = np.argsort(pinhole.depth, axis=None, kind="stable")
