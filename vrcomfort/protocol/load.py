@@ -37,7 +37,17 @@ MOST_LETTERS, MOST_OF_INSTRUCTION = 200, 110
 
 
 def load_protocol(name_or_path: str | Path) -> Protocol:
-    """Read a protocol: a file, or the name of a shipped one such as ``carnegie_2015``.
+    """Read a protocol: a file, or a shipped one.
+
+    Parameters
+    ----------
+    name_or_path : str or Path
+        A TOML file, or the name of a shipped protocol such as ``"carnegie_2015"``.
+
+    Returns
+    -------
+    Protocol
+        The validated protocol; ``protocol.condition("dof_on")`` is one of its conditions.
 
     Raises
     ------
