@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.geometry import Array
 from vrcomfort.records.frame_rows import CUT
-from vrcomfort.traces.table import Table
+from vrcomfort.traces.table import TraceTable
 from vrcomfort.traces.trace import Trace, read_trace
 
 
@@ -46,7 +46,7 @@ def read_frames(file: Path) -> tuple[Trace, FrameFacts]:
     """
     parts: list[tuple[Any, ...]] = []
 
-    def take(table: Table) -> None:
+    def take(table: TraceTable) -> None:
         if not parts:
             table.require(["session_s", "trial", "should_render", "discontinuity", "dropped"])
         parts.append(_columns(table))
@@ -57,7 +57,7 @@ def read_frames(file: Path) -> tuple[Trace, FrameFacts]:
     return replace(trace, cuts=cuts), FrameFacts(*facts)
 
 
-def _columns(table: Table) -> tuple[Any, ...]:
+def _columns(table: TraceTable) -> tuple[Any, ...]:
     dropped = table.integers("dropped")
     if table.has(["missed_refreshes"]):
         cells = table.text("missed_refreshes")

@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import Literal, NamedTuple
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.vocabulary import Known, Vocabulary, tokens
+from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
 
 How = Literal["name", "near", "abbreviation", "initials", "number", "position"]
@@ -38,7 +38,7 @@ class Named:
 
 
 def named_item(
-    column: int, heading: str, label: str, instrument: Instrument, vocabulary: Vocabulary
+    column: int, heading: str, label: str, instrument: Instrument, vocabulary: LabVocabulary
 ) -> Named | None:
     """Return the item of an instrument that a heading names, or else its label.
 
@@ -213,7 +213,7 @@ def find_blocks(table: SourceTable, known: Known) -> list[Found]:
 
 
 def _by_name(
-    table: SourceTable, instrument: Instrument, _: set[int], vocabulary: Vocabulary
+    table: SourceTable, instrument: Instrument, _: set[int], vocabulary: LabVocabulary
 ) -> list[Found]:
     if len(instrument.asked) == 1:
         return []
@@ -323,7 +323,7 @@ def _is_worth(block: Found, items: dict[str, Named]) -> bool:
 
 
 def _by_number(
-    table: SourceTable, instrument: Instrument, taken: set[int], vocabulary: Vocabulary
+    table: SourceTable, instrument: Instrument, taken: set[int], vocabulary: LabVocabulary
 ) -> list[Found]:
     """Find ``SSQ1`` … ``SSQ16``: headings that differ in a number alone, from 1 (or 0) on."""
     count = len(instrument.asked)
@@ -352,7 +352,7 @@ def _by_number(
 
 
 def _by_initials(
-    table: SourceTable, instrument: Instrument, taken: set[int], vocabulary: Vocabulary
+    table: SourceTable, instrument: Instrument, taken: set[int], vocabulary: LabVocabulary
 ) -> list[Found]:
     """Find ``SSQ_GD``, ``SSQ_DEO``: initials of at least nine in ten items of an instrument."""
     count = len(instrument.asked)

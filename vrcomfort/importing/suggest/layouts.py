@@ -14,7 +14,7 @@ from vrcomfort.importing.mapping import ScoreKind, scale_named
 from vrcomfort.importing.source import Grid, SourceTable
 from vrcomfort.importing.suggest.evidence import texts
 from vrcomfort.importing.suggest.items import How, mentions, named_item
-from vrcomfort.importing.suggest.vocabulary import Known, Vocabulary, tokens
+from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
 
 
@@ -145,7 +145,7 @@ def _numbered_in_rows(
     return items, dict.fromkeys(items, "number")
 
 
-def _response_column(table: SourceTable, item_column: int, vocabulary: Vocabulary) -> int | None:
+def _response_column(table: SourceTable, item_column: int, vocabulary: LabVocabulary) -> int | None:
     candidates = [
         column
         for column, heading in enumerate(table.headings)
@@ -160,7 +160,7 @@ def _last_word(heading: str) -> str:
     return plain(heading.rsplit(".", 1)[-1])
 
 
-def _is_response(table: SourceTable, column: int, heading: str, vocabulary: Vocabulary) -> bool:
+def _is_response(table: SourceTable, column: int, heading: str, vocabulary: LabVocabulary) -> bool:
     words = texts(table, column)
     if not words or len(words) > 110:
         return False
@@ -269,7 +269,7 @@ def find_scores(table: SourceTable, columns: Sequence[int], known: Known) -> lis
 
 
 def _of_instrument(
-    table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: Vocabulary
+    table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: LabVocabulary
 ) -> list[FoundScores]:
     words = _scale_words(instrument, vocabulary)
     fillers = vocabulary.scale_fillers
@@ -286,7 +286,7 @@ def _of_instrument(
     ]
 
 
-def _scale_words(instrument: Instrument, vocabulary: Vocabulary) -> dict[str, str]:
+def _scale_words(instrument: Instrument, vocabulary: LabVocabulary) -> dict[str, str]:
     """Return word → scale: its name, title and column, and what labs call it else."""
     words = {
         plain(word): scale.name

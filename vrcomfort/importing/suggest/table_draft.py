@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import Doubt, Draft
+from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
 from vrcomfort.importing.suggest.evidence import (
     Context,
     is_personal,
@@ -63,8 +63,8 @@ class TableDraft:
         self._vocabulary = known.vocabulary
         rows = tuple(row for table in tables for row in table.rows)
         self.table = replace(tables[0], rows=rows)
-        self.draft = Draft()
-        self.doubts: list[Doubt] = []
+        self.draft = TomlDraft()
+        self.doubts: list[OpenDoubt] = []
         self.labels: dict[str, str] = {}
         """Condition that headings say → how they write it."""
         self._totals = self._total_rows()
@@ -125,12 +125,14 @@ class TableDraft:
         if read.transpose:
             values["transpose"] = True
             question = "Do participants stand side by side, and items one below the other?"
-            self.doubts.append(Doubt(question, "they do; columns are read as rows"))
+            self.doubts.append(OpenDoubt(question, "they do; columns are read as rows"))
         if values:
             self.draft.put("read", values)
         if not read.heading_rows and "heading_rows" in values:
             question = f"{self.table.file.name} seems to have no headings: is its first row data?"
-            self.doubts.append(Doubt(question, "it is; columns are called column 1, column 2 …"))
+            self.doubts.append(
+                OpenDoubt(question, "it is; columns are called column 1, column 2 …")
+            )
 
     def _write(self) -> None:
         facts = self._moments()
@@ -224,7 +226,7 @@ class TableDraft:
                 self.table = replace(self.table, rows=tuple(rows))
                 self.draft.put("fill_down", [name])
                 question = f"Do the blank cells of {name!r} mean the participant above them?"
-                self.doubts.append(Doubt(question, "they do"))
+                self.doubts.append(OpenDoubt(question, "they do"))
                 return
 
     def _leave_out(self, participant: int | None) -> None:
@@ -240,10 +242,10 @@ class TableDraft:
             question = (
                 f"May the rows with {shown} in {names[column]!r} be left out, as no person's?"
             )
-            self.doubts.append(Doubt(question, "they are left out"))
+            self.doubts.append(OpenDoubt(question, "they are left out"))
 
     def _questionnaires(self, facts: Sequence[dict[str, str]]) -> None:
-        drafts: list[Draft] = []
+        drafts: list[TomlDraft] = []
         for block, own in zip(self._blocks, facts, strict=False):
             mended, doubts = mend_items(self.table, block, self._roles, self._vocabulary)
             self.doubts += doubts
@@ -268,7 +270,9 @@ class TableDraft:
             self.draft.lists["questionnaires"] = self._in_short(drafts, facts)
         self._score_tables([] if self._blocks else facts)
 
-    def _in_short(self, drafts: list[Draft], facts: Sequence[dict[str, str]]) -> list[Draft]:
+    def _in_short(
+        self, drafts: list[TomlDraft], facts: Sequence[dict[str, str]]
+    ) -> list[TomlDraft]:
         """Say questionnaires in one whose headings are made alike, and whose answers are."""
         count = len(self._blocks)
         names = {draft.values["instrument"] for draft in drafts[:count]}
@@ -298,10 +302,10 @@ class TableDraft:
         for fact, values in found.values.items():
             if any(text != value for text, value in values.items()):
                 self.draft.put(fact, {"values": values})
-        whole = Draft({"instrument": own.pop("instrument"), "heading": found.heading, **own})
+        whole = TomlDraft({"instrument": own.pop("instrument"), "heading": found.heading, **own})
         if answers:
             whole.put("answers", dict(sorted(answers.items(), key=lambda each: each[1])))
-        whole.tables["items"] = Draft(dict(found.items), dict(notes))
+        whole.tables["items"] = TomlDraft(dict(found.items), dict(notes))
         shown = "; ".join(f"{fact}: {', '.join(texts)}" for fact, texts in found.values.items())
         whole.note(f"{count} questionnaires in a row: {shown}")
         return [whole, *drafts[count:]]
@@ -335,9 +339,9 @@ class TableDraft:
         for each, said in zip(kept, own, strict=False):
             kind = kind_of(self.table, each)
             scales = {scale: self.table.headings[c] for scale, c in each.scales.items()}
-            draft = Draft({"instrument": each.instrument.name, **said, "kind": kind})
+            draft = TomlDraft({"instrument": each.instrument.name, **said, "kind": kind})
             draft.note("The answers are not in the file: scores alone.")
-            draft.tables["scales"] = Draft(dict(scales))
+            draft.tables["scales"] = TomlDraft(dict(scales))
             drafts.append(draft)
             what = {"raw_sum": "raw sums", "score": "scores by the published formula"}.get(
                 kind, "scores by another formula"
@@ -345,7 +349,7 @@ class TableDraft:
             asked.setdefault(f"{what} of the {each.instrument.short}", []).extend(scales.values())
         for what, names in asked.items():
             question = f"{', '.join(names)}: are these {what}?"
-            self.doubts.append(Doubt(question, f"they are {what}; the answers are not there"))
+            self.doubts.append(OpenDoubt(question, f"they are {what}; the answers are not there"))
         if drafts:
             self.draft.lists["scores"] = drafts
 
@@ -360,7 +364,7 @@ class TableDraft:
                 one = {other: group[0] for group in groups for other in group[1:]}
                 said = "they are not; `values` of participant make them one: "
                 question = f"Are these participants one person each: {shown}?"
-                self.doubts.append(Doubt(question, f"{said}values = {toml_value(one)}"))
+                self.doubts.append(OpenDoubt(question, f"{said}values = {toml_value(one)}"))
 
     def _ignore(self, exposures: DraftedFacts) -> None:
         """List every column that nothing was said of, with the reason."""
