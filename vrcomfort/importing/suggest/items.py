@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -169,20 +170,35 @@ FEWEST = 4
 Context = tuple[str, ...]
 
 
-@dataclass
-class Found:
-    """Columns that are one questionnaire.
+@dataclass(frozen=True)
+class FoundAnswers(ABC):
+    """Columns of answers, in any layout.
 
     Parameters
     ----------
     context
-        The words that its headings share, but for those that name the instrument.
-    items
-        Item → index of its column.
+        The words that the headings share, but for those that name the instrument.
     """
 
     instrument: Instrument
     context: Context
+
+    @property
+    @abstractmethod
+    def columns(self) -> list[int]:
+        """Return the indices of the columns."""
+
+
+@dataclass(frozen=True)
+class Found(FoundAnswers):
+    """Columns that are one questionnaire.
+
+    Parameters
+    ----------
+    items
+        Item → index of its column.
+    """
+
     items: dict[str, Named]
 
     @property
@@ -196,15 +212,16 @@ class Found:
         return [item.name for item in self.instrument.asked if item.name not in self.items]
 
 
-def find_blocks(table: SourceTable, known: Known) -> list[Found]:
+def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> list[Found]:
     """Return the questionnaires that the headings of a table name, no column twice.
 
     By the names of the items, else by their numbers, else (where there are no headings) by where
     the answers stand.
     """
     found: list[Found] = []
+    other = {*range(len(table.headings))} - {*columns}
     for find in (_by_name, _by_number, _by_initials):
-        taken = {column for block in found for column in block.columns}
+        taken = other.union(*(block.columns for block in found))
         blocks = [b for i in known.instruments for b in find(table, i, taken, known.vocabulary)]
         found += _best(table, blocks, known.instruments)
     if not found and not table.reading.heading_rows:

@@ -13,10 +13,11 @@ from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
 from vrcomfort.importing.suggest.evidence import Roles, texts
 from vrcomfort.importing.suggest.items import Found, Named, mentions
-from vrcomfort.importing.suggest.layouts import FoundRating, Long, parts_of
+from vrcomfort.importing.suggest.layouts import FoundCourse, FoundRating, Long, parts_of
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary
 from vrcomfort.questionnaire import Instrument, never_zero, plain, shipped_instruments
 
+Drafted = tuple[TomlDraft, list[OpenDoubt]]
 _CODES = frozenset(
     {-1, -2, -7, -8, -9, -77, -88, -99, -999, -9999, 9, 77, 88, 99, 777, 888, 999, 9999}
 )
@@ -212,7 +213,7 @@ def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> N
         found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}"))
 
 
-def mend_items(
+def _mend_items(
     table: SourceTable, block: Found, roles: Roles, vocabulary: LabVocabulary
 ) -> tuple[Found, list[OpenDoubt]]:
     """Take a sum for no item, though its heading names one; and ask."""
@@ -274,11 +275,12 @@ def _may_answer(
 
 
 def draft_block(
-    table: SourceTable, block: Found, facts: Mapping[str, str], known: Known
-) -> tuple[TomlDraft, list[OpenDoubt]]:
+    table: SourceTable, block: Found, facts: Mapping[str, str], known: Known, roles: Roles
+) -> Drafted:
     """Draft a questionnaire that has a column for each item."""
+    block, doubts = _mend_items(table, block, roles, known.vocabulary)
     draft = TomlDraft({"instrument": block.instrument.name, **facts})
-    doubts = _instrument_doubts(table, block, known)
+    doubts += _instrument_doubts(table, block, known)
     coding = coding_of(table, block.columns, block.instrument, known.vocabulary)
     if coding.variant is not None:
         block = replace(block, instrument=coding.variant)
@@ -380,9 +382,11 @@ def _of_single_items(
             doubts.remove(doubt)
 
 
-def draft_long(table: SourceTable, long: Long, known: Known) -> tuple[TomlDraft, list[OpenDoubt]]:
+def draft_long(
+    table: SourceTable, long: Long, facts: Mapping[str, str], known: Known, _: Roles
+) -> Drafted:
     """Draft a questionnaire of a table that has a row for each answer."""
-    draft = TomlDraft({"instrument": long.instrument.name})
+    draft = TomlDraft({"instrument": long.instrument.name, **facts})
     draft.put("item_column", table.headings[long.item_column])
     draft.put("response_column", table.headings[long.response_column])
     rows = list(table.rows)
@@ -430,38 +434,34 @@ def _other_instruments(table: SourceTable, column: int, known: Known) -> list[Op
 
 
 def draft_rating(
-    table: SourceTable, rating: FoundRating, facts: Mapping[str, str], vocabulary: LabVocabulary
-) -> tuple[TomlDraft, list[OpenDoubt]]:
+    table: SourceTable, rating: FoundRating, facts: Mapping[str, str], known: Known, _: Roles
+) -> Drafted:
     """Draft a scale of one item: ratings during exposure, where there is a time."""
     (item,) = rating.instrument.items
     draft = TomlDraft({"instrument": rating.instrument.name, **facts})
     if rating.time is not None:
         draft.put("time", table.headings[rating.time], "seconds since the exposure began")
         draft.put("summaries", ["peak", "mean", "last"], "what the report has of each exposure")
-    coding = coding_of(table, [rating.column], rating.instrument, vocabulary)
+    coding = coding_of(table, rating.columns, rating.instrument, known.vocabulary)
     _coded(draft, coding)
     draft.tables["items"] = TomlDraft({item.name: table.headings[rating.column]})
     return draft, coding.doubts
 
 
 def draft_course(
-    table: SourceTable,
-    course: Sequence[FoundRating],
-    facts: Mapping[str, str],
-    vocabulary: LabVocabulary,
-) -> tuple[TomlDraft, list[OpenDoubt]]:
+    table: SourceTable, course: FoundCourse, facts: Mapping[str, str], known: Known, _: Roles
+) -> Drafted:
     """Draft ratings during exposure that have a column for each time."""
-    first = course[0]
-    headings = [table.headings[rating.column] for rating in course]
+    headings = [table.headings[column] for column in course.columns]
     parts = [re.split(r"(\d+)", heading) for heading in headings]
     place = next(i for i, part in enumerate(zip(*parts, strict=False)) if len(set(part)) > 1)
     minutes = [int(part[place]) for part in parts]
     unit = "time_min" if max(minutes) <= 60 else "time_s"
     template = [*parts[0][:place], f"{{{unit}}}", *parts[0][place + 1 :]]
     heading = "".join(template)
-    draft = TomlDraft({"instrument": first.instrument.name, **facts, "heading": heading})
+    draft = TomlDraft({"instrument": course.instrument.name, **facts, "heading": heading})
     draft.put("summaries", ["peak", "mean", "last"], "what the report has of each exposure")
-    coding = coding_of(table, [rating.column for rating in course], first.instrument, vocabulary)
+    coding = coding_of(table, course.columns, course.instrument, known.vocabulary)
     _coded(draft, coding)
     what = "minutes" if unit == "time_min" else "seconds"
     question = (
