@@ -10,7 +10,7 @@ import pytest
 from tests.support.studies import GROUPS, generated
 from tests.support.study import PROTOCOL, tiny_protocol
 from vrcomfort.design import build_design
-from vrcomfort.design.balance import cannot_balance
+from vrcomfort.design.audit import cannot_balance
 from vrcomfort.errors import InputError
 from vrcomfort.gpu import gl
 from vrcomfort.protocol import load_protocol

@@ -23,7 +23,7 @@ from vrcomfort.console.access import (
     ConsoleAccess,
     operator_name,
 )
-from vrcomfort.console.messages import ACTIONS_PER_S, LONGEST_CHARACTERS, read_command
+from vrcomfort.console.server import ACTIONS_PER_S, LONGEST_CHARACTERS, read_command
 from vrcomfort.operator_interface import Command
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from vrcomfort.design import all_orders, latin_square, williams
-from vrcomfort.design.block_random import Limits, block_random
+from vrcomfort.design.orders import Limits, block_random
 from vrcomfort.errors import InputError
 
 

@@ -14,7 +14,7 @@ from test_study_respondent import Typist, terminal
 from tests.support.operator import Given
 from tests.support.study import Scripted, read_rows
 from tests.support.tasks import do, doing_protocol
-from vrcomfort.console.messages import read_command
+from vrcomfort.console.server import read_command
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.psych_ds import export_psych_ds

@@ -19,7 +19,7 @@ from tests.support.resume import go
 from tests.support.study import Scripted
 from vrcomfort import cli
 from vrcomfort.cli.app import app
-from vrcomfort.console.messages import read_command
+from vrcomfort.console.server import read_command
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.escaping import escape_unprintable

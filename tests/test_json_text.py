@@ -22,9 +22,8 @@ OURS = {
     "json_text.py": "the reader",
     "records/json_file.py": "indents what it wrote itself",
     "tradeoff/measure.py": "rows of its own store of measurements",
-    "console/messages.py": "messages of a page, refused in a sentence of their own",
     "console/wire.py": "messages between two processes of a session",
-    "console/server.py": "the first of those",
+    "console/server.py": "the first of those; and messages of a page, refused in a sentence",
 }
 """Who else parses JSON, and why it is nobody's file."""
 

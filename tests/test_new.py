@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from vrcomfort.cli import new as command
 from vrcomfort.cli.app import app
 from vrcomfort.design import build_design
-from vrcomfort.design.balance import cannot_balance
+from vrcomfort.design.audit import cannot_balance
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.draft import HIGH

@@ -340,7 +340,7 @@ def test_beside_another_condition_with_gaze_and_ratings(
 
 @pytest.mark.slow
 def test_the_cross_stands_where_the_recorded_gaze_meets_the_focus(place: Path) -> None:
-    from vrcomfort.replay.sheet import gaze_point, looked_at
+    from vrcomfort.replay.film import gaze_point, looked_at
 
     frames, _ = drawn_again(place, ReplaySelection(trial=2))
     drawn = next(each for each in frames[8:] if each.frame.gaze and each.frame.gaze.valid)
@@ -354,7 +354,7 @@ def test_the_cross_stands_where_the_recorded_gaze_meets_the_focus(place: Path) -
 
 
 def test_the_ratings_that_are_shown_are_those_given_by_then(undrawn: Path) -> None:
-    from vrcomfort.replay.sheet import rating_words
+    from vrcomfort.replay.film import rating_words
 
     session = read_session(undrawn / SESSION)
     recorded = read_rows(undrawn / SESSION / "ratings.csv")

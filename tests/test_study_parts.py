@@ -9,8 +9,7 @@ import pytest
 from tests.support.resume import go, rows
 from tests.support.study import PROTOCOL, Scripted, tiny_protocol
 from vrcomfort.design import Enrolment, audit, audit_study, build_design
-from vrcomfort.design.audit import Met
-from vrcomfort.design.balance import cannot_balance
+from vrcomfort.design.audit import Met, cannot_balance
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.status import status_of
 from vrcomfort.exchange.verifying import verify_study

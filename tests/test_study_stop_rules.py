@@ -17,7 +17,7 @@ from tests.support.study import (
     tiny_protocol,
 )
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.private_facts import Moved, of_manifest
+from vrcomfort.exchange.anonymising import Moved, of_manifest
 from vrcomfort.exchange.verifying.study import verify_study
 from vrcomfort.records import read_participants, session_folder
 from vrcomfort.report.notices import _ended_early

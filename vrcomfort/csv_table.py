@@ -71,7 +71,7 @@ class CsvTable:
     def parts(
         cls, path: str | Path, *, appended: bool = False, most_rows: int | None = None
     ) -> Iterator[Self]:
-        """Read a table in parts of at most so many rows, at least one; of all, without `most_rows`.
+        """Read a table in parts of at most `most_rows` rows, at least one; in one without it.
 
         Raises
         ------
@@ -243,7 +243,7 @@ class _Text:
             before += len(lines)
 
     def _decoded(self, lines: list[bytes], before: int) -> str:
-        """Return the text of some lines; so many have been read before."""
+        """Return the text of some lines, after a number of lines already read."""
         whole = b"".join(lines)
         try:
             return str(whole.removeprefix(BYTE_ORDER_MARK) if before == 0 else whole, "utf-8")
@@ -282,7 +282,7 @@ class _Text:
         raise InputError(_other_width(cells, header), file=self._file, line=line)
 
     def left_out(self, what: str) -> tuple[str, ...]:
-        """Return what is said of a row that was left out, once all are read."""
+        """Return the notices of excluded rows, once all are read."""
         return _half(self._file, self._cut_line, what) if self._cut_line else ()
 
 

@@ -1,4 +1,4 @@
-"""The exceptions that tell a user what is wrong with what they gave us, or what went away."""
+"""Exceptions for users: faults of their input, and a runtime that went away."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def pip_install(*packages: str, again: bool = False) -> str:
-    """Return what to type where a package that pyproject.toml names is missing, or damaged.
+    """Return the install command for a missing or damaged package that pyproject.toml names.
 
     It names that package alone: vrcomfort is on no index, so its own extras can only be installed
     from a checkout.
@@ -82,7 +82,7 @@ def spare(sources: Iterable[Path | None], outputs: Iterable[Path]) -> None:
 
 
 class RuntimeLostError(InputError):
-    """The headset's runtime went away in the middle of a session; what was recorded stays."""
+    """The headset's runtime went away in the middle of a session; the records stay."""
 
 
 def headset_ended(when: str) -> RuntimeLostError:

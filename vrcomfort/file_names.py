@@ -11,7 +11,7 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9¹²³]|lpt[0-9¹²³])(\..*)?"
 
 
 def is_reserved(name: str) -> bool:
-    """Return whether Windows takes a name for a device, whatever ending and case it has."""
+    """Return whether Windows reserves a name for a device, with any ending and case."""
     return _RESERVED.fullmatch(name) is not None
 
 

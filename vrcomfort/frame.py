@@ -1,4 +1,4 @@
-"""What headset, renderer and session say of one frame: the same words, and no OpenGL."""
+"""Types that headset, renderer and session share for one frame, without OpenGL."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ class FocusSample:
 
 
 class GazeHit(NamedTuple):
-    """What the line of sight of a frame (`Frame.index`) meets.
+    """The hit of the line of sight of a frame (`Frame.index`).
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ class GazeHit(NamedTuple):
 
 
 class ImageHash(NamedTuple):
-    """What the images of a frame (`Frame.index`) were: 16 hexadecimal digits of each eye's."""
+    """The hashes of the images of a frame (`Frame.index`): 16 hexadecimal digits of each eye's."""
 
     frame_index: int
     left: str
@@ -154,14 +154,14 @@ class ImageHash(NamedTuple):
 
 
 class GpuTime(NamedTuple):
-    """What a frame (`Frame.index`) cost the GPU."""
+    """The GPU time of a frame (`Frame.index`)."""
 
     frame_index: int
     gpu_ms: float
 
 
 class RenderResult(Protocol):
-    """Both eyes' images of one frame, and what is known of it by now."""
+    """Both eyes' images of one frame, and the results that have arrived with it."""
 
     @property
     def eyes(self) -> tuple[Any, Any]:
@@ -193,12 +193,12 @@ class RenderResult(Protocol):
 
     @property
     def seeks_gaze(self) -> bool:
-        """Return whether it is being found out what the gaze of this frame meets."""
+        """Return whether the gaze hit of this frame is being measured."""
 
     @property
     def gaze_hits(self) -> Sequence[GazeHit]:
-        """Return what the gaze of earlier frames meets that has arrived."""
+        """Return the gaze hits of earlier frames that have arrived."""
 
     @property
     def effect_centre(self) -> str | None:
-        """Return what effects that follow the gaze are centred on; None: there are none."""
+        """Return the centre of gaze-contingent effects; None without any."""

@@ -1,4 +1,4 @@
-"""Reads JSON of files from elsewhere; what is wrong is one plain sentence with line and column."""
+"""Reads JSON of files from elsewhere; faults are plain sentences with line and column."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def escape_surrogates(text: str) -> str:
 def parse_json(
     text: str, file: Path, *, what: str = "JSON", advice: str = "restore it", line: int = 1
 ) -> Any:
-    """Return what a text of JSON says.
+    """Return the value of a JSON text.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def _in_words(error: json.JSONDecodeError) -> str:
 
 
 def _halves(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
-    """Yield what Python reads and no text in UTF-8 can hold: half of a surrogate pair."""
+    """Yield strings that UTF-8 cannot hold: half of a surrogate pair."""
     if isinstance(value, str) and not _is_whole(value):
         yield path, f"{name_of(path)} has half a character"
     elif isinstance(value, dict | list):

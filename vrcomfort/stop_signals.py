@@ -1,4 +1,4 @@
-"""The signals that stop a program, and what they wait for: that which is written together."""
+"""Signals that stop a program, held back during writes that belong together."""
 
 from __future__ import annotations
 

@@ -108,7 +108,7 @@ def font_for(*texts: str) -> Font:
 
 
 def layout_facts() -> dict[str, str]:
-    """Return what the look of a text depends on: layout engine, FreeType and fonts."""
+    """Return the versions that text rendering depends on: layout engine, FreeType and fonts."""
     return {
         "engine": f"Pillow {ENGINE.name.lower()}",
         "freetype": features.version("freetype2") or "",

@@ -1,4 +1,4 @@
-"""What all pages that are written here share: escaped templates, inline SVG, no scripts.
+"""The base of all written pages: escaped templates, inline SVG, no scripts.
 
 Names of conditions, participants and studies come from files that anybody may have written. They
 reach a page through two doors only: the templates of `page_templates`, which escape, and
@@ -31,7 +31,7 @@ _PLAIN = re.compile(r"[A-Za-z0-9_.-]+")
 
 
 def page_templates() -> Environment:
-    """Return the environment of the shipped templates; whatever they print is escaped."""
+    """Return the environment of the shipped templates; all output is escaped."""
     environment = Environment(
         loader=FileSystemLoader(data_folder("analysis")),
         autoescape=True,

@@ -1,4 +1,4 @@
-"""Who does the work: this process, processes of this machine, or a Dask cluster; the same code."""
+"""Workers: this process, processes of this machine, or a Dask cluster; the same code."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CONNECT_S = 10.0
 
 @contextmanager
 def workers(jobs: int, cluster: str | None) -> Iterator[Work]:
-    """Give what does the work; nothing is left running afterwards.
+    """Yield an executor; nothing is left running afterwards.
 
     Parameters
     ----------

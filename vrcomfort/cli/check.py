@@ -143,7 +143,7 @@ def _undrawable(protocol: Protocol) -> list[InputError]:
 
 def _of_design(protocol: Protocol) -> Iterator[InputError]:
     from vrcomfort.design import build_design
-    from vrcomfort.design.balance import cannot_balance
+    from vrcomfort.design.audit import cannot_balance
 
     if protocol.participants is not None:
         message = cannot_balance(build_design(protocol), protocol.participants)

@@ -147,7 +147,7 @@ def _shipped_scenes() -> list[str]:
 def _balanced(draft: ProtocolDraft, file: Path) -> ProtocolDraft:
     """Return the draft with the next number of participants that fills all orders alike."""
     from vrcomfort.design import build_design
-    from vrcomfort.design.balance import cannot_balance
+    from vrcomfort.design.audit import cannot_balance
 
     design = build_design(parse_protocol(draft.toml(), file=file))
     people = draft.participants

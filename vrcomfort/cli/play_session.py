@@ -17,7 +17,7 @@ from vrcomfort.protocol.quality_levels import Quality
 if TYPE_CHECKING:
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.replay import Comparison, RecordedSession, ReplaySelection
-    from vrcomfort.replay.sheet import ContactSheet, Eye
+    from vrcomfort.replay.film import ContactSheet, Eye
 
 SHOWN = ("gaze", "ratings")
 
@@ -183,7 +183,7 @@ def _drawn(
 def _sheet(
     session: RecordedSession, options: ReplayOptions, selection: ReplaySelection
 ) -> ContactSheet:
-    from vrcomfort.replay.sheet import ContactSheet
+    from vrcomfort.replay.film import ContactSheet
 
     shown = options.shown
     if "gaze" in shown and session.trace.gaze is None:
@@ -243,7 +243,7 @@ def _tell(
     """Say how many images are as recorded, and what may be why where some are not."""
     from vrcomfort.gpu.gl import describe
     from vrcomfort.records import Machine
-    from vrcomfort.replay.hashes import differences
+    from vrcomfort.replay.drawn import differences
 
     if not session.hashes:
         return

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vrcomfort.design.random_numbers import generator
+from vrcomfort.design.orders import generator
 
 _BLOCKS, _MINIMISATION, _SIMPLE = 2, 3, 4
 

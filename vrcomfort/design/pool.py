@@ -14,11 +14,17 @@ from math import ceil, floor
 
 import numpy as np
 
-from vrcomfort.design.block_random import Limits, block_random
 from vrcomfort.design.groups import Groups, Person
-from vrcomfort.design.parts import Combined, combined
-from vrcomfort.design.random_numbers import generator
-from vrcomfort.design.squares import all_orders, latin_square, williams
+from vrcomfort.design.orders import (
+    Combined,
+    Limits,
+    all_orders,
+    block_random,
+    combined,
+    generator,
+    latin_square,
+    williams,
+)
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Allocation, Covariate, Protocol, Sequence, Trial
 from vrcomfort.protocol.levels import factor_names, level_of, trials_of

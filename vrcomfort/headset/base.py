@@ -17,7 +17,7 @@ class Headset(Protocol):
 
     @property
     def name(self) -> str:
-        """Return what the manifest calls this headset."""
+        """Return the headset's name for the manifest."""
 
     @property
     def refresh_hz(self) -> float:
@@ -29,7 +29,7 @@ class Headset(Protocol):
 
     @property
     def details(self) -> dict[str, Any]:
-        """Return what else the manifest should know: runtime, tracked space, image format ..."""
+        """Return further facts for the manifest: runtime, tracked space, image format ..."""
 
     def frames(self) -> Iterator[Frame]:
         """Yield frames until the headset (or its trace) ends; each must be submitted."""
@@ -38,7 +38,7 @@ class Headset(Protocol):
         """Show the two images (linear sRGB already tone-mapped, RGBA8), or nothing for `None`."""
 
     def take_events(self) -> list[HeadsetEvent]:
-        """Return what happened since the last call: taken off, tracking lost, recentered ..."""
+        """Return the events since the last call: taken off, tracking lost, recentered ..."""
 
 
 # Capabilities that only some headsets have; a session asks for each with `isinstance`.
@@ -46,7 +46,7 @@ class Headset(Protocol):
 
 @runtime_checkable
 class HasDisplayClock(Protocol):
-    """A headset whose display times can be put on the system's clock."""
+    """A headset with display times that can be converted to the system's clock."""
 
     def display_now_ns(self) -> int | None:
         """Return the present moment as a display time; None where it is not known."""
@@ -70,7 +70,7 @@ class HasHaptics(Protocol):
 
 @runtime_checkable
 class HasArrowKeys(Protocol):
-    """A headset with a window, whose arrow keys walk unless something else takes them."""
+    """A headset with a window: its arrow keys walk unless something else takes them."""
 
     arrows_turn: bool
     """Whether the arrow keys turn a dial."""
@@ -78,7 +78,7 @@ class HasArrowKeys(Protocol):
 
 @runtime_checkable
 class CanRecenter(Protocol):
-    """A headset whose forward direction can be set anew."""
+    """A headset with a forward direction that can be set anew."""
 
     def recenter(self) -> None:
         """Make the floor point and heading of the head the origin."""

@@ -115,7 +115,7 @@ class DesktopHeadset:
 
     @property
     def name(self) -> str:
-        """Return what the manifest calls this headset."""
+        """Return the headset's name for the manifest."""
         return "desktop"
 
     @property
@@ -180,13 +180,13 @@ class DesktopHeadset:
         self._window.show()
 
     def take_events(self) -> list[HeadsetEvent]:
-        """Return what happened since the last call."""
+        """Return the events since the last call."""
         events = list(self._events)
         self._events.clear()
         return events
 
     def inputs(self) -> Inputs:
-        """Return what keys and mouse do in the present frame; the mouse is the right hand."""
+        """Return the inputs of keys and mouse in the present frame; the mouse is the right hand."""
         return self._inputs
 
     def allow_absence(self, duration_s: float) -> None:
@@ -263,7 +263,7 @@ class DesktopHeadset:
         return View(head @ Pose(-half), fov), View(head @ Pose(half), fov)
 
     def _cursor_ray(self) -> Pose | None:
-        """Return the ray through the cursor, from the eye over whose image it is."""
+        """Return the ray through the cursor, from the eye of the image under it."""
         columns = self._settings.columns
         right, down = self._window.cursor
         eye = min(int(max(right, 0.0) * columns), columns - 1)

@@ -143,7 +143,7 @@ class _Target:
 
 
 class EyePictures:
-    """Takes one picture at a time, both eyes side by side; makes what it needs with the first."""
+    """Takes one picture at a time, both eyes side by side; allocates with the first."""
 
     def __init__(self, width_px: int = WIDTH_PX) -> None:
         self._width_px = width_px
@@ -164,7 +164,7 @@ class EyePictures:
         self._taken_at = self._frames
 
     def arrived(self) -> Callable[[], bytes] | None:
-        """Count a drawn frame; return what makes the picture that is there by now, if one is.
+        """Count a drawn frame; return a function that encodes the picture, once one has arrived.
 
         It gives width and height in pixels (two bytes each, little-endian), then RGB, bottom up.
         """
@@ -186,5 +186,5 @@ class EyePictures:
         return _Target(EyePainter(ctx), framebuffer, buffer)
 
     def release(self) -> None:
-        """Let go of what was made on the GPU, which goes with it."""
+        """Drop the GPU objects."""
         self._target, self._taken_at = None, None

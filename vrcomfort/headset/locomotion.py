@@ -33,7 +33,7 @@ LONGEST_S = 0.1
 
 @dataclass(frozen=True)
 class MoveCommand:
-    """What the participant wants to do.
+    """The participant's locomotion input.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ class Locomotion:
         return True
 
     def relocate(self, new_from_old: Pose) -> None:
-        """Take note that the stage's origin has moved: nobody moves in the world by that."""
+        """Follow a move of the stage's origin, without moving the participant in the world."""
         self.avatar = self.avatar @ new_from_old.inverse()
 
     def step(self, head: Pose, command: MoveCommand, duration_s: float) -> bool:
@@ -196,7 +196,7 @@ class Locomotion:
 
 
 def move_command(inputs: Inputs) -> MoveCommand:
-    """Return what thumb-sticks, keys and mouse ask for: left to walk, right to turn."""
+    """Return the command of thumb-sticks, keys and mouse: left to walk, right to turn."""
     keys, stick = inputs.keys, inputs.left.thumbstick
     right, forward = stick if np.hypot(*stick) > DEAD_ZONE else (0.0, 0.0)
     turn = inputs.right.thumbstick[0]

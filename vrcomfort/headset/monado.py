@@ -126,7 +126,7 @@ class RemoteFeed:
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def send(self, state: RemoteState) -> None:
-        """Make `state` what the runtime reports from now on.
+        """Send `state`, which the runtime reports from now on.
 
         Raises
         ------
@@ -310,7 +310,7 @@ def find_service() -> str:
 
 
 def client_environment(runtime_folder: Path) -> dict[str, str]:
-    """Return what an OpenXR application needs to find the service with this run-time folder."""
+    """Return the environment in which an OpenXR application finds the service in this folder."""
     prefix = Path(find_service()).resolve().parent.parent
     return {
         "XR_RUNTIME_JSON": str(prefix / "share/openxr/1/openxr_monado.json"),
@@ -320,7 +320,7 @@ def client_environment(runtime_folder: Path) -> dict[str, str]:
 
 @contextmanager
 def active_environment(variables: dict[str, str]) -> Iterator[None]:
-    """Set environment variables of this process, and put back what was there."""
+    """Set environment variables of this process, and restore them afterwards."""
     before = {name: os.environ.get(name) for name in variables}
     os.environ.update(variables)
     try:
@@ -341,6 +341,6 @@ def _free_port() -> int:
 
 
 def _listens(path: Path) -> bool:
-    """Return whether somebody takes connections; the file itself appears too early."""
+    """Return whether the socket takes connections; its file appears too early."""
     with socket.socket(socket.AF_UNIX) as probe:
         return probe.connect_ex(str(path)) == 0

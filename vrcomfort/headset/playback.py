@@ -103,7 +103,7 @@ class PlaybackHeadset:
 
     @property
     def name(self) -> str:
-        """Return what the manifest calls this headset."""
+        """Return the headset's name for the manifest."""
         return "playback"
 
     @property
@@ -159,7 +159,7 @@ class PlaybackHeadset:
                 due_s = _wait_until(due_s + period_ns / SECOND_NS)
 
     def submit(self, frame: Frame, eyes: tuple[moderngl.Texture, moderngl.Texture] | None) -> None:
-        """Take the images and show them to nobody."""
+        """Discard the images."""
 
     def take_events(self) -> list[HeadsetEvent]:
         """Return nothing: to a trace nothing happens."""
@@ -252,7 +252,7 @@ class PlaybackHeadset:
 
 
 def _periods_ns(count: int, rate_hz: Fraction) -> int:
-    """Return the time of so many periods: `round(count * SECOND_NS / rate_hz)`, sooner.
+    """Return the duration of `count` periods: `round(count * SECOND_NS / rate_hz)`, faster.
 
     >>> _periods_ns(3, Fraction(90))
     33333333

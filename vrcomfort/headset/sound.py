@@ -78,7 +78,7 @@ class Speaker(Protocol):
 
 
 class SilentSpeaker:
-    """For simulated participants, who know how long a sound is."""
+    """Plays nothing: simulated participants know how long a sound is."""
 
     def play(self, sound: Sound) -> None:
         """Do nothing."""
@@ -177,7 +177,7 @@ def _chunks(samples: bytes) -> Generator[bytes, int, None]:
 
 @contextmanager
 def _no_chatter() -> Iterator[None]:
-    """Keep what ALSA's library writes about devices that are not there off the terminal."""
+    """Keep messages of ALSA's library about missing devices off the terminal."""
     if sys.platform != "linux":
         yield
         return

@@ -21,7 +21,7 @@ SIMULATORS = ("simulat", "emulat", "remote hmd", "qwerty", "null", "dummy")
 
 
 class TimingTrust(StrEnum):
-    """What the times of frames are worth, from nothing upwards.
+    """Trust in the times of frames, in rising order.
 
     None of them is an onset: that takes a light sensor on the display.
     """
@@ -90,7 +90,7 @@ class TimingTest:
 def time_frames(
     headset: Headset, eyes: tuple[moderngl.Texture, moderngl.Texture], seconds: float
 ) -> TimingTest | None:
-    """Show two still images for a time and count; None where nobody saw two frames."""
+    """Show two still images for a time and count; None with fewer than two visible frames."""
     shown_ns: list[int] = []
     period_ns: list[int] = []
     got_ns: list[int] = []
@@ -159,7 +159,7 @@ class RefreshPeriod:
         self.forget()
 
     def update(self, predicted_ns: int, display_ns: int | None = None) -> int:
-        """Return the period at which a frame is due, by what is predicted for it.
+        """Return the refresh period, from a frame's predicted period and display time.
 
         Parameters
         ----------

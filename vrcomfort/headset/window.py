@@ -102,7 +102,7 @@ class Window:
         self.clicked = False
 
     def context(self) -> moderngl.Context:
-        """Return the window's context; whoever asks for it releases it before the window."""
+        """Return the window's context; the caller releases it before the window."""
         return moderngl.create_context(require=MINIMUM_VERSION, **_loader())
 
     @property
@@ -120,7 +120,7 @@ class Window:
 
     @property
     def closing(self) -> bool:
-        """Return whether somebody has closed the window."""
+        """Return whether the window has been closed by its user."""
         return bool(glfw.window_should_close(self._handle))
 
     @property
@@ -166,7 +166,7 @@ class Window:
             self._cursor = glfw.get_cursor_pos(self._handle)  # a jump is no movement
 
     def poll(self, *, arrows_walk: bool) -> KeyInput:
-        """Return what keys and mouse have done since the last call; `clicked` likewise.
+        """Return the input of keys and mouse since the last call; `clicked` likewise.
 
         Parameters
         ----------
@@ -187,7 +187,7 @@ class Window:
         return right, up
 
     def show(self) -> None:
-        """Show what has been drawn."""
+        """Swap the buffers."""
         glfw.swap_buffers(self._handle)
 
     def close(self) -> None:
@@ -281,7 +281,7 @@ class ShownPanel(Protocol):
 
     @property
     def picture(self) -> NDArray[np.uint8] | None:
-        """Return what is on it."""
+        """Return the panel's present picture."""
 
 
 class Mirror:
@@ -324,7 +324,7 @@ class Mirror:
         self.shown = 0
 
     def keys(self) -> KeyInput:
-        """Return what the window's keyboard and mouse have done since the last call."""
+        """Return the input of the window's keyboard and mouse since the last call."""
         return self._window.poll(arrows_walk=not (self._asked or self.arrows_turn))
 
     def show(self, frame: Frame, eyes: Eyes | None, panels: Sequence[ShownPanel]) -> None:

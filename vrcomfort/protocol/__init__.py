@@ -1,4 +1,4 @@
-"""Protocols: what a study shows, asks and when; read from TOML and validated."""
+"""Protocols: a study's stimuli, order, questions and timing, read from TOML and validated."""
 
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.protocol.load import load_protocol, parse_protocol, with_task_code

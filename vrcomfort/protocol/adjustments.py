@@ -12,7 +12,7 @@ from vrcomfort.settings import Settings, Word
 
 
 class Dial(Settings):
-    """What participants turn: up and down on the right thumb-stick, or with the arrow keys."""
+    """A dial: turned up and down on the right thumb-stick, or with the arrow keys."""
 
     name: Word
     """Of the dial, in ``dials.csv`` and in reports."""

@@ -105,7 +105,7 @@ def without_effect(protocol: Protocol) -> Iterator[Problem]:
 def _written(
     protocol: Protocol, data: Mapping[str, Any]
 ) -> Iterator[tuple[KeyPath, Mapping[str, Any], list[Condition]]]:
-    """Yield where settings are written, what is there, and the conditions that have them."""
+    """Yield each table of condition settings: its path, its keys and its conditions."""
     for index, table in enumerate(data.get("conditions", ())):
         yield ("conditions", index), table, [protocol.conditions[index]]
     for index, factor in enumerate(data.get("factors", ())):
@@ -131,7 +131,7 @@ def idle(settings: Settings, needs: Needs) -> str | None:
 
 
 def adjustment_problems(protocol: Protocol) -> Iterator[Problem]:
-    """Yield what is wrong with [[adjustments]] and [[sliders]]."""
+    """Yield faults of [[adjustments]] and [[sliders]]."""
     yield from repeated(("adjustments",), [each.name for each in protocol.adjustments])
     known = {each.name: each for each in protocol.conditions}
     taken: dict[str, str] = {}

@@ -19,7 +19,7 @@ CentredEffect: TypeAlias = Literal["autofocus_zone", "peripheral", "vignette"]
 
 
 class GazeCentre(Settings):
-    """What is centred on the gaze instead of on the head's forward axis.
+    """Effects that are centred on the gaze instead of on the head's forward axis.
 
     While the tracker does not see the eyes, their last direction in the head's frame is held for
     `hold_s`; then the head's forward axis is the centre, until they are seen again.
@@ -452,7 +452,7 @@ else:
 
 
 class ConditionName(Settings):
-    """What a condition is called."""
+    """A condition's name and label."""
 
     name: Name
     """As files have it: letters, digits, - and _."""
@@ -461,7 +461,7 @@ class ConditionName(Settings):
 
 
 class ConditionSettings(EffectTables):
-    """What a condition shows and has done, all of which a level of a factor may set."""
+    """All settings of a condition, each of which a level of a factor may set."""
 
     quality: Quality | None = None
     """Speed against accuracy: gives the effects' settings that are not written here."""
@@ -508,7 +508,7 @@ class Condition(ConditionSettings, ConditionName):
 
     @property
     def centred_on_gaze(self) -> tuple[CentredEffect, ...]:
-        """Return what the condition has of what is to be centred on the gaze."""
+        """Return the condition's gaze-contingent effects."""
         if self.gaze_centre is None:
             return ()
         blur = self.depth_of_field

@@ -1,4 +1,4 @@
-"""Writes a commented protocol from a few answers, for a study that nobody has written yet."""
+"""Writes a commented protocol for a new study from a few answers."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ HIGH = {"fms": 15, "misc": 7}
 
 @dataclass(frozen=True)
 class ProtocolDraft:
-    """What `vrcomfort new` has been told.
+    """The answers given to `vrcomfort new`.
 
     Parameters
     ----------

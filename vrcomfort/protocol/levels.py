@@ -1,4 +1,4 @@
-"""What a study has to show, and which level of each factor a trial has."""
+"""The trials that a study has to show, and their levels of each factor."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def trials_of(protocol: Protocol, group: Group | None = None) -> tuple[Trial, ..
 
 
 def part_trials(protocol: Protocol, part: Part, group: Group | None = None) -> tuple[Trial, ...]:
-    """Return the condition-scene pairs, or a group's, of a part whose orders a rule makes."""
+    """Return the condition-scene pairs, or a group's, of a part with orders made by a rule."""
     return tuple(
         trial
         for trial in trials_of(protocol, group)

@@ -13,7 +13,7 @@ from pydantic import Field, PrivateAttr, field_validator
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.adjustments import Adjustment, Slider
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.protocol.factors import Factor
+from vrcomfort.protocol.factors import CrossedFactor
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Part, Trial
 from vrcomfort.protocol.questions import (
     Ask,
@@ -50,7 +50,7 @@ from vrcomfort.tasks import AnyTask, TaskSettings
 
 
 class Protocol(Settings):
-    """A study: what is shown, in which order, what is asked and when."""
+    """A study: its stimuli, their order, its questions and their times."""
 
     include: tuple[str, ...] = ()
     """TOML files, relative to this one, that come before it: tables are joined, lists of tables put
@@ -90,7 +90,7 @@ class Protocol(Settings):
     """Scenes from a place, along a path, or for a time of their own."""
     conditions: tuple[Condition, ...] = ()
     """Ways of rendering; or `factors`."""
-    factors: tuple[Factor, ...] = ()
+    factors: tuple[CrossedFactor, ...] = ()
     """Instead of conditions: every level of each with every level of the others."""
     order: Order
     """Who meets what in which order."""
@@ -169,7 +169,7 @@ class Protocol(Settings):
         return self._instruments[name]
 
     def form(self, ask: Ask) -> Instrument:
-        """Return the instrument of a questionnaire with what is asked of it, in its language."""
+        """Return the instrument of a questionnaire with its asked items, in its language."""
         whole = self.instrument(ask.instrument)
         worded = whole.in_language(ask.language or self._language or whole.language) or whole
         return replace(worded, items=worded.asked)
@@ -183,16 +183,16 @@ class Protocol(Settings):
                 yield each.model_copy(update={"text": wordings.get(each.name, each.text)})
 
     def task_of(self, trial: Trial) -> TaskSettings | None:
-        """Return what is done in a trial: what it names itself, its condition, or the protocol."""
+        """Return the task of a trial: its own, its condition's, or the protocol's."""
         name = trial.task or self.condition(trial.condition).task or self.task
         return None if name in (None, NO_TASK) else self._tasks[name]
 
     def adjustment_in(self, condition: str) -> Adjustment | None:
-        """Return what is adjusted in exposures to a condition."""
+        """Return the adjustment in exposures to a condition."""
         return self._adjustments.get(condition)
 
     def slider_in(self, condition: str) -> Slider | None:
-        """Return what is rated all the time in exposures to a condition."""
+        """Return the slider in exposures to a condition."""
         there = (each for each in self.sliders if condition in (each.conditions or (condition,)))
         return next(there, None)
 
@@ -213,7 +213,7 @@ class Protocol(Settings):
 
     @property
     def wordings(self) -> list[dict[str, str]]:
-        """Return which instrument is asked in which language, and whose wording it is."""
+        """Return each instrument's language, and the origin of its wording."""
         found: list[dict[str, str]] = []
         forms = [self.form(ask) for ask in self.questionnaires]
         for form in [*forms, *(self.rated(each) for each in self.all_rated)]:
@@ -281,7 +281,7 @@ class Protocol(Settings):
         return InputError(message, file=file, line=line, column=column)
 
     def first_fault(self, found: Sequence[Problem]) -> InputError:
-        """Return the error for what stands first in the text; the others are its `others`."""
+        """Return the error of the first fault in the text; the others are its `others`."""
         if self._source is None:
             return self.fault(found[0].path, found[0].message)
         return self._source.first_problem(found)
@@ -328,7 +328,7 @@ class Protocol(Settings):
         return (ask for ask in self.questionnaires if ask.when == when)
 
     def tells(self, when: str, session: int, trial: int | None) -> Iterator[Instruction]:
-        """Yield what is told at a moment, in the participant's language."""
+        """Yield the instructions at a moment, in the participant's language."""
         return (each for each in self.told if each.is_due(when, session, trial))
 
     @property
@@ -363,11 +363,11 @@ class Protocol(Settings):
 
     @property
     def task_code(self) -> dict[str, str]:
-        """Return file → SHA-256 of the own tasks whose code was run; see `with_task_code`."""
+        """Return file → SHA-256 of the own tasks that have run; see `with_task_code`."""
         return dict(self._task_code)
 
     def scene_source(self, scene: str) -> str:
-        """Return what a scene loader needs: a shipped name, or a path beside the protocol file."""
+        """Return a scene's source for the loader: a shipped name, or a path beside the protocol."""
         scene = self.view(scene).scene
         is_file = scene.endswith((".glb", ".gltf"))
         return str(self._file.parent / scene) if is_file and self._file is not None else scene

@@ -91,7 +91,7 @@ class Order(Settings):
 
 
 class Covariate(Settings):
-    """What is known of a participant before the first session, entered when they are enrolled."""
+    """A fact on a participant that is entered at the enrolment, before the first session."""
 
     name: Word
     """Column of participants.csv."""
@@ -113,7 +113,7 @@ class Covariate(Settings):
 
     @property
     def bands(self) -> tuple[str, ...]:
-        """Return what allocation tells apart: the levels, or the bands of a number."""
+        """Return the strata of allocation: the levels, or the bands of a number."""
         if self.levels:
             return self.levels
         edges = [f"{cut:g}" for cut in self.cuts]
@@ -129,7 +129,7 @@ class Covariate(Settings):
         return self.bands[sum(float(value) >= cut for cut in self.cuts)]
 
     def fault(self, value: str) -> str | None:
-        """Say what a value must be, where it is not."""
+        """Return a sentence on the allowed values for a value that is not among them."""
         if self.levels:
             return None if value in self.levels else f"must be one of {', '.join(self.levels)}"
         try:
@@ -140,7 +140,7 @@ class Covariate(Settings):
 
 
 class Group(Settings):
-    """A level of the between-subject factor: people who meet these conditions and no others."""
+    """A level of the between-subject factor, with the conditions of its participants."""
 
     name: Name
     """As participants.csv has it."""

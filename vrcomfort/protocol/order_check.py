@@ -35,7 +35,7 @@ TAKEN = frozenset(["participant", "sequence", "status", "enrolled_at", "note", "
 
 
 def order_problems(protocol: Protocol) -> Iterator[Problem]:
-    """Yield what is wrong with the [order] table."""
+    """Yield faults of the [order] table."""
     written = tomllib.loads(protocol.toml).get("order", {}) if protocol.toml else {}
     for key in written.keys() & OF_RULES.keys():
         if protocol.order.rule not in OF_RULES[key]:
@@ -139,7 +139,7 @@ def _uneven(protocol: Protocol, word: str, group: Group | None) -> Iterator[Prob
 
 
 def group_problems(protocol: Protocol) -> Iterator[Problem]:
-    """Yield what is wrong with groups, covariates and allocation."""
+    """Yield faults of groups, covariates and allocation."""
     groups, covariates = protocol.groups, protocol.covariates
     yield from repeated(("groups",), [group.name for group in groups])
     yield from repeated(("covariates",), [each.name for each in covariates])
@@ -238,7 +238,7 @@ MOST_COMBINATIONS = 10_000
 
 
 def part_problems(protocol: Protocol) -> Iterator[Problem]:
-    """Yield what is wrong with [[parts]]."""
+    """Yield faults of [[parts]]."""
     rule = protocol.order.rule
     if rule != "parts":
         if protocol.parts:
@@ -310,7 +310,7 @@ def _part(protocol: Protocol, part: Part, path: KeyPath) -> Iterator[Problem]:
 def _of_group(
     protocol: Protocol, part: Part, path: KeyPath, group: Group | None
 ) -> Iterator[Problem]:
-    """Yield what is wrong with the orders of a part that one group meets."""
+    """Yield faults of the orders of a part for one group."""
     written = orders_of(part, group.name if group else "")
     whose = f" of group `{group.name}`" if group else ""
     for before, after in pairwise(written):
@@ -332,7 +332,7 @@ def _of_group(
 
 
 def _whose(protocol: Protocol, part: Part, path: KeyPath) -> Iterator[Problem]:
-    """Yield what is wrong with the groups of written orders."""
+    """Yield faults of the groups of written orders."""
     names = [group.name for group in protocol.groups]
     for number, order in enumerate(part.orders):
         here = (*path, "orders", number)
@@ -350,7 +350,7 @@ def _whose(protocol: Protocol, part: Part, path: KeyPath) -> Iterator[Problem]:
 
 
 def practice_problems(protocol: Protocol) -> Iterator[Problem]:
-    """Yield what is wrong with [[practice]] tables."""
+    """Yield faults of [[practice]] tables."""
     yield from repeated(("practice",), [each.name for each in protocol.practice])
     conditions = [condition.name for condition in protocol.conditions]
     for index, each in enumerate(protocol.practice):

@@ -1,4 +1,4 @@
-"""Which level of `quality` a condition has, and what that level was measured to cost and get wrong.
+"""The level of `quality` of a condition, and its measured cost and error.
 
 The levels are those of `vrcomfort.protocol.quality_levels`.
 """
@@ -31,7 +31,7 @@ _METHOD = {"kernel", "method", "over_blur", "views"}
 
 
 def level_of(condition: Condition, drawn: Collection[str] = DIALLED) -> Quality | None:
-    """Return the level whose settings the effects have that are drawn, named there or not."""
+    """Return the level whose settings the drawn effects have, named there or not."""
     effects = {
         name: settings
         for name in DIALLED
@@ -48,7 +48,7 @@ def level_of(condition: Condition, drawn: Collection[str] = DIALLED) -> Quality 
 
 
 def _equals_level(name: str, settings: BaseModel, level: Quality) -> bool:
-    """Compare what any level sets, and what names a method; strengths may differ."""
+    """Compare the settings of all levels, and those that name a method; strengths may differ."""
     levels = quality_table().levels
     wanted = levels[level].settings(name, law=getattr(settings, "law", None))
     known = type(settings).model_fields
@@ -60,7 +60,7 @@ def _equals_level(name: str, settings: BaseModel, level: Quality) -> bool:
 
 
 def effects_of(drawn: Collection[str]) -> Effects | None:
-    """Return what figures call the passes that are drawn; None: no effect, or others too."""
+    """Return the figures' name for a set of passes; None: no effect, or others too."""
     if any(name in drawn for name in EFFECTS if name not in DIALLED):
         return None
     lens, shutter = (name in drawn for name in DIALLED)
@@ -96,7 +96,7 @@ def figure_for(condition: Condition, scene: str, drawn: Collection[str]) -> Qual
 def write_figures(
     file: Path, measured: MeasurementSource, figures: Iterable[QualityFigure]
 ) -> None:
-    """Put new figures into a table; what is above :data:`MARK` stays as it is."""
+    """Put new figures into a table; the text above :data:`MARK` stays as it is."""
     chosen = file.read_text(encoding="utf-8").partition(MARK)[0].rstrip()
     blocks = [_toml("[measured]", measured), *(_toml("[[figures]]", each) for each in figures)]
     text = "\n\n".join([chosen, MARK, *blocks]) + "\n"

@@ -60,7 +60,7 @@ class MeasurementSource(_Table):
 
 
 class QualityFigure(_Table):
-    """What a level was measured to cost and to get wrong in one scene; None was not measured."""
+    """The measured cost and error of a level in one scene; None was not measured."""
 
     level: Quality
     effects: Effects
@@ -91,7 +91,7 @@ def quality_table() -> QualityTable:
 
 
 def filled(condition: Any) -> Any:
-    """Return a condition, as a protocol file has it, with what its level says and it does not.
+    """Return a condition of a protocol file, completed with the settings of its level.
 
     Anything that is no condition with a known level is returned as it is, for others to refuse.
     """
@@ -131,7 +131,7 @@ def _filled_effect(level: QualityLevel, name: str, given: Any) -> Any:
 
 
 def _fitting(settings: dict[str, Value], own: Mapping[str, Any]) -> dict[str, Value]:
-    """Leave out what a condition excludes: views that no lens has."""
+    """Drop settings that the condition excludes: views without a lens."""
     excluded = set()
     if own.get("peripheral") is not None or own.get("distance_along") == "ray":
         excluded.add("views")

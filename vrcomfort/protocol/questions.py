@@ -81,7 +81,7 @@ def free_text_problems(
     languages: tuple[str, ...],
     wordings: Mapping[str, Mapping[str, str]],
 ) -> Iterator[Problem]:
-    """Yield what asks nothing, what lacks a wording, and wordings of nothing.
+    """Yield faults of free texts: blank questions, missing wordings, wordings of nothing.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def screening_problems(
     instruments: Mapping[str, Instrument],
     covariates: tuple[Covariate, ...],
 ) -> Iterator[Problem]:
-    """Yield what keeps rules from being looked at.
+    """Yield faults of screening rules that cannot be evaluated.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ class ScoreRise(Settings):
 
 
 class Stopping(Settings):
-    """Who and what ends a session, or somebody's study; [[ratings]] have rules of their own."""
+    """Rules that end a session, or a participant's study; [[ratings]] have rules of their own."""
 
     participant: Literal["session", "study"] = "study"
     """What a participant's wish to stop ends; after `session` they may come back for the next."""
@@ -223,7 +223,7 @@ class Stopping(Settings):
 def rise_problems(
     stop: Stopping, whens: Mapping[str, set[str]], instruments: Mapping[str, Instrument]
 ) -> list[Problem]:
-    """Return what is wrong with rules on scores.
+    """Return the faults of rules on scores.
 
     Parameters
     ----------

@@ -93,7 +93,7 @@ class Instruction(Settings):
 def instruction_problems(
     instructions: tuple[Instruction, ...], folder: Path | None
 ) -> Iterator[Problem]:
-    """Yield what is wrong with instructions.
+    """Yield faults of instructions.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def wording_problems(
     instructions: tuple[Instruction, ...],
     folder: Path | None,
 ) -> Iterator[tuple[KeyPath, str]]:
-    """Yield where, below the language's table, and what is wrong with instructions in it.
+    """Yield paths below the language's table, and the faults of its instructions.
 
     Parameters
     ----------
@@ -309,7 +309,7 @@ class Breaks(Settings):
 
 
 def break_problems(breaks: Breaks | None, break_s: float) -> Iterator[Problem]:
-    """Yield what is wrong with [breaks]."""
+    """Yield faults of [breaks]."""
     if breaks is None:
         return
     if break_s:

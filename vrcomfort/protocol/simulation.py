@@ -1,4 +1,4 @@
-"""How simulated participants feel and what they do: the [simulation] table of a protocol."""
+"""The behaviour of simulated participants: the [simulation] table of a protocol."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ Sentence = Annotated[str, Field(min_length=1, max_length=110)]
 
 
 class Words(Settings):
-    """All that a participant reads in the headset, but for what studies and instruments ask."""
+    """All texts of the headset's panels, except those of studies and instruments."""
 
     back: Button = "Back"
     """Button: to the question before."""
@@ -112,7 +112,7 @@ WORDS: Mapping[str, Words] = {"en": ENGLISH, "de": GERMAN}
 
 
 class LanguageTable(Settings):
-    """A language: `[text.fr]`. Of a shipped one only what is other than there."""
+    """A language: `[text.fr]`. For a shipped one only the differences to it."""
 
     source: str = ""
     """Whose wording it is; recorded."""
@@ -152,7 +152,7 @@ def text_problems(
     instructions: tuple[Instruction, ...] = (),
     folder: Path | None = None,
 ) -> list[Problem]:
-    """Return what languages lack, and what is said of nothing.
+    """Return wordings that languages lack, and wordings of nothing.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ PixelCount = Annotated[int, Field(ge=16, le=8192)]
 
 
 class HeadsetSettings(Settings):
-    """What the headset should be set to; a playback headset is built from it."""
+    """Settings of the headset; a playback headset is built from them."""
 
     name: str = ""
     """Which headset the study is for; `vrcomfort check` tells sizes in its pixels."""
@@ -56,7 +56,7 @@ class Answering(Settings):
 
 
 class Visibility(Settings):
-    """What `vrcomfort check` would refuse, and the study means so."""
+    """Faults that `vrcomfort check` would refuse and the study intends."""
 
     unseen: tuple[str, ...] = ()
     """Conditions whose blur and streaks are below a pixel for nine tenths of the image."""
@@ -81,7 +81,7 @@ class LocomotionSettings(Settings):
 
     @property
     def step_at_once_m(self) -> float | None:
-        """Return how far a teleport goes, None where nobody teleports."""
+        """Return the length of a teleport, None without teleports."""
         return self.teleport_m if self.mode == "teleport" else None
 
 

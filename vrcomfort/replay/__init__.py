@@ -1,9 +1,12 @@
 """Replays a recorded session, drawn from its own files."""
 
-from vrcomfort.replay.drawn import DrawnFrame, ReplaySelection, replay
-from vrcomfort.replay.exposures import RecordedExposure
-from vrcomfort.replay.hashes import Comparison
-from vrcomfort.replay.recorded import RecordedSession, read_session, require_session
+from vrcomfort.replay.drawn import Comparison, DrawnFrame, ReplaySelection, replay
+from vrcomfort.replay.recorded import (
+    RecordedExposure,
+    RecordedSession,
+    read_session,
+    require_session,
+)
 
 __all__ = [
     "Comparison",

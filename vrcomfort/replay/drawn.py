@@ -1,4 +1,7 @@
-"""Draws the frames of a recorded session again, in order and with the time that each was seen."""
+"""Draws the frames of a recorded session again, in order and with the time that each was seen.
+
+Hashes of the images tell whether they are those that the participant saw.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +14,56 @@ from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, Frame
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
 from vrcomfort.protocol.adjustments import adjusted
+from vrcomfort.records import Machine
 from vrcomfort.render.display import PatchLight
-from vrcomfort.replay.exposures import RecordedExposure
-from vrcomfort.replay.hashes import Comparison
-from vrcomfort.replay.recorded import RecordedSession
+from vrcomfort.replay.recorded import RecordedExposure, RecordedSession
 from vrcomfort.scene.markers import Markers
 
 if TYPE_CHECKING:
     from vrcomfort.render.pipeline import StereoRenderer
+
+
+@dataclass
+class Comparison:
+    """How many of the recorded hashes the replay's images have.
+
+    Attributes
+    ----------
+    compared, equal
+        Frames of which a hash is recorded and that were drawn again; those whose both images are
+        equal to the last bit.
+    """
+
+    compared: int = 0
+    equal: int = 0
+
+    def add(self, recorded: tuple[str, str], now: tuple[str, str]) -> bool:
+        """Compare one frame; return whether it is equal."""
+        same = recorded == now
+        self.compared += 1
+        self.equal += same
+        return same
+
+    @property
+    def sentence(self) -> str:
+        """Say it."""
+        if not self.compared:
+            return "no recorded image was among those drawn; whether they are equal is not known"
+        return f"{self.equal} of {self.compared} recorded images are equal to the last bit"
+
+
+def differences(manifest: Mapping[str, Any], machine: Machine) -> Iterator[str]:
+    """Yield changes since the session was run that may change images."""
+    for name in ("gpu", "driver"):
+        then, now = manifest.get(name) or "", getattr(machine, name)
+        if then and then != now:
+            yield f"the {name} was {then}, and is {now}"
+    then = manifest.get("shaders") or {}
+    changed = sorted(name for name in then if machine.shaders.get(name) != then[name])
+    if changed:
+        first = ", ".join(changed[:3]) + (", …" if len(changed) > 3 else "")
+        yield f"{len(changed)} of {len(then)} shaders have changed ({first})"
+
 
 _EPSILON_S = 1e-6
 """Of session times in files."""

@@ -1,4 +1,4 @@
-"""Who answers: simulated participants, or an experimenter who types what a person says."""
+"""Respondents: simulated participants, and people who answer aloud or in the headset."""
 
 from vrcomfort.respondent.base import (
     Exposure,

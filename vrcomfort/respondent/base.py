@@ -1,4 +1,4 @@
-"""Who answers, and what they are asked."""
+"""The interface of respondents, and the forms that they answer."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Withdrew(Exception):  # noqa: N818 - a decision of the participant, not an
 
 @dataclass(frozen=True)
 class Exposure:
-    """What a participant is about to be exposed to.
+    """The facts of an exposure that is about to begin.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class Form:
 
 @dataclass(frozen=True, eq=False)
 class InstructionContent:
-    """What a participant is told at a moment.
+    """The content of an instruction: words, a picture, a sound.
 
     Parameters
     ----------
@@ -88,11 +88,11 @@ class Written(NamedTuple):
 
 
 class Respondent(Protocol):
-    """A participant, or whoever answers for one. All times are seconds since the exposure began."""
+    """A participant, real or simulated. All times are seconds since the exposure began."""
 
     @property
     def name(self) -> str:
-        """Return what the manifest calls this kind of respondent."""
+        """Return the kind of respondent for the manifest."""
 
     def start_session(self, session: int) -> None:
         """Take note that a session begins (counted from 1)."""
@@ -139,7 +139,7 @@ class Respondent(Protocol):
     def read(
         self, content: InstructionContent, elapsed_s: float, *, may_go_on: bool
     ) -> float | None:
-        """Live through a moment of what one is told.
+        """Live through a moment of an instruction.
 
         Returns
         -------
@@ -154,7 +154,7 @@ class Respondent(Protocol):
         """
 
     def leave(self) -> None:
-        """Take note that what one was told is over."""
+        """Take note that an instruction is over."""
 
     def ask(self, form: Form, heard: Heard) -> None:
         """Answer every item in the order of the instrument.

@@ -46,7 +46,7 @@ UNABLE_S = 2.0
 
 
 class PanelRespondent:
-    """A person who answers in the headset.
+    """A participant who answers in the headset.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ class PanelRespondent:
         *,
         may_go_on: bool,
     ) -> float | None:
-        """Show what is told while a frame passes; there is a button once one may go on.
+        """Show an instruction while a frame passes; with a button once the participant may go on.
 
         Raises
         ------
@@ -394,7 +394,7 @@ class PanelRespondent:
         return self._now_s() - self._unable_since_s > UNABLE_S
 
     def _hinted(self, page: Page, pointing: Pointing) -> Page:
-        """Return the page with what somebody must know who has no controller."""
+        """Return the page with the explanation for participants without a controller."""
         if self._is_unable(pointing):
             return self._with_hint(page, self._words.no_controller)
         return self._with_hint(page, self._words.look_twice) if pointing.dwelling else page

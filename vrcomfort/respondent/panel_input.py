@@ -13,7 +13,7 @@ from vrcomfort.respondent.panel_picture import STEPS, DwellProgress, Picture
 
 @dataclass(frozen=True)
 class Pointing:
-    """What the participant does to the panel in one frame.
+    """The participant's input to the panel in one frame.
 
     Parameters
     ----------
@@ -63,13 +63,13 @@ class Screen(Protocol):
         """Put the pointer at fractions (right, down) of the picture, or take it away."""
 
     def pointing(self) -> Pointing:
-        """Return what the participant does in the current frame."""
+        """Return the participant's input in the current frame."""
 
     def next_frame(self) -> None:
         """Let a frame pass: for questions outside of exposures."""
 
     def allow_absence(self, duration_s: float) -> None:
-        """Take note that nobody need look for so long."""
+        """Expect no looks for a duration: the headset may be taken off."""
 
     def tick(self, hand: int) -> None:
         """Confirm an answer to the hand that gave it."""
@@ -101,7 +101,7 @@ class Dwell:
         self.forget()
 
     def forget(self) -> None:
-        """Begin a page: where somebody looks already counts only once they have looked away."""
+        """Begin a page: the present look counts only after a look elsewhere."""
         self._prepared: Cell | None = None
         self._cell: Cell | None = None
         self._since_s = 0.0
@@ -109,7 +109,7 @@ class Dwell:
         self._is_new = self._spent = True
 
     def update(self, cell: Cell | None, now_s: float) -> Cell | None:
-        """Take where somebody looks now; return the cell that a second look has chosen."""
+        """Take the cell under the gaze; return a cell that a second look has chosen."""
         if self._is_new:
             self._is_new, self._cell = False, cell
             return None
@@ -130,14 +130,14 @@ class Dwell:
         return cell
 
     def progress(self, now_s: float) -> DwellProgress:
-        """Return what is to be drawn."""
+        """Return the progress to be drawn."""
         if self._cell is None or self._spent:
             return DwellProgress(prepared=self._prepared)
         share = (now_s - self._since_s) / self._dwell_s
         return DwellProgress(self._cell, min(int(share * STEPS), STEPS), self._prepared)
 
     def _has_left(self, now_s: float) -> bool:
-        """Return whether somebody has looked elsewhere for long enough."""
+        """Return whether the gaze has been elsewhere for long enough."""
         if self._away_since_s is None:
             self._away_since_s = now_s
         return now_s - self._away_since_s >= AWAY_S
@@ -165,7 +165,7 @@ class LookDown:
         self._asked = False
 
     def update(self, down_deg: float | None, now_s: float) -> bool:
-        """Take where somebody looks now; return whether they have just asked to stop.
+        """Take the angle of the gaze; return whether the look has just asked to stop.
 
         A look ends with one elsewhere, but for a blink, and asks once.
         """
@@ -245,7 +245,7 @@ class KeyChoice:
                 return
 
     def entered(self, cells: Sequence[Cell]) -> Cell | None:
-        """Return what Enter chooses: where nothing else was chosen, that all answers are right."""
+        """Return the cell that Enter chooses: the chosen one, else the one that confirms all."""
         confirming = (each for each in cells if each.act is Act.CONFIRM)
         return self.cell or next(confirming, None)
 

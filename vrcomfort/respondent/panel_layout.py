@@ -1,4 +1,4 @@
-"""What stands where on the panel: rectangles that mean something, in pixels of the picture."""
+"""The layout of the panel: rectangles with a meaning, in pixels of the picture."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ NUMBERED = 21
 
 
 class Act(Enum):
-    """What choosing a cell does."""
+    """Actions of a chosen cell."""
 
     ANSWER = "answer"
     BACK = "back"
@@ -79,7 +79,7 @@ def answer_cells(cells: Sequence[Cell]) -> list[Cell]:
 
 
 def question_cells(answers: Answers, *, first: bool, words: Words = ENGLISH) -> list[Cell]:
-    """Return the cells of a question: its answers, and what stands at the foot."""
+    """Return the cells of a question: its answers, and those at the foot."""
     foot = [] if first else [(words.back, Act.BACK)]
     foot += [(words.decline, Act.DECLINE), (words.stop, Act.STOP)]
     return _answers(answers) + _row(foot, FOOT_TOP_PX, FOOT_BOTTOM_PX)
@@ -115,13 +115,13 @@ def rest_cells(words: Words = ENGLISH) -> list[Cell]:
 
 
 def instruction_cells(words: Words = ENGLISH, *, ready: bool) -> list[Cell]:
-    """Return the cells below what is told: going on is one of them once one may."""
+    """Return the cells below an instruction: to go on, once the participant may, and to stop."""
     foot = [(words.stop, Act.STOP)] + ([(words.proceed, Act.CONFIRM)] if ready else [])
     return _row(foot, FOOT_TOP_PX, FOOT_BOTTOM_PX)
 
 
 def stop_cells(words: Words = ENGLISH) -> list[Cell]:
-    """Return the cells of the page that asks whether to stop; what asked is no answer to it."""
+    """Return the cells of the confirmation of a stop; the button that asked is no answer to it."""
     choices = [(words.go_on, Act.BACK), (words.stop_now, Act.WITHDRAW)]
     return _row(choices, ANSWER_TOP_PX, ANSWER_BOTTOM_PX)
 

@@ -53,7 +53,7 @@ STEPS = 8
 
 @dataclass(frozen=True)
 class DwellProgress:
-    """What the panel shows of looks.
+    """The panel's marks of a look.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class DwellProgress:
 
 @dataclass(frozen=True)
 class Page:
-    """What a panel shows.
+    """The content of a panel.
 
     Parameters
     ----------
@@ -112,14 +112,14 @@ class Page:
 
 
 def instruction_page(content: InstructionContent, words: Words = ENGLISH, *, ready: bool) -> Page:
-    """Return the page of what a participant is told; with a button to go on, if `ready`."""
+    """Return the page of an instruction; with a button to go on, if `ready`."""
     nothing = not content.text and content.picture is None
     shown = replace(content, text=words.listen_sound) if nothing else content
     return Page("", "", instruction_cells(words, ready=ready), content=shown)
 
 
 def stop_page(words: Words = ENGLISH) -> Page:
-    """Return the page that asks whether somebody who wants to stop is sure."""
+    """Return the page that asks to confirm a stop."""
     return Page("", words.sure, stop_cells(words))
 
 
@@ -277,7 +277,7 @@ def _draw_cell(
     *,
     corner: tuple[int, int] = (0, 0),
 ) -> None:
-    """Draw a cell on a canvas whose upper left pixel is `corner` of the page."""
+    """Draw a cell on a canvas with its upper left pixel at `corner` of the page."""
     left, top, right, bottom = (edge - corner[i % 2] for i, edge in enumerate(cell.box))
     canvas.rounded_rectangle(
         (left, top, right, bottom), radius=min(12, (right - left) // 3), fill=colour

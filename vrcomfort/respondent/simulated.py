@@ -162,7 +162,7 @@ class SimulatedRespondent:
         self._adjuster = SimulatedAdjuster(self._settings, adjustment, person, exposure)
 
     def turn(self, place: float, time_s: float) -> Turn:
-        """Return what they do to the dial, which is at a place (0 to 1) of its range."""
+        """Return the turn of the dial, from its place (0 to 1) in its range."""
         return self._adjuster.turn(place, time_s)
 
     def start_slider(self, trial: int) -> None:
@@ -311,7 +311,7 @@ class SimulatedRespondent:
         return bool(random.random() >= self._settings.screened_out)
 
     def _choice(self, item: Item, compared: Sequence[str]) -> int:
-        """Choose what seems best now (Thurstone 1927), or nothing where two seem alike."""
+        """Choose the best condition now (Thurstone 1927), or none where two seem alike."""
         liking = self._settings.liking
         seems = [liking.get(each, 0.0) + self._rng.standard_normal() for each in compared]
         best, next_best = sorted(seems, reverse=True)[:2]

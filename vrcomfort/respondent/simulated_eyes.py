@@ -15,7 +15,7 @@ _PUPIL_NOISE_MM = 0.05
 
 
 class EyePair:
-    """Both eyes of one simulated participant: they converge on what is fixated.
+    """Both eyes of one simulated participant, converging on a fixated point.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ class Eyes:
         self._time_s = -math.inf
 
     def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze:
-        """Return what the tracker says at a time.
+        """Return the tracker's sample at a time.
 
         Parameters
         ----------
@@ -147,7 +147,7 @@ class Eyes:
         return Gaze(Pose(head.position, turn_to(measured)), eyes=eyes)
 
     def _go_on_at(self, time_s: float) -> float:
-        """Return the time of the frame before: what is new now, was first shown then.
+        """Return the time of the frame before, in which a target that is new now was first shown.
 
         Where time goes back (frames of a new step), take what is under way along.
         """
@@ -164,7 +164,7 @@ class Eyes:
     def _each(
         self, head: Pose, truth: Array, point: Array | None, *, closed: bool
     ) -> tuple[EyeGaze | None, EyeGaze | None]:
-        """Return what the tracker says of each eye: both meet where the point is."""
+        """Return the tracker's sample of each eye: both meet at the fixated point."""
         if self._pair is None:
             return None, None
         if closed:

@@ -65,7 +65,7 @@ _CLOSE = 0.005
 
 
 class Turn(NamedTuple):
-    """What is done to a dial in one frame.
+    """The input to a dial in one frame.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ class SimulatedAdjuster:
 
 
 class SimulatedSlider:
-    """Puts a slider where somebody feels, now and then: not before that is worth the effort.
+    """Puts a slider to the present sickness, now and then: not for small changes.
 
     Parameters
     ----------

@@ -14,47 +14,6 @@ from vrcomfort.respondent import keyboard
 from vrcomfort.respondent.base import Exposure, Form, Heard, InstructionContent, Withdrew, Written
 from vrcomfort.respondent.keyboard import input_over, waiting_line
 
-
-class TypedRating:
-    """The rating that is asked for, until it is given or its time is over.
-
-    Parameters
-    ----------
-    instrument
-        The scale; None while nothing is asked.
-    until_s
-        When the time is over, in seconds since the exposure began.
-    """
-
-    def __init__(self, instrument: Instrument | None = None, until_s: float = 0.0) -> None:
-        self._instrument = instrument
-        self._until_s = until_s
-        self.response: int | None = None
-
-    def close(self) -> None:
-        """End the time to answer, with the exposure."""
-        self._until_s = -1.0
-
-    def take(self, line: str, elapsed_s: float) -> str:
-        """Take a line; return what to say of one that is not recorded, else nothing."""
-        scale = self._instrument
-        if scale is None:
-            return f"{line!r} was not recorded: nothing was asked"
-        if self.response is not None:
-            return f"{line!r} was not recorded: {self.response} was given before"
-        if elapsed_s > self._until_s:
-            return self.too_late(line)
-        answers = scale.items[0].answers
-        if not (line.isdecimal() and answers.offers(int(line))):
-            return f"{line!r} was not recorded: {answers.asked_in_words} is a rating"
-        self.response = int(line)
-        return ""
-
-    def too_late(self, line: str) -> str:
-        """Return what to say of a line that nobody waits for any more."""
-        return f"{line!r} came too late and was not recorded"
-
-
 _KEYS = f"number = answer, {keyboard.HELP}"
 _STOP = f"{keyboard.STOP} + Enter = withdraw"
 _YES_OR_NO = {keyboard.YES: True, "yes": True, keyboard.NO: False, "no": False}
@@ -100,13 +59,13 @@ class TerminalRespondent:
         self._console.print(f"{_STOP}, at any time.")
 
     def start_exposure(self, exposure: Exposure) -> None:
-        """Say what is shown and how to stop it; the condition is not named: the room may hear."""
+        """Print the scene and how to stop it, without the condition: the room may hear."""
         self._rating = TypedRating()
         self._finish_asking_whether_to_stop()
         self._console.print(f"Exposure {exposure.trial}, {exposure.scene}. {_STOP}.")
 
     def update(self, elapsed_s: float) -> None:
-        """Take what was typed: a withdrawal, or the rating that was asked for.
+        """Take typed lines: a withdrawal, or the present rating.
 
         Raises
         ------
@@ -133,7 +92,7 @@ class TerminalRespondent:
         return self._rating.response
 
     def resting(self, left_s: float) -> bool:  # noqa: ARG002 - the bar shows it
-        """Take what is typed: a withdrawal."""
+        """Take typed lines: a withdrawal."""
         self._clear_typed()
         return False
 
@@ -155,7 +114,7 @@ class TerminalRespondent:
         *,
         may_go_on: bool,
     ) -> float | None:
-        """Print what is told, to be read aloud; Enter goes on.
+        """Print an instruction, to be read aloud; Enter goes on.
 
         Raises
         ------
@@ -183,7 +142,7 @@ class TerminalRespondent:
         return None if may_go_on and not line else _LOOKS_EVERY_S
 
     def leave(self) -> None:
-        """Wait for the answer to whether somebody wants to stop.
+        """Wait for the confirmation of a withdrawal.
 
         Raises
         ------
@@ -257,7 +216,7 @@ class TerminalRespondent:
         return Written("\n".join(lines), self._now_s() - since_s)
 
     def decide(self, question: str) -> bool:
-        """Ask the experimenter, who says yes or no."""
+        """Ask the experimenter a yes-or-no question."""
         self._finish_asking_whether_to_stop()
         self._clear_typed()
         while (line := self._read(f"{question} ({keyboard.YES}/{keyboard.NO}) ")) not in _YES_OR_NO:
@@ -295,7 +254,7 @@ class TerminalRespondent:
                 self._one(instrument, int(line) - 1, answers, heard)
 
     def _line(self, prompt: str) -> str:
-        """Return what is typed after a prompt; a wish to stop is asked once more."""
+        """Return the text typed after a prompt; a wish to stop is asked once more."""
         while True:
             line = self._read(prompt)
             if line != keyboard.STOP:
@@ -343,3 +302,43 @@ def _answer_table(instrument: Instrument, answers: dict[int, int | None]) -> Tab
         response = answers[index]
         table.add_row(str(index + 1), item.text, "–" if response is None else str(response))
     return table
+
+
+class TypedRating:
+    """The rating that is asked for, until it is given or its time is over.
+
+    Parameters
+    ----------
+    instrument
+        The scale; None while nothing is asked.
+    until_s
+        When the time is over, in seconds since the exposure began.
+    """
+
+    def __init__(self, instrument: Instrument | None = None, until_s: float = 0.0) -> None:
+        self._instrument = instrument
+        self._until_s = until_s
+        self.response: int | None = None
+
+    def close(self) -> None:
+        """End the time to answer, with the exposure."""
+        self._until_s = -1.0
+
+    def take(self, line: str, elapsed_s: float) -> str:
+        """Take a line; return a message on one that is not recorded, else nothing."""
+        scale = self._instrument
+        if scale is None:
+            return f"{line!r} was not recorded: nothing was asked"
+        if self.response is not None:
+            return f"{line!r} was not recorded: {self.response} was given before"
+        if elapsed_s > self._until_s:
+            return self.too_late(line)
+        answers = scale.items[0].answers
+        if not (line.isdecimal() and answers.offers(int(line))):
+            return f"{line!r} was not recorded: {answers.asked_in_words} is a rating"
+        self.response = int(line)
+        return ""
+
+    def too_late(self, line: str) -> str:
+        """Return a message on a line that came too late."""
+        return f"{line!r} came too late and was not recorded"

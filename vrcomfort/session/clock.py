@@ -75,7 +75,7 @@ class WallClock:
         return round(time.monotonic() - self._start_s, 6)
 
     def advance(self, duration_s: float) -> None:
-        """Do nothing: what took time has taken it."""
+        """Do nothing: the time has passed by itself."""
 
     def wait(self, duration_s: float) -> None:
         """Sleep."""

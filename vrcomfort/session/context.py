@@ -150,7 +150,7 @@ class EventLog:
         self.recorder.write_soon(row)
 
     def look_at_files(self) -> None:
-        """Write, and tell at once, what other programs have done to the session's files."""
+        """Write, and report at once, changes of the session's files by other programs."""
         for each in self.recorder.take_meddling():
             name = "rows_lost" if each.lost else "file_put_back"
             self.event_soon(name, detail=each.sentence)

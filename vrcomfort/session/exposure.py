@@ -108,7 +108,7 @@ CLOCKS_EVERY_S = 10.0
 
 @dataclass(frozen=True)
 class Stimulus:
-    """What is shown under which number, and for how long.
+    """An exposure's stimulus: its trial number, condition and duration.
 
     Parameters
     ----------
@@ -274,7 +274,7 @@ class FrameLoop:
         return True
 
     def _steered(self, frame: Frame) -> Frame:
-        """Hear the operators; return the frame as it is to be shown: to nobody while paused."""
+        """Carry out operators' commands; return the frame, hidden while the session is paused."""
         operators, period_s = self.context.operators, frame.period_ns / 1e9
         try:
             operators.look()

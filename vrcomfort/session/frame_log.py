@@ -1,4 +1,4 @@
-"""Rows of frames, and what they say of timing."""
+"""Rows of ``frames.csv``, and the timing of trials."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def seen_between_ns(before: Frame, frame: Frame) -> int:
 
 @dataclass
 class SeenTime:
-    """What a participant saw in the seconds of a trial: their sum is the trial's length.
+    """The seconds of a trial by visibility: live, frozen, hidden, unfocused; they add up to it.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def missed_refreshes(passed_ns: int, period_ns: int) -> int:
 
 
 def trial_flags(timing: TrialTiming, limit_percent: float) -> list[str]:
-    """Say what an analyst should know of a trial, a clause each; nothing where all was well.
+    """Return an analyst's notes on a trial, a clause each; none where all was well.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ _LATEST_FRAMES = 16
 
 
 class _Waiting(NamedTuple):
-    """A row but for what is late: it is made once, when all is there."""
+    """A row without its late values: it is made once, when they have arrived."""
 
     row: partial[FrameRow]
     gaze: GazeRow | None
@@ -266,7 +266,7 @@ class FrameLog:
 
     @property
     def recorded_minus_display_ns(self) -> int:
-        """Return what is added to display times, so that time on record runs forwards."""
+        """Return the offset added to display times, so that time on record runs forwards."""
         return self._offset_ns
 
     def start_trial(self) -> None:
@@ -283,7 +283,7 @@ class FrameLog:
         session_s: float,
         balls: Iterable[Shown] = (),
     ) -> None:
-        """Take a frame, and whatever focus and GPU times arrived with it.
+        """Take a frame, and the focus and GPU times that arrived with it.
 
         `balls` are those that are drawn otherwise from this frame on.
         """
@@ -333,7 +333,7 @@ class FrameLog:
         )
 
     def add_hidden(self, frame: Frame) -> None:
-        """Take a frame that nobody sees: it has no row, and its time is no exposure."""
+        """Take an invisible frame: it has no row, and its time is no exposure."""
         self.timing.seen.add(frame)
         self._shown_ns = None
 
@@ -368,7 +368,7 @@ class FrameLog:
         hashes: Iterable[ImageHash] = (),
         hits: Iterable[GazeHit] = (),
     ) -> None:
-        """Give what arrived to its rows and write every row that need not wait longer."""
+        """Give late values to their rows and write every complete row."""
         self._hashes.update((each.frame_index, each) for each in hashes)
         self._hits.update((each.frame_index, each) for each in hits)
         self._focus.update((sample.frame_index, sample) for sample in samples)
@@ -395,7 +395,7 @@ class FrameLog:
         hashes: Iterable[ImageHash] = (),
         hits: Iterable[GazeHit] = (),
     ) -> None:
-        """Write all rows that wait; what has not come for them is blank."""
+        """Write all waiting rows; late values that have not arrived are blank."""
         self.timing.seen.end()
         self.take(samples, times, hashes, hits)
         while self._waiting:

@@ -187,7 +187,7 @@ class Instructor:
             self._pass(min(due_s))
 
     def _pass(self, duration_s: float) -> None:
-        """Let a moment pass; none where a frame was what passed."""
+        """Let a moment pass; none after a frame, which took its own time."""
         clock, screen = self._context.clock, self._context.screen
         if not duration_s:
             return

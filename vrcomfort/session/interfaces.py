@@ -35,7 +35,7 @@ class Renderer(Protocol):
         """Return the hashes of images that have not arrived yet."""
 
     def drain_gaze_hits(self) -> Sequence[GazeHit]:
-        """Return what the gaze of frames meets that has not arrived yet."""
+        """Return the gaze hits that have not been returned yet."""
 
     def clamps(self) -> Sequence[str]:
         """Return which limits have shortened a blur since `begin`, in words; waits for the GPU."""

@@ -324,7 +324,7 @@ class ScreeningRunner:
         self._decided = {row["rule"] for row in rows}
 
     def look_at_covariates(self) -> None:
-        """Tell of what was entered at the enrolment, before the first session, once.
+        """Apply the rules on covariates of the enrolment, before the first session, once.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Keeps a session's manifest up to date: what it showed, and what its continuation would need."""
+"""Keeps a session's manifest up to date, for the record and for a continuation."""
 
 from __future__ import annotations
 
@@ -40,17 +40,17 @@ class ManifestWriter:
             self.note_headset(self._headset)
 
     def begin_exposure(self, **row: Any) -> None:
-        """Note what a killed program could not write into ``trials.csv``."""
+        """Note the trial under way, which a killed program could not write into ``trials.csv``."""
         self._manifest.under_way = row
         self._write()
 
     def end_exposure(self, trial: int) -> None:
-        """Note when an exposure ended: what is asked after it may be asked only for a while."""
+        """Note the end of an exposure: questions after it have a time limit."""
         self._manifest.exposure_ended = {"trial": trial, "at": now()}
         self.boundary()
 
     def note_eye_height(self, fact: dict[str, Any]) -> None:
-        """Note a measurement of the height of the eyes, and what came of it."""
+        """Note a measurement of the height of the eyes, and its result."""
         self._manifest.eye_heights.append(fact)
         self._write()
 
@@ -62,7 +62,7 @@ class ManifestWriter:
         self._write()
 
     def flag(self, sentence: str) -> None:
-        """Note a trial whose timing was worse than the protocol allows."""
+        """Note a trial with worse timing than the protocol allows."""
         self._manifest.timing_flags.append(sentence)
         self._write()
 
@@ -73,13 +73,13 @@ class ManifestWriter:
 
     @property
     def ended_early(self) -> Literal["withdrawn", "ended"] | None:
-        """Return what it says where session or study have ended before their time, else None."""
+        """Return the reason of an early end of session or study, else None."""
         if self._manifest.status == "withdrawn":
             return "withdrawn"
         return "ended" if self._manifest.status == "ended" else None
 
     def close(self, status: str, ended: dict[str, str] | None = None) -> None:
-        """Note how the run ended, and early by what."""
+        """Note the run's status, and the reason of an early end."""
         manifest = self._manifest
         manifest.ended = ended or manifest.ended
         manifest.status, manifest.finished_at = status, now()
@@ -89,7 +89,7 @@ class ManifestWriter:
         self._write()
 
     def note_headset(self, headset: Headset) -> None:
-        """Enter the headset; what it only tells when it has shown something is entered then."""
+        """Enter the headset; facts that it tells late are entered then."""
         self._headset = headset
         before = self._manifest.headset
         told = {name: fact for name, fact in before.items() if (name, fact) != ("refresh_hz", 0.0)}

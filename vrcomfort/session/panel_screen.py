@@ -1,4 +1,4 @@
-"""Puts the participant's panel into a headset: where it stands, and what points at it."""
+"""Puts the participant's panel into a headset: its place in the room, and pointing at it."""
 
 from __future__ import annotations
 
@@ -54,10 +54,10 @@ class PanelHeadset(HasInputs, HasHaptics, Protocol):
         """Show the panels alone."""
 
     def take_events(self) -> list[HeadsetEvent]:
-        """Return what happened since the last call."""
+        """Return the events since the last call."""
 
     def allow_absence(self, duration_s: float) -> None:
-        """Take note that nobody need look for so long."""
+        """Expect no looks for a duration: the headset may be taken off."""
 
     def show_panel(self, size_px: tuple[int, int], quad: Quad) -> Panel:
         """Put a panel into the room."""
@@ -139,7 +139,7 @@ class PanelScreen:
             self._headset.show_pointer(pointer_quad(self._panel.quad, point))
 
     def pointing(self) -> Pointing:
-        """Return where a controller points, else the eyes, else the head; and what keys do.
+        """Return the pointing of a controller, else of eyes, else of the head; and the keys.
 
         Of two controllers that point at the panel, the one that presses counts, else the one that
         pressed last.
@@ -209,7 +209,7 @@ class PanelScreen:
         return frame
 
     def allow_absence(self, duration_s: float) -> None:
-        """Let the participant take the headset off for so long."""
+        """Let the participant take the headset off for a duration."""
         self._headset.allow_absence(duration_s)
 
     def tick(self, hand: int) -> None:
@@ -223,7 +223,7 @@ class PanelScreen:
                 self._place_again()
 
     def _place_again(self) -> None:
-        """Put the panel before the participant, who has been given a new straight ahead."""
+        """Put the panel before the participant again, after a recentring."""
         if self._panel is not None:
             self._panel.hide()
             self._panel = None

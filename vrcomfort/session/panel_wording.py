@@ -86,7 +86,7 @@ def _free_texts(protocol: Protocol) -> Iterator[_Text]:
 
 
 def _questions(protocol: Protocol) -> Iterator[list[_Text]]:
-    """Yield the texts of each questionnaire and rating; of what is asked twice, once."""
+    """Yield the texts of each questionnaire and rating, without repetitions."""
     asked: dict[tuple[str, str], tuple[Instrument, KeyPath]] = {}
     for index, ask in enumerate(protocol.questionnaires):
         form = protocol.form(ask)
@@ -100,7 +100,7 @@ def _questions(protocol: Protocol) -> Iterator[list[_Text]]:
 
 
 def _form(protocol: Protocol, form: Instrument, asked: KeyPath) -> Iterator[_Text]:
-    """Yield what is shown of an instrument.
+    """Yield the texts of an instrument on the panel.
 
     Parameters
     ----------

@@ -105,7 +105,7 @@ class PracticeRunner:
                 return
 
     def _give_up(self, practice: Practice, repetitions: int) -> None:
-        """Report an unmet criterion; end what the protocol says."""
+        """Report an unmet criterion; end session or study as the protocol says."""
         reason = f"practice {practice.name} was not good enough in {repetitions} repetitions"
         self._events.event("practice_not_met", detail=reason)
         self._events.tell("notice", WHOLE_SESSION, 0, 0, reason)

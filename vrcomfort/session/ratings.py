@@ -38,12 +38,12 @@ class StopRule(Exception):  # noqa: N818 - the protocol's decision, not an error
 
 
 def ends_of(reason: Withdrew | StopRule, protocol: Protocol) -> Ends:
-    """Return what somebody's wish to stop, or a rule, ends."""
+    """Return the scope of a participant's wish to stop, or of a rule."""
     return reason.ends if isinstance(reason, StopRule) else protocol.stop.participant
 
 
 def trial_ending(reason: Withdrew | StopRule, protocol: Protocol) -> tuple[str, str]:
-    """Return status and code of the trial in which somebody's session ends."""
+    """Return status and code of a trial that ends the session."""
     ends = ends_of(reason, protocol)
     by = reason.by if isinstance(reason, StopRule) else "participant"
     if ends == "exposure":
@@ -138,7 +138,7 @@ class RatingSchedule:
 
     @property
     def missed_code(self) -> int:
-        """Return what the column `missed` has where nobody answered."""
+        """Return the code of a missed rating in the column `missed`."""
         return self._settings.missed_code
 
     def answer(self, elapsed_s: float, now_s: float) -> Rated | None:
@@ -155,7 +155,7 @@ class RatingSchedule:
         return Rated(pending.onset_s, latency_s, response)
 
     def missed_while_frozen(self, elapsed_s: float, now_s: float, time_scale: float) -> list[Rated]:
-        """Return the ratings that are due after the picture stood still: nobody was asked.
+        """Return the ratings that fell due while the picture stood still, as missed.
 
         Also those that fell due before, while another question was open.
 
@@ -195,7 +195,7 @@ class RatingSchedule:
         return None if pending is None else Rated(pending.onset_s, None, None)
 
     def check(self, rated: Rated) -> None:
-        """Raise `StopRule` where so many ratings in a row are as high as the protocol allows."""
+        """Raise `StopRule` after as many high ratings in a row as the protocol allows."""
         settings = self._settings
         if settings.stop_at is None or rated.response is None:
             return
@@ -207,7 +207,7 @@ class RatingSchedule:
 
 
 class RatingSchedules:
-    """All questions of an exposure, one at a time: what is due meanwhile is asked after it."""
+    """All questions of an exposure, one at a time: a second one waits for the first."""
 
     def __init__(self, schedules: Sequence[RatingSchedule]) -> None:
         self._schedules = tuple(schedules)
@@ -221,7 +221,7 @@ class RatingSchedules:
         )
 
     def update(self, elapsed_s: float, now_s: float) -> tuple[RatingSchedule, Rated] | None:
-        """Ask what is due; return a rating that was answered or missed by now.
+        """Ask the due question; return a rating that is answered or missed by now.
 
         Parameters
         ----------
@@ -253,7 +253,7 @@ class RatingSchedules:
     def missed_while_frozen(
         self, elapsed_s: float, now_s: float, time_scale: float
     ) -> list[tuple[RatingSchedule, Rated]]:
-        """Return the ratings of all questions that nobody was asked; see `RatingSchedule`."""
+        """Return the ratings of all questions that fell due unseen; see `RatingSchedule`."""
         return [
             (schedule, rated)
             for schedule in self._schedules
@@ -271,7 +271,7 @@ class RatingSchedules:
 def schedules_of(
     protocol: Protocol, respondent: Respondent, duration_s: float, *key: int
 ) -> RatingSchedules:
-    """Return the schedules of an exposure of so many seconds of the protocol's time.
+    """Return the schedules of an exposure, for a duration in the protocol's time.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ class StartPose:
 
 
 def start_pose_of(scene: Any, view: SceneView, *, walks: bool) -> StartPose:
-    """Return where a view begins; a scene that is only looked at stays what it is.
+    """Return the start of a view; a scene without a view stays as it is.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ from vrcomfort.scene.markers import Markers, Shown
 from vrcomfort.scene.ray_cast import RayCaster
 from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.settings import did_you_mean
-from vrcomfort.tasks import Ball, Demand, Moment, Result, Surroundings, Task, TaskSettings
+from vrcomfort.tasks import Ball, Demand, Result, Surroundings, Task, TaskFrame, TaskSettings
 
 _STREAM = 3
 """Which of a trial's random streams is the task's."""
@@ -78,12 +78,12 @@ class TaskRun:
         return self._task.done and self.context.protocol.exposure_ends == "task"
 
     def demand(self, frame: Frame) -> Demand | None:
-        """Return what is to be done now."""
+        """Return the ideal action now."""
         del frame
         return self._task.demand()
 
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
-        """Take a frame before it is drawn: move the balls, and write what is over.
+        """Take a frame before it is drawn: move the balls, and write complete results.
 
         Parameters
         ----------
@@ -127,7 +127,7 @@ class TaskRun:
             self._write(self._task.finish(self.elapsed_s))
             self._began_s = None
 
-    def _moment(self, frame: Frame, headset: object, time_s: float) -> Moment:
+    def _moment(self, frame: Frame, headset: object, time_s: float) -> TaskFrame:
         head = frame.avatar_pose @ frame.head_pose
         gaze = frame.gaze
         seen = frame.avatar_pose @ gaze.pose if gaze is not None and gaze.valid else None
@@ -141,7 +141,7 @@ class TaskRun:
             aims = [hand.aim for hand in inputs.hands if hand.select]
             aims += [None] if inputs.keys.enter else []
             pressed = [None if aim is None else frame.avatar_pose @ aim for aim in aims]
-        return Moment(time_s, head, seen, tuple(pressed))
+        return TaskFrame(time_s, head, seen, tuple(pressed))
 
     @property
     def _stream(self) -> int:
@@ -196,20 +196,20 @@ class TaskRun:
             ),
             duration_s=self.duration_s,
             spawn=scene.spawn if scene else Pose(),
-            thing=lambda name: _Thing.of(scene, name, self.place.scene),
+            thing=lambda name: _SceneObject.of(scene, name, self.place.scene),
             free_m=free_m,
         )
 
 
 @dataclass(frozen=True)
-class _Thing:
+class _SceneObject:
     """A node of a scene, with all that hangs on it."""
 
     scene: Scene
     index: int
 
     @classmethod
-    def of(cls, scene: Scene | None, name: str, called: str) -> _Thing:
+    def of(cls, scene: Scene | None, name: str, called: str) -> _SceneObject:
         """Find a node by its name.
 
         Raises
@@ -225,7 +225,7 @@ class _Thing:
         raise InputError(f"a task names `{name}`, which scene {called} does not have; {hint}")
 
     def __call__(self, time_s: float) -> Ball:
-        """Return the ball around the middle of what is drawn there."""
+        """Return the bounding sphere of a node's meshes."""
         low, high = node_box(self.scene, self.index, time_s)
         return Ball((low + high) / 2, float(np.linalg.norm(high - low)) / 2)
 
@@ -233,7 +233,7 @@ class _Thing:
 def task_random(
     seed: int, participant: str, session: int, trial: int, stream: int = _STREAM
 ) -> np.random.Generator:
-    """Return what a task draws from: the same at each attempt at a trial."""
+    """Return a task's random generator: the same at each attempt at a trial."""
     person = int.from_bytes(hashlib.sha256(participant.encode()).digest()[:4])
     key = (person, session, trial, stream)
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))

@@ -1,4 +1,4 @@
-"""One trial: what an exposure shows, for how long, how it ends, and its row."""
+"""One trial: its exposure, its end, and its row."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class TrialRunner:
         return ending
 
     def give_up(self, abort_code: str) -> None:
-        """Write what is known of the exposure under way, while its own thread hangs.
+        """Write the row of the exposure under way, while its own thread hangs.
 
         What the GPU still has (focus and times of the last frames) is lost.
         """
@@ -99,7 +99,7 @@ class TrialRunner:
         self._write_trial(place, ending)
 
     def _attempt(self, place: TrialPlace) -> Ending:
-        """Expose, and write the trial's row whatever happens."""
+        """Expose, and write the trial's row in any case."""
         ending = Ending(self._context.clock.now_s())
         self._log.start_trial()
         self._open = place, ending, None
@@ -184,7 +184,7 @@ class TrialRunner:
         return headset, standing
 
     def _task_in(self, place: TrialPlace, scene: Any) -> TaskRun | None:
-        """Return what is done in a trial, ready to begin."""
+        """Return the task of a trial, ready to begin."""
         number = place.trial or 0
         trial = self._context.sequence.sessions[self._events.session - 1][number - 1]
         settings = self._context.protocol.task_of(trial)
@@ -203,7 +203,7 @@ class TrialRunner:
         )
 
     def _adjustment_in(self, place: TrialPlace) -> AdjustmentRun | None:
-        """Return what is adjusted in a trial, ready to begin."""
+        """Return the adjustment of a trial, ready to begin."""
         adjustment = self._context.protocol.adjustment_in(place.condition or "")
         known = self._of_dial(place)
         return None if adjustment is None else AdjustmentRun(**known, dial=adjustment)
@@ -226,7 +226,7 @@ class TrialRunner:
         return Several(parts) if parts else None
 
     def _train(self, loop: FrameLoop, place: TrialPlace, ending: Ending) -> None:
-        """Show the first scene; who withdraws here has an exposure of 0 s."""
+        """Show the first scene; a withdrawal here is an exposure of 0 s."""
         duration_s = self._context.protocol.training_s / self._context.time_scale
         if not duration_s:
             return
@@ -274,7 +274,7 @@ class TrialRunner:
             self._note_clamps(place)
 
     def _ratings(self, number: int, full_s: float) -> RatingSchedules | None:
-        """Return when what is asked during an exposure; times that were drawn are an event."""
+        """Return the schedules of ratings in an exposure; randomly drawn times are an event."""
         context = self._context
         if not context.protocol.ratings:
             return None
@@ -295,7 +295,7 @@ class TrialRunner:
         return partial(self._events.tell, step, place, total=total_s)
 
     def _identity(self, place: TrialPlace, start_s: float) -> dict[str, Any]:
-        """Return what is known of a trial's row when the exposure begins."""
+        """Return the fields of a trial's row that are known as the exposure begins."""
         return {
             "participant": self._context.participant,
             "session": self._events.session,

@@ -16,7 +16,7 @@ from vrcomfort.session.panel_screen import PanelScreen
 
 
 class VerbalRespondent:
-    """A person who is asked aloud, and experimenters at a console who enter what was said.
+    """A participant who is asked aloud; experimenters at a console enter the answers.
 
     The answers have the rows of any other respondent; the events `operator_answer` and
     `operator_rate` say who entered them.

@@ -50,7 +50,7 @@ _SUFFIX = re.compile(rf"_({'|'.join(sorted(_UNITS, key=len, reverse=True))})$")
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return `` did you mean `x`?`` for the nearest known word, or what there is to choose from."""
+    """Return `` did you mean `x`?`` for the nearest known word, or a list of the known words."""
     choices = sorted(known)
     near = get_close_matches(word, choices, n=1, cutoff=0.6)
     if near:
@@ -63,7 +63,7 @@ _RENAMED = {"rings": "samples", "taps": "samples"}
 
 
 def renamed(key: str, known: Iterable[str]) -> str | None:
-    """Say what a setting of an earlier version is called now, where that is known here."""
+    """Return the present name of a setting of an earlier version, where it is known here."""
     now = _RENAMED.get(key)
     if now not in set(known):
         return None
@@ -194,7 +194,7 @@ def parse_data(
     data: Mapping[str, Any],
     refuse: Callable[[Iterable[Problem]], InputError],
 ) -> Model:
-    """Return the settings that tables say; `refuse` makes the error of what is wrong with them."""
+    """Return the settings of a table; `refuse` makes the error of its problems."""
     try:
         # Strict: "900" is not a number and true is not 1. Lists become tuples, which strict wants.
         return model.model_validate(_frozen(data), strict=True)
@@ -203,12 +203,12 @@ def parse_data(
 
 
 def problems_of(model: type[BaseModel], error: ValidationError) -> list[Problem]:
-    """Return what pydantic found wrong with a table, in the words of TOML."""
+    """Return pydantic's problems with a table, in the words of TOML."""
     return _without_echoes([_explain(model, detail) for detail in _causes(error.errors())])
 
 
 def _without_echoes(found: list[Problem]) -> list[Problem]:
-    """Leave out what is missing only because it is there, misspelt, and told of as that."""
+    """Drop "missing key" problems for keys that are present but misspelt."""
     return [
         each
         for each in found

@@ -18,7 +18,7 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 
 def json_schema(model: type[BaseModel]) -> dict[str, Any]:
-    """Return the JSON Schema of a file whose table is `model`.
+    """Return the JSON Schema of a file with `model` as its table.
 
     Keys are described by the strings under them in the source. There is no null in TOML, so what
     may be absent is described as what it is where it is there.
@@ -115,7 +115,7 @@ Notes = Mapping[str, Mapping[str, str]]
 
 
 def reference(model: type[BaseModel], notes: Notes | None = None) -> str:
-    """Return a section for each table of a file: its keys, what they may be, and their defaults.
+    """Return a section for each table of a file: its keys, their values, and their defaults.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def _tables_of(entry: Table) -> Iterator[tuple[str, bool]]:
 
 
 def _choices(entry: Table) -> list[Table]:
-    """Return what a key may be, where it may be one of several things."""
+    """Return the allowed values of a key with several types."""
     return [*entry.get("anyOf", ()), *entry.get("oneOf", ())]
 
 

@@ -1,4 +1,4 @@
-"""What a task is: it sees each frame of an exposure, shows balls in the scene, and says results.
+"""The interface of tasks: a task sees each frame, shows balls, and returns results.
 
 A task knows nothing of files, headsets or rendering: it gets poses in the world, and gives places
 and numbers. Everything left to chance comes from the generator that it is given, so that the same
@@ -41,7 +41,7 @@ class Ball:
 
 
 @dataclass(frozen=True)
-class Moment:
+class TaskFrame:
     """One frame of an exposure, in the world.
 
     Parameters
@@ -65,7 +65,7 @@ class Moment:
 
 @dataclass(frozen=True, eq=False)
 class Demand:
-    """What somebody who does a task well would do now; simulated participants go by it.
+    """The ideal action at the moment; simulated participants follow it.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class Demand:
 
 @dataclass(frozen=True)
 class Result:
-    """A row of ``tasks.csv``; what means nothing for it is None.
+    """A row of ``tasks.csv``; None where a column does not apply.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ class Result:
     score: float | None = None
 
 
-class Thing(Protocol):
+class SceneObject(Protocol):
     """A node of the scene: where it is at a time."""
 
     def __call__(self, time_s: float) -> Ball:
@@ -135,7 +135,7 @@ class Thing(Protocol):
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What a task knows of where it takes place.
+    """A task's view of its scene.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ class Surroundings:
     random: np.random.Generator
     duration_s: float
     spawn: Pose
-    thing: Callable[[str], Thing]
+    thing: Callable[[str], SceneObject]
     free_m: Callable[[Pose], float]
 
 
@@ -171,7 +171,7 @@ class Task(ABC):
 
     @property
     def wanted(self) -> str | None:
-        """Return what the participant is to be told, such as what to look for; None: nothing."""
+        """Return an instruction for the participant, such as a thing to look for; None: nothing."""
         return None
 
     @property
@@ -180,20 +180,20 @@ class Task(ABC):
         return False
 
     @abstractmethod
-    def step(self, moment: Moment) -> Sequence[Result]:
-        """Take a frame, before it is drawn; return what is over with it."""
+    def step(self, frame: TaskFrame) -> Sequence[Result]:
+        """Take a frame, before it is drawn; return the results that are complete with it."""
 
     def balls(self) -> Sequence[Ball | None]:
         """Return where each ball is now, in the order of `looks`; None: it is not shown."""
         return ()
 
     def demand(self) -> Demand | None:
-        """Return what is to be done now; None: nothing."""
+        """Return the ideal action now; None: nothing."""
         return None
 
     @abstractmethod
     def finish(self, time_s: float) -> Sequence[Result]:
-        """End with the exposure; return what was open, and last the row of the trial."""
+        """End with the exposure; return open results, and last the row of the trial."""
 
 
 class TaskSettings(Settings):
@@ -214,12 +214,12 @@ class Pointed(TaskSettings):
     """What points when a button goes down: the hand that presses (a window: the mouse), the middle
     of the head's view, or the eyes. Where a hand or the eyes are not known, the head."""
 
-    def rays(self, moment: Moment) -> list[Pose]:
+    def rays(self, frame: TaskFrame) -> list[Pose]:
         """Return world-from-ray of each press of a moment."""
         if self.aim_with == "hand":
-            return [hand or moment.head for hand in moment.pressed]
-        looks = moment.gaze if self.aim_with == "gaze" else None
-        return [looks or moment.head] * len(moment.pressed)
+            return [hand or frame.head for hand in frame.pressed]
+        looks = frame.gaze if self.aim_with == "gaze" else None
+        return [looks or frame.head] * len(frame.pressed)
 
 
 def angle_deg(ray: Pose, position_m: Array) -> float:

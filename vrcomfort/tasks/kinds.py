@@ -73,7 +73,7 @@ def run_task_file(file: Path) -> tuple[type[TaskSettings], str]:
 
 
 class OwnTask(TaskSettings):
-    """A task of the lab's own: a Python file beside the protocol, whose settings follow here."""
+    """A task of the lab's own: a Python file beside the protocol; further keys are its settings."""
 
     model_config = ConfigDict(frozen=True, extra="allow")
 

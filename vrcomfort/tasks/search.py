@@ -11,18 +11,18 @@ from pydantic import Field
 from vrcomfort.geometry import Pose
 from vrcomfort.tasks.base import (
     Demand,
-    Moment,
     Pointed,
     Result,
     Surroundings,
     Task,
+    TaskFrame,
     angle_deg,
     numbers,
 )
 
 
 class VisualSearch(Pointed):
-    """Find a named thing, point at it and press: what was found, and in which time."""
+    """Find a named thing, point at it and press: hits and search times."""
 
     kind: Literal["search"]
     """What is done."""
@@ -54,7 +54,7 @@ class _Search(Task):
 
     @property
     def wanted(self) -> str | None:
-        """Return what is looked for; None when all is over."""
+        """Return the thing to be found; None when all is over."""
         return self._things[self._index][0] if self._index < len(self._things) else None
 
     @property
@@ -62,13 +62,13 @@ class _Search(Task):
         """Return whether all things were found or missed."""
         return self.wanted is None
 
-    def step(self, moment: Moment) -> Sequence[Result]:
-        self._now_s = moment.time_s
+    def step(self, frame: TaskFrame) -> Sequence[Result]:
+        self._now_s = frame.time_s
         results: list[Result] = []
-        for ray in self._settings.rays(moment):
-            results += self._shot(ray, moment.time_s)
-        if self.wanted and moment.time_s >= self._since_s + self._settings.within_s:
-            results.append(self._over(moment.time_s, found=False))
+        for ray in self._settings.rays(frame):
+            results += self._shot(ray, frame.time_s)
+        if self.wanted and frame.time_s >= self._since_s + self._settings.within_s:
+            results.append(self._over(frame.time_s, found=False))
         return results
 
     def demand(self) -> Demand | None:

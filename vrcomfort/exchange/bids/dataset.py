@@ -7,22 +7,158 @@ Sci. Data 11:716) and its eye tracking.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
 from vrcomfort import __version__
-from vrcomfort.exchange.bids.files import write_json, write_tsv
-from vrcomfort.exchange.bids.gaze import write_gazes
-from vrcomfort.exchange.bids.motion import SYSTEMS, recorded, write_motion
-from vrcomfort.exchange.bids.phenotype import write_phenotype
-from vrcomfort.exchange.bids.practice import write_practice
-from vrcomfort.exchange.bids.runs import Run, read_runs
+from vrcomfort.exchange.bids.runs import (
+    SYSTEMS,
+    Run,
+    read_runs,
+    recorded,
+    write_gazes,
+    write_json,
+    write_motion,
+    write_tsv,
+)
 from vrcomfort.exchange.room import new_folder, require_whole
+from vrcomfort.questionnaire import Instrument, instruments_in, shipped_instruments
 from vrcomfort.records.events import EVENTS, shared_detail
+from vrcomfort.records.exposure_rows import PracticeRow
 from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.recorder import session_folder
+from vrcomfort.records.rows import Column, declared
+from vrcomfort.records.schema import full_meaning
+from vrcomfort.records.session_rows import QuestionnaireRow
+
+
+def write_phenotype(study: Study, out: Path, participants: Iterable[str]) -> None:
+    """Write a table and its sidecar for each instrument that was answered.
+
+    Raises
+    ------
+    InputError
+        If a table is damaged.
+    """
+    known = {**shipped_instruments(), **instruments_in([study.folder])}
+    tables: dict[str, dict[str, dict[str, str]]] = {}
+    columns: dict[str, dict[str, dict[str, Any]]] = {}
+    for name in participants:
+        for session in study.sessions_of(name):
+            asked_in = _languages(session)
+            for row in session.text_rows(QuestionnaireRow):
+                instrument = row["instrument"]
+                cells = tables.setdefault(instrument, {}).setdefault(f"sub-{name}", {})
+                said = columns.setdefault(instrument, {})
+                for column, value, meaning in _cells(row, known.get(instrument)):
+                    cells[column] = value
+                    said.setdefault(column, meaning)
+                if instrument in asked_in:
+                    column = f"ses-{row['session']}_language"
+                    cells[column] = asked_in[instrument]
+                    text = f"Language in which it was asked in session {row['session']}"
+                    said.setdefault(column, {"Description": text})
+    for instrument, rows in tables.items():
+        _write_instrument(out / "phenotype", instrument, rows, columns[instrument], known)
+
+
+def _languages(session: Session) -> dict[str, str]:
+    """Return instrument → language in which a session asked it, as its manifest says."""
+    wordings = session.manifest.get("wordings") or []
+    return {str(each["instrument"]): str(each["language"]) for each in wordings}
+
+
+def _cells(row: Mapping[str, str], instrument: Instrument | None) -> Iterable[tuple[str, str, Any]]:
+    """Yield column, value and meaning of an answer, and of the condition that it is of."""
+    place = f"ses-{row['session']}"
+    when = f"session {row['session']}, {row['timepoint']}"
+    if row["trial"]:
+        place += f"_trial-{row['trial']}"
+        when += f", exposure {row['trial']}"
+        text = f"Condition of exposure {row['trial']} of session {row['session']}"
+        yield f"{place}_condition", row["condition"], {"Description": text}
+    yield (
+        f"{place}_{row['timepoint']}_{row['item']}",
+        row["response"],
+        _meaning(row, when, instrument),
+    )
+
+
+def _meaning(row: Mapping[str, str], when: str, instrument: Instrument | None) -> dict[str, Any]:
+    item = instrument.item(row["item"]) if instrument else None
+    if instrument is None or item is None:
+        return {"Description": f"{row['item']} ({when})"}
+    text = f"{item.text} ({when}); n/a: rather not say, or not asked"
+    answers = item.answers
+    if len(answers.labels) != len(answers.asked):
+        return {"Description": text, "Minimum": answers.low, "Maximum": answers.high}
+    levels = zip(map(str, answers.asked), answers.labels, strict=True)
+    return {"Description": text, "Levels": dict(levels)}
+
+
+def _write_instrument(
+    folder: Path,
+    name: str,
+    rows: Mapping[str, Mapping[str, str]],
+    columns: Mapping[str, dict[str, Any]],
+    known: Mapping[str, Instrument],
+) -> None:
+    table = [(who, *(cells.get(column, "") for column in columns)) for who, cells in rows.items()]
+    write_tsv(folder / f"{name}.tsv", ("participant_id", *columns), table)
+    instrument = known.get(name)
+    tool = {"Description": name}
+    if instrument is not None:
+        tool = {"Description": f"{instrument.title} ({instrument.short}). {instrument.citation}"}
+    write_json(folder / f"{name}.json", {"MeasurementToolMetadata": tool, **columns})
+
+
+_OF_THE_NAME = ("participant", "session")
+
+
+def write_practice(session: Session, folder: Path, whose: str, task: str) -> None:
+    """Write the practice of one session, if it had any.
+
+    Parameters
+    ----------
+    folder
+        Of the session in the dataset.
+    whose
+        Beginning of its files' names.
+    task
+        Label of what the exposures are; practice is told from it by its own.
+
+    Raises
+    ------
+    InputError
+        If the table is damaged.
+    """
+    rows = list(session.text_rows(PracticeRow))
+    if not rows:
+        return
+    label = f"{task}practice"
+    described = [each for each in declared(PracticeRow) if each.name not in _OF_THE_NAME]
+    columns = [each.name for each in described]
+    stem = folder / "beh" / f"{whose}_task-{label}_beh"
+    table = ([row.get(name, "") for name in columns] for row in rows)
+    write_tsv(stem.with_suffix(".tsv"), columns, table)
+    write_json(
+        stem.with_suffix(".json"),
+        {
+            "TaskName": label,
+            "TaskDescription": "Practice before the exposures of a session, of which it is none",
+            **{each.name: _described(each) for each in described},
+        },
+    )
+
+
+def _described(column: Column) -> dict[str, str]:
+    return {
+        "Description": full_meaning(column),
+        **({"Units": column.unit} if column.unit else {}),
+    }
+
 
 BIDS_VERSION = "1.11.1"
 _EVENT_COLUMNS = ("onset", "duration", "trial_type", "value", "condition", "scene")

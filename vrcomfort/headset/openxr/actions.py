@@ -229,7 +229,7 @@ class Actions:
         self._sync(self._session, self._sync_info)  # not focused: controllers read as inactive
 
     def read(self, stage: Stage, time_ns: int) -> Inputs:
-        """Return what hands and eyes do at `time_ns`."""
+        """Return the inputs of hands and eyes at `time_ns`."""
         left, right = (self._hand(hand, stage, time_ns) for hand in (0, 1))
         return Inputs(left, right, self._read_gaze(stage, time_ns))
 
@@ -249,7 +249,7 @@ class Actions:
         return xr.path_to_string(self._runtime.instance, profile) if profile else ""
 
     def release(self) -> None:
-        """Destroy the action set and what belongs to it."""
+        """Destroy the action set, with its actions and spaces."""
         if self._each_eye is not None:
             self._each_eye.release()
         watched(xr.destroy_action_set, self._set)

@@ -1,4 +1,4 @@
-"""What the active runtime has, found stage by stage: the runtime, its headset, a session."""
+"""Capabilities of the active runtime, stage by stage: runtime, headset, session."""
 
 from __future__ import annotations
 

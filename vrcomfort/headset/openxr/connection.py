@@ -116,7 +116,7 @@ class Connection:
     @property
     @running()
     def details(self) -> dict[str, str]:
-        """Return what a manifest should know about runtime and headset."""
+        """Return facts on runtime and headset for the manifest."""
         return {
             "runtime": self.runtime.name,
             "headset": self.runtime.headset_name,

@@ -92,14 +92,14 @@ def _not_offered(wanted_hz: float, offered: list[float]) -> InputError:
 def hidden_areas(
     session: xr.Session, extensions: Container[str]
 ) -> tuple[HiddenArea | None, HiddenArea | None]:
-    """Return what each eye never sees; None where it sees all, or the runtime does not tell."""
+    """Return each eye's hidden area; None if it has none, or the runtime does not tell."""
     if VISIBILITY_MASK not in extensions:
         return None, None
     return hidden_area(session, 0), hidden_area(session, 1)
 
 
 def hidden_area(session: xr.Session, eye: int) -> HiddenArea | None:
-    """Return what eye 0 (left) or 1 (right) never sees, or None where all of it is seen."""
+    """Return the hidden area of eye 0 (left) or 1 (right), or None if it has none."""
     mask = watched(xr.get_visibility_mask_khr, session, STEREO, eye, HIDDEN)
     if mask.vertex_count_output == 0 or mask.index_count_output == 0:
         return None

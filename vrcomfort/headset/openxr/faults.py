@@ -78,7 +78,7 @@ def running() -> Iterator[None]:
 
 
 def asleep(patience_s: float) -> RuntimeLostError:
-    """Return the exception for a headset that nobody has looked into for too long."""
+    """Return the exception for a headset that has shown nothing for too long."""
     return RuntimeLostError(
         f"the headset has shown nothing for {patience_s:g} s (it sleeps, or its runtime shows "
         "something else); what was recorded up to here is kept: put it on, then run with --resume"

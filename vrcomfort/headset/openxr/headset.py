@@ -90,12 +90,12 @@ class OpenXrHeadset:
 
     @property
     def name(self) -> str:
-        """Return what the manifest calls this headset."""
+        """Return the headset's name for the manifest."""
         return f"openxr: {self._xr.runtime.headset_name} ({self._xr.runtime.name})"
 
     @property
     def details(self) -> dict[str, Any]:
-        """Return what a manifest should know about runtime and headset.
+        """Return facts on runtime and headset for the manifest.
 
         ``ipd_m`` is the distance between the eyes that is shown; there from the first
         frame on in which the head is known. ``frame_period`` says where the period of frames
@@ -108,7 +108,7 @@ class OpenXrHeadset:
 
     @property
     def timing(self) -> Timing:
-        """Return what the times of frames are worth, and why."""
+        """Return the trust in the times of frames, and its reason."""
         runtime = self._xr.runtime
         return rate_runtime(runtime.name, runtime.headset_name)
 
@@ -192,11 +192,11 @@ class OpenXrHeadset:
         return self._where.tracking.head
 
     def allow_absence(self, duration_s: float) -> None:
-        """Wait so much longer than usual for a participant who has taken the headset off."""
+        """Wait longer than usual, by a duration, for a headset that has been taken off."""
         self._presence.allow(duration_s)
 
     def inputs(self) -> Inputs:
-        """Return what the participant's hands, eyes and keys do in the last frame."""
+        """Return the inputs of the participant's hands, eyes and keys in the last frame."""
         if self._inputs is None:
             with faults.running():
                 self._inputs = self._xr.actions.read(self._xr.stage, self._time_ns)
@@ -245,7 +245,7 @@ class OpenXrHeadset:
         self._events.append(HeadsetEvent("recentered", "by the experimenter"))
 
     def take_events(self) -> list[HeadsetEvent]:
-        """Return what happened since the last call."""
+        """Return the events since the last call."""
         stalls = RUNTIME_CALLS.stalls
         while stalls:  # another thread appends
             self._events.append(HeadsetEvent("runtime_stalled", stalls.popleft()))
@@ -254,7 +254,7 @@ class OpenXrHeadset:
         return events
 
     def hidden_areas(self) -> tuple[display.HiddenArea | None, display.HiddenArea | None]:
-        """Return what the left and the right eye never see; None where that is nothing."""
+        """Return the hidden areas of the left and the right eye; None where there is none."""
         return display.hidden_areas(self._xr.session, self._xr.runtime.extensions)
 
     def close(self) -> None:

@@ -109,7 +109,7 @@ class Runtime:
 
     @cached_property
     def headset_name(self) -> str:
-        """Return what the runtime calls the headset."""
+        """Return the runtime's name for the headset."""
         return str(self._system_properties().system_name.decode())
 
     @cached_property

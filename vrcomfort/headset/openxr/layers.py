@@ -66,7 +66,7 @@ class DepthImages:
         self._drawn[eye] = True
 
     def take(self) -> tuple[int | None, int | None]:
-        """Return the addresses of what goes into the layer, once: both eyes' depth, or none."""
+        """Return the addresses of both eyes' depth structures for the layer, once; or none."""
         whole = all(self._drawn)
         self._drawn = [False, False]
         if not whole:
@@ -253,7 +253,7 @@ class PanelLayer:
 
     @property
     def picture(self) -> NDArray[np.uint8] | None:
-        """Return what is on it."""
+        """Return the panel's present picture."""
         return self._shown
 
     def structure(self, space: xr.Space) -> xr.CompositionLayerQuad | None:
@@ -346,7 +346,7 @@ class Panels:
 
     @property
     def shown(self) -> list[PanelLayer]:
-        """Return what is seen, from back to front."""
+        """Return the visible panels, from back to front."""
         return [*self._standing, *([self._pointer] if self._pointer and self._points else [])]
 
     def relocate(self, new_from_old: Pose) -> None:

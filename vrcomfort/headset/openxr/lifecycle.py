@@ -33,7 +33,7 @@ OUT_OF_REACH = (
 
 @dataclass(frozen=True)
 class SpaceChange:
-    """A space of the runtime whose origin moves.
+    """A change of the origin of one of the runtime's spaces.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ class Lifecycle:
 
     @property
     def seen(self) -> bool:
-        """Return whether the participant sees what is submitted."""
+        """Return whether the participant sees the submitted frames."""
         return self.state in SEEN
 
     @property
@@ -201,7 +201,7 @@ class Lifecycle:
 
 
 class Presence:
-    """Waits for a participant who has taken the headset off, but not for ever.
+    """Waits, up to a limit, for a participant after the headset was taken off.
 
     Parameters
     ----------
@@ -231,11 +231,11 @@ class Presence:
         self.allow(0.0)
 
     def allow(self, absence_s: float) -> None:
-        """Begin to be patient in so many seconds, not now."""
+        """Wait for an absence of this duration, and the usual patience after it."""
         self.until(absence_s + self._patience_s)
 
     def until(self, duration_s: float) -> None:
-        """Be patient for so many seconds from now."""
+        """Set the patience to a duration from now."""
         self._until_s = time.monotonic() + duration_s
 
     def wait(self) -> bool:

@@ -74,7 +74,7 @@ def watched(function: Callable[..., Result], *arguments: Any) -> Result:
 
 
 def check(result: int) -> None:
-    """Raise what pyopenxr raises for a result code of a raw function."""
+    """Raise pyopenxr's exception for a raw function's result code."""
     checked = xr.check_result(xr.Result(result))
     if checked.is_exception():
         raise checked

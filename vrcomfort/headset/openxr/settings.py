@@ -1,4 +1,4 @@
-"""What a caller may choose about the OpenXR headset."""
+"""Settings of the OpenXR headset."""
 
 from __future__ import annotations
 
