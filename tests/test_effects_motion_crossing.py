@@ -136,7 +136,7 @@ def test_shader_thresholds_are_the_twins(ctx, rng):
     ]
     assert set(kinds.tolist()) == {0.0, 1.0, 2.0}
     np.testing.assert_array_equal(kinds == 1, alike)
-    of_one_tile = "vec4(may_be_mixed(vec3(length(x.xy), x.w, -x.z)))"
+    of_one_tile = "vec4(may_be_complex(vec3(length(x.xy), x.w, -x.z)))"
     mixed = evaluate(ctx, "motion_tile_classes.glsl", of_one_tile, x)[:, 0]
     np.testing.assert_array_equal(mixed == 1, kinds == 2)
     call = "vec4(tolerance_px(x.x), jump_px(x.x), LEAST_PX, 0)"

@@ -38,7 +38,7 @@ THROUGH = {
     "axis_across": "the same, where reads are cubic (more samples are closer)",
     "mean_of_reads": "the same (a cubic read makes nothing brighter or darker)",
     "add_peripheral_px": "colour_and_coc.frag (test_effects_peripheral.py)",
-    "mean_over": "one_surface.frag and gather.frag (test_effects_depth_of_field.py)",
+    "mean_over": "fast.frag and gather.frag (test_effects_depth_of_field.py)",
     "gap_px": "coc_tile_dilate.frag (test_effects_depth_of_field.py)",
     "levels_of": "coc_tile_min_max.frag (test_effects_levels.py)",
     "on_image": "scene.frag and depth.frag (test_scenes_extensions.py)",

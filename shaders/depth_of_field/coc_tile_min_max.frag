@@ -7,7 +7,7 @@
 //         r, g = least and greatest within the limit, with peripheral blur, of the tile and of pixels
 //         beside it where a surface ends;
 //         b = largest |RADIUS| before the limit, for the record;
-//         a = bits (levels.glsl): the levels that discs are drawn on, the quarters in which surfaces end.
+//         a = bits (levels.glsl): the levels that discs are drawn on, the quadrants in which surfaces end.
 //         b grows away from the focus, so that the nearest or the farthest point has the largest;
 //         a tile counts as being where its middle is.
 // Source: colour_and_coc.frag.
@@ -26,13 +26,13 @@ vec2 depths = vec2(1.0, 0.0);  // farthest, nearest
 vec2 radii = vec2(1e4, -1e4);  // least, greatest
 int bits = 0;
 
-// Takes down whether a surface ends between pixels beside each other, in a quarter of the tile.
-void compare(vec2 these, vec2 those, int quarter) {
+// Takes down whether a surface ends between pixels beside each other, in a quadrant of the tile.
+void compare(vec2 these, vec2 those, int quadrant) {
     vec2 far = max(these, those), step_px = abs(these - those);
     vec2 widest = max(abs(these), abs(those));
     bvec2 apart = greaterThan(step_px, max(vec2(0.35), 0.06 * abs(far)));
     bool ends = (apart.x && widest.x > 0.5) || (apart.y && widest.y > 0.5);
-    bits |= ends ? 1 << (LEVEL_BITS + quarter) : 0;
+    bits |= ends ? 1 << (LEVEL_BITS + quadrant) : 0;
     // The pixel beyond the tile may be the one whose disc comes far.
     radii = ends ? vec2(min(radii.x, min(min(these.x, these.y), min(those.x, those.y))),
                         max(radii.y, max(max(these.x, these.y), max(those.x, those.y)))) : radii;
@@ -50,13 +50,13 @@ void main() {
             vec2 l = uv - 0.5 / size, u = uv + 0.5 / size;
             vec4 r = vec4(radius_at(z.x, vec2(l.x, u.y)), radius_at(z.y, u),
                           radius_at(z.z, vec2(u.x, l.y)), radius_at(z.w, l));
-            int quarter = (4 * x < TILE ? 0 : 1) + (4 * y < TILE ? 0 : 2);
-            compare(r.xw, r.yz, quarter);
-            compare(r.xy, r.wz, quarter);
+            int quadrant = (4 * x < TILE ? 0 : 1) + (4 * y < TILE ? 0 : 2);
+            compare(r.xw, r.yz, quadrant);
+            compare(r.xy, r.wz, quadrant);
             if (x > 0)
-                compare(r.wx, left, quarter);
+                compare(r.wx, left, quadrant);
             if (y > 0)
-                compare(r.wz, below[x], quarter);
+                compare(r.wz, below[x], quadrant);
             left = r.zy;
             below[x] = r.xy;
             if (x < BLOCKS - 1 && y < BLOCKS - 1) {

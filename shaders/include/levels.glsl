@@ -4,7 +4,7 @@
 // EXACT_PX: RADIUS (px of image width) up to which a disc is summed over its pixels; LEVELS: how many
 // levels there are; FADED: part of its widest disc from which a level shares with the next. Twin: vrcomfort/optics/blur_kernels.py.
 
-// Bits of a tile: its levels, and above them one for each quarter in which a surface ends, in order of rows.
+// Bits of a tile: its levels, and above them one for each quadrant in which a surface ends, in order of rows.
 const int LEVEL_BITS = 8;
 
 // Part of a disc that is drawn on coarser levels than this one.

@@ -1,8 +1,8 @@
 // Which pass a tile needs, for how the streaks in and around it are.
 
-const float STILL = 0.0;  // a copy: nothing around moves far enough to be seen
-const float ALIKE = 1.0;  // the average along each pixel's own streak
-const float MIXED = 2.0;  // who hides whom has to be looked at
+const float EARLY_OUT = 0.0;  // a copy: nothing around moves far enough to be seen
+const float FAST = 1.0;       // the average along each pixel's own streak
+const float COMPLEX = 2.0;    // a velocity discontinuity: depth decides what hides what
 
 const float LEAST_PX = 0.25;  // half velocities below this are left alone: half a pixel in all
 
@@ -56,11 +56,11 @@ float share_along(vec2 u, vec2 line, vec2 other) {
 // jump can one thing be seen to pass before another.
 float class_of(vec2 around, float shortest, float steepness) {
     if (length(around) < LEAST_PX)
-        return STILL;
-    return steepness <= jump_px(shortest) ? ALIKE : MIXED;
+        return EARLY_OUT;
+    return steepness <= jump_px(shortest) ? FAST : COMPLEX;
 }
 
-// Whether any tile of a frame may be MIXED; frame: of all its tiles (frame_streaks.vert).
-bool may_be_mixed(vec3 frame) {
+// Whether any tile of a frame may be COMPLEX; frame: of all its tiles (frame_streaks.vert).
+bool may_be_complex(vec3 frame) {
     return frame.x >= LEAST_PX && frame.y > jump_px(-frame.z);
 }

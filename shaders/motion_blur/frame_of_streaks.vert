@@ -12,7 +12,7 @@ uniform sampler2D frame;
 
 bool is_drawn(vec3 streaks) {
 #if defined PASSING
-    return may_be_mixed(streaks);
+    return may_be_complex(streaks);
 #elif defined LONG
     return streaks.x > ONE_STEP_PX;
 #else

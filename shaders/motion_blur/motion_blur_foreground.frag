@@ -1,5 +1,5 @@
 #version 450 core
-// Motion blur by gathering along streaks, with who hides whom: tiles of class MIXED.
+// Motion blur by gathering along streaks, with who hides whom: tiles of class COMPLEX.
 //
 // Input:  colour (linear HDR, filtered), velocity (half_velocity.glsl), depth (reverse-Z, 0 = sky),
 //         longest and crossing, by tile (tile_max_dilate.frag).

@@ -13,6 +13,6 @@ uniform sampler2D frame;
 void main() {
     ivec2 tiles = textureSize(longest, 0);
     ivec2 tile = tile_of_vertex(tiles);
-    bool known = may_be_mixed(texelFetch(frame, ivec2(0), 0).xyz);
+    bool known = may_be_complex(texelFetch(frame, ivec2(0), 0).xyz);
     put_point(known && texelFetch(longest, tile, 0).z == CLASS, tile, tiles);
 }

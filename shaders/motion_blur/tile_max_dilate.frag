@@ -3,11 +3,11 @@
 // long enough to come here, the longest and the one that crosses it.
 //
 // Input:  tile_max, tile_max_crossing (tile_max.frag); frame (frame_streaks.vert), which says how far one
-//         has to look. Drawn in frames in which a tile may be MIXED (frame_of_streaks.vert).
+//         has to look. Drawn in frames in which a tile may be COMPLEX (frame_of_streaks.vert).
 // Output: longest: xy = longest half velocity that reaches this tile, at most radius_limit_px;
-//         z = which pass the tile needs (motion_tile_classes.glsl); w = in tiles of class MIXED, steepness
+//         z = which pass the tile needs (motion_tile_classes.glsl); w = in tiles of class COMPLEX, steepness
 //         of the steepest tile within that reach.
-//         crossing: in tiles of class MIXED, of the half velocities that reach the tile the one whose
+//         crossing: in tiles of class COMPLEX, of the half velocities that reach the tile the one whose
 //         end lies farthest beside the longest one's line, at most radius_limit_px; 0 where it
 //         does not go clearly another way (motion_tile_classes.glsl, crosses).
 #include "velocity.glsl"
@@ -61,9 +61,9 @@ void main() {
         }
     // Where nothing is steep as far as the frame's longest streak comes, nothing is within this reach.
     float shortest = at(ivec2(0)).z;
-    bool mixed = class_of(around, shortest, steepness) == MIXED;
+    bool is_complex = class_of(around, shortest, steepness) == COMPLEX;
     far = rings(length(around));
-    for (bool asked = false; mixed && !asked; asked = true) {
+    for (bool asked = false; is_complex && !asked; asked = true) {
         steepness = 0.0;
         for (int y = -far; y <= far; ++y)
             for (int x = -far; x <= far; ++x)
@@ -71,7 +71,7 @@ void main() {
     }
     longest = vec4(around, class_of(around, shortest, steepness), steepness);
     crossing = vec2(0.0);
-    for (mixed = longest.z == MIXED; mixed; mixed = false)
+    for (is_complex = longest.z == COMPLEX; is_complex; is_complex = false)
         for (int y = -far; y <= far; ++y)
             for (int x = -far; x <= far; ++x) {
                 ivec2 step = ivec2(x, y);

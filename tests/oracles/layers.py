@@ -1,6 +1,6 @@
 """Depth of field by gathering a back and a front layer, every pixel of every disc.
 
-NumPy twin, in float64, of what ``shaders/depth_of_field/layered.frag`` does with discs
+NumPy twin, in float64, of what ``shaders/depth_of_field/complex.frag`` does with discs
 that are summed over pixels (`levels.exact_px`).
 """
 

@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Any, Literal
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import spare
 from vrcomfort.report.analyses import sentences
+from vrcomfort.report.analyses.contract import SectionData
 from vrcomfort.report.answers import answer
-from vrcomfort.report.courses import analyse_time_courses
 from vrcomfort.report.derived_plan import plan_of
 from vrcomfort.report.figures import draw_figures
-from vrcomfort.report.gaze_and_head import analyse_gaze_and_head
 from vrcomfort.report.page import render_page
 from vrcomfort.report.plan import Plan
 from vrcomfort.report.plan_files import find_plan, load_plan, shipped_files
@@ -26,6 +25,7 @@ from vrcomfort.report.reproduce import r_script
 from vrcomfort.report.residuals import residuals_of
 from vrcomfort.report.results import PLAN_FILE, analyse, to_json
 from vrcomfort.report.rows import rounded
+from vrcomfort.report.sections import run_sections
 from vrcomfort.report.study_data import of_one_kind, read_study, with_frames
 from vrcomfort.report.tables import all_tables
 from vrcomfort.report.vocabulary import Vocabulary
@@ -141,15 +141,13 @@ def _build(
     chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
     results |= rounded(records(study, scored, chosen, results))
-    courses = analyse_time_courses(study, chosen, results)
-    results |= rounded(courses.results)
-    results["labels"] |= {
-        name: name for name in courses.conditions if name not in results["labels"]
-    }
-    names = [condition["name"] for condition in results["conditions"]]
-    looked = analyse_gaze_and_head(study, chosen, names, memory)
-    results["gaze_and_head"] = rounded(looked.results) if chosen.gaze_and_head else None
-    results["quality"]["reading"] += looked.notes
+    sections = run_sections(SectionData(study, chosen, results, memory))
+    for section in sections:
+        results |= section.results
+        results["labels"] |= {
+            name: name for name in section.conditions if name not in results["labels"]
+        }
+        results["quality"]["reading"] += section.notes
     results["date"] = _today()
     words = Vocabulary.of(results)
     figures: dict[str, Drawing] = {}
@@ -158,15 +156,14 @@ def _build(
             residuals_of(scored, chosen, results["tests"], outcome["name"])
             for outcome in results["outcomes"]
         ]
-        figures = draw_figures(study, results, scored, left, courses, looked, words)
+        figures = draw_figures(study, results, scored, left, sections, words)
     files: dict[str, str | bytes] = {
         PLAN_FILE: chosen.text,
-        "index.html": render_page(results, figures, words, [f for f in FORMS if f in forms]),
+        "index.html": render_page(
+            results, figures, words, [f for f in FORMS if f in forms], sections
+        ),
         "reproduce.R": r_script(),
-        **{
-            f"tables/{name}": text
-            for name, text in all_tables(results, scored, courses, looked).items()
-        },
+        **{f"tables/{name}": text for name, text in all_tables(results, scored, sections).items()},
         **_figure_files(figures, forms),
     }
     results["files"] = ["results.json", *files]

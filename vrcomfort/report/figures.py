@@ -25,23 +25,20 @@ from vrcomfort.report.canvas import (
     spread,
     threads,
 )
-from vrcomfort.report.courses.figures import course_figure, survival_figure
-from vrcomfort.report.courses.survival import times_to_threshold, times_to_withdrawal
 from vrcomfort.report.estimation import estimation_figure, group_figure
-from vrcomfort.report.gaze_and_head import gaze_and_head_figures
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.palette import colour_of, marker_of
 from vrcomfort.report.residuals import residual_figure
+from vrcomfort.report.sections import section_figures
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.report.symptoms import recovery_course
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from vrcomfort.report.courses import TimeCourseAnalysis
     from vrcomfort.report.exposures import Exposures
-    from vrcomfort.report.gaze_and_head import GazeAndHeadAnalysis
     from vrcomfort.report.residuals import Residuals
+    from vrcomfort.report.sections import Section
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.vocabulary import Vocabulary
 
@@ -55,8 +52,7 @@ def draw_figures(
     results: dict[str, Any],
     scored: Exposures,
     residuals: list[Residuals],
-    courses: TimeCourseAnalysis,
-    looked: GazeAndHeadAnalysis,
+    sections: list[Section],
     words: Vocabulary,
 ) -> dict[str, Drawing]:
     """Return name → drawing of every figure that the data allow."""
@@ -75,34 +71,13 @@ def draw_figures(
     drawn["recovery"] = recovery_figure(scored, results, words)
     drawn["exposures"] = exposure_figure(list(study.trials), results, words)
     drawn["residuals"] = residual_figure(residuals, words)
-    drawn |= _course_figures(results, courses, words)
-    drawn |= gaze_and_head_figures(looked, words)
+    drawn |= section_figures(sections, words)
     drawn |= analysis_figures(results, words)
     return {
         name: drawing
         for name, drawing in drawn.items()
         if drawing and (name.startswith(_OTHERWISE) or _wanted(results, name))
     }
-
-
-def _course_figures(
-    results: dict[str, Any], courses: TimeCourseAnalysis, words: Vocabulary
-) -> dict[str, Drawing | None]:
-    """Return the figures of ratings over time, and of the time to a rating and to leaving."""
-    drawn: dict[str, Drawing | None] = {"ratings": course_figure(courses, words)}
-    confidence, found = results["plan"]["confidence"], courses.ratings
-    if found is not None and found.reached:
-        events = times_to_threshold(courses.exposures, found.threshold)
-        title = f"share below a rating of {found.threshold:g}"
-        drawn["survival_rating"] = survival_figure(
-            "survival-rating", events, title, words, confidence
-        )
-    if courses.leaving is not None:
-        events = times_to_withdrawal(courses.exposures)
-        drawn["survival_leaving"] = survival_figure(
-            "survival-leaving", events, "share that went on", words, confidence
-        )
-    return drawn
 
 
 _OTHERWISE = ("estimation_", "comparison_", "flow")

@@ -11,10 +11,10 @@ from markupsafe import Markup
 from vrcomfort.report import methods, palette, words
 from vrcomfort.report.analyses import page_analyses
 from vrcomfort.report.answers import DIGITS, TESTS, answers
-from vrcomfort.report.courses.time_courses import MEANINGS, TITLES
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT
 from vrcomfort.report.families import disagreement, reported
 from vrcomfort.report.references import entries
+from vrcomfort.report.sections import section_names
 from vrcomfort.report.withdrawals import with_labels
 from vrcomfort.stats.mixed import MOST_LEVELS
 from vrcomfort.web_page import inline_svg, page_templates
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
     from vrcomfort.report.canvas import Drawing
+    from vrcomfort.report.sections import Section
     from vrcomfort.report.vocabulary import Vocabulary
 
 TEMPLATE = "report.html.j2"
@@ -38,6 +39,7 @@ def render_page(
     figures: dict[str, Drawing],
     vocabulary: Vocabulary,
     forms: Sequence[str],
+    sections: Sequence[Section],
 ) -> str:
     """Fill the report template.
 
@@ -47,8 +49,10 @@ def render_page(
         Name → drawing; their SVG is inlined into the page. None at all: nothing was drawn.
     forms
         In which figures stand beside the page.
+    sections
+        The analyses with a section of their own.
     """
-    paragraphs = methods.methods(results, vocabulary, drawn=bool(figures))
+    paragraphs = methods.methods(results, vocabulary, sections, drawn=bool(figures))
     per_condition = results["participants"]["exposures_per_condition"].values()
     return (
         _templates()
@@ -73,8 +77,8 @@ def render_page(
             described=_described(results),
             moments=_moments(results),
             disagreements=_disagreements(results),
-            rating_titles=TITLES,
-            rating_ways=MEANINGS,
+            sections=[each.analysis for each in sections if each.is_on_page],
+            **section_names(),
             most_levels=MOST_LEVELS,
             fewest=methods.fewest_for_shift(results["plan"]),
             colours_light=palette.css_variables(dark=False),

@@ -218,7 +218,7 @@ class Reconstruction:
             self._average("motion_blur_long", in_parts, self.target),
             self._average("motion_blur", colour, self.target, {"PAIRS": sampling.pairs}),
         )
-        self._foreground = self._mixed_tiles(depth)
+        self._foreground = self._complex_tiles(depth)
 
     def _average(
         self,
@@ -249,7 +249,7 @@ class Reconstruction:
             target=target,
         )
 
-    def _mixed_tiles(self, depth: moderngl.Texture) -> FullscreenPass:
+    def _complex_tiles(self, depth: moderngl.Texture) -> FullscreenPass:
         longest, crossing = self._dilate.targets
         tile_px = self._tile_max.tile_px
         return FullscreenPass(
@@ -269,7 +269,7 @@ class Reconstruction:
                 "JUMP": self._sampling.jump,
                 "TILE": tile_px,
                 "POINT_PX": tile_px,
-                "CLASS": "MIXED",
+                "CLASS": "COMPLEX",
                 "STRIDE": self._sampling.stride_px,
                 "MOST_TAPS": self._sampling.most_taps,
             },
@@ -327,7 +327,7 @@ ROWS = 4
 AT_ONCE_PX = 400
 """Images up to so wide have few tiles: each is summed up at once."""
 _LEAST = -1e30
-"""Less than what any tile has."""
+"""Where a maximum starts from: less than the value of any tile."""
 
 
 class _Opening(NamedTuple):
@@ -342,7 +342,7 @@ class TileMaxPass:
     velocity
         RG16F (px per frame, +x right, +y up).
     limit_px
-        No half velocity counts for more, whatever it is.
+        No half velocity counts for more.
     jump
         Things pass each other where half velocities differ by this part of the shorter one.
 
@@ -411,6 +411,7 @@ class FrameStreaks:
         """Begin with a new frame; the maximum over all frames stays."""
         self._clear(self._framebuffer, (0.0, 0.0, _LEAST, 0.0))
         self._tile_max.use(0)
+        # Maximum blending of points on one pixel: a reduction in one draw, without a read back.
         self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)
         with self._scope:
             self._points.render(moderngl.POINTS, vertices=self._tile_max.height)
@@ -439,6 +440,7 @@ class PerPixel:
         samples: int,
     ) -> None:
         self._ctx = ctx
+        # Maximum by atomics on the bits: positive floats have the order of their bits.
         self._longest = gl.dynamic_buffer(ctx, 4)
         self._longest.clear()
         self._gather = FullscreenPass(

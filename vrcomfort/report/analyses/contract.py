@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 from markupsafe import Markup
 
@@ -16,7 +16,9 @@ from vrcomfort.settings import Problem, did_you_mean
 from vrcomfort.web_page import escape_hidden
 
 if TYPE_CHECKING:
+    from vrcomfort.records.recording import Memory
     from vrcomfort.report.canvas import Drawing
+    from vrcomfort.report.contrasts import Compared
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 Row = TypeVar("Row")
 Line = TypeVar("Line")
 Found = TypeVar("Found")
+Section = Literal["tests", "models", "order"]
 ITALIC_N = Markup("<i>n</i>")
 ITALIC_P = Markup("<i>p</i>")
 Text = str | Callable[[float], str]
@@ -58,6 +61,8 @@ class AnalysisData:
         Those in the data, in the protocol's order.
     reference
         The condition that models compare with.
+    contrasts
+        The comparisons of the plan.
     complete
         Whether participants without a planned score are left out; see `AnalysisSet`.
     """
@@ -67,6 +72,7 @@ class AnalysisData:
     plan: Plan
     conditions: Sequence[str]
     reference: str
+    contrasts: Sequence[Compared]
     complete: bool
 
     def has(self, *outcomes: str) -> bool:
@@ -231,8 +237,8 @@ class Analysis(Generic[Row]):
         Yields what the types of entries cannot say is wrong: plan, entries → problems.
     tables, figure
         On the page in this order; CSV files.
-    place
-        Place on the page among other analyses: the smallest first.
+    section, place
+        Place on the page: of a section's analyses the smallest first.
     sentences
         The answers of a row.
     methods
@@ -253,12 +259,76 @@ class Analysis(Generic[Row]):
     problems: Callable[[Plan, Sequence[Any]], Iterable[Problem]] = lambda _plan, _asked: ()
     tables: tuple[AnalysisTable[Row, Any], ...] = ()
     figure: AnalysisFigure[Row] | None = None
+    section: Section = "tests"
     place: int = 99
     sentences: Callable[[Row, Vocabulary], Iterable[Sentence]] = lambda _row, _words: ()
     methods: Callable[[Sequence[Row]], Iterable[MethodsParagraph]] = lambda _: ()
     references: Mapping[str, str] = field(default_factory=dict)
     analysed: Callable[[Row], Sequence[str]] | None = None
     r_lines: str = ""
+
+
+@dataclass(frozen=True)
+class SectionData:
+    """The data of an analysis with a section of its own.
+
+    Parameters
+    ----------
+    results
+        Those of the report so far: conditions, tests, excluded participants.
+    memory
+        The most that reading frames may take.
+    """
+
+    study: StudyData
+    plan: Plan
+    results: Mapping[str, Any]
+    memory: Memory | None = None
+
+
+@dataclass(frozen=True)
+class SectionAnalysis(Generic[Found]):
+    """An analysis of ratings or recordings, with a section of its own on the page.
+
+    Its rows are not a list of like ones, as those of an `Analysis` are: its template writes them.
+
+    Parameters
+    ----------
+    key
+        In the plan, as a table of settings, and in results.json; without results under it, the
+        page has no section.
+    anchor, heading, template
+        Of the section on the page.
+    compute
+        Makes the analysis, of the data and of the plan.
+    results
+        Its keys of results.json.
+    tables
+        Name → lines of its CSV tables.
+    figures
+        Name → drawing; None where there is nothing to draw.
+    methods
+        The paragraphs on what was made; what they cite stands in references.toml.
+    conditions
+        Those in its data, which may be none of the scores' conditions.
+    notes
+        Recordings that could not be read.
+    names
+        What the template calls a thing beside the words of the report.
+    """
+
+    key: str
+    anchor: str
+    heading: str
+    template: str
+    compute: Callable[[SectionData], Found]
+    results: Callable[[Found], dict[str, Any]]
+    tables: Callable[[Found], Mapping[str, Sequence[Cells]]]
+    figures: Callable[[Found, Vocabulary], Mapping[str, Drawing | None]]
+    methods: Callable[[Found], Iterable[MethodsParagraph]]
+    conditions: Callable[[Found], Iterable[str]] = lambda _: ()
+    notes: Callable[[Found], Iterable[str]] = lambda _: ()
+    names: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
 
 def unknown_outcome(plan: Plan, name: str, *path: str | int) -> Iterator[Problem]:

@@ -1,5 +1,27 @@
-"""Ratings during exposure over time, who left when, and what both say of conditions."""
+"""Ratings during exposure: time courses, times to a rating and to withdrawal, a symptom model."""
 
-from vrcomfort.report.courses.analysis import TimeCourseAnalysis, analyse_time_courses
+from vrcomfort.report.analyses.contract import SectionAnalysis
+from vrcomfort.report.courses.analysis import (
+    TimeCourseAnalysis,
+    analyse_time_courses,
+    course_paragraphs,
+    course_tables,
+)
+from vrcomfort.report.courses.figures import rating_figures
+from vrcomfort.report.courses.time_courses import MEANINGS, TITLES
 
-__all__ = ["TimeCourseAnalysis", "analyse_time_courses"]
+__all__ = ["RATINGS", "TimeCourseAnalysis", "analyse_time_courses"]
+
+RATINGS = SectionAnalysis(
+    key="ratings",
+    anchor="ratings",
+    heading="Ratings",
+    template="report/ratings.html.j2",
+    compute=lambda data: analyse_time_courses(data.study, data.plan, data.results),
+    results=lambda courses: courses.results,
+    tables=course_tables,
+    figures=rating_figures,
+    methods=course_paragraphs,
+    conditions=lambda courses: courses.conditions,
+    names={"rating_titles": TITLES, "rating_ways": MEANINGS},
+)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vrcomfort.report.analyses.contract import MethodsParagraph
 from vrcomfort.report.courses.exposures import (
     LiveClock,
     RatedExposure,
@@ -16,6 +17,7 @@ from vrcomfort.report.courses.exposures import (
 from vrcomfort.report.courses.survival import (
     SurvivalAnalysis,
     survival_analysis,
+    survival_paragraph,
     survival_tables,
     times_to_threshold,
     times_to_withdrawal,
@@ -23,6 +25,7 @@ from vrcomfort.report.courses.survival import (
 from vrcomfort.report.courses.symptom_model import (
     SymptomModelAnalysis,
     symptom_model,
+    symptom_model_paragraph,
     symptom_model_tables,
 )
 from vrcomfort.report.courses.time_courses import (
@@ -37,19 +40,17 @@ from vrcomfort.report.courses.time_courses import (
     models,
     planned_s,
     sensitivity,
+    time_course_paragraph,
 )
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.rows import INLINE, as_json, rounded
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.stats.means import MeanCurves
-
-Results = dict[str, Any]
-"""Those of results.json."""
-Paragraph = tuple[str, str, tuple[str, ...]]
-"""Title, text, and the keys of what it cites."""
 
 
 @dataclass(frozen=True)
@@ -113,18 +114,21 @@ class TimeCourseAnalysis:
 
     exposures: list[RatedExposure]
     conditions: list[str]
+    confidence: float
     curves: MeanCurves | None
     carried: MeanCurves | None
     ratings: RatingTimeCourses | None
     leaving: SurvivalAnalysis | None
 
     @property
-    def results(self) -> Results:
+    def results(self) -> dict[str, Any]:
         """Return the part of results.json."""
         return {"ratings": as_json(self.ratings), "leaving": as_json(self.leaving)}
 
 
-def analyse_time_courses(study: StudyData, plan: Plan, results: Results) -> TimeCourseAnalysis:
+def analyse_time_courses(
+    study: StudyData, plan: Plan, results: Mapping[str, Any]
+) -> TimeCourseAnalysis:
     """Analyse ratings during exposure, and time to withdrawal.
 
     Parameters
@@ -154,10 +158,12 @@ def analyse_time_courses(study: StudyData, plan: Plan, results: Results) -> Time
         points = curve_points(curves, carried, conditions)
         ratings = _ratings(study, plan, results, exposures, conditions, instrument, points)
     leaving = _leaving(plan, results, exposures, conditions)
-    return TimeCourseAnalysis(exposures, conditions, curves, carried, ratings, leaving)
+    return TimeCourseAnalysis(
+        exposures, conditions, plan.confidence, curves, carried, ratings, leaving
+    )
 
 
-def _left_out(study: StudyData, results: Results) -> set[str]:
+def _left_out(study: StudyData, results: Mapping[str, Any]) -> set[str]:
     """Return who is in no analysis, by the experimenter or by a rule of the plan."""
     people = {p["participant"] for p in study.participants if p["status"] == "excluded"}
     rules = {x["participant"] for x in results["exclusions"] if x["what"] == "participant"}
@@ -170,13 +176,13 @@ def _conditions(exposures: list[RatedExposure], labels: list[str]) -> list[str]:
     return sorted(there, key=lambda name: (order.get(name, len(order)), natural(name)))
 
 
-def _pairs(results: Results) -> list[tuple[str, str]]:
+def _pairs(results: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the pairs of conditions that are compared."""
     tests = [t for t in results["tests"] if not any(side["timepoint"] for side in t["sides"])]
     return list(dict.fromkeys((t["a"], t["b"]) for t in tests))
 
 
-def reference_of(results: Results, conditions: list[str]) -> str:
+def reference_of(results: Mapping[str, Any], conditions: list[str]) -> str:
     """Return the condition that others are compared with: b of the only pair, or the first."""
     pairs = _pairs(results)
     if len(pairs) == 1 and pairs[0][1] in conditions:
@@ -192,7 +198,7 @@ def _times(asked: tuple[float, ...], longest: float) -> list[float]:
 def _ratings(
     study: StudyData,
     plan: Plan,
-    results: Results,
+    results: Mapping[str, Any],
     exposures: list[RatedExposure],
     conditions: list[str],
     instrument: str,
@@ -254,7 +260,7 @@ def _counts(rated: list[RatedExposure]) -> RatingCounts:
 
 def _reached(
     plan: Plan,
-    results: Results,
+    results: Mapping[str, Any],
     answered: list[RatedExposure],
     conditions: list[str],
     threshold: float,
@@ -277,7 +283,7 @@ def _reached(
 
 
 def _leaving(
-    plan: Plan, results: Results, exposures: list[RatedExposure], conditions: list[str]
+    plan: Plan, results: Mapping[str, Any], exposures: list[RatedExposure], conditions: list[str]
 ) -> SurvivalAnalysis | None:
     """Return the time to withdrawal; None without recorded trials or without withdrawals."""
     events = times_to_withdrawal(exposures)
@@ -328,70 +334,16 @@ def _model_lines(model: SummaryModel) -> list[dict[str, Any]]:
     return [{**same, "term": name, **as_json(effect)} for name, effect in terms.items()]
 
 
-def course_paragraphs(results: Results) -> list[Paragraph]:
-    """Return the paragraphs on what was made of courses in this report."""
-    ratings = results["ratings"]
-    rated = ratings is not None and bool(ratings["curves"])
-    events = [*(ratings["reached"][:1] if rated else []), results["leaving"]]
-    made = [event for event in events if event]
-    return [
-        *([_courses(ratings, several=len(ratings["conditions"]) > 1)] if rated else []),
-        *([_survival(made)] if made else []),
-        *([_symptom_model(ratings["symptom_model"])] if rated and ratings["symptom_model"] else []),
-    ]
-
-
-def _courses(ratings: Results, *, several: bool) -> Paragraph:
-    text = (
-        "Each course of ratings is summed up by one number (Matthews et al., 1990), which a mixed "
-        "model with a random intercept for each participant takes as its outcome. Times are live "
-        "ones, where they were recorded. "
-    )
-    cited = ["matthews_1990"]
-    if several:
-        text += (
-            "At each time, the means of conditions are those of such a model of the last ratings "
-            "then, and their intervals compare conditions within people: the variance of a mean’s "
-            "distance from the mean of all k conditions times k/(k − 1), which is Cousineau’s "
-            "(2005) with Morey’s (2008) correction and, where nothing is missing, the interval of "
-            "Loftus and Masson (1994). "
-        )
-        cited += ["cousineau_2005", "morey_2008", "loftus_1994"]
-    if ratings["sensitivity"]:
-        text += (
-            "Models are repeated of completed exposures alone, and with the last rating, or the "
-            "highest answer, standing from leaving until the planned end."
-        )
-    return "Ratings during exposure", text.strip(), tuple(cited)
-
-
-def _survival(made: list[Results]) -> Paragraph:
-    again = any(event["repeated"] for event in made)
-    text = (
-        "Times to events are Kaplan–Meier estimates (1958) with Greenwood’s error and intervals "
-        "of the logarithm of survival; groups are compared by log-rank tests (Mantel, 1966) and "
-        "by Cox’s (1972) proportional hazards with Efron’s (1977) treatment of ties, of condition "
-        "and order."
-    )
-    cited = ["kaplan_1958", "mantel_1966", "cox_1972", "efron_1977"]
-    if again:
-        text += (
-            " As people come more than once, log-rank tests are made within people as well (each "
-            "one a stratum), and errors of hazard ratios and of curves are robust: scores and "
-            "influences are summed within people (Lin & Wei, 1989)."
-        )
-        cited.append("lin_1989")
-    return "Time to events", text, tuple(cited)
-
-
-def _symptom_model(found: Results) -> Paragraph:
-    constants = found["constants"]
-    text = (
-        f"Oman’s (1990) model has a fast ({constants['fast_s']:g} s) and a slow "
-        f"({constants['slow_s']:g} s) path of second order, the slow one making the fast one more "
-        f"sensitive, and a power law of exponent {constants['exponent']:g} (Irmak et al., 2022). "
-        "It was fitted to each person by least squares, with a level for each condition and one "
-        "sensitisation; its errors allow for residuals that correlate in time. Each exposure is "
-        "taken to begin without symptoms and to be as strong from its start to its end."
-    )
-    return "Model of symptoms", text, ("oman_1990", "irmak_2022")
+def course_paragraphs(courses: TimeCourseAnalysis) -> Iterator[MethodsParagraph]:
+    """Yield the paragraphs of the methods section."""
+    ratings, leaving = courses.ratings, courses.leaving
+    rated = ratings if ratings is not None and ratings.curves else None
+    if rated:
+        several = len(rated.conditions) > 1
+        yield time_course_paragraph(several=several, assumptions=bool(rated.sensitivity))
+    reached = [way.found for way in rated.reached[:1]] if rated else []
+    made = [*reached, *([leaving] if leaving else [])]
+    if made:
+        yield survival_paragraph(again=any(each.repeated for each in made))
+    if rated and rated.symptom_model:
+        yield symptom_model_paragraph(rated.symptom_model.constants)

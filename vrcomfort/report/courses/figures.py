@@ -20,7 +20,13 @@ from vrcomfort.report.canvas import (
     lines,
     threads,
 )
-from vrcomfort.report.courses.survival import TimeToEvent, curve_of, repeated
+from vrcomfort.report.courses.survival import (
+    TimeToEvent,
+    curve_of,
+    repeated,
+    times_to_threshold,
+    times_to_withdrawal,
+)
 from vrcomfort.report.courses.time_courses import at_times
 from vrcomfort.report.palette import colour_of, marker_of
 
@@ -43,6 +49,24 @@ MOST_BANDS = 4
 COLUMNS = 3
 STEPS = (1, 2, 5, 10)
 """Of ticks of time."""
+
+
+def rating_figures(courses: TimeCourseAnalysis, words: Vocabulary) -> dict[str, Drawing | None]:
+    """Return name → drawing of rating time courses, and of times to a rating and to withdrawal."""
+    found, confidence = courses.ratings, courses.confidence
+    drawn: dict[str, Drawing | None] = {"ratings": course_figure(courses, words)}
+    if found is not None and found.reached:
+        events = times_to_threshold(courses.exposures, found.threshold)
+        title = f"share below a rating of {found.threshold:g}"
+        drawn["survival_rating"] = survival_figure(
+            "survival-rating", events, title, words, confidence
+        )
+    if courses.leaving is not None:
+        events = times_to_withdrawal(courses.exposures)
+        drawn["survival_leaving"] = survival_figure(
+            "survival-leaving", events, "share that went on", words, confidence
+        )
+    return drawn
 
 
 def course_figure(courses: TimeCourseAnalysis, words: Vocabulary) -> Drawing | None:

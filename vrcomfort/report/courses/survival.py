@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.errors import InputError
+from vrcomfort.report.analyses.contract import MethodsParagraph
 from vrcomfort.report.rows import INLINE, as_json
 from vrcomfort.stats.survival import (
     Cox,
@@ -331,3 +332,22 @@ def survival_tables(name: str, found: SurvivalAnalysis) -> dict[str, list[dict[s
         f"{name}_by_position": as_json(found.by_position),
     }
     return {title: lines for title, lines in tables.items() if lines}
+
+
+def survival_paragraph(*, again: bool) -> MethodsParagraph:
+    """Return the paragraph on survival analyses; `again`: people have several exposures."""
+    text = (
+        "Times to events are Kaplan–Meier estimates (1958) with Greenwood’s error and intervals "
+        "of the logarithm of survival; groups are compared by log-rank tests (Mantel, 1966) and "
+        "by Cox’s (1972) proportional hazards with Efron’s (1977) treatment of ties, of condition "
+        "and order."
+    )
+    cited = ["kaplan_1958", "mantel_1966", "cox_1972", "efron_1977"]
+    if again:
+        text += (
+            " As people come more than once, log-rank tests are made within people as well (each "
+            "one a stratum), and errors of hazard ratios and of curves are robust: scores and "
+            "influences are summed within people (Lin & Wei, 1989)."
+        )
+        cited.append("lin_1989")
+    return MethodsParagraph("Time to events", text, tuple(cited))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.errors import InputError
+from vrcomfort.report.analyses.contract import MethodsParagraph
 from vrcomfort.report.rows import INLINE, as_json
 from vrcomfort.stats.rating_courses import Constants, Parameter, SymptomFit, fit_symptoms
 from vrcomfort.stats.t_tests import paired_t
@@ -224,3 +225,16 @@ def _person_lines(person: PersonFit) -> list[dict[str, Any]]:
 
 def _columns(name: str, found: ParameterEstimate) -> dict[str, Any]:
     return {name: found.estimate, f"{name}_low": found.low, f"{name}_high": found.high}
+
+
+def symptom_model_paragraph(constants: Constants) -> MethodsParagraph:
+    """Return the paragraph on the model."""
+    text = (
+        f"Oman’s (1990) model has a fast ({constants.fast_s:g} s) and a slow "
+        f"({constants.slow_s:g} s) path of second order, the slow one making the fast one more "
+        f"sensitive, and a power law of exponent {constants.exponent:g} (Irmak et al., 2022). "
+        "It was fitted to each person by least squares, with a level for each condition and one "
+        "sensitisation; its errors allow for residuals that correlate in time. Each exposure is "
+        "taken to begin without symptoms and to be as strong from its start to its end."
+    )
+    return MethodsParagraph("Model of symptoms", text, ("oman_1990", "irmak_2022"))

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from vrcomfort.errors import InputError
+from vrcomfort.report.analyses.contract import MethodsParagraph
 from vrcomfort.report.rows import INLINE
 from vrcomfort.stats.means import MeanCurves, mean_curves
 from vrcomfort.stats.mixed import Estimate, MixedModel, Pairwise, mixed_model
@@ -374,3 +375,28 @@ def curve_points(
                 )
             )
     return points
+
+
+def time_course_paragraph(*, several: bool, assumptions: bool) -> MethodsParagraph:
+    """Return the paragraph on time courses of several conditions, and on assumptions."""
+    text = (
+        "Each course of ratings is summed up by one number (Matthews et al., 1990), which a mixed "
+        "model with a random intercept for each participant takes as its outcome. Times are live "
+        "ones, where they were recorded. "
+    )
+    cited = ["matthews_1990"]
+    if several:
+        text += (
+            "At each time, the means of conditions are those of such a model of the last ratings "
+            "then, and their intervals compare conditions within people: the variance of a mean’s "
+            "distance from the mean of all k conditions times k/(k − 1), which is Cousineau’s "
+            "(2005) with Morey’s (2008) correction and, where nothing is missing, the interval of "
+            "Loftus and Masson (1994). "
+        )
+        cited += ["cousineau_2005", "morey_2008", "loftus_1994"]
+    if assumptions:
+        text += (
+            "Models are repeated of completed exposures alone, and with the last rating, or the "
+            "highest answer, standing from leaving until the planned end."
+        )
+    return MethodsParagraph("Ratings during exposure", text.strip(), tuple(cited))

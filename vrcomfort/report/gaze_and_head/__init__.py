@@ -1,6 +1,30 @@
-"""Where people looked and how their heads moved, from gaze.csv and frames.csv."""
+"""Gaze and head motion during exposures, from gaze.csv and frames.csv."""
 
-from vrcomfort.report.gaze_and_head.analysis import GazeAndHeadAnalysis, analyse_gaze_and_head
+from vrcomfort.report.analyses.contract import SectionAnalysis
+from vrcomfort.report.gaze_and_head.analysis import (
+    GazeAndHeadAnalysis,
+    analyse_gaze_and_head,
+    gaze_and_head_tables,
+    gaze_paragraphs,
+)
 from vrcomfort.report.gaze_and_head.figures import gaze_and_head_figures
 
-__all__ = ["GazeAndHeadAnalysis", "analyse_gaze_and_head", "gaze_and_head_figures"]
+__all__ = ["GAZE_AND_HEAD", "GazeAndHeadAnalysis", "analyse_gaze_and_head"]
+
+GAZE_AND_HEAD = SectionAnalysis(
+    key="gaze_and_head",
+    anchor="gaze",
+    heading="Gaze and head",
+    template="report/gaze_and_head.html.j2",
+    compute=lambda data: analyse_gaze_and_head(
+        data.study,
+        data.plan,
+        [condition["name"] for condition in data.results["conditions"]],
+        data.memory,
+    ),
+    results=lambda found: {"gaze_and_head": found.results},
+    tables=gaze_and_head_tables,
+    figures=gaze_and_head_figures,
+    methods=gaze_paragraphs,
+    notes=lambda found: found.notes,
+)

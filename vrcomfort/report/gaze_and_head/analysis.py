@@ -12,6 +12,7 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.records.frame_rows import FrameRow
+from vrcomfort.report.analyses.contract import MethodsParagraph
 from vrcomfort.report.gaze_and_head.exposures import (
     NOTHING,
     SIGNALS,
@@ -31,7 +32,7 @@ from vrcomfort.report.rows import INLINE, as_json
 from vrcomfort.stats.gaze_and_head import Map, angles_deg, saliency_map, unit_vectors
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -43,10 +44,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-Results = dict[str, Any]
-"""Those of results.json."""
-Paragraph = tuple[str, str, tuple[str, ...]]
-"""Title, text, and the keys of what it cites."""
 EVERYBODY = ""
 """The situation of all exposures together."""
 SHOWN = 10
@@ -198,6 +195,8 @@ class GazeAndHeadAnalysis:
         Situation → mean map of the gaze in the head's frame.
     notes
         Damaged recordings.
+    asked
+        The plan's settings; None: nothing was asked for.
     """
 
     exposures: list[ExposureRow] = field(default_factory=list)
@@ -210,10 +209,13 @@ class GazeAndHeadAnalysis:
     maps: dict[str, Map] = field(default_factory=dict)
     viewpoints: list[SceneViewpoint] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    asked: GazeAndHead | None = None
 
     @property
-    def results(self) -> Results:
-        """Return the part of results.json."""
+    def results(self) -> dict[str, Any] | None:
+        """Return the part of results.json; None where nothing was asked for."""
+        if self.asked is None:
+            return None
         return {
             "exposures": as_json(self.exposures),
             "situations": as_json(self.situations),
@@ -261,6 +263,7 @@ def analyse_gaze_and_head(
         maps=_mean_maps(exposures, situations),
         viewpoints=_viewpoints(exposures, asked.viewpoint_within_m, asked.saliency_sigma_deg),
         notes=notes,
+        asked=asked,
     )
 
 
@@ -575,48 +578,48 @@ def gaze_and_head_tables(found: GazeAndHeadAnalysis) -> dict[str, list[dict[str,
     }
 
 
-def gaze_paragraphs(results: Results) -> list[Paragraph]:
-    """Return the paragraphs on what this report holds of these."""
-    found = results["gaze_and_head"]
-    if not found or not found["exposures"]:
-        return []
-    asked = results["plan"]["gaze_and_head"]
-    seen = any(row["gaze_valid_share"] for row in found["exposures"])
-    return [*([_gaze(asked, found)] if seen else []), _head(asked)]
+def gaze_paragraphs(found: GazeAndHeadAnalysis) -> Iterator[MethodsParagraph]:
+    """Yield the paragraphs of the methods section."""
+    asked = found.asked
+    if asked is None or not found.exposures:
+        return
+    if any(row.gaze_valid_share for row in found.exposures):
+        yield _gaze_paragraph(asked, found)
+    yield _head_paragraph(asked)
 
 
-def _gaze(asked: Results, found: Results) -> Paragraph:
+def _gaze_paragraph(asked: GazeAndHead, found: GazeAndHeadAnalysis) -> MethodsParagraph:
     rule = (
-        f"slower than {asked['velocity_deg_s']:g}° per second from sample to sample (I-VT"
-        if asked["fixations"] == "i_vt"
-        else f"within a dispersion of {asked['dispersion_deg']:g}° (I-DT"
+        f"slower than {asked.velocity_deg_s:g}° per second from sample to sample (I-VT"
+        if asked.fixations == "i_vt"
+        else f"within a dispersion of {asked.dispersion_deg:g}° (I-DT"
     )
     text = (
         "The gaze is the headset’s, in the frames in which it was valid, and counts for each "
         "frame’s period. A centred zone of ratio r has r times the height and width of an eye’s "
         "image (Hillaire et al., 2008). Fixations are stretches of the line of sight in the world "
-        f"{rule}; Salvucci & Goldberg, 2000), of at least {asked['shortest_fixation_s']:g} s. "
+        f"{rule}; Salvucci & Goldberg, 2000), of at least {asked.shortest_fixation_s:g} s. "
     )
     cited = ["hillaire_2008", "salvucci_2000"]
-    if found["viewpoints"]:
+    if found.viewpoints:
         text += (
             "Fixation maps are those of exposures that were seen from one place (Mantiuk et al., "
             "2011); each fixation counts for its length. "
         )
         cited.append("mantiuk_2011")
-    if found["nodes"]:
+    if found.shown:
         text += (
             "What was looked at is the node of the scene that the line of sight meets first; a "
             "node’s share is of the time in which the gaze was known and the scene drawn. "
         )
-    return "Gaze", f"{text}Every person counts alike.", tuple(cited)
+    return MethodsParagraph("Gaze", f"{text}Every person counts alike.", tuple(cited))
 
 
-def _head(asked: Results) -> Paragraph:
+def _head_paragraph(asked: GazeAndHead) -> MethodsParagraph:
     text = (
         "Spectra of the head’s position and orientation in the stage are Welch’s (1967), with Hann "
-        f"windows of {asked['spectrum_window_s']:g} s that overlap by half and are without their "
+        f"windows of {asked.spectrum_window_s:g} s that overlap by half and are without their "
         "means. Dropped frames are filled by linear interpolation; a gap of more than four "
         "refreshes, or a jump, ends a stretch."
     )
-    return "Head motion", text, ("welch_1967",)
+    return MethodsParagraph("Head motion", text, ("welch_1967",))

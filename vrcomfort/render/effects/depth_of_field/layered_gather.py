@@ -58,16 +58,17 @@ class LayeredGatherKernel:
         self._layers = self._layer_passes()
         layers = {f"layers_{i}": each.target for i, each in enumerate(self._layers, 1)}
         self.target = gl.color_texture(ctx, coc.size_px)
-        self._composite = [self._tiles("SHARP", "sharp"), self._tiles("ONE_SURFACE", "one_surface")]
+        # A shader for each class, which reads only what the class needs.
+        self._composite = [self._tiles("IN_FOCUS", "in_focus"), self._tiles("FAST", "fast")]
         coarser = {"COARSER_BEHIND": int(blur_kernels.coarser_behind(settings.samples))}
-        self._composite.append(self._tiles("LAYERED", "layered", layers, defines=coarser))
+        self._composite.append(self._tiles("COMPLEX", "complex", layers, defines=coarser))
         self._gather: FullscreenPass | None = None
         if self._layers:
             self._gather = self._gather_pass(layers, settings.samples)
             gathered = {"gathered": self._gather.target}
-            wide = {"WITH_WIDE": 1}
+            wide = {"WITH_HALF_RESOLUTION": 1}
             self._composite.append(
-                self._tiles("WIDE", "one_surface", gathered, wide, filtered={"gathered"})
+                self._tiles("FAST_HALF_RESOLUTION", "fast", gathered, wide, filtered={"gathered"})
             )
 
     def render(self, pixel_aspect: float) -> None:
@@ -98,6 +99,7 @@ class LayeredGatherKernel:
             finer = found[-1].target if found else self._coc.colour_and_coc
             defines = {"FROM_LAYERS": 1} if found else {}
             size_px = self._size_of(level)
+            # Eight half floats in a texel: light and radius of a foreground and of a background.
             found.append(
                 self._pass("layers", {"finer": finer}, size_px=size_px, dtype="u4", defines=defines)
             )
@@ -115,7 +117,7 @@ class LayeredGatherKernel:
                 **self._defines,
                 "HALF_EXACT": blur_kernels.HALF_WIDER * blur_kernels.exact_px(samples),
                 "COARSEST": coarsest,
-                **_of_class("WIDE", self._coc.tile_px // 2, beside=1),
+                **_of_class("FAST_HALF_RESOLUTION", self._coc.tile_px // 2, beside=1),
             },
             **self._on_tiles(),
         )

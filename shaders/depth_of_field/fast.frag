@@ -1,15 +1,15 @@
 #version 450 core
-// Tiles within whose reach no surface ends: the mean over each pixel's disc.
+// Fast tiles, without a depth discontinuity within reach: the mean over each pixel's disc.
 //
-// Input:  colour_and_coc (colour_and_coc.frag; signed CoC RADIUS in px of image width); WITH_WIDE: gathered
-//         (gather.frag), for discs that are not summed over pixels.
+// Input:  colour_and_coc (colour_and_coc.frag; signed CoC RADIUS in px of image width); gathered
+//         (gather.frag), WITH_HALF_RESOLUTION, for discs that are not summed over pixels.
 // Output: the blurred image, linear HDR, full resolution.
 #include "coc.glsl"
 #include "discs.glsl"
 #include "levels.glsl"
 
 uniform sampler2D colour_and_coc;
-#ifdef WITH_WIDE
+#ifdef WITH_HALF_RESOLUTION
 uniform sampler2D gathered;
 #endif
 
@@ -28,7 +28,7 @@ void main() {
     bool wanted = own_px > 0.5;
     float wide = coarser_part(0, own_px);
     blurred = vec4(mean_over(colour_and_coc, vec2(pixel), own_px, wanted && wide < 1.0), 1.0);
-#ifdef WITH_WIDE
+#ifdef WITH_HALF_RESOLUTION
     for (bool on = wanted && wide > 0.0; on; on = false) {
         vec2 at = gl_FragCoord.xy / vec2(textureSize(colour_and_coc, 0));
         blurred.rgb = mix(blurred.rgb, textureLod(gathered, at, 0.0).rgb, wide);

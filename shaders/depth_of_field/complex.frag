@@ -80,9 +80,9 @@ ivec2 pixel = ivec2(gl_FragCoord.xy);
 vec4 p = texelFetch(colour_and_coc, pixel, 0);
 float own_px = abs(p.a);
 
-// 1 where p is in a quarter of its tile within whose reach a surface ends, else 0: all around is its surface.
-ivec2 quarter = 2 * pixel / POINT_PX & 1;
-float near_end = float(int(tile.g) >> (quarter.x + 2 * quarter.y) & 1);
+// 1 where p is in a quadrant of its tile within whose reach a surface ends, else 0: all around is its surface.
+ivec2 quadrant = 2 * pixel / POINT_PX & 1;
+float near_end = float(int(tile.g) >> (quadrant.x + 2 * quadrant.y) & 1);
 
 vec4 surface = vec4(0.0);     // rgb * part of p's disc, part
 vec4 behind = vec4(0.0);      // rgb * weight, weight
