@@ -27,7 +27,7 @@ from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.json_text import json_of, parse_json
 from vrcomfort.protocol import load_protocol
 from vrcomfort.records import read_participants
-from vrcomfort.records.exclusion import add_note, exclude, undo_exclusion
+from vrcomfort.records.participants import add_note, exclude, undo_exclusion
 from vrcomfort.records.rows import csv_line
 from vrcomfort.report.study_data import read_study
 

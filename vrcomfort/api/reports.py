@@ -20,6 +20,67 @@ IMPORTED = "imported"
 """The folder inside the report that holds what was read of such a file, and how."""
 
 
+def read_study(folder: str | Path) -> Study:
+    """Open a study for analysis: pandas frames and DuckDB relations, read when they are asked for.
+
+    Parameters
+    ----------
+    folder : str or Path
+        A study folder, any folder with tables of its names, or one ``questionnaires.csv``.
+
+    Returns
+    -------
+    Study
+        ``participants``, ``trials``, ``answers``, ``ratings`` and ``events`` are tidy data frames;
+        ``scores("ssq")`` has a row for each questionnaire that was asked; ``frames`` and ``gaze``
+        are DuckDB relations (``study.frames.filter("trial = 2").df()``).
+
+    Raises
+    ------
+    InputError
+        If there is no such folder or file; reading raises it for a damaged table, with its place.
+
+    Examples
+    --------
+    >>> import vrcomfort
+    >>> study = vrcomfort.read_study("pilot")  # doctest: +SKIP
+    >>> study.scores("ssq").groupby("condition")["total"].mean()  # doctest: +SKIP
+    """
+    from vrcomfort.records.reader import Study
+
+    return Study(folder)
+
+
+def load_plan(name_or_file: str | Path) -> Plan:
+    """Read an analysis plan.
+
+    Parameters
+    ----------
+    name_or_file : str or Path
+        The name of a shipped plan, such as ``"carnegie_2015"``, or a TOML file.
+
+    Returns
+    -------
+    Plan
+        The validated plan; `write_report` takes it.
+
+    Raises
+    ------
+    InputError
+        If there is none, or it is wrong, with line and column.
+
+    Examples
+    --------
+    >>> import vrcomfort
+    >>> vrcomfort.load_plan("carnegie_2015").outcomes
+    ('T', 'N', 'O', 'D')
+    """
+    from vrcomfort.report.plan_files import find_plan
+    from vrcomfort.report.plan_files import load_plan as load
+
+    return load(find_plan(name_or_file))
+
+
 def write_report(
     study: Study | str | Path | None,
     out: str | Path,

@@ -58,28 +58,14 @@ def score(
     - `vrcomfort score answers.csv --instrument my_questionnaire.toml > scores.csv`
     - `vrcomfort score ssq answers.csv --skip-incomplete > scores.csv`
     """
-    from vrcomfort.questionnaire import find_instrument, guess_for_file, score_file
+    from vrcomfort.api.answers import scored_rows
 
     if len(answers) > 2 or (len(answers) == 2 and instrument is not None):
         raise InputError("`score` takes one file of answers; score several one after the other")
-    file = Path(answers[-1])
-    if file.suffix.lower() in {".xlsx", ".json"} and file.exists():
-        message = "`score` takes CSV; other files: vrcomfort import FILE --suggest --out map.toml"
-        raise InputError(message, file=file)
-    if file.is_dir():
-        message = "this is a folder; give a CSV of it, or a whole study to vrcomfort report"
-        raise InputError(message, file=file)
-    if file.exists() and not os.access(file, os.R_OK):
+    file, name = Path(answers[-1]), answers[0] if len(answers) == 2 else instrument
+    if file.is_file() and not os.access(file, os.R_OK):
         raise typer.BadParameter(f"path '{file}' is not readable")
-    name = answers[0] if len(answers) == 2 else instrument
-    asked = find_instrument(name) if name is not None else guess_for_file(file)
-    rows, left_out = score_file(file, asked, skip_incomplete=skip_incomplete, coded_from=coded_from)
-    if left_out:
-        count, lines = len(rows) + len(left_out), ", ".join(map(str, left_out))
-        warn(
-            f"{file}: {len(left_out)} of {count} questionnaires lack answers and were left out; "
-            f"they begin in line: {lines}"
-        )
+    rows = scored_rows(file, name, skip_incomplete, coded_from, warn)
     if as_json:
         answer(rows)
         return

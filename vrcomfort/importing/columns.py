@@ -15,7 +15,7 @@ from vrcomfort.importing.mapping import (
     Fact,
     Questionnaire,
     Scores,
-    Table,
+    TableMapping,
     template_pattern,
     texts_of,
 )
@@ -59,7 +59,9 @@ class Block:
 class Columns:
     """The columns of a table, by what the mapping says of them."""
 
-    def __init__(self, table: SourceTable, mapping: Table, known: Mapping[str, Instrument]) -> None:
+    def __init__(
+        self, table: SourceTable, mapping: TableMapping, known: Mapping[str, Instrument]
+    ) -> None:
         self._table = table
         self._known = known
         self._index = {heading: index for index, heading in enumerate(table.headings)}
@@ -256,7 +258,7 @@ class _Pieces:
         return self._exact.get(text) or self._plain.get(plain(text))
 
 
-def _columns_of(mapping: Table, fact: str) -> tuple[str, ...]:
+def _columns_of(mapping: TableMapping, fact: str) -> tuple[str, ...]:
     found = mapping.fact(fact)
     return (found.column,) if found.column is not None else found.columns
 
@@ -281,7 +283,7 @@ class RowFacts:
     """Reads the facts of the rows of one table."""
 
     def __init__(
-        self, table: SourceTable, mapping: Table, columns: Columns, numbers: Numbers
+        self, table: SourceTable, mapping: TableMapping, columns: Columns, numbers: Numbers
     ) -> None:
         self._table = table
         self._mapping = mapping

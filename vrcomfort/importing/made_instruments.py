@@ -14,7 +14,7 @@ from math import isclose
 from typing import TYPE_CHECKING
 
 from vrcomfort.importing.mapping import ScoreKind, Summary
-from vrcomfort.importing.rows import Imported, Moment, Sheet
+from vrcomfort.importing.rows import Administration, Imported, ImportedResponse
 from vrcomfort.questionnaire import Answer, Instrument, Scale, parse_instrument
 from vrcomfort.questionnaire.answers import common_divisor, exact, plain_number
 from vrcomfort.settings import toml_value
@@ -124,7 +124,7 @@ def _decimals(values: Iterable[Answer]) -> int:
 
 
 if TYPE_CHECKING:
-    from vrcomfort.importing.rows import Place, Rating
+    from vrcomfort.importing.rows import Rating, SourceRow
 
 DECIMALS = 4
 """Of means."""
@@ -159,7 +159,7 @@ def course_instrument(instrument: Instrument, summaries: Sequence[Summary]) -> I
 
 def sum_up(
     imported: Imported,
-    ratings: Mapping[tuple[str, Moment], tuple[Place, Sequence[Summary], list[Rating]]],
+    ratings: Mapping[tuple[str, Administration], tuple[SourceRow, Sequence[Summary], list[Rating]]],
     known: Mapping[str, Instrument],
 ) -> None:
     """Add the summaries of every course to what was imported."""
@@ -170,7 +170,7 @@ def sum_up(
         wanted[name] |= dict.fromkeys(summaries)
         given = [r.response for r in sorted(course, key=lambda r: r.onset_s)]
         answers = [answer for answer in given if answer is not None]
-        sheet = Sheet(place, {each: _summary(each, answers) for each in summaries})
+        sheet = ImportedResponse(place, {each: _summary(each, answers) for each in summaries})
         imported.sheets[f"{name}_course", moment] = sheet
     for name, items in wanted.items():
         made = course_instrument(known[name], [*items])

@@ -145,7 +145,7 @@ class Scores(_Columns):
     """`other`: of another formula; taken as they are, on no known range."""
 
 
-class Table(Settings):
+class TableMapping(Settings):
     """Files (or sheets) whose columns mean the same."""
 
     files: Annotated[tuple[str, ...], Field(min_length=1)]
@@ -204,7 +204,7 @@ class LabMapping(Settings):
     instruments: tuple[str, ...] = ()
     """A lab's own instruments: their TOML files, beside the mapping."""
     ignore_sheets: tuple[str, ...] = ()
-    tables: Annotated[tuple[Table, ...], Field(min_length=1)]
+    tables: Annotated[tuple[TableMapping, ...], Field(min_length=1)]
     doubts: tuple[Doubt, ...] = ()
 
     _text: str = PrivateAttr(default="")

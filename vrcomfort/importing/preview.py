@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 
-from vrcomfort.importing.rows import Imported, Moment
+from vrcomfort.importing.rows import Administration, Imported
 
 FIRST = 8
 
@@ -28,7 +28,7 @@ def _first_rows(imported: Imported) -> list[str]:
     return aligned([heading, *rows])
 
 
-def _shown(m: Moment) -> list[str]:
+def _shown(m: Administration) -> list[str]:
     return [m.participant, m.session, m.trial or m.period, m.condition, m.timepoint]
 
 

@@ -14,7 +14,7 @@ from vrcomfort.questionnaire.library import (
     usual_instruments,
 )
 from vrcomfort.questionnaire.scales import Scale
-from vrcomfort.questionnaire.scoring import Score, score, score_all, score_file
+from vrcomfort.questionnaire.scoring import Score, score, score_all, score_file, score_sheets
 from vrcomfort.questionnaire.tables import Sheet, never_zero, read_long, read_sheets
 
 __all__ = [
@@ -40,6 +40,7 @@ __all__ = [
     "score",
     "score_all",
     "score_file",
+    "score_sheets",
     "shipped_instruments",
     "short_form",
     "usual_instruments",

@@ -132,17 +132,31 @@ def score_file(
     for sheet in sheets:
         if wrong := wrong_weights(instrument, sheet.answers):
             raise InputError(wrong, file=file, line=sheet.line)
+    rows = score_sheets(instrument, sheets)
+    if not skip_incomplete:
+        return ScoredFile(rows, [])
+    needed = [scale.column for scale in instrument.scales if scale.name in instrument.needed]
+    complete = [all(row[name] is not None for name in needed) for row in rows]
+    return ScoredFile(
+        [row for row, whole in zip(rows, complete, strict=True) if whole],
+        [sheet.line for sheet, whole in zip(sheets, complete, strict=True) if not whole],
+    )
+
+
+def score_sheets(instrument: Instrument, sheets: Sequence[Sheet]) -> list[dict[str, Cell]]:
+    """Return a row for each questionnaire: its keys, raw numbers, and scores.
+
+    Blank (None) where too little is answered. Scales that no questionnaire has are left out,
+    unless every complete one has them.
+    """
     found = score_all(instrument, [sheet.answers for sheet in sheets])
     scored = [_scores(instrument, found, row) for row in range(len(sheets))]
-    needed = {name for name in instrument.needed if name in found.raw}
-    there = [s for s in instrument.scales if s.name in needed or found.known[s.name].any()]
-    kept, left_out = [], []
-    for sheet, scores in zip(sheets, scored, strict=True):
-        if skip_incomplete and any(scores[name] is None for name in needed):
-            left_out.append(sheet.line)
-        else:
-            kept.append(_row(sheet, scores, there))
-    return ScoredFile(kept, left_out)
+    there = [
+        scale
+        for scale in instrument.scales
+        if scale.name in instrument.needed or found.known[scale.name].any()
+    ]
+    return [_row(sheet, scores, there) for sheet, scores in zip(sheets, scored, strict=True)]
 
 
 def _require_zeros(file: Path, instrument: Instrument, sheets: Sequence[Sheet]) -> None:

@@ -54,6 +54,12 @@ if TYPE_CHECKING:
 _SESSION = re.compile(r"ses-([1-9][0-9]{0,8})")
 
 
+SCORE_KEYS = (
+    "participant", "session", "period", "block", "trial", "condition", "timepoint", "part",
+)  # fmt: skip
+"""Columns of answers that tell one questionnaire from another."""
+
+
 @dataclass(frozen=True)
 class Session:
     """One recorded session: its folder, such as ``STUDY/sub-P01/ses-1``."""
@@ -243,6 +249,56 @@ class Study:
     def events(self) -> pd.DataFrame:
         """Return a row for each event, with its participant and session."""
         return self.data_frame(EventRow)
+
+    def scores(self, instrument: str | Path) -> pd.DataFrame:
+        """Return the scores of a questionnaire, a row for each time it was asked.
+
+        Parameters
+        ----------
+        instrument
+            Name of a shipped questionnaire (``"ssq"``) or of one that the study keeps, or its file.
+
+        Returns
+        -------
+        pandas.DataFrame
+            The columns of `answers` up to `timepoint`, `part` where the study has parts, then for
+            each scale its raw number (``nausea_raw``, an integer) and its points (``nausea``);
+            missing where too few items are answered. Without rows where it was never asked.
+
+        Raises
+        ------
+        InputError
+            If there is no such questionnaire, or an answer is none of its answers, with its place.
+        """
+        import pandas as pd
+
+        from vrcomfort.questionnaire import find_instrument, instruments_in, read_long, score_sheets
+
+        files = self.files(QuestionnaireRow)
+        folders = dict.fromkeys([self.folder, *(file.parent for file in files)])
+        asked = find_instrument(instrument, known=instruments_in(folders))
+        tables = list(self.tables(QuestionnaireRow))
+        sheets = [
+            sheet
+            for table in tables
+            for sheet in read_long(table, asked, SCORE_KEYS, nameless=False)
+        ]
+        parts = any(sheet.keys.get("part") for sheet in sheets)
+        keys = [name for name in SCORE_KEYS if parts or name != "part"]
+        rows = score_sheets(asked, sheets)
+        kinds = {each.name: each.type for each in declared(QuestionnaireRow)}
+        frame = {}
+        for name in (
+            [*keys, *(name for name in rows[0] if name not in SCORE_KEYS)] if rows else keys
+        ):
+            values = [row.get(name) for row in rows]
+            if name not in keys:
+                frame[name] = _series(values, int if name.endswith("_raw") else float)
+            elif kinds[name] is str:
+                frame[name] = _series([value or None for value in values], str)
+            else:
+                frame[name] = _series(*_guessed([str(value or "") for value in values]))
+        return pd.DataFrame(frame)
 
     @property
     def frames(self) -> duckdb.DuckDBPyRelation:

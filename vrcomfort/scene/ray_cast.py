@@ -14,7 +14,7 @@ from vrcomfort.scene.node_poses import NodePoses
 _PARALLEL = 1e-12
 
 
-class Met(NamedTuple):
+class RayHit(NamedTuple):
     """What a ray meets.
 
     Parameters
@@ -29,7 +29,7 @@ class Met(NamedTuple):
     node: str
 
 
-NOTHING = Met(np.inf, "")
+NOTHING = RayHit(np.inf, "")
 
 
 class _Surface(NamedTuple):
@@ -71,7 +71,7 @@ class RayCaster:
         ]
         self._kept: tuple[float, list[_Surface], Array, Array] | None = None
 
-    def cast(self, ray: Pose, time_s: float = 0.0) -> Met:
+    def cast(self, ray: Pose, time_s: float = 0.0) -> RayHit:
         """Return what −Z of world-from-ray meets first at a time of the scene."""
         surfaces, low, high = self._at(time_s)
         if not surfaces:
@@ -84,7 +84,7 @@ class RayCaster:
                 break
             away_m = _nearest(surfaces[place], origin, along)
             if away_m < found.distance_m:
-                found = Met(away_m, self._scene.nodes[self._nodes[place]].name)
+                found = RayHit(away_m, self._scene.nodes[self._nodes[place]].name)
         return found
 
     def _at(self, time_s: float) -> tuple[list[_Surface], Array, Array]:

@@ -10,21 +10,21 @@ from difflib import SequenceMatcher
 from itertools import combinations
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import Doubt, Draft
+from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
 from vrcomfort.importing.suggest.evidence import (
     BASELINE_AMONG_CONDITIONS,
     COUNTS_EXPOSURES,
     GROUPS_PEOPLE,
     MOST_CONDITIONS,
     OTHER_TIMEPOINTS,
+    Candidate,
     Context,
-    Finding,
     candidates,
     is_numeric,
     texts,
     varies_within,
 )
-from vrcomfort.importing.suggest.vocabulary import Vocabulary
+from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 from vrcomfort.questionnaire import plain
 from vrcomfort.settings import toml_value
 
@@ -47,8 +47,8 @@ class DraftedFacts:
     """
 
     context: Context
-    draft: Draft = field(default_factory=Draft)
-    doubts: list[Doubt] = field(default_factory=list)
+    draft: TomlDraft = field(default_factory=TomlDraft)
+    doubts: list[OpenDoubt] = field(default_factory=list)
     unused: list[int] = field(default_factory=list)
 
 
@@ -103,9 +103,9 @@ class FactDraft:
 
     def doubt(self, question: str, assumed: str) -> None:
         """Add a question that the files leave open."""
-        self.found.doubts.append(Doubt(question, assumed))
+        self.found.doubts.append(OpenDoubt(question, assumed))
 
-    def doubt_of(self, found: Finding) -> None:
+    def doubt_of(self, found: Candidate) -> None:
         """Add the question that a piece of evidence leaves open."""
         question = found.evidence.question.format(heading=self.heading(found.column))
         self.doubt(question, found.evidence.assumed)
@@ -494,7 +494,7 @@ class NameParts:
 
 
 def parts_of_names(
-    names: Sequence[str], wanted: Sequence[str], vocabulary: Vocabulary
+    names: Sequence[str], wanted: Sequence[str], vocabulary: LabVocabulary
 ) -> NameParts | None:
     """Return what differs between names, called by the wanted facts; None where nothing does.
 

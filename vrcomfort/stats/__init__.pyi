@@ -1,0 +1,16 @@
+from vrcomfort.stats.data_frames import art_anova as art_anova
+from vrcomfort.stats.data_frames import corr as corr
+from vrcomfort.stats.data_frames import cox as cox
+from vrcomfort.stats.data_frames import crossover as crossover
+from vrcomfort.stats.data_frames import friedman as friedman
+from vrcomfort.stats.data_frames import holm as holm
+from vrcomfort.stats.data_frames import icc as icc
+from vrcomfort.stats.data_frames import kaplan_meier as kaplan_meier
+from vrcomfort.stats.data_frames import kruskal as kruskal
+from vrcomfort.stats.data_frames import log_rank as log_rank
+from vrcomfort.stats.data_frames import mixed_model as mixed_model
+from vrcomfort.stats.data_frames import mwu as mwu
+from vrcomfort.stats.data_frames import ordinal_model as ordinal_model
+from vrcomfort.stats.data_frames import rm_anova as rm_anova
+from vrcomfort.stats.data_frames import ttest as ttest
+from vrcomfort.stats.data_frames import wilcoxon as wilcoxon
