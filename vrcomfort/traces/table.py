@@ -15,7 +15,7 @@ from vrcomfort.csv_table import CsvTable, plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import FARTHEST_M, Array
 from vrcomfort.records.frame_rows import SNAP_TURN
-from vrcomfort.records.pose_columns import HEAD, fov_columns, pose_columns
+from vrcomfort.records.shared_columns import HEAD, fov_columns, pose_columns
 from vrcomfort.traces.pose_track import PoseTrack, Times
 
 Number = TypeVar("Number", int, float)

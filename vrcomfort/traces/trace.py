@@ -25,7 +25,7 @@ from vrcomfort.csv_table import plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, axis_angle, quaternion_multiply
 from vrcomfort.records.frame_rows import CUT, SNAP_TURN, FrameRow, GazeRow
-from vrcomfort.records.pose_columns import AVATAR, HEAD
+from vrcomfort.records.shared_columns import AVATAR, HEAD
 from vrcomfort.traces.gaze_track import GazeTrack, read_gaze
 from vrcomfort.traces.pose_track import PoseTrack, Times
 from vrcomfort.traces.table import (
