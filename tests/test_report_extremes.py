@@ -11,6 +11,7 @@ from tests.support.report import ITEMS, build_report, foreign
 from vrcomfort.errors import InputError
 from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.results import analyse
+from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import read_study
 from vrcomfort.stats.anova import anova
 from vrcomfort.stats.mixed import mixed_model
@@ -167,7 +168,7 @@ def test_the_limits_of_the_scale(tmp_path):
 def test_a_hundred_thousand_people(tmp_path):
     answers = [((7 * i + i // 11) % 21, (5 * i + i // 7) % 20) for i in range(100_000)]
     file = rated(tmp_path / "questionnaires.csv", answers)
-    results, _ = analyse(read_study(file), read_plan(RATED, None))
+    results = as_json(analyse(read_study(file), read_plan(RATED, None))[0])
     test = results["tests"][0]
     assert (test["n"], test["method"]) == (100_000, "asymptotic")
     assert test["shift"]["low"] <= test["shift"]["estimate"] <= test["shift"]["high"]

@@ -25,6 +25,7 @@ from vrcomfort.report.derived_plan import plan_of
 from vrcomfort.report.plan_files import AnalysisPlan as Plan
 from vrcomfort.report.plan_files import find_plan, load_plan, read_plan, shipped_plans
 from vrcomfort.report.results import analyse
+from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import read_study
 from vrcomfort.stats.multiplicity import holm
 from vrcomfort.stats.signed_rank import signed_rank
@@ -37,7 +38,7 @@ def analysed(source: Path, text: str = "") -> dict:
     """Analyse without drawing; no text: the derived plan."""
     study = read_study(source)
     plan = read_plan(HEAD + text, None) if text else plan_of(study)
-    return analyse(study, plan)[0]
+    return as_json(analyse(study, plan)[0])
 
 
 def reported(source: Path, text: str = "") -> tuple[dict, str]:
@@ -507,7 +508,7 @@ def test_the_template_and_the_page_have_every_key():
 def test_the_printed_plan_has_the_printed_convention(tmp_path):
     study = carnegie_like(tmp_path / "study")
     plan = load_plan(find_plan("carnegie_2015_as_printed"))
-    tests = analyse(read_study(study.folder), plan)[0]["tests"]
+    tests = as_json(analyse(read_study(study.folder), plan)[0])["tests"]
     assert {(t["alternative"], t["method"], t["p_holm"]) for t in tests} == {
         ("greater", "asymptotic", None)
     }
@@ -519,7 +520,7 @@ def test_each_mode_of_motion_blur_is_compared_with_none(tmp_path):
     modes = ("off", "full", "objects", "translation", "translation_faded")
     scores = {f"P{i}": {m: (i * (k + 3)) % 9 for k, m in enumerate(modes)} for i in range(6)}
     file = foreign(tmp_path / "questionnaires.csv", scores)
-    results, _ = analyse(read_study(file), load_plan(find_plan("motion_blur_2020")))
+    results = as_json(analyse(read_study(file), load_plan(find_plan("motion_blur_2020")))[0])
     total = [test for test in results["tests"] if test["outcome"] == "T"]
     assert [(test["a"], test["b"]) for test in total] == [("off", mode) for mode in modes[1:]]
     assert {family["name"]: family["size"] for family in results["families"]} == {
@@ -529,7 +530,7 @@ def test_each_mode_of_motion_blur_is_compared_with_none(tmp_path):
 
 def test_a_session_with_all_conditions_is_compared_before_and_after(tmp_path):
     file = timed(tmp_path / "questionnaires.csv", PRE_POST, condition="")
-    results, _ = analyse(read_study(file), load_plan(find_plan("mantiuk_2011")))
+    results = as_json(analyse(read_study(file), load_plan(find_plan("mantiuk_2011")))[0])
     assert [(t["a"], t["b"], t["n"]) for t in results["tests"]][:1] == [("post", "baseline", 8)]
     assert results["conditions"] == []
     assert "" not in json.dumps(results["labels"]).split('"')[1::4]

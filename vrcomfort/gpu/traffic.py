@@ -195,6 +195,7 @@ _BITS = (0x805C, 0x805D, 0x805E, 0x805F, 0x884A, 0x88F1)
 _MIN_FILTER, _BASE_LEVEL, _MAX_LEVEL = 0x2801, 0x813C, 0x813D
 _NEAREST, _LINEAR = 0x2600, 0x2601
 _MOST_COLOURS = 8
+"""Least GL_MAX_COLOR_ATTACHMENTS of OpenGL 4.5; no pass of ours has more targets."""
 
 
 class _State:

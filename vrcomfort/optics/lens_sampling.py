@@ -177,7 +177,7 @@ def disc_edge(away: ArrayLike, /) -> Array:
 def _shares(count: int, more: tuple[int, ...]) -> Iterator[Counts]:
     """Yield numbers of points on each ring, from the inside, that grow evenly.
 
-    But for so many `more` on the outermost: wide discs would leave the rim of the lens too soft.
+    But for `more` points on the outermost: wide discs would leave the rim of the lens too soft.
     """
     usual = round(math.sqrt(0.39 * count))
     for rings in range(max(1, usual - 1), usual + 2):

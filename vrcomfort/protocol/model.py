@@ -13,7 +13,7 @@ from pydantic import Field, PrivateAttr, field_validator
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.adjustments import Adjustment, Slider
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.protocol.factors import Factor
+from vrcomfort.protocol.factors import CrossedFactor
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Part, Trial
 from vrcomfort.protocol.questions import (
     Ask,
@@ -90,7 +90,7 @@ class Protocol(Settings):
     """Scenes from a place, along a path, or for a time of their own."""
     conditions: tuple[Condition, ...] = ()
     """Ways of rendering; or `factors`."""
-    factors: tuple[Factor, ...] = ()
+    factors: tuple[CrossedFactor, ...] = ()
     """Instead of conditions: every level of each with every level of the others."""
     order: Order
     """Who meets what in which order."""

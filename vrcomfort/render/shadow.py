@@ -74,6 +74,7 @@ class ShadowMap:
             self._place(center)
             self._draw(self._static, clear=True)
         if self._live is not self._static:
+            # Moving casters are drawn over a copy of the static ones, which stay as they are.
             self._copy(self._static.depth, self._live.depth)
             self._draw(self._live, clear=False)
 
@@ -108,7 +109,7 @@ class ShadowMap:
         if clear:
             target.target.clear(depth=0.0)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
-        self._ctx.enable_direct(_DEPTH_CLAMP)
+        self._ctx.enable_direct(_DEPTH_CLAMP)  # casters beyond the range still cast shadows
         self._ctx.depth_func = gl.DEPTH_FUNC
         clip_from_relative = relative_to(self._clip_from_world, self._origin_m)
         movement: Movement = "all"

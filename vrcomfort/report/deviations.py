@@ -136,17 +136,17 @@ def _in_words(test: dict[str, Any], results: dict[str, Any]) -> str:
 
 def _models(results: dict[str, Any]) -> Iterator[Deviation]:
     for key, name in (("anova", "ANOVA"), ("mixed_models", "mixed model")):
-        for reason in dict.fromkeys(f["not_tested"] for f in results[key] if f["not_tested"]):
+        for reason in dict.fromkeys(row.not_tested for row in results[key] if row.not_tested):
             whose = [
-                _titles(results)[f["outcome"]] for f in results[key] if f["not_tested"] == reason
+                _titles(results)[row.outcome] for row in results[key] if row.not_tested == reason
             ]
             yield _deviation("not_tested", f"no {name} of {', '.join(whose)}: {reason}")
     wanted = {factor["name"] for factor in results["plan"]["anova"]}
-    made = [set(found["factors"]) for found in results["anova"] if not found["not_tested"]]
+    made = [set(row.fit.factors) for row in results["anova"] if row.fit]
     if made and (absent := sorted(wanted - set.union(*made))):
         text = f"{', '.join(absent)} has one level in the data and is not in the ANOVA"
         yield _deviation("factor_left_out", text)
-    left = {name for found in results["mixed_models"] for name in found.get("left_out", ())}
+    left = {name for row in results["mixed_models"] if row.fit for name in row.fit.left_out}
     if left:
         text = (
             f"{', '.join(sorted(left))} cannot be told apart from the other effects and "

@@ -1,4 +1,4 @@
-"""Which tests are adjusted together, what each decides, and the intervals that say the same.
+"""What a test decides, alone or in a family, and the intervals that say the same.
 
 One rule for whatever a report says of a test. The p that decides is the adjusted one where there is
 a family. The intervals beside it are those of the level at which Holm's method decides on the test,
@@ -10,12 +10,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Literal
 
 from vrcomfort.report.words import value_of
-from vrcomfort.stats.multiplicity import holm, holm_levels
+from vrcomfort.stats.multiplicity import holm_levels
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from vrcomfort.report.plan import Family, Plan
 
 Row = dict[str, Any]
 Verdict = Literal["higher", "lower", "not_shown", "not_possible"]
@@ -27,52 +26,6 @@ UNDECIDED: Row = {
 }  # fmt: skip
 """What is decided of a test once all are made; it stays so where there is no test."""
 INTERVALS = ("shift", "difference", "effect")
-
-
-def adjust(plan: Plan, tests: list[Row], anovas: list[Row]) -> list[Row]:
-    """Set `family` and `p_holm` of every test and ANOVA effect that is in a family.
-
-    Of every test that was made, set also `level`, at which it decides, and its `verdict`.
-
-    Returns
-    -------
-    list of dict
-        One row per family: name, method, and how many p values it adjusts.
-    """
-    level = 1 - plan.confidence
-    for test in tests:
-        if not test["not_tested"]:
-            decide(test, level, [test["p"]], 0)
-    found = []
-    for family in plan.families:
-        members = _members(family, tests, anovas)
-        p_values = [reported_p(member) for member in members]
-        adjusted = holm(p_values) if family.method == "holm" else [None] * len(members)
-        for place, (member, p) in enumerate(zip(members, adjusted, strict=True)):
-            member["family"], member["p_holm"] = family.name, p
-            if p is not None and "verdict" in member:
-                decide(member, level, p_values, place)
-        size = sum(p is not None for p in p_values)
-        found.append({"name": family.name, "method": family.method, "size": size})
-    return found
-
-
-def _members(family: Family, tests: list[Row], anovas: list[Row]) -> list[Row]:
-    members: list[Row] = []
-    if "tests" in family.analyses:
-        members += [test for test in tests if test["outcome"] in family.outcomes]
-    if "anova" in family.analyses:
-        made = [found for found in anovas if not found["not_tested"]]
-        members += [e for found in made if found["outcome"] in family.outcomes
-                    for e in found["effects"]]  # fmt: skip
-    return members
-
-
-def reported_p(row: Row) -> float | None:
-    """Return the p that counts: of an effect without sphericity, Greenhouse and Geisser's."""
-    corrected: float | None = row.get("p_greenhouse_geisser")
-    p: float | None = row["p"]
-    return p if corrected is None else corrected
 
 
 def decide(row: Row, level: float, p_values: list[float | None], place: int) -> None:

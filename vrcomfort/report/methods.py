@@ -42,15 +42,11 @@ def methods(
             _people(results),
             *((_testing(results, words), _shift(plan), _rank_biserial(plan)) if made else ()),
             *_comparisons(results),
-            *methods_paragraphs(results),
-            *_aligned_ranks(results),
-            *_marginal_means(results),
+            *methods_paragraphs(results, "tests"),
             _describing(),
             _t_tests(results),
             _anova(results, drawn=drawn),
-            _friedman(results),
-            _crossover(results),
-            _mixed(results),
+            *methods_paragraphs(results, "models", "order"),
             _withdrawals(results),
             *section_paragraphs(sections),
             _figures(results) if drawn else None,
@@ -305,29 +301,6 @@ def _comparisons(results: Results) -> list[MethodsParagraph]:
     return said
 
 
-def _aligned_ranks(results: Results) -> list[MethodsParagraph]:
-    if not any(found.get("aligned_ranks") for found in results["anova"]):
-        return []
-    return [MethodsParagraph(
-        "Aligned ranks",
-        "For each effect of the ANOVA scores were stripped of all other effects, ranked, and "
-        "analysed in the same way (Wobbrock et al., 2011).",
-        ("wobbrock_2011",),
-    )]  # fmt: skip
-
-
-def _marginal_means(results: Results) -> list[MethodsParagraph]:
-    if not any(found.get("means", {}).get("condition") for found in results["mixed_models"]):
-        return []
-    return [MethodsParagraph(
-        "Marginal means",
-        "Estimated marginal means (Searle et al., 1980) of the mixed model are those of a level "
-        "with all levels of the other factors weighing alike; their differences, p and intervals "
-        "are adjusted by Bonferroni for the number of pairs.",
-        ("searle_1980",),
-    )]  # fmt: skip
-
-
 def _describing() -> MethodsParagraph:
     return MethodsParagraph(
         "Descriptives",
@@ -353,7 +326,7 @@ def _t_tests(results: Results) -> MethodsParagraph | None:
 
 
 def _anova(results: Results, *, drawn: bool) -> MethodsParagraph | None:
-    if all(found["not_tested"] for found in results["anova"]):
+    if all(found.not_tested for found in results["anova"]):
         return None
     plotted = " and are plotted over normal quantiles at Blom’s (1958) positions" if drawn else ""
     return MethodsParagraph(
@@ -367,43 +340,6 @@ def _anova(results: Results, *, drawn: bool) -> MethodsParagraph | None:
         ("maxwell_2018", "mauchly_1940", "greenhouse_1959", "huynh_1976", "olejnik_2003",
          "steiger_2004", "shapiro_1965", *(("blom_1958",) if drawn else ())),
     )  # fmt: skip
-
-
-def _friedman(results: Results) -> MethodsParagraph | None:
-    if all(found["not_tested"] for found in results["friedman"]):
-        return None
-    return MethodsParagraph(
-        "More than two conditions",
-        "All conditions together were compared with Friedman’s (1937) test, corrected for ties, on "
-        "integer sums of participants with every exposure; Kendall’s W is its effect size (Kendall "
-        "& Babington Smith, 1939).",
-        ("friedman_1937", "kendall_1939"),
-    )
-
-
-def _crossover(results: Results) -> MethodsParagraph | None:
-    if all(found["not_tested"] for found in results["crossover"]):
-        return None
-    return MethodsParagraph(
-        "Crossover",
-        "The crossover analysis tests condition and position on differences and sums of the two "
-        "positions within the two orders, and the order (carry-over) on the means of participants "
-        "(Hills & Armitage, 1979).",
-        ("hills_1979",),
-    )
-
-
-def _mixed(results: Results) -> MethodsParagraph | None:
-    if all(found["not_tested"] for found in results["mixed_models"]):
-        return None
-    return MethodsParagraph(
-        "Mixed model",
-        "The mixed model has a random intercept per participant (Laird & Ware, 1982) and is fitted "
-        "by restricted maximum likelihood to every scored exposure; its standard errors are those "
-        "of generalised least squares at the fitted variances, its degrees of freedom "
-        "Satterthwaite’s (1946; Kuznetsova et al., 2017).",
-        ("laird_1982", "satterthwaite_1946", "kuznetsova_2017"),
-    )
 
 
 def _withdrawals(results: Results) -> MethodsParagraph | None:

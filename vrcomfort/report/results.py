@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort import __version__
 from vrcomfort.json_text import json_of
-from vrcomfort.report.analyses import analysed_people, run_analyses
+from vrcomfort.report.analyses import AnalysisData, analysed_people, run_analyses
+from vrcomfort.report.analyses.adjustment import adjust
 from vrcomfort.report.asked import unused_timepoints
 from vrcomfort.report.comparisons import add_intervals_of_comparisons, check_groups, run_comparisons
 from vrcomfort.report.contrasts import (
@@ -21,16 +22,8 @@ from vrcomfort.report.descriptives import describe_all, describe_recovery
 from vrcomfort.report.deviations import deviations
 from vrcomfort.report.exclusions import apply_rules, rules_in_words
 from vrcomfort.report.exposures import score_exposures
-from vrcomfort.report.families import adjust
+from vrcomfort.report.factors import check_columns, check_levels
 from vrcomfort.report.measures import Measure, definition_of
-from vrcomfort.report.models import (
-    check_columns,
-    check_levels,
-    run_anova,
-    run_crossover,
-    run_friedman,
-    run_mixed,
-)
 from vrcomfort.report.notices import notices
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.outcomes import Outcome
@@ -89,12 +82,14 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     check_levels(plan, scored, study.labels)
     found = find_withdrawals(study)
     tests = run_tests(scored, plan, contrasts, lambda a, b: lost_signs(found, a, b))
-    models = _models(scored, plan, conditions, contrasts)
     comparisons = run_comparisons(scored, plan, others)
-    reference = _reference(contrasts, conditions)
-    more = run_analyses(study, scored, plan, conditions, reference)
+    data = AnalysisData(
+        study, scored, plan, conditions, _reference(contrasts, conditions), every, complete=False
+    )
+    more = run_analyses(data, "tests")
+    models = run_analyses(data, "models", "order")
     compared = [*tests, *comparisons]
-    families = adjust(plan, compared, models["anova"])
+    families, models["anova"] = adjust(plan, compared, models["anova"])
     add_intervals_of_tests(scored, plan, contrasts, tests)
     add_intervals_of_comparisons(scored, plan, others, comparisons)
     tested = [row["participants"] for row in compared] or analysed_people(more)
@@ -218,22 +213,6 @@ def _sensitivity(
             lost_signs(found, test["a"], test["b"]),
         )
     ]
-
-
-def _models(
-    scored: Exposures, plan: Plan, conditions: list[str], contrasts: list[Compared]
-) -> dict[str, list[dict[str, Any]]]:
-    outcomes = [each.name for each in scored.outcomes]
-    reference = _reference(contrasts, conditions)
-    several = outcomes if len(conditions) > 2 else ()
-    pairs = [(each.a.name, each.b.name) for each in contrasts if each.of_conditions]
-    mixed = outcomes if plan.mixed_model or plan.covariates else ()
-    return {
-        "anova": [run_anova(scored, plan, o) for o in (outcomes if plan.anova else ())],
-        "friedman": [run_friedman(scored, plan, conditions, o) for o in several],
-        "crossover": [run_crossover(scored, plan, a, b, o) for a, b in pairs for o in outcomes],
-        "mixed_models": [run_mixed(scored, plan, reference, o) for o in mixed],
-    }
 
 
 def _unfinished(contrasts: list[Compared], conditions: list[str]) -> list[str]:

@@ -44,12 +44,6 @@ def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> 
         "tests": [_flat_test(test, results["plan"]) for test in results["tests"]],
         "comparisons": [_comparison(row) for row in results["comparisons"]],
         **csv_tables(results),
-        "marginal_means": [line for found in results["mixed_models"] for line in _means(found)],
-        "aligned_ranks": [
-            {"outcome": found["outcome"]} | {key: effect[key] for key in _OF_RANKS}
-            for found in results["anova"]
-            for effect in found.get("aligned_ranks", ())
-        ],
         "sensitivity": results["sensitivity"],
         "smallest_effects": results["smallest_effects"],
         "descriptives": results["descriptives"],
@@ -61,9 +55,6 @@ def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> 
         "movement": results["movement"],
         "frame_measures": results["frame_measures"],
         "straight_lined": results["answering"]["straight_lined"],
-        "anova": [row for found in results["anova"] for row in _flat_anova(found)],
-        "crossover": [row for found in results["crossover"] for row in _flat_crossover(found)],
-        "mixed_models": [row for found in results["mixed_models"] for row in _flat_mixed(found)],
         "withdrawals": results["withdrawals"]["list"],
         "early_endings": results["withdrawals"]["early_endings"],
         "left_out": results["participants"]["left_out"],
@@ -81,21 +72,6 @@ def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> 
         **section_tables(sections),
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
-
-
-_OF_RANKS = ("effect", "f", "df_effect", "df_error", "p", "p_greenhouse_geisser", "p_huynh_feldt")
-
-
-def _means(found: Row) -> list[Row]:
-    """Return marginal means and their differences, one line each."""
-    if found["not_tested"]:
-        return []
-    return [
-        {"outcome": found["outcome"], "factor": factor, "level": level, **estimate}
-        for kind in ("means", "pairwise")
-        for factor, levels in found[kind].items()
-        for level, estimate in levels.items()
-    ]
 
 
 def _comparison(row: Row) -> Row:
@@ -125,7 +101,7 @@ def model_columns(results: Row, scored: Exposures) -> dict[str, list[Any]]:
     whose scores are not those of exposures.
     """
     plan, table = results["plan"], scored.table
-    made = {name for found in results["anova"] for name in found.get("factors", {})}
+    made = {name for found in results["anova"] if found.fit for name in found.fit.factors}
     over_time = any(factor["column"] == "timepoint" for factor in plan["anova"])
     found: dict[str, list[Any]] = {}
     for factor in [] if over_time else plan["anova"]:
@@ -237,43 +213,3 @@ def _interval(name: str, found: Row | None) -> Row:
 def _ends(name: str, found: Row | None) -> Row:
     found = found or {}
     return {f"{name}_low": found.get("low"), f"{name}_high": found.get("high")}
-
-
-def _flat_anova(found: Row) -> list[Row]:
-    if found["not_tested"]:
-        return [{"outcome": found["outcome"], "not_tested": found["not_tested"]}]
-    rows = []
-    for effect in found["effects"]:
-        row = {
-            "outcome": found["outcome"],
-            "n": found["n"],
-            "people_in_it": found["participants"],
-            "between": found["between"],
-            "type": found["sums_of_squares"],
-            **effect,
-        }
-        shape = row.pop("sphericity") or {}
-        row |= _interval("partial_eta_squared", row.pop("partial_eta_squared"))
-        names = ("mauchly_w", "mauchly_p", "greenhouse_geisser", "huynh_feldt")
-        rows.append(row | {name: shape.get(name) for name in names})
-    return rows
-
-
-def _flat_crossover(found: Row) -> list[Row]:
-    keys = {key: found[key] for key in ("a", "b", "outcome")}
-    if found["not_tested"]:
-        return [{**keys, "not_tested": found["not_tested"]}]
-    sizes = {"n_ab": found["n_ab"], "n_ba": found["n_ba"]}
-    sizes |= {f"planned_{side}": found["planned"][found[side]] for side in ("a", "b")}
-    effects = ("condition", "period", "sequence")
-    return [{**keys, **sizes, "effect": name, **found[name]} for name in effects]
-
-
-def _flat_mixed(found: Row) -> list[Row]:
-    if found["not_tested"]:
-        return [{"outcome": found["outcome"], "not_tested": found["not_tested"]}]
-    keys = {key: found[key] for key in ("outcome", "n_participants", "n_values")}
-    keys["left_out"] = " × ".join(found["left_out"])
-    terms = [{**keys, "term": name, **term} for name, term in found["terms"].items()]
-    omnibus = [{**keys, "term": name, **test} for name, test in found["omnibus"].items()]
-    return terms + omnibus

@@ -18,12 +18,12 @@ from vrcomfort.geometry import Array, Pose, yaw_pitch_roll
 from vrcomfort.tasks.base import (
     Ball,
     Demand,
-    Moment,
     Point,
     Pointed,
     Result,
     Surroundings,
     Task,
+    TaskFrame,
     angle_deg,
     numbers,
 )
@@ -92,15 +92,15 @@ class _Aiming(Task):
         wait_s = float(self._around.random.uniform(0.0, self._settings.jitter_s))
         return index * self._settings.every_s + wait_s
 
-    def step(self, moment: Moment) -> Sequence[Result]:
+    def step(self, frame: TaskFrame) -> Sequence[Result]:
         results: list[Result] = []
-        for ray in self._settings.rays(moment):
-            results += self._shot(ray, moment.time_s)
+        for ray in self._settings.rays(frame):
+            results += self._shot(ray, frame.time_s)
         target = self._target
-        if target and moment.time_s >= target.since_s + self._settings.shown_s:
+        if target and frame.time_s >= target.since_s + self._settings.shown_s:
             results.append(self._over(None))
-        if self._target is None and moment.time_s >= self._next_s:
-            self._appear(moment)
+        if self._target is None and frame.time_s >= self._next_s:
+            self._appear(frame)
         return results
 
     def balls(self) -> Sequence[Ball | None]:
@@ -119,12 +119,12 @@ class _Aiming(Task):
         )  # fmt: skip
         return [*results, whole]
 
-    def _appear(self, moment: Moment) -> None:
-        position_m = self._drawn(moment.head)
-        away_m = float(np.linalg.norm(position_m - moment.head.position))
+    def _appear(self, frame: TaskFrame) -> None:
+        position_m = self._drawn(frame.head)
+        away_m = float(np.linalg.norm(position_m - frame.head.position))
         radius_m = away_m * float(np.sin(np.radians(self._settings.diameter_deg / 2)))
         self._shown += 1
-        self._target = _Target(self._shown, Ball(position_m, radius_m), moment.time_s, away_m)
+        self._target = _Target(self._shown, Ball(position_m, radius_m), frame.time_s, away_m)
         self._next_s = self._due_s(self._shown)
 
     def _drawn(self, head: Pose) -> Array:

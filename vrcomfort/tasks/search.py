@@ -11,11 +11,11 @@ from pydantic import Field
 from vrcomfort.geometry import Pose
 from vrcomfort.tasks.base import (
     Demand,
-    Moment,
     Pointed,
     Result,
     Surroundings,
     Task,
+    TaskFrame,
     angle_deg,
     numbers,
 )
@@ -62,13 +62,13 @@ class _Search(Task):
         """Return whether all things were found or missed."""
         return self.wanted is None
 
-    def step(self, moment: Moment) -> Sequence[Result]:
-        self._now_s = moment.time_s
+    def step(self, frame: TaskFrame) -> Sequence[Result]:
+        self._now_s = frame.time_s
         results: list[Result] = []
-        for ray in self._settings.rays(moment):
-            results += self._shot(ray, moment.time_s)
-        if self.wanted and moment.time_s >= self._since_s + self._settings.within_s:
-            results.append(self._over(moment.time_s, found=False))
+        for ray in self._settings.rays(frame):
+            results += self._shot(ray, frame.time_s)
+        if self.wanted and frame.time_s >= self._since_s + self._settings.within_s:
+            results.append(self._over(frame.time_s, found=False))
         return results
 
     def demand(self) -> Demand | None:

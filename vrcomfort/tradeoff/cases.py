@@ -57,7 +57,7 @@ class ImageWindow:
     def drawn(self, whole_px: tuple[int, int], reach_px: float) -> ImageWindow:
         """Return the window that is drawn: the judged part and everything up to `reach_px` away.
 
-        It ends where the whole image ends, for what lies outside nobody's post-process sees.
+        It ends where the whole image ends: no post-process sees anything outside.
         """
         wider = math.ceil((reach_px + SLACK_PX) / ALIGNED_PX) * ALIGNED_PX
         left, bottom = max(0, self.left_px - wider), max(0, self.bottom_px - wider)

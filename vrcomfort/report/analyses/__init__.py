@@ -1,4 +1,4 @@
-"""The analyses of a report beside its comparisons and models: one module and one line for each.
+"""The analyses of a report beside its comparisons: one module and one line for each.
 
 To add an analysis:
 
@@ -16,35 +16,38 @@ section and ``reproduce.R`` have it: all of them go through this list.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort.report.analyses.agreement import AGREEMENT
+from vrcomfort.report.analyses.anova import ANOVA
 from vrcomfort.report.analyses.contract import (
     Analysis,
     AnalysisData,
     AnalysisFigure,
     MethodsParagraph,
     PageTable,
+    Section,
     Sentence,
 )
 from vrcomfort.report.analyses.correlation import CORRELATIONS
+from vrcomfort.report.analyses.crossover import CROSSOVER
 from vrcomfort.report.analyses.equivalence import EQUIVALENCE
+from vrcomfort.report.analyses.friedman import FRIEDMAN
 from vrcomfort.report.analyses.kruskal_wallis import KRUSKAL_WALLIS
+from vrcomfort.report.analyses.mixed import MIXED_MODELS
 from vrcomfort.report.analyses.ordinal import ORDINAL
 from vrcomfort.report.analyses.preference import PREFERENCES
 from vrcomfort.report.analyses.z_scores import Z_SCORES
 
 if TYPE_CHECKING:
     from vrcomfort.report.canvas import Drawing
-    from vrcomfort.report.exposures import Exposures
-    from vrcomfort.report.plan import Plan
     from vrcomfort.report.rows import Cells
-    from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.vocabulary import Vocabulary
 
 __all__ = [
     "ANALYSES",
+    "AnalysisData",
     "MethodsParagraph",
     "Sentence",
     "analysed_people",
@@ -66,29 +69,32 @@ ANALYSES: tuple[Analysis[Any], ...] = (
     KRUSKAL_WALLIS,
     ORDINAL,
     Z_SCORES,
+    ANOVA,
+    FRIEDMAN,
+    CROSSOVER,
+    MIXED_MODELS,
 )
 """All of them, in the order of results.json."""
+SECTIONS: tuple[Section, ...] = ("tests", "models", "order")
 Rows = Mapping[str, Sequence[Any]]
 """An analysis' key → its rows."""
 
 
-def on_page() -> list[Analysis[Any]]:
+def on_page(*sections: Section) -> list[Analysis[Any]]:
     """Return the analyses in the order of the page, which sentences and methods have as well."""
-    return sorted(ANALYSES, key=lambda each: each.place)
+    found = (each for each in ANALYSES if each.section in sections)
+    return sorted(found, key=lambda each: each.place)
 
 
-def run_analyses(
-    study: StudyData, scored: Exposures, plan: Plan, conditions: Sequence[str], reference: str
-) -> dict[str, Sequence[Any]]:
-    """Make the analyses of a plan, each of its own analysis set."""
+def run_analyses(data: AnalysisData, *sections: Section) -> dict[str, Sequence[Any]]:
+    """Make the analyses of a plan that stand in some sections, each of its own analysis set."""
     return {
         each.key: each.compute(
-            AnalysisData(
-                study, scored, plan, conditions, reference, each.people.needs_every_score(plan)
-            ),
-            plan.entries(each.key),
+            replace(data, complete=each.people.needs_every_score(data.plan)),
+            data.plan.entries(each.key),
         )
         for each in ANALYSES
+        if each.section in sections
     }
 
 
@@ -101,15 +107,15 @@ def sentences(rows: Rows, words: Vocabulary) -> list[Sentence]:
     """Return the answers of all rows."""
     return [
         sentence
-        for each in on_page()
+        for each in on_page(*SECTIONS)
         for row in rows[each.key]
         for sentence in each.sentences(row, words)
     ]
 
 
-def methods_paragraphs(rows: Rows) -> list[MethodsParagraph]:
+def methods_paragraphs(rows: Rows, *sections: Section) -> list[MethodsParagraph]:
     """Return the paragraphs on the analyses that this report holds."""
-    return [paragraph for each in on_page() for paragraph in each.methods(rows[each.key])]
+    return [paragraph for each in on_page(*sections) for paragraph in each.methods(rows[each.key])]
 
 
 def references() -> dict[str, str]:
@@ -130,19 +136,19 @@ def csv_tables(rows: Rows) -> dict[str, list[Cells]]:
 class PageAnalysis:
     """An analysis as the page has it."""
 
-    key: str
+    section: Section
     tables: tuple[PageTable, ...]
     figure: AnalysisFigure[Any] | None
 
 
 def page_analyses(rows: Rows, words: Vocabulary, confidence: float) -> Iterator[PageAnalysis]:
     """Yield the analyses that have rows, in the order of the page."""
-    for each in on_page():
+    for each in on_page(*SECTIONS):
         found = rows[each.key]
         if found:
             tables = (t for t in each.tables if t.columns or t.template)
             drawn = tuple(table.on_page(found, words, confidence) for table in tables)
-            yield PageAnalysis(each.key, drawn, each.figure)
+            yield PageAnalysis(each.section, drawn, each.figure)
 
 
 def analysis_figures(rows: Rows, words: Vocabulary) -> dict[str, Drawing | None]:

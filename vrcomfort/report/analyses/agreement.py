@@ -21,7 +21,7 @@ from vrcomfort.report.analyses.contract import (
     percent,
     unknown_outcome,
 )
-from vrcomfort.report.models import points
+from vrcomfort.report.factors import points
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import with_every_score
 from vrcomfort.report.plan import Entry

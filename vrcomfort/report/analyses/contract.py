@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 from markupsafe import Markup
 
@@ -18,6 +18,7 @@ from vrcomfort.web_page import escape_hidden
 if TYPE_CHECKING:
     from vrcomfort.records.recording import Memory
     from vrcomfort.report.canvas import Drawing
+    from vrcomfort.report.contrasts import Compared
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 Row = TypeVar("Row")
 Line = TypeVar("Line")
 Found = TypeVar("Found")
+Section = Literal["tests", "models", "order"]
 ITALIC_N = Markup("<i>n</i>")
 ITALIC_P = Markup("<i>p</i>")
 Text = str | Callable[[float], str]
@@ -59,6 +61,8 @@ class AnalysisData:
         Those in the data, in the protocol's order.
     reference
         The condition that models compare with.
+    contrasts
+        The comparisons of the plan.
     complete
         Whether participants without a planned score are left out; see `AnalysisSet`.
     """
@@ -68,6 +72,7 @@ class AnalysisData:
     plan: Plan
     conditions: Sequence[str]
     reference: str
+    contrasts: Sequence[Compared]
     complete: bool
 
     def has(self, *outcomes: str) -> bool:
@@ -232,8 +237,8 @@ class Analysis(Generic[Row]):
         Yields what the types of entries cannot say is wrong: plan, entries → problems.
     tables, figure
         On the page in this order; CSV files.
-    place
-        Place on the page among other analyses: the smallest first.
+    section, place
+        Place on the page: of a section's analyses the smallest first.
     sentences
         The answers of a row.
     methods
@@ -254,6 +259,7 @@ class Analysis(Generic[Row]):
     problems: Callable[[Plan, Sequence[Any]], Iterable[Problem]] = lambda _plan, _asked: ()
     tables: tuple[AnalysisTable[Row, Any], ...] = ()
     figure: AnalysisFigure[Row] | None = None
+    section: Section = "tests"
     place: int = 99
     sentences: Callable[[Row, Vocabulary], Iterable[Sentence]] = lambda _row, _words: ()
     methods: Callable[[Sequence[Row]], Iterable[MethodsParagraph]] = lambda _: ()
@@ -308,7 +314,7 @@ class SectionAnalysis(Generic[Found]):
     notes
         Recordings that could not be read.
     names
-        What the template calls a thing beside the words of the report.
+        Names that the template uses beside the words of the report, by variable.
     """
 
     key: str

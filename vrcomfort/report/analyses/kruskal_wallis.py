@@ -21,7 +21,7 @@ from vrcomfort.report.analyses.contract import (
     estimable,
     starred_p,
 )
-from vrcomfort.report.models import is_between, level_of, points
+from vrcomfort.report.factors import is_between, level_of, points
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import Side, side_sums, with_every_score
 from vrcomfort.report.rows import INLINE, cells

@@ -19,7 +19,7 @@ from vrcomfort.report.analyses.contract import (
     estimable,
 )
 from vrcomfort.report.exposures import column_of
-from vrcomfort.report.models import check_column
+from vrcomfort.report.factors import check_column
 from vrcomfort.report.plan import Entry
 from vrcomfort.report.rows import INLINE
 from vrcomfort.report.words import interval, number, p_equals

@@ -23,7 +23,7 @@ from vrcomfort.render.effects.depth_of_field.lens_radius import (
 from vrcomfort.render.scene_pass import Radii, ResolvePass
 
 TILE_PX = 8
-"""Side of the tiles whose range of radii is known."""
+"""Side of the tiles whose range of radii is known; with 4 px, dilation cost as much as it saved."""
 
 
 Axis: TypeAlias = tuple[float, float, float]
@@ -40,7 +40,10 @@ class EyeUniforms(NamedTuple):
 
 
 class ForwardUniforms(NamedTuple):
-    """The fields of `EyeUniforms` without the last: distances along the head's forward axis."""
+    """The fields of `EyeUniforms` without the last: distances along the head's forward axis.
+
+    Two tuples, since a uniform that a variant does not use is an error.
+    """
 
     tangents: tuple[float, float, float, float]
     head_forward_in_view: tuple[float, float, float]
@@ -339,7 +342,7 @@ class CocTileMinMax:
             "depth_of_field/coc_tile_min_max.frag",
             size_px=(ceil(width / tile_px), ceil(height / tile_px)),
             defines={"TILE": tile_px, **defines},
-            dtype="f4",
+            dtype="f4",  # 12 bits in alpha (levels.glsl): a half float holds 11
         )
         self.target = self._tiles.target
         """RGBA32F, pixels of image width: least and greatest signed radius of each tile of the last
@@ -352,7 +355,7 @@ class CocTileMinMax:
     def render(self, eye: Uniforms) -> None:
         """Add an eye's image; `eye` is from :meth:`DepthToCoc.of_eye`."""
         self._tiles.render(eye)
-        self._of_eye.reset()
+        self._of_eye.reset()  # the widest disc is one eye's; only the record goes on
         self._of_eye.render()
         self._largest.render()
 
