@@ -17,7 +17,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import RECORD, Wishes, anonymise, new_names
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records import set_status, undo_withdrawal
-from vrcomfort.records.pose_columns import AVATAR, EYES, HANDS, HEAD
+from vrcomfort.records.shared_columns import AVATAR, EYES, HANDS, HEAD
 
 MOTION = (*HEAD, *EYES, *AVATAR, *HANDS, "focus_m", "focus_raw_m", "ray_1_m", "rays_used")
 REASON = "Zebra pressed the wrong key"

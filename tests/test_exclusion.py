@@ -13,7 +13,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records import read_participants
-from vrcomfort.records.exclusion import add_note, exclude, undo_exclusion
+from vrcomfort.records.participants import add_note, exclude, undo_exclusion
 from vrcomfort.report.study_data import read_study
 
 FITTED = CALM + "[headset]\nipd_range_m = [0.058, 0.072]\n"

@@ -24,13 +24,18 @@ from vrcomfort.exchange.psych_ds import export_psych_ds
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.operator_interface import ALLOWED
 from vrcomfort.records import rows, schema
-from vrcomfort.records.data_dictionary import data_dictionary
 from vrcomfort.records.disk import OWNER
 from vrcomfort.records.events import EVENTS, EventKind
-from vrcomfort.records.mend import mend
+from vrcomfort.records.interrupted import mend
 from vrcomfort.records.recording import kinds
 from vrcomfort.records.rows import ALWAYS, BOTH, GAZE, MOTION, Column, Row, declared
-from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS, TABLES, SharedFile
+from vrcomfort.records.schema import (
+    OPTIONAL_ROWS,
+    SESSION_ROWS,
+    TABLES,
+    SharedFile,
+    data_dictionary,
+)
 from vrcomfort.records.session_rows import FACTS, QuestionnaireRow
 from vrcomfort.replay.recorded import read_session
 from vrcomfort.report.study_data import _NEEDED_ELSEWHERE, _NUMBERS, NEEDED

@@ -10,9 +10,9 @@ import pytest
 from vrcomfort.cli import main
 from vrcomfort.records import FrameRow, GazeRow
 from vrcomfort.records.disk import OWNER
-from vrcomfort.records.mend import mend
-from vrcomfort.records.pose_columns import HANDS
+from vrcomfort.records.interrupted import mend
 from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
+from vrcomfort.records.shared_columns import HANDS
 from vrcomfort.traces.gaze_track import read_gaze
 from vrcomfort.traces.trace import read_trace
 

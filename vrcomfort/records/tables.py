@@ -17,7 +17,7 @@ from typing import Any
 from vrcomfort.csv_table import LARGEST_WHOLE, CsvTable, plain_digits, shortened
 from vrcomfort.errors import InputError
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
-from vrcomfort.records.manifest_shape import LONGEST_S
+from vrcomfort.records.json_file import LONGEST_S
 from vrcomfort.records.rows import Column, Row, declared, single
 from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
 
