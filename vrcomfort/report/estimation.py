@@ -1,4 +1,4 @@
-"""Estimation plots: everybody's scores under each condition, beside the differences of the tests.
+"""Estimation plots: scores under each condition, beside the differences of the tests.
 
 After Gardner & Altman (1986) and Ho et al. (2019); the difference shown is the one that is tested.
 """
@@ -108,7 +108,7 @@ def estimation_figure(scored: Exposures, tests: list[Test], words: Vocabulary) -
     Returns
     -------
     Drawing or None
-        None where nobody is in a test.
+        None without a test.
     """
     made = [test for test in tests if not test["not_tested"]]
     if not made:
@@ -135,7 +135,7 @@ def estimation_figure(scored: Exposures, tests: list[Test], words: Vocabulary) -
 
 
 def _scores(scored: Exposures, tests: list[Test], sides: list[Side]) -> Floats:
-    """Return the mean score per exposure, people × sides; NaN where somebody is in no test."""
+    """Return the mean score per exposure, people × sides; NaN for people in no test."""
     outcome = tests[0]["outcome"]
     columns = []
     for side in sides:
@@ -147,7 +147,7 @@ def _scores(scored: Exposures, tests: list[Test], sides: list[Side]) -> Floats:
 
 
 def differences(scored: Exposures, test: Test) -> Floats:
-    """Return the differences of a test in points, of those who answered."""
+    """Return the differences of a test in points, of people with scores."""
     sides = (Side(**side) for side in test["sides"])
     found = pair_up(scored, test["outcome"], *sides, complete=False)
     tested = set(test["participants"])
@@ -196,7 +196,7 @@ def _draw_below(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary)
 
 
 def difference_label(outcome: str, words: Vocabulary) -> str:
-    """Return what an axis with differences of an outcome is called."""
+    """Return the label of an axis with differences of an outcome."""
     unit = words.unit(outcome)
     return f"difference ({unit})" if unit else "difference"
 
@@ -246,7 +246,7 @@ def group_figure(scored: Exposures, row: Row, words: Vocabulary) -> Drawing | No
 
 
 def values_of(scored: Exposures, row: Row) -> tuple[Floats, Floats]:
-    """Return the scores of those in a comparison, in points."""
+    """Return the scores of the people in a comparison, in points."""
     one, two = (Side(**side) for side in row["sides"])
     tested = set(row["participants"])
     if row["design"] == "paired":

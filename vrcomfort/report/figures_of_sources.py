@@ -1,4 +1,4 @@
-"""Which figure of which paper shows the same: only in reports of that paper's protocol."""
+"""The same figures of papers, for reports of a paper's own protocol."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class SameFigures:
 
     @classmethod
     def of(cls, protocol: str | None) -> SameFigures:
-        """Return those of the paper whose protocol this is; none for any other."""
+        """Return those of a protocol's paper; none for any other protocol."""
         file = data_folder("analysis") / "report" / "figures_of_sources.toml"
         known = tomllib.loads(file.read_text(encoding="utf-8"))
         return cls(known.get(protocol or "", {}))

@@ -76,5 +76,5 @@ def section_paragraphs(sections: Iterable[Section]) -> list[MethodsParagraph]:
 
 
 def section_names() -> dict[str, Any]:
-    """Return what the templates of all sections call things, by the variable's name."""
+    """Return the names that the templates of all sections use, by variable."""
     return {name: names for each in SECTIONS for name, names in each.names.items()}

@@ -28,7 +28,7 @@ from vrcomfort.report.gaze_and_head.exposures import (
     times_of,
 )
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.rows import INLINE, as_json
+from vrcomfort.report.rows import INLINE, Cells, as_json
 from vrcomfort.stats.gaze_and_head import Map, angles_deg, saliency_map, unit_vectors
 
 if TYPE_CHECKING:
@@ -567,7 +567,7 @@ def _viewpoint(
     return SceneViewpoint(row, shown)
 
 
-def gaze_and_head_tables(found: GazeAndHeadAnalysis) -> dict[str, list[dict[str, Any]]]:
+def gaze_and_head_tables(found: GazeAndHeadAnalysis) -> dict[str, list[Cells]]:
     """Return name → lines of the CSV tables."""
     return {
         "gaze_and_head": as_json(found.exposures),

@@ -30,7 +30,7 @@ MOST_MAPS = 6
 
 
 def gaze_and_head_figures(found: GazeAndHeadAnalysis, words: Vocabulary) -> dict[str, Drawing]:
-    """Return name → drawing of what there is."""
+    """Return name → drawing of the figures with data."""
     drawn = {}
     if found.zones:
         drawn["gaze_zones"] = _zones(found, words)

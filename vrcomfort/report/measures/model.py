@@ -22,7 +22,7 @@ Limit = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class MeasureSettings(Settings):
-    """An outcome that is no score of a questionnaire: what it is, and what readers call it."""
+    """An entry of a plan's `measures`: an outcome that is no score of a questionnaire."""
 
     name: Name
     measure: str
@@ -54,7 +54,7 @@ class Measure:
     title
         As readers know it.
     source, quantity
-        What it is read from (a key of `measures.SOURCES`), and what of it.
+        File of the study (a key of `measures.SOURCES`), and quantity in it.
     unit_label
         Unit, such as s; blank for a pure number.
     better
@@ -92,7 +92,7 @@ class MeasuredValue(NamedTuple):
 
 
 class Quantity(NamedTuple):
-    """What a source knows of one of its quantities."""
+    """A quantity of a source, with its title, unit and definition."""
 
     title: str
     unit: str
@@ -102,7 +102,7 @@ class Quantity(NamedTuple):
 
 
 class MeasureSource(Protocol):
-    """A file of the study, and what can be measured in it."""
+    """A file of the study, and its measures."""
 
     quantities: ClassVar[dict[str, Quantity]]
     """The quantities with a name; empty where any column may be named."""

@@ -44,7 +44,7 @@ TRIAL_QUANTITIES = {
 
 
 class TrialMeasures:
-    """``trials.csv``: what every trial has, and any other column with numbers."""
+    """``trials.csv``: the columns of every trial, and any other with numbers."""
 
     quantities: ClassVar[dict[str, Quantity]] = TRIAL_QUANTITIES
     of_whole_exposures: ClassVar[bool] = False
@@ -208,7 +208,7 @@ class ExposureRatings(NamedTuple):
 
 
 def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, ExposureRatings]:
-    """Return the ratings of each exposure that was asked for any.
+    """Return the ratings of each exposure with prompts.
 
     Of an exposure that was begun again, those of the last attempt count.
 
@@ -408,7 +408,7 @@ _OPEN = ("trials", "tasks", "dials", "participants")
 
 
 def fault_of(measure: str) -> str | None:
-    """Say why a name is none of a measure; None where it is one."""
+    """Return the fault of a name that is no measure's; None for a measure."""
     source, dot, quantity = measure.partition(".")
     if not dot or source not in SOURCES:
         known = ", ".join(f"{name}.…" for name in SOURCES)
@@ -420,7 +420,7 @@ def fault_of(measure: str) -> str | None:
 
 
 def measure_of(name: str, said: MeasureSettings | None = None) -> Measure:
-    """Return the measure of a name, with what a plan says of it."""
+    """Return the measure of a name, with the settings of a plan."""
     source, _, quantity = (said.measure if said else name).partition(".")
     known = SOURCES[source].quantities.get(quantity)
     title = known.title if known else quantity.replace("_", " ").capitalize()
@@ -442,7 +442,7 @@ def measure_of(name: str, said: MeasureSettings | None = None) -> Measure:
 
 
 def definition_of(measure: Measure) -> str:
-    """Return what it is, as a clause of a methods section."""
+    """Return the definition of a measure, as a clause of a methods section."""
     source = SOURCES[measure.source]
     known: Quantity | None = source.quantities.get(measure.quantity)
     if known is None and measure.source == "dials":
