@@ -26,7 +26,7 @@ class Progress(Protocol):
     def __call__(
         self, title: str, total: float | None, *, unit: str = ""
     ) -> AbstractContextManager[Callable[..., None]]:
-        """Return a context whose value takes finished steps: ``advance(steps=1, title=None)``."""
+        """Return a context that yields a counter of steps: ``advance(steps=1, title=None)``."""
 
 
 @contextmanager
@@ -37,7 +37,7 @@ def no_progress(title: str, total: float | None, *, unit: str = "") -> Iterator[
 
 
 def output_folder(path: Path) -> Path:
-    """Make the folder for results that can be made again; its old files are replaced.
+    """Make the folder for results; earlier ones in it are replaced.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def output_folder(path: Path) -> Path:
 
 
 def output_file(path: Path, source: Path) -> Path:
-    """Return `path` for what is made of `source` and can be made again; an old one is replaced.
+    """Return `path` for a result of `source`; an earlier one is replaced.
 
     Raises
     ------

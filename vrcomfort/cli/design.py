@@ -37,7 +37,7 @@ def design(
     seed: StudySeed = None,
     as_json: Json = False,
 ) -> None:
-    """Show who meets what in which order and in which group, and how balanced that is.
+    """Show the orders and groups of all participants, and their balance.
 
     With --study, what was really run, without those whose places are free again, and which orders
     the next participants should get.

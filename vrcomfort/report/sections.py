@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort.report.analyses import MethodsParagraph
 from vrcomfort.report.analyses.contract import SectionAnalysis, SectionData
-from vrcomfort.report.courses import RATINGS
 from vrcomfort.report.gaze_and_head import GAZE_AND_HEAD
+from vrcomfort.report.ratings import RATINGS
 from vrcomfort.report.rows import rounded
 
 if TYPE_CHECKING:

@@ -21,23 +21,23 @@ from vrcomfort.report.canvas import (
     threads,
     time_unit,
 )
-from vrcomfort.report.courses.survival import (
+from vrcomfort.report.palette import colour_of, marker_of
+from vrcomfort.report.ratings.survival import (
     TimeToEvent,
     curve_of,
     repeated,
     times_to_threshold,
     times_to_withdrawal,
 )
-from vrcomfort.report.courses.time_courses import at_times
-from vrcomfort.report.palette import colour_of, marker_of
+from vrcomfort.report.ratings.time_courses import at_times
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from vrcomfort.report.courses.analysis import TimeCourseAnalysis
-    from vrcomfort.report.courses.exposures import RatedExposure
+    from vrcomfort.report.ratings.analysis import TimeCourseAnalysis
+    from vrcomfort.report.ratings.exposures import RatedExposure
     from vrcomfort.report.vocabulary import Vocabulary
     from vrcomfort.stats.survival import KaplanMeier
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.report.analyses.contract import MethodsParagraph
-from vrcomfort.report.courses.exposures import (
+from vrcomfort.report.ordering import natural
+from vrcomfort.report.ratings.exposures import (
     ALL,
     COMPLETERS,
     UNKNOWN,
@@ -18,7 +19,7 @@ from vrcomfort.report.courses.exposures import (
     rated_exposures,
     rated_instrument,
 )
-from vrcomfort.report.courses.survival import (
+from vrcomfort.report.ratings.survival import (
     SurvivalAnalysis,
     survival_analysis,
     survival_paragraph,
@@ -26,13 +27,13 @@ from vrcomfort.report.courses.survival import (
     times_to_threshold,
     times_to_withdrawal,
 )
-from vrcomfort.report.courses.symptom_model import (
+from vrcomfort.report.ratings.symptom_model import (
     SymptomModelAnalysis,
     symptom_model,
     symptom_model_paragraph,
     symptom_model_tables,
 )
-from vrcomfort.report.courses.time_courses import (
+from vrcomfort.report.ratings.time_courses import (
     CurvePoint,
     SensitivityRow,
     SummaryModel,
@@ -46,7 +47,6 @@ from vrcomfort.report.courses.time_courses import (
     sensitivity,
     time_course_paragraph,
 )
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.rows import INLINE, Cells, as_json, rounded
 
 if TYPE_CHECKING:
