@@ -149,7 +149,7 @@ STATUSES = ("enrolled", "completed", "withdrawn", "excluded")
 
 @dataclass
 class Made:
-    """What becomes of all tables together: scores without answers, courses of ratings."""
+    """Instruments made of all tables together: scores without answers, rating time courses."""
 
     scores: dict[str, ScoreInstrument] = field(default_factory=dict)
     courses: dict[tuple[str, Administration], tuple[SourceRow, Sequence[Summary], list[Rating]]] = (
@@ -185,7 +185,7 @@ class TableImport:
         self._readers: dict[tuple[int, str], AnswerReader] = {}
 
     def run(self) -> str:
-        """Import every row, and note what was left out; return the name of the sheet."""
+        """Import every row, note the rows left out, and return the name of the sheet."""
         filled = [self._columns.index(name, "fill_down") for name in self._mapping.fill_down]
         above: dict[int, str] = {}
         for found, row in zip(self._table.rows, self._table.numbers, strict=True):
@@ -503,7 +503,7 @@ def _require_sheets(file: Path, mapping: LabMapping, taken: Sequence[str]) -> No
 
 
 def _finish(imported: Imported) -> None:
-    """Add who has answers and no covariates, and tell of ids that may be one person."""
+    """Add participants without covariates, and note ids that may be one person."""
     people = [moment.participant for _, moment in imported.sheets]
     people += [rating.moment.participant for rating in imported.ratings]
     answered = dict.fromkeys(people)

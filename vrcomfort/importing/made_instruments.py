@@ -40,12 +40,12 @@ _TITLES: Mapping[ScoreKind, str] = {
 
 
 def name_of(instrument: Instrument, kind: ScoreKind) -> str:
-    """Return the name of the instrument of somebody's scores: ``ssq_scores``."""
+    """Return the name of the instrument of a lab's scores: ``ssq_scores``."""
     return f"{instrument.name}_{_NAMES[kind]}"
 
 
 def step_of(scale: Scale, kind: ScoreKind) -> Fraction | None:
-    """Return what scores are whole multiples of; None where no decimal number is that."""
+    """Return the unit of scores, or None where it is no decimal number."""
     if kind == "other":
         return None
     step = Fraction(1) if kind == "raw_sum" else scale.unit
@@ -69,14 +69,14 @@ def on_scale(value: float, scale: Scale, kind: ScoreKind) -> Answer | None:
 
 @dataclass
 class ScoreInstrument:
-    """The instrument of somebody's scores in the making: what values its scales have."""
+    """The instrument of a lab's scores in the making, with the values of its scales."""
 
     of: Instrument
     kind: ScoreKind
     values: dict[str, list[Answer]] = field(default_factory=dict)
 
     def made(self) -> Instrument:
-        """Return the instrument, whose text is its file."""
+        """Return the instrument, with the text of its file."""
         scales = [scale for scale in self.of.scales if scale.column in self.values]
         title = f"{self.of.title}, {_TITLES[self.kind]}"
         words = _NAMES[self.kind].replace("_", " ")
@@ -136,7 +136,7 @@ _TEXTS: Mapping[Summary, str] = {
 
 
 def course_instrument(instrument: Instrument, summaries: Sequence[Summary]) -> Instrument:
-    """Return the instrument whose items are summaries of courses: ``fms_course``."""
+    """Return the instrument of rating time courses, summaries as items: ``fms_course``."""
     answers = instrument.answers
     of_ratings = {"low": answers.low, "high": answers.high, "step": answers.step}
     fine = common_divisor(Fraction(1, 10**DECIMALS), answers.resolution, exact(answers.high))
@@ -162,7 +162,7 @@ def sum_up(
     ratings: Mapping[tuple[str, Administration], tuple[SourceRow, Sequence[Summary], list[Rating]]],
     known: Mapping[str, Instrument],
 ) -> None:
-    """Add the summaries of every course to what was imported."""
+    """Add the summaries of every rating time course to an import."""
     wanted: dict[str, dict[Summary, None]] = defaultdict(dict)
     for (name, moment), (place, summaries, course) in ratings.items():
         if not summaries:

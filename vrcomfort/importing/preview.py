@@ -1,4 +1,4 @@
-"""Shows in a few lines what an import makes of the files."""
+"""Shows the result of an import in a few lines."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ FIRST = 8
 
 
 def preview(imported: Imported) -> list[str]:
-    """Return the first rows as they are imported, counts, and what is missing; one line each."""
+    """Return the first rows as imported, counts, and missing answers; one line each."""
     return [*_first_rows(imported), "", *_counts(imported), *_missing(imported)]
 
 

@@ -29,7 +29,7 @@ def suspects(names: Iterable[str]) -> list[str]:
 
 
 class Administration(NamedTuple):
-    """Whose a questionnaire is, and when it was asked; blank where that is not said."""
+    """One administration of a questionnaire; blank fields are not known."""
 
     participant: str
     session: str
@@ -115,10 +115,10 @@ class Imported:
 
     @property
     def covariates(self) -> list[str]:
-        """Return the names of what is known of participants."""
+        """Return the names of the covariates of participants."""
         return list(dict.fromkeys(name for each in self.participants.values() for name in each))
 
 
 def administration_of(facts: Mapping[str, str]) -> Administration:
-    """Return a moment of what is said of it; the rest is blank."""
+    """Return the administration with these facts; the others are blank."""
     return Administration(*(facts.get(name, "") for name in Administration._fields))

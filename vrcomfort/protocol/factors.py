@@ -31,7 +31,7 @@ class CrossedFactor(Settings):
     """A within-subject factor; its levels are crossed with those of the others."""
 
     name: Word
-    """What conditions' `levels` and `max_run` call it."""
+    """Name of the factor in conditions' `levels`, and in `max_run`."""
     levels: Annotated[tuple[FactorLevel, ...], Field(min_length=2, max_length=16)]
     """At least two."""
 

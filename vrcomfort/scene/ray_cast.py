@@ -1,4 +1,4 @@
-"""What a ray meets first in a scene, on the CPU: for a line of sight, not for pictures."""
+"""The first hit of a ray in a scene, on the CPU: for a line of sight, not for pictures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _PARALLEL = 1e-12
 
 
 class RayHit(NamedTuple):
-    """What a ray meets.
+    """The first hit of a ray.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class _Surface(NamedTuple):
 
 
 class RayCaster:
-    """Casts rays into a scene. What goes with the head or a hand is not there for it.
+    """Casts rays into a scene. Nodes on the head or a hand are invisible to it.
 
     Nodes are taken at their finest level of detail. MASK surfaces count where they are
     transparent, too; BLEND surfaces, as glass, never do. Skins are not bent.
@@ -72,7 +72,7 @@ class RayCaster:
         self._kept: tuple[float, list[_Surface], Array, Array] | None = None
 
     def cast(self, ray: Pose, time_s: float = 0.0) -> RayHit:
-        """Return what −Z of world-from-ray meets first at a time of the scene."""
+        """Return the first hit along −Z of world-from-ray at a time of the scene."""
         surfaces, low, high = self._at(time_s)
         if not surfaces:
             return NOTHING

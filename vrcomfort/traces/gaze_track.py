@@ -17,7 +17,7 @@ from vrcomfort.traces.table import TraceTable, has_group, read_parts
 
 @dataclass(frozen=True, eq=False)
 class EyeTrack:
-    """What an eye tracker saw of one eye.
+    """The samples of an eye tracker for one eye.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ LONGEST_NS = 50_000_000
 
 @dataclass(frozen=True, eq=False)
 class GazeTrack:
-    """What an eye tracker saw.
+    """The samples of an eye tracker, of both eyes together.
 
     Parameters
     ----------

@@ -220,7 +220,7 @@ def track_of(table: TraceTable, columns: tuple[str, ...]) -> PoseTrack:
 def cuts_of(
     table: TraceTable, trial: tuple[str, ...] | None, *, before: str | None, start: bool
 ) -> NDArray[np.bool_]:
-    """Return (n,) bool: the start, changes of trial, and what the file calls a discontinuity.
+    """Return (n,) bool: the start, changes of trial, and the file's discontinuities.
 
     Parameters
     ----------

@@ -79,7 +79,7 @@ Format = Literal["unity-euler"]
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What a head did.
+    """A head trace: poses over time, with hands, eyes and gaze where they were recorded.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Writes a mapping from a lab's files, with what was understood and what is doubtful."""
+"""Writes a mapping from a lab's files, with the doubts that they leave."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def _ignored_sheets(
 def _tried(
     top: TomlDraft, files: Sequence[Path], own: Sequence[Instrument]
 ) -> tuple[Imported | None, str]:
-    """Return what the mapping makes of the files, or why it is refused."""
+    """Import the files by the mapping; return the import, or the reason of its refusal."""
     try:
         return import_files(files, parse_mapping(top.text(), None), own), ""
     except InputError as error:

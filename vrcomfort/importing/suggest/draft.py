@@ -13,7 +13,7 @@ _WIDEST = 90
 
 
 class OpenDoubt(NamedTuple):
-    """A question that the files do not answer, and what is taken for granted meanwhile."""
+    """A question that the files do not answer, and the assumption meanwhile."""
 
     question: str
     assumed: str

@@ -27,7 +27,7 @@ LONGEST_CODE = 24
 LONGEST_CONDITION = 40
 """Letters of a condition's name at most."""
 FIRST_COLUMNS = 4
-"""Columns among which codes of participants are looked for: they stand in front."""
+"""Columns in which codes of participants, and names of rows below them, are looked for."""
 
 
 @dataclass
@@ -412,6 +412,7 @@ def is_numeric(table: SourceTable, column: int) -> bool:
 def total_rows(table: SourceTable, column: int, totals: Collection[str]) -> list[str]:
     """Return the texts of a column that name means, sums and the like, of the last rows."""
     cells = table.column(column)
+    # Eight rows hold the mean, SD, n, min and max that labs put below their participants.
     found = [
         text
         for text in dict.fromkeys(cells[-8:])

@@ -85,9 +85,10 @@ def _exact(words: Sequence[str], known: Mapping[str, str], _: Instrument) -> _Sp
 def _near(words: Sequence[str], known: Mapping[str, str], _: Instrument) -> _Span | None:
     best: tuple[float, _Span] | None = None
     for start, end, key in _windows(tuple(words)):
-        if len(key) < 5:
+        if len(key) < 5:  # short words resemble each other by chance
             continue
         for spelling, item in known.items():
+            # Misspellings keep the first letter and about the length; comparing all is slow.
             if spelling[0] != key[0] or abs(len(spelling) - len(key)) > 3:
                 continue
             ratio = _likeness(spelling, key)
@@ -98,7 +99,7 @@ def _near(words: Sequence[str], known: Mapping[str, str], _: Instrument) -> _Spa
 
 @lru_cache(maxsize=4096)
 def _likeness(spelling: str, key: str) -> float:
-    """Return the ratio of what two words share, or 0 where it is surely less than is asked for."""
+    """Return the similarity of two words, or 0 where quick bounds put it below `_NEAR`."""
     matcher = SequenceMatcher(None, spelling, key)
     if matcher.real_quick_ratio() < _NEAR or matcher.quick_ratio() < _NEAR:
         return 0.0
@@ -292,6 +293,7 @@ def _placed(side: str, words: Sequence[str]) -> list[tuple[int, str]]:
 
 def _item_numbers(named: Sequence[Named]) -> set[tuple[str, int]]:
     """Return the places in headings where the number of the item stands: another for each."""
+    # Numbers of sessions or trials stand in headings, too, but most items share them.
     numbers: dict[tuple[str, int], dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
     for each in named:
         for side, words in (("before", each.before), ("after", each.after)):
@@ -333,7 +335,7 @@ def _best(
 
 
 def _is_worth(block: Found, items: dict[str, Named]) -> bool:
-    """Return whether what is left is still a questionnaire, and not a few words of another."""
+    """Return whether the items left are still a questionnaire, and not words of another."""
     hows = Counter(named.how for named in items.values())
     sure = hows["name"] + hows["number"] + hows["initials"]
     return len(items) == len(block.items) and sure * 3 >= len(items)

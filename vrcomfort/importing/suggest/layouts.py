@@ -58,6 +58,7 @@ def find_long(table: SourceTable, columns: Sequence[int], known: Known) -> list[
     found: list[Long] = []
     for column in columns:
         words = texts(table, column)
+        # Fewer items make no questionnaire; more texts are ids or comments.
         if not (4 <= len(words) <= 200) or len(table.rows) < len(words):
             continue
         response = _response_column(table, column, known.vocabulary)
@@ -267,7 +268,7 @@ FEWEST_TIMES = 3
 
 
 def _courses_of(ratings: Sequence[FoundRating]) -> list[list[FoundRating]]:
-    """Return ratings whose headings differ in one number alone, such as ``FMS_1 min``."""
+    """Group ratings by headings that differ in one number alone, such as ``FMS_1 min``."""
     groups: dict[tuple[str, ...], list[FoundRating]] = {}
     for rating in ratings:
         digits = [word for word in rating.context if word.isdecimal()]
@@ -296,7 +297,7 @@ class FoundScores(FoundAnswers):
 
 
 def find_scores(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundScores]:
-    """Return the columns whose headings name scales: a total, or at least two."""
+    """Return the columns of scores by the scales in their headings: a total, or at least two."""
     found: list[FoundScores] = []
     left = list(columns)
     named = mentions(
@@ -331,7 +332,7 @@ def _of_instrument(
 
 
 def _scale_words(instrument: Instrument, vocabulary: LabVocabulary) -> dict[str, str]:
-    """Return word → scale: its name, title and column, and what labs call it else."""
+    """Return word → scale: its name, title and column, and the vocabulary's words for it."""
     words = {
         plain(word): scale.name
         for scale in instrument.scales
@@ -424,6 +425,7 @@ def parts_of(
     counted = found[np.abs(found) > 1e-6]
     if len(counted) < 2 or not np.allclose(parts[:, used] @ found, target, atol=0.02):
         return None
+    # Raw sums count an item once or twice, in two subscales; other weights are chance fits.
     steps = counted / counted.min() if counted.min() > 0 else np.array([0.5])
     if not np.allclose(steps, np.round(steps), atol=0.02) or steps.max() > 2.1:
         return None

@@ -101,7 +101,7 @@ def _two_unnamed(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
 
 
 def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: str) -> None:
-    """Ask what numbers mean that stand alone; tell equal moments apart."""
+    """Ask for the meaning of numbers that stand alone; tell equal administrations apart."""
     numbers = [f for f in facts if f.get("condition", "").replace("_", "").isdecimal()]
     if numbers:
         shown = ", ".join(dict.fromkeys(f["condition"] for f in numbers))
@@ -177,7 +177,7 @@ def template_of(
 
 
 def _split(headings: Mapping[str, str]) -> tuple[str, str, dict[str, str]]:
-    """Return what all headings begin and end with, and what stands between."""
+    """Return the common start and end of all headings, and the rest of each."""
     texts = list(headings.values())
     left = _common_start(texts)
     right = _common_start([text[len(left) :][::-1] for text in texts])[::-1]

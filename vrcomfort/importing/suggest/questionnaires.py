@@ -53,7 +53,7 @@ class Coding:
 def coding_of(
     table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: LabVocabulary
 ) -> Coding:
-    """Return how the answers in some columns are to be read, with what is doubtful."""
+    """Return the coding of the answers in some columns, with its doubts."""
     cells = [table.rows[r][c] for r in range(len(table.rows)) for c in columns]
     return coding_of_texts(cells, instrument, table.reading.decimal or ".", vocabulary)
 
@@ -73,7 +73,7 @@ def _variant(instrument: Instrument, values: Iterable[int]) -> Instrument | None
 def coding_of_texts(
     cells: Sequence[str], instrument: Instrument, decimal: str, vocabulary: LabVocabulary
 ) -> Coding:
-    """Return how some answers are to be read, with what is doubtful."""
+    """Return the coding of some answers, with its doubts."""
     counts = Counter(cell for cell in cells if cell)
     found = Coding()
     values: dict[int, int] = {}
@@ -169,6 +169,7 @@ def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> N
     low, high = int(instrument.low), int(instrument.high)
     outside = sorted(value for value in values if not low <= value <= high)
     inside = [value for value in values if low <= value <= high]
+    # One above the highest answer is an answer counted from 1, not a code.
     codes = [value for value in outside if value in _CODES and value != high + 1]
     for code in codes:
         found.missing.append(str(code))
@@ -196,6 +197,7 @@ def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> N
         shown = ", ".join(map(str, rest[:6]))
         question = f"What do the answers {shown} mean? {instrument.name} has {low} to {high}."
         found.doubts.append(OpenDoubt(question, "the import will refuse them"))
+    # The task load index is printed with 21 marks, of which labs type the number.
     elif high >= 100 and inside and max(inside) <= 21:
         found.times = 10 if max(inside) <= 10 else 5
         found.coded_from = 1 if max(inside) == 21 else None

@@ -10,6 +10,7 @@ from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
 from vrcomfort.importing.suggest.evidence import (
+    FIRST_COLUMNS,
     Context,
     Roles,
     is_personal,
@@ -95,7 +96,7 @@ class AnswerColumns:
 
     @property
     def leading(self) -> Layout[Any] | None:
-        """Return the layout whose headings say the facts of a row, if there is one."""
+        """Return the layout with the facts of a row in its headings, if there is one."""
         leading: tuple[Layout[Any], ...] = (BLOCKS, SCORES, RATINGS)
         return next((each for each in leading if self[each]), None)
 
@@ -191,7 +192,7 @@ class TableDraft:
         self.gives = bool(self.draft.lists or self.draft.values.get("participants"))
 
     def _numbers(self) -> str:
-        """Return what numbers in headings are: a column may say the condition already."""
+        """Return the fact that numbers in headings are: a column may say the condition already."""
         return "trial" if self._roles.facts.get("condition") else "condition"
 
     def _spelt(self, facts: dict[str, str]) -> dict[str, str]:
@@ -219,7 +220,7 @@ class TableDraft:
 
     def _total_rows(self) -> dict[int, list[str]]:
         """Take rows of means and sums out of the table; return column → their texts."""
-        for column in range(min(4, len(self.table.headings))):
+        for column in range(min(FIRST_COLUMNS, len(self.table.headings))):
             found = [
                 text
                 for table in self._tables
@@ -233,7 +234,7 @@ class TableDraft:
 
     def _fill_down(self) -> None:
         """Let blank cells of a column of participants mean the one above, where they are many."""
-        first = range(min(4, len(self.table.headings)))
+        first = range(min(FIRST_COLUMNS, len(self.table.headings)))
         columns = roles_of(self.table, first, self._vocabulary).facts.get("participant", [])
         for column in columns or ([0] if self.table.reading.transpose else []):
             cells = self.table.column(column)
@@ -277,7 +278,7 @@ class TableDraft:
             self.draft.lists["questionnaires"] = self._in_short(drafts)
 
     def _facts_of(self, layout: Layout[Any]) -> list[dict[str, str]]:
-        """Return what the headings of each answer of a layout say.
+        """Return the facts in the headings of a layout's answers.
 
         Ratings beside questionnaires say their own; scores beside them, and long tables, nothing.
         """
@@ -288,7 +289,7 @@ class TableDraft:
         return self._facts[layout]
 
     def _in_short(self, drafts: list[TomlDraft]) -> list[TomlDraft]:
-        """Say questionnaires in one whose headings are made alike, and whose answers are."""
+        """Merge questionnaires with headings of one template and the same coding."""
         facts = self._facts_of(BLOCKS)
         count = len(facts)
         names = {draft.values["instrument"] for draft in drafts[:count]}
@@ -327,7 +328,7 @@ class TableDraft:
         return [whole, *drafts[count:]]
 
     def _moments_of(self, found: Sequence[FoundAnswers]) -> list[dict[str, str]]:
-        """Return what the words of headings say, of each instrument by itself."""
+        """Return the facts in the words of headings, each instrument by itself."""
         named = [(each.instrument.name, each.context) for each in found]
         facts: list[dict[str, str]] = [{} for _ in named]
         for name in dict.fromkeys(name for name, _ in named):
@@ -341,7 +342,7 @@ class TableDraft:
         return facts
 
     def _score_tables(self) -> None:
-        """Keep scores of instruments whose answers are not there."""
+        """Draft scores of instruments without answers in the table."""
         answered = {each.instrument.name for each in (*self._answers[BLOCKS], *self._answers[LONG])}
         drafts = []
         asked: dict[str, list[str]] = {}
