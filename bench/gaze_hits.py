@@ -1,4 +1,4 @@
-"""What it costs to find out, in each frame, what the gaze meets: drawn, and beside drawing."""
+"""Cost of finding the gaze hit in each frame: drawn, and beside drawing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Gaze, Pose, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
-from vrcomfort.render.gaze_hit import GazeHits
+from vrcomfort.render.focus.rays import GazeHits
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene

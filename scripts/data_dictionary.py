@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from vrcomfort.records.data_dictionary import data_dictionary
+from vrcomfort.records.schema import data_dictionary
 
 PAGE = Path(__file__).parent.parent / "docs" / "data_dictionary.md"
 

@@ -10,7 +10,7 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.protocol import Condition, DepthOfField
-from vrcomfort.render.gaze_hit import GazeHits
+from vrcomfort.render.focus.rays import GazeHits
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Image, Material

@@ -5,7 +5,7 @@ import pytest
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import rotate
-from vrcomfort.records.pose_columns import pose_columns
+from vrcomfort.records.shared_columns import pose_columns
 from vrcomfort.traces.trace import import_trace, read_trace, write_trace
 
 HEADER = "xr_time_ns,head_x_m,head_y_m,head_z_m,head_qx,head_qy,head_qz,head_qw"

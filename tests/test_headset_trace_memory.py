@@ -12,7 +12,7 @@ import pytest
 from vrcomfort.errors import InputError
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.records.frame_rows import FrameRow
-from vrcomfort.records.pose_columns import HANDS
+from vrcomfort.records.shared_columns import HANDS
 from vrcomfort.traces import table
 from vrcomfort.traces.gaze_track import read_gaze
 from vrcomfort.traces.trace import import_trace, read_trace, write_trace

@@ -8,9 +8,11 @@ import os
 import re
 import sys
 import typing
+from importlib import import_module
 from pathlib import Path
 
 import pytest
+import typer
 from test_console_control import steered
 from test_free_texts import Says, tell
 
@@ -18,7 +20,7 @@ from tests.support.operator import Wanted
 from tests.support.resume import go
 from tests.support.study import Scripted
 from vrcomfort import cli
-from vrcomfort.cli.app import app
+from vrcomfort.cli.app import COMMANDS
 from vrcomfort.console.server import read_command
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
@@ -27,7 +29,7 @@ from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.json_text import json_of, parse_json
 from vrcomfort.protocol import load_protocol
 from vrcomfort.records import read_participants
-from vrcomfort.records.exclusion import add_note, exclude, undo_exclusion
+from vrcomfort.records.participants import add_note, exclude, undo_exclusion
 from vrcomfort.records.rows import csv_line
 from vrcomfort.report.study_data import read_study
 
@@ -67,9 +69,13 @@ def assert_harmless(study: Path) -> None:
 
 
 def test_every_parameter_that_takes_a_text_is_tried_here_or_checked():
+    every = typer.Typer()
+    for name in set(COMMANDS.values()):
+        import_module(f"vrcomfort.cli.{name}").register(every)
+    assert len(every.registered_commands) == len(COMMANDS)
     names = {
         name
-        for command in app.registered_commands
+        for command in every.registered_commands
         for name, hint in typing.get_type_hints(command.callback).items()
         if "str" in str(hint)
     }
@@ -168,7 +174,7 @@ def test_a_text_that_no_note_can_hold_is_refused(tmp_path):
 
 
 LATIN = os.fsdecode(b"st\xfcdy")
-COMMANDS = [
+ON_A_FOLDER = [
     ["status"],
     ["status", "--json"],
     ["verify"],
@@ -180,7 +186,7 @@ COMMANDS = [
 ]
 
 
-@pytest.mark.parametrize("words", COMMANDS, ids=lambda words: " ".join(words[:3]))
+@pytest.mark.parametrize("words", ON_A_FOLDER, ids=lambda words: " ".join(words[:3]))
 def test_a_folder_whose_name_is_no_utf8(words, tmp_path, run, monkeypatch):
     monkeypatch.chdir(tmp_path)
     go(tmp_path, study=LATIN)

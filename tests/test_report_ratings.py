@@ -11,9 +11,9 @@ from tests.support.report import manifest
 from vrcomfort.errors import InputError
 from vrcomfort.records.recording import NEEDED
 from vrcomfort.report.build import build_report
-from vrcomfort.report.courses import analyse_time_courses
-from vrcomfort.report.courses.exposures import LiveClock, LiveTime, rated_exposures
 from vrcomfort.report.plan_files import read_plan
+from vrcomfort.report.ratings import analyse_time_courses
+from vrcomfort.report.ratings.exposures import LiveClock, LiveTime, rated_exposures
 from vrcomfort.report.study_data import read_study
 
 NOTHING_ELSE = {"labels": {}, "exclusions": [], "tests": []}

@@ -14,7 +14,7 @@ from vrcomfort.importing.convert import import_files
 from vrcomfort.importing.mapping import load_mapping
 from vrcomfort.importing.study import write_study
 from vrcomfort.report.build import build_report, choose_plan
-from vrcomfort.report.courses import analyse_time_courses
+from vrcomfort.report.ratings import analyse_time_courses
 from vrcomfort.report.results import analyse
 from vrcomfort.report.rows import as_json, rounded
 from vrcomfort.report.study_data import read_study

@@ -17,7 +17,7 @@ from tests.support.exchange import PRACTICE, SeesEyes
 from tests.support.odd_json import GONE, odd_versions, with_odd
 from tests.support.resume import go
 from tests.support.study import PROTOCOL, tiny_protocol
-from vrcomfort.records.checksums import seal
+from vrcomfort.records.checksums import write_checksums
 from vrcomfort.records.disk import OWNER
 
 OF_STUDY = "dataset_description.json"
@@ -67,7 +67,7 @@ def odd(study: Path, file: str, place: Place, value: Any) -> None:
     content = json.loads((study / file).read_text())
     (study / file).write_text(json.dumps(with_odd(content, place, value), indent=1))
     if file != OF_STUDY:
-        seal((study / file).parent, OWNER)
+        write_checksums((study / file).parent, OWNER)
 
 
 Run = Callable[..., tuple[int, str, str]]
@@ -156,7 +156,7 @@ def test_whatever_stands_there_no_command_falls(run, study, monkeypatch):
 CHECKED_ELSEWHERE = {
     "importing/json_files.py": "tables of other programs, whose mapping says what they mean",
     "records/json_file.py": "the reader",
-    "records/lock.py": "whoever holds a lock is named where that can be read",
+    "records/disk.py": "whoever holds a lock is named where that can be read",
     "report/writing.py": "names of files to remove, each checked against a pattern",
     "scene/gltf/file.py": "scenes",
     "tradeoff/files.py": "the same as of a report",

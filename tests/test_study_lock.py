@@ -10,8 +10,8 @@ import pytest
 from tests.support.resume import go
 from tests.support.study import AheadHeadset
 from vrcomfort.errors import InputError
-from vrcomfort.records import lock
-from vrcomfort.records.exclusion import add_note, exclude
+from vrcomfort.records import disk
+from vrcomfort.records.participants import add_note, exclude
 
 
 def test_two_programs_cannot_run_one_participant(tmp_path):
@@ -47,7 +47,7 @@ def test_a_folder_that_cannot_be_locked_is_told_whoever_asks(tmp_path, monkeypat
     def refuse(*_, **__):
         raise OSError(number, os.strerror(number))
 
-    monkeypatch.setattr(lock, "_lock", refuse)
+    monkeypatch.setattr(disk, "_lock", refuse)
     with pytest.raises(InputError, match=told):
         add_note(tmp_path / "S", "P01", "left-handed")
     for act in (lambda: exclude(tmp_path / "S", "P01", "why"), lambda: go(tmp_path)):

@@ -20,7 +20,7 @@ from tests.support.study import AheadHeadset, Scripted, read_rows
 from tests.support.tasks import PROTOCOL, do, doing_protocol, room
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.geometry import Pose, normalize, turn_to, yaw_pitch_roll
 from vrcomfort.headset.inputs import HandInput, Inputs
@@ -30,7 +30,7 @@ from vrcomfort.report.study_data import read_study
 from vrcomfort.scene.load import load_scene
 from vrcomfort.scene.markers import Markers
 from vrcomfort.scene.ray_cast import RayCaster
-from vrcomfort.tasks import Ball, Moment, Surroundings, run_task_file
+from vrcomfort.tasks import Ball, Surroundings, TaskFrame, run_task_file
 from vrcomfort.tasks.aiming import Aiming
 from vrcomfort.tasks.exploration import Exploration
 from vrcomfort.tasks.fixation import Fixation
@@ -71,7 +71,7 @@ def aimed(seed=0, *, off_deg=0.0, late_s=0.5, seconds=40.0, **settings):
         if ready and demand.since_s not in shot:
             shot.add(demand.since_s)
             pressed = (towards(demand.position_m, off_deg=off_deg),)
-        results += task.step(Moment(float(time_s), Pose(), pressed=pressed))
+        results += task.step(TaskFrame(float(time_s), Pose(), pressed=pressed))
     return [*results, *task.finish(seconds)]
 
 
@@ -118,7 +118,7 @@ def test_targets_appear_in_the_cone_and_within_their_distances():
 def test_a_target_is_never_behind_a_wall():
     task = Aiming(name="shoot", kind="aiming", distance_m=(2.0, 4.0)).start(around(free_m=1.0))
     for time_s in np.arange(0.0, 2.0, 0.1):
-        task.step(Moment(float(time_s), Pose()))
+        task.step(TaskFrame(float(time_s), Pose()))
     (ball,) = task.balls()
     assert np.linalg.norm(ball.position_m) == pytest.approx(0.9)
 
@@ -136,16 +136,16 @@ def test_a_search_ends_with_what_was_pointed_at_and_goes_on_after_its_time():
     )
     task = settings.start(around())
     assert task.wanted == "lamp"
-    beside = task.step(Moment(1.0, Pose(), pressed=(towards([-1.0, 0.0, -2.0]),)))
+    beside = task.step(TaskFrame(1.0, Pose(), pressed=(towards([-1.0, 0.0, -2.0]),)))
     assert [(each.kind, each.hit) for each in beside] == [("shot", 0)]
-    found = task.step(Moment(2.0, Pose(), pressed=(towards([1.0, 0.0, -2.0]),)))
+    found = task.step(TaskFrame(2.0, Pose(), pressed=(towards([1.0, 0.0, -2.0]),)))
     assert [(each.kind, each.what, each.hit) for each in found] == [
         ("shot", "lamp", 1),
         ("target", "lamp", 1),
     ]
     assert found[1].reaction_s == 2.0
     assert task.wanted == "vase"
-    (missed,) = task.step(Moment(7.1, Pose()))
+    (missed,) = task.step(TaskFrame(7.1, Pose()))
     assert (missed.what, missed.hit, missed.reaction_s) == ("vase", 0, None)
     (trial,) = task.finish(8.0)
     assert (trial.targets, trial.hits, trial.shots, trial.score) == (2, 1, 2, 1.0)
@@ -158,7 +158,7 @@ def test_the_distance_from_a_path_is_that_seen_from_above():
     rows = [
         row
         for time_s, head in enumerate(heads)
-        for row in task.step(Moment(float(time_s), Pose(np.array(head))))
+        for row in task.step(TaskFrame(float(time_s), Pose(np.array(head))))
     ]
     assert [row.distance_m for row in rows] == [0.5, 0.5, 0.0, 1.0]
     (ball,) = task.balls()
@@ -176,7 +176,7 @@ def test_looking_at_points_is_measured_by_the_eyes_and_blinks_do_not_count():
     for time_s in np.arange(0.0, 4.0, 0.1):
         ahead = towards([0.0, 0.0, -1.0], off_deg=1.0)
         blinks = round(time_s * 10) % 7 == 0
-        results += task.step(Moment(float(time_s), Pose(), gaze=None if blinks else ahead))
+        results += task.step(TaskFrame(float(time_s), Pose(), gaze=None if blinks else ahead))
     *rest, trial = [*results, *task.finish(4.0)]
     assert [each.hit for each in rest] == [1, 0]
     assert [each.error_deg for each in rest] == pytest.approx([1.0, 11.0], abs=1e-3)
@@ -186,7 +186,7 @@ def test_looking_at_points_is_measured_by_the_eyes_and_blinks_do_not_count():
 def test_exploration_sums_the_way_that_was_gone():
     task = Exploration(name="go", kind="exploration", sample_s=1.0).start(around())
     for time_s in np.arange(0.0, 10.01, 0.1):
-        task.step(Moment(float(time_s), Pose(np.array([time_s, 1.6, 0.0]))))
+        task.step(TaskFrame(float(time_s), Pose(np.array([time_s, 1.6, 0.0]))))
     assert task.finish(10.0)[-1].score == pytest.approx(10.0)
 
 
@@ -311,7 +311,7 @@ def test_verify_knows_the_file_and_sees_a_row_that_cannot_be(study, tmp_path):
 
 
 def test_anonymising_keeps_results_and_leaves_out_where_things_were(study, tmp_path):
-    anonymise(study, tmp_path / "shared", Wishes(seed=1))
+    anonymise(study, tmp_path / "shared", AnonymisingOptions(seed=1))
     (file, *_) = sorted((tmp_path / "shared").rglob("tasks.csv"))
     rows = read_rows(file)
     assert {row["x_m"] for row in rows} == {""}
@@ -448,7 +448,7 @@ def test_the_task_of_the_docs_counts_nods(tmp_path):
     task = settings(name="nod", kind="count_nods.py", depth_deg=10.0).start(around())
     for time_s, pitch_deg in enumerate([0, -15, -15, 0, -5, 0, -12, 3, 0]):
         pose = Pose(orientation=yaw_pitch_roll(0.0, np.radians(pitch_deg), 0.0))
-        task.step(Moment(float(time_s), pose))
+        task.step(TaskFrame(float(time_s), pose))
     assert task.finish(9.0)[-1].score == 2.0
 
 

@@ -13,7 +13,7 @@ from scipy.ndimage import maximum_filter, median_filter
 
 from tests.oracles import pyramid
 from vrcomfort.geometry import Array
-from vrcomfort.render.effects.depth_of_field import half_resolution_kernels
+from vrcomfort.render.effects.depth_of_field import kernels
 
 
 def separable_gaussian(points: ArrayLike, /, *, pixel_aspect: float = 1.0) -> Array:
@@ -22,7 +22,7 @@ def separable_gaussian(points: ArrayLike, /, *, pixel_aspect: float = 1.0) -> Ar
     half = halved(image, firefly=False)
     for axis in ((1.0, 0.0), (0.0, pixel_aspect)):
         half = _gaussian(half, axis)
-    alpha = _smoothstep(*half_resolution_kernels.GAUSSIAN_FADE_PX, np.abs(image[..., 3]))[..., None]
+    alpha = _smoothstep(*kernels.GAUSSIAN_FADE_PX, np.abs(image[..., 3]))[..., None]
     colours: Array = (1 - alpha) * image[..., :3] + alpha * _upsampled(half, image)[..., :3]
     return colours
 
@@ -33,7 +33,7 @@ def disc(points: ArrayLike, /, *, radius_limit_px: float, pixel_aspect: float = 
     half = halved(image, firefly=True)
     behind, front = np.zeros_like(half), np.zeros_like(half)
     margin = 2.0
-    for offset in half_resolution_kernels.taps():
+    for offset in kernels.disc_taps():
         away_px = radius_limit_px * offset
         distance_px = np.hypot(*away_px)
         tap = _at(half, away_px * [1.0, pixel_aspect] / 2)
@@ -45,11 +45,11 @@ def disc(points: ArrayLike, /, *, radius_limit_px: float, pixel_aspect: float = 
         front += near[..., None] * _weighted(tap)
     back = _mean(behind, half[..., :3])
     fore = _mean(front, back)
-    opacity = np.clip(front[..., 3:] * np.pi / len(half_resolution_kernels.taps()), 0, 1)
+    opacity = np.clip(front[..., 3:] * np.pi / len(kernels.disc_taps()), 0, 1)
     found = np.concatenate([(1 - opacity) * back + opacity * fore, opacity], axis=-1)
     steps = [np.array([x, y]) for x in (-0.5, 0.5) for y in (-0.5, 0.5)]
     soft = _upsampled(np.mean([_at(found, step) for step in steps], axis=0), image)
-    far = _smoothstep(*half_resolution_kernels.DISC_FADE_PX, image[..., 3])[..., None]
+    far = _smoothstep(*kernels.DISC_FADE_PX, image[..., 3])[..., None]
     alpha = far + soft[..., 3:] - far * soft[..., 3:]
     colours: Array = (1 - alpha) * image[..., :3] + alpha * soft[..., :3]
     return colours
@@ -60,19 +60,17 @@ def rings(points: ArrayLike, /, *, pixel_aspect: float = 1.0) -> Array:
     image = np.asarray(points, dtype=np.float64)
     half = halved(image, firefly=True)
     levels = [half[..., :3]]
-    levels += [
-        pyramid.mean_level(half[..., :3], k) for k in range(1, half_resolution_kernels.LEVELS + 1)
-    ]
+    levels += [pyramid.mean_level(half[..., :3], k) for k in range(1, kernels.RING_MIPS + 1)]
     front_px = _tiles(np.maximum(-half[..., 3], 0))
     reach = np.maximum(half[..., 3], 0), front_px
     behind, front = _weighted(half), np.zeros_like(half)
-    taps = 1 + 4 * half_resolution_kernels.RINGS * (half_resolution_kernels.RINGS - 1)
-    for side, ring in np.ndindex(2, half_resolution_kernels.RINGS):
+    taps = 1 + 4 * kernels.RINGS * (kernels.RINGS - 1)
+    for side, ring in np.ndindex(2, kernels.RINGS):
         for i in range(max(8 * ring, 1)):
             if side == 0 and ring == 0:
                 continue
             angle = 2 * np.pi * (i + 0.5 * (ring & 1)) / max(8 * ring, 1)
-            distance_px = reach[side] * ring / (half_resolution_kernels.RINGS - 1)
+            distance_px = reach[side] * ring / (kernels.RINGS - 1)
             way = np.array([np.cos(angle), np.sin(angle) * pixel_aspect])
             away = distance_px[..., None] * way / 2
             tap_px = _at(half, away)[..., 3]
@@ -89,7 +87,7 @@ def rings(points: ArrayLike, /, *, pixel_aspect: float = 1.0) -> Array:
         _upsampled(median_filter(each, (3, 3, 1), mode="nearest"), image)
         for each in (background, foreground)
     )
-    far = _smoothstep(*half_resolution_kernels.RINGS_FADE_PX, image[..., 3])[..., None]
+    far = _smoothstep(*kernels.RINGS_FADE_PX, image[..., 3])[..., None]
     colours = (1 - far) * image[..., :3] + far * soft
     shown: Array = (1 - over[..., 3:]) * colours + over[..., 3:] * over[..., :3]
     return shown
@@ -124,10 +122,10 @@ def _gaussian(half: Array, axis: tuple[float, float]) -> Array:
 
 def _tiles(near_px: Array) -> Array:
     """Return (h, w): the largest of each texel's tile and, twice over, of the tiles around it."""
-    side = half_resolution_kernels.TILE
+    side = kernels.RING_TILE
     rows, columns = (range(0, size, side) for size in near_px.shape)
     tiles = np.array([[near_px[y : y + side, x : x + side].max() for x in columns] for y in rows])
-    for _ in range(half_resolution_kernels.DILATIONS):
+    for _ in range(kernels.RING_DILATIONS):
         tiles = maximum_filter(tiles, 3, mode="nearest")
     height, width = near_px.shape
     return tiles.repeat(side, axis=0).repeat(side, axis=1)[:height, :width]
@@ -135,8 +133,8 @@ def _tiles(near_px: Array) -> Array:
 
 def _at_levels(levels: list[Array], reach_px: Array, away: Array) -> Array:
     """Return (h, w, 3): what each pixel reads of the level that its reach asks for."""
-    gap = np.maximum(0.5 * reach_px / (half_resolution_kernels.RINGS - 1), 1)
-    level = np.clip(np.rint(np.log2(gap)), 0, half_resolution_kernels.LEVELS)[..., None]
+    gap = np.maximum(0.5 * reach_px / (kernels.RINGS - 1), 1)
+    level = np.clip(np.rint(np.log2(gap)), 0, kernels.RING_MIPS)[..., None]
     height, width = reach_px.shape
     middles = np.stack(np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5), axis=-1)
     found = np.zeros((height, width, 3))

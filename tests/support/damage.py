@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from vrcomfort.csv_table import CsvTable
-from vrcomfort.records.pose_columns import POSE_COLUMNS
 from vrcomfort.records.rows import csv_line
+from vrcomfort.records.shared_columns import POSE_COLUMNS
 
 LONG = "x" * 200_000
 HUGE = 10**40

@@ -17,6 +17,7 @@ from vrcomfort.protocol import Condition, Protocol, load_protocol
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.resources import data_folder
 from vrcomfort.respondent import Exposure, Form, Heard, InstructionContent, Withdrew
+from vrcomfort.respondent.base import Written
 
 PROTOCOL = """\
 name = "tiny"
@@ -252,3 +253,9 @@ class Scripted:
             if form.timepoint == "post" and item.name == self.interrupt_at_item:
                 raise KeyboardInterrupt
             heard(item.name, 1, 2.0)
+
+    def write(self, _question: str) -> Written:
+        return Written("", 0.0)
+
+    def decide(self, _question: str) -> bool:
+        return True

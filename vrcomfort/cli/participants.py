@@ -31,7 +31,7 @@ def exclude(
 
     - `vrcomfort exclude my_study P01 --reason "fell asleep in the second exposure"`
     """
-    from vrcomfort.records.exclusion import exclude as leave_out
+    from vrcomfort.records.participants import exclude as leave_out
 
     leave_out(study, participant, reason)
     console(quiet).print(f"{participant} is excluded; vrcomfort undo-exclusion takes it back")
@@ -44,7 +44,7 @@ def undo_exclusion(
 
     - `vrcomfort undo-exclusion my_study P01 --reason "it was P10 who fell asleep"`
     """
-    from vrcomfort.records.exclusion import undo_exclusion as undo
+    from vrcomfort.records.participants import undo_exclusion as undo
 
     status = undo(study, participant, reason)
     console(quiet).print(f"{participant} is {status} again")
@@ -60,7 +60,7 @@ def note(
 
     - `vrcomfort note my_study P01 "wears glasses of -3 D"`
     """
-    from vrcomfort.records.exclusion import add_note
+    from vrcomfort.records.participants import add_note
 
     add_note(study, participant, text)
     console(quiet).print(f"noted of {participant}")
@@ -69,7 +69,7 @@ def note(
 def undo_withdrawal(
     study: StudyArgument, participant: Participant, reason: Reason, quiet: Quiet = False
 ) -> None:
-    """Let a participant go on who was withdrawn by mistake.
+    """Take back the withdrawal of a participant that was a mistake.
 
     They are enrolled again, and the session that ended so can be resumed. Rows and events stay as
     they are; the reason stands in participants.csv and in the session's manifest.

@@ -62,7 +62,7 @@ class FullscreenPass:
     target
         A texture to draw into instead of one of its own, or several as with `more_components`.
     depth
-        A texture whose depth the fragments write, whatever it was.
+        A texture; fragments replace its depth.
     """
 
     def __init__(

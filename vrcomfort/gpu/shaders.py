@@ -58,7 +58,7 @@ def program(
     defines
         ``#define`` lines for both files; a boolean feature is a key with the value 1.
     chosen
-        Which file an ``#include`` means that names none: a choice that is left to who compiles.
+        Which file an ``#include`` means that names none: a choice that is left to the caller.
 
     Returns
     -------
@@ -168,13 +168,14 @@ def fullscreen(
 
 # Counting of texture reads: shaders are rewritten so that each invocation adds up its own.
 #
-# A read is one call of `texelFetch`, `texture`, `textureLod` and the like, or `imageLoad`, whatever
-# its filter: a bilinear read of four texels is one, as is a gather. Reads of helper invocations do
-# not count. What is counted is what runs: a loop that is left early adds what it has read.
+# A read is one call of `texelFetch`, `texture`, `textureLod` and the like, or `imageLoad`, with any
+# filter: a bilinear read of four texels is one, as is a gather. Reads of helper invocations do
+# not count. Only reads that run count: a loop that is left early adds those so far.
 
 
 READS_BINDING = 7
-"""Of the shader storage buffer ``TexelReads``: reads (low and high 32 bits)."""
+"""Of the shader storage buffer ``TexelReads``: reads (low and high 32 bits). The last of the eight
+that OpenGL 4.5 promises: no shader of ours uses it."""
 
 _READS_DECLARATION = f"""
 layout(std430, binding = {READS_BINDING}) buffer TexelReads {{ uint texel_reads_of_all[2]; }};

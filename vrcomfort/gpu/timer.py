@@ -35,7 +35,7 @@ class GpuTimer:
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        names = queries(ctx, self, LATENCY + 1)
+        names = queries(ctx, self, LATENCY + 1)  # those in flight, and one for this frame
         self._begin = gl.function(ctx, "glBeginQuery", ctypes.c_uint, ctypes.c_uint)
         self._end = gl.function(ctx, "glEndQuery", ctypes.c_uint)
         result = ctypes.c_uint, ctypes.c_uint, ctypes.POINTER(ctypes.c_uint64)
@@ -74,8 +74,8 @@ class Stopwatch:
     """Times draws: for benchmarks, also inside a frame that is timed.
 
     Time stamps of the GPU, or where those mean nothing the processor's time that this process has
-    used, all threads together, between two ``finish``: what else runs on the machine hardly changes
-    it. Time stamps are put into the queue with what is drawn between them, and nobody waits before
+    used, all threads together, between two ``finish``: other load on the machine hardly changes
+    it. Time stamps are queued with the draws between them, and nothing waits before
     a time is asked for. Still they tell how fast commands are sent where the GPU is done with them
     sooner.
     """

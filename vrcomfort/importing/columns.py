@@ -15,7 +15,7 @@ from vrcomfort.importing.mapping import (
     Fact,
     Questionnaire,
     Scores,
-    Table,
+    TableMapping,
     template_pattern,
     texts_of,
 )
@@ -57,9 +57,11 @@ class Block:
 
 
 class Columns:
-    """The columns of a table, by what the mapping says of them."""
+    """The columns of a table, by their use in the mapping."""
 
-    def __init__(self, table: SourceTable, mapping: Table, known: Mapping[str, Instrument]) -> None:
+    def __init__(
+        self, table: SourceTable, mapping: TableMapping, known: Mapping[str, Instrument]
+    ) -> None:
         self._table = table
         self._known = known
         self._index = {heading: index for index, heading in enumerate(table.headings)}
@@ -83,7 +85,7 @@ class Columns:
         self._ignore()
 
     def index(self, heading: str, key: str) -> int:
-        """Return where a column stands, and note what it is used for."""
+        """Return the index of a column, and note its use."""
         name = " ".join(heading.split())
         if name not in self._index:
             near = get_close_matches(name, self._index, n=1, cutoff=0.6)
@@ -256,7 +258,7 @@ class _Pieces:
         return self._exact.get(text) or self._plain.get(plain(text))
 
 
-def _columns_of(mapping: Table, fact: str) -> tuple[str, ...]:
+def _columns_of(mapping: TableMapping, fact: str) -> tuple[str, ...]:
     found = mapping.fact(fact)
     return (found.column,) if found.column is not None else found.columns
 
@@ -266,7 +268,7 @@ TIMEPOINT = "post"
 
 
 class Numbers:
-    """Numbers that are given to what is met, from 1, over all files of a study."""
+    """Number sessions and trials consistently across a study's files, from 1."""
 
     def __init__(self) -> None:
         self._given: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)
@@ -281,7 +283,7 @@ class RowFacts:
     """Reads the facts of the rows of one table."""
 
     def __init__(
-        self, table: SourceTable, mapping: Table, columns: Columns, numbers: Numbers
+        self, table: SourceTable, mapping: TableMapping, columns: Columns, numbers: Numbers
     ) -> None:
         self._table = table
         self._mapping = mapping
@@ -376,7 +378,7 @@ class RowFacts:
         return out
 
     def _exposure(self, facts: Mapping[str, str], item: str) -> str:
-        """Return what tells this exposure from the others of its session."""
+        """Return a key that tells this exposure from the others of its session."""
         when = facts.get("timepoint") or TIMEPOINT
         what = tuple(facts.get(n, "") for n in ("participant", "session", "condition", "scene"))
         self._repeats[*what, when, item] += 1

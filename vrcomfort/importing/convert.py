@@ -27,11 +27,19 @@ from vrcomfort.importing.mapping import (
     ScoreKind,
     Scores,
     Summary,
-    Table,
+    TableMapping,
     scale_named,
     texts_of,
 )
-from vrcomfort.importing.rows import Imported, Moment, Place, Rating, Sheet, moment_of, suspects
+from vrcomfort.importing.rows import (
+    Administration,
+    Imported,
+    ImportedResponse,
+    Rating,
+    SourceRow,
+    administration_of,
+    suspects,
+)
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.questionnaire import Answer, Instrument, Scale, plain, shipped_instruments
 from vrcomfort.settings import KeyPath, Problem, did_you_mean
@@ -40,7 +48,7 @@ Seen: TypeAlias = Set[tuple[str, str]]
 """(heading, text) of cells."""
 
 
-def texts_in(table: SourceTable, mapping: Table) -> Seen:
+def texts_in(table: SourceTable, mapping: TableMapping) -> Seen:
     """Return the cells of the columns in which the mapping names texts."""
     named = {_spaced(column) for each in mapping.questionnaires for column in _columns(each)}
     named |= {_spaced(column) for each in mapping.scores for column in each.where}
@@ -141,11 +149,11 @@ STATUSES = ("enrolled", "completed", "withdrawn", "excluded")
 
 @dataclass
 class Made:
-    """What becomes of all tables together: scores without answers, courses of ratings."""
+    """Instruments made of all tables together: scores without answers, rating time courses."""
 
     scores: dict[str, ScoreInstrument] = field(default_factory=dict)
-    courses: dict[tuple[str, Moment], tuple[Place, Sequence[Summary], list[Rating]]] = field(
-        default_factory=dict
+    courses: dict[tuple[str, Administration], tuple[SourceRow, Sequence[Summary], list[Rating]]] = (
+        field(default_factory=dict)
     )
 
 
@@ -155,7 +163,7 @@ class TableImport:
     def __init__(
         self,
         table: SourceTable,
-        mapping: Table,
+        mapping: TableMapping,
         known: KnownInstruments,
         imported: Imported,
         numbers: Numbers,
@@ -168,7 +176,7 @@ class TableImport:
         self._columns = Columns(table, mapping, known)
         self._facts = RowFacts(table, mapping, self._columns, numbers)
         self._all_blocks = (*self._columns.blocks, *self._columns.scores)
-        self._known_moments: dict[tuple[object, ...], list[Moment]] = {}
+        self._known_moments: dict[tuple[object, ...], list[Administration]] = {}
         self._left_out = 0
         self._blank: Counter[str] = Counter()
         self._unknown_items: dict[str, list[tuple[int, int]]] = {}
@@ -177,7 +185,7 @@ class TableImport:
         self._readers: dict[tuple[int, str], AnswerReader] = {}
 
     def run(self) -> str:
-        """Import every row, and note what was left out; return the name of the sheet."""
+        """Import every row, note the rows left out, and return the name of the sheet."""
         filled = [self._columns.index(name, "fill_down") for name in self._mapping.fill_down]
         above: dict[int, str] = {}
         for found, row in zip(self._table.rows, self._table.numbers, strict=True):
@@ -206,7 +214,9 @@ class TableImport:
             who = self._facts.of_row(cells, row).get("participant", "")
             self._covariates(who, cells, row)
 
-    def _moments_of(self, blocks: list[int], cells: tuple[str, ...], row: int) -> list[Moment]:
+    def _moments_of(
+        self, blocks: list[int], cells: tuple[str, ...], row: int
+    ) -> list[Administration]:
         """Return the moment of each block of a row; rows that say the same are looked up."""
         said = self._facts.key(cells)
         key = (*blocks, said)
@@ -232,15 +242,15 @@ class TableImport:
             for name, text in block.facts.items()
         }
 
-    def _moment(self, facts: dict[str, str], row: int) -> Moment:
+    def _moment(self, facts: dict[str, str], row: int) -> Administration:
         if not facts.get("participant"):
             columns = self._columns.facts.get("participant")
             message = "there is no participant; name the row under leave_out if it is nobody's"
             raise self._table.fault(message, row, columns[0] if columns else None)
-        return moment_of({"timepoint": TIMEPOINT, **facts})
+        return administration_of({"timepoint": TIMEPOINT, **facts})
 
     def _take(
-        self, place: int, block: Block, moment: Moment, cells: tuple[str, ...], row: int
+        self, place: int, block: Block, moment: Administration, cells: tuple[str, ...], row: int
     ) -> None:
         if isinstance(block.source, Scores):
             self._scores(block, moment, cells, row)
@@ -273,16 +283,16 @@ class TableImport:
         return reader.read(text, row, column)
 
     def _answers(
-        self, place: int, block: Block, moment: Moment, cells: tuple[str, ...], row: int
+        self, place: int, block: Block, moment: Administration, cells: tuple[str, ...], row: int
     ) -> None:
         found = self._items(block, cells, row)
         answers = {i: self._read(place, block, i, cells[c], row, c) for c, i in found}
         if block.item_column is None and not any(a is not None for a in answers.values()):
             self._blank[moment.timepoint] += 1
             return
-        here = Place(self._table.file.name, self._table.sheet, row)
+        here = SourceRow(self._table.file.name, self._table.sheet, row)
         name = block.instrument.name
-        sheet = self._imported.sheets.setdefault((name, moment), Sheet(here))
+        sheet = self._imported.sheets.setdefault((name, moment), ImportedResponse(here))
         for column, item in found:
             self._require_unanswered(sheet, item, moment, row, column)
             sheet.answers[item] = answers[item]
@@ -292,7 +302,7 @@ class TableImport:
             self._imported.not_asked[name] = tuple(dict.fromkeys((*before, *source.not_asked)))
 
     def _rating(
-        self, place: int, block: Block, moment: Moment, cells: tuple[str, ...], row: int
+        self, place: int, block: Block, moment: Administration, cells: tuple[str, ...], row: int
     ) -> None:
         onset_s = block.onset_s
         if block.time_column is not None:
@@ -305,18 +315,20 @@ class TableImport:
             response = self._read(place, block, item, cells[column], row, column)
             rating = Rating(moment, block.instrument.name, onset_s, response)
             self._imported.ratings.append(rating)
-            here = Place(self._table.file.name, self._table.sheet, row)
+            here = SourceRow(self._table.file.name, self._table.sheet, row)
             summaries = block.source.summaries if isinstance(block.source, Questionnaire) else ()
             key = block.instrument.name, moment
             self._made.courses.setdefault(key, (here, summaries, []))[2].append(rating)
 
-    def _scores(self, block: Block, moment: Moment, cells: tuple[str, ...], row: int) -> None:
+    def _scores(
+        self, block: Block, moment: Administration, cells: tuple[str, ...], row: int
+    ) -> None:
         source = block.source
         if not isinstance(source, Scores):
             raise TypeError(source)
         name = name_of(block.instrument, source.kind)
         made = self._made.scores.setdefault(name, ScoreInstrument(block.instrument, source.kind))
-        here = Place(self._table.file.name, self._table.sheet, row)
+        here = SourceRow(self._table.file.name, self._table.sheet, row)
         found: dict[int, tuple[str, Answer | None]] = {}
         for column, scale in block.columns.items():
             known = scale_named(block.instrument, scale)
@@ -329,7 +341,7 @@ class TableImport:
         if all(value is None for _, value in found.values()):
             self._blank[moment.timepoint] += 1
             return
-        sheet = self._imported.sheets.setdefault((name, moment), Sheet(here))
+        sheet = self._imported.sheets.setdefault((name, moment), ImportedResponse(here))
         for column, (item, value) in found.items():
             self._require_unanswered(sheet, item, moment, row, column)
             sheet.answers[item] = value
@@ -354,7 +366,7 @@ class TableImport:
         return found
 
     def _require_unanswered(
-        self, sheet: Sheet, item: str, moment: Moment, row: int, column: int
+        self, sheet: ImportedResponse, item: str, moment: Administration, row: int, column: int
     ) -> None:
         if item in sheet.answers:
             message = f"{item} is answered a second time by {moment.words}; first in"
@@ -469,11 +481,11 @@ def _require_names(files: Sequence[Path]) -> None:
         raise InputError("this file is given twice", file=twice[0])
 
 
-def _is_of(file: Path, table: Table) -> bool:
+def _is_of(file: Path, table: TableMapping) -> bool:
     return any(fnmatchcase(file.name, pattern) for pattern in table.files)
 
 
-def _sheets(file: Path, table: Table) -> list[SourceTable]:
+def _sheets(file: Path, table: TableMapping) -> list[SourceTable]:
     grids = read_grids(file, table.read.reading)
     kept = [g for g in grids if not g.sheet or any(fnmatchcase(g.sheet, p) for p in table.sheets)]
     return [as_table(grid) for grid in kept]
@@ -491,7 +503,7 @@ def _require_sheets(file: Path, mapping: LabMapping, taken: Sequence[str]) -> No
 
 
 def _finish(imported: Imported) -> None:
-    """Add who has answers and no covariates, and tell of ids that may be one person."""
+    """Add participants without covariates, and note ids that may be one person."""
     people = [moment.participant for _, moment in imported.sheets]
     people += [rating.moment.participant for rating in imported.ratings]
     answered = dict.fromkeys(people)

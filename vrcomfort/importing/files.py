@@ -64,7 +64,7 @@ def read_tables(file: Path, reading: Reading | None = None) -> list[SourceTable]
 
 
 def as_table(grid: Grid) -> SourceTable:
-    """Tell headings from data, as the reading says, or by what the rows look like.
+    """Tell headings from data, as the reading says or else by the look of the rows.
 
     Raises
     ------
@@ -159,7 +159,7 @@ def _joined(rows: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _labels(grid: Grid, reading: Reading, width: int) -> list[str]:
-    """Return what skipped rows below the heading say of each column, without Qualtrics' ids."""
+    """Return the texts of skipped rows below the heading by column, without Qualtrics' ids."""
     first = max(reading.heading_rows or (), default=0)
     rows = [
         row
@@ -197,6 +197,7 @@ def _is_import_ids(row: Sequence[str]) -> bool:
 
 def _first_of_the_table(rows: Sequence[Sequence[str]]) -> int:
     """Return where the table begins below lines of title: they fill few of its columns."""
+    # At most 20 rows of titles and notes stand above; the next 30 tell the table's width.
     width = max(_filled(row) for row in rows[:50])
     for index, row in enumerate(rows[:20]):
         if _is_title(rows[index:]) and width > 2:
@@ -226,7 +227,7 @@ def is_number(cell: str) -> bool:
 
 
 def _is_heading(rows: Sequence[Sequence[str]]) -> bool:
-    """Return whether the first row names columns: it differs from what stands below it."""
+    """Return whether the first row names columns: it differs from the rows below it."""
     first, below = rows[0], rows[1:60]
     if not below:
         return True

@@ -14,7 +14,7 @@ from math import isclose
 from typing import TYPE_CHECKING
 
 from vrcomfort.importing.mapping import ScoreKind, Summary
-from vrcomfort.importing.rows import Imported, Moment, Sheet
+from vrcomfort.importing.rows import Administration, Imported, ImportedResponse
 from vrcomfort.questionnaire import Answer, Instrument, Scale, parse_instrument
 from vrcomfort.questionnaire.answers import common_divisor, exact, plain_number
 from vrcomfort.settings import toml_value
@@ -40,12 +40,12 @@ _TITLES: Mapping[ScoreKind, str] = {
 
 
 def name_of(instrument: Instrument, kind: ScoreKind) -> str:
-    """Return the name of the instrument of somebody's scores: ``ssq_scores``."""
+    """Return the name of the instrument of a lab's scores: ``ssq_scores``."""
     return f"{instrument.name}_{_NAMES[kind]}"
 
 
 def step_of(scale: Scale, kind: ScoreKind) -> Fraction | None:
-    """Return what scores are whole multiples of; None where no decimal number is that."""
+    """Return the unit of scores, or None where it is no decimal number."""
     if kind == "other":
         return None
     step = Fraction(1) if kind == "raw_sum" else scale.unit
@@ -69,14 +69,14 @@ def on_scale(value: float, scale: Scale, kind: ScoreKind) -> Answer | None:
 
 @dataclass
 class ScoreInstrument:
-    """The instrument of somebody's scores in the making: what values its scales have."""
+    """The instrument of a lab's scores in the making, with the values of its scales."""
 
     of: Instrument
     kind: ScoreKind
     values: dict[str, list[Answer]] = field(default_factory=dict)
 
     def made(self) -> Instrument:
-        """Return the instrument, whose text is its file."""
+        """Return the instrument, with the text of its file."""
         scales = [scale for scale in self.of.scales if scale.column in self.values]
         title = f"{self.of.title}, {_TITLES[self.kind]}"
         words = _NAMES[self.kind].replace("_", " ")
@@ -124,7 +124,7 @@ def _decimals(values: Iterable[Answer]) -> int:
 
 
 if TYPE_CHECKING:
-    from vrcomfort.importing.rows import Place, Rating
+    from vrcomfort.importing.rows import Rating, SourceRow
 
 DECIMALS = 4
 """Of means."""
@@ -136,7 +136,7 @@ _TEXTS: Mapping[Summary, str] = {
 
 
 def course_instrument(instrument: Instrument, summaries: Sequence[Summary]) -> Instrument:
-    """Return the instrument whose items are summaries of courses: ``fms_course``."""
+    """Return the instrument of rating time courses, summaries as items: ``fms_course``."""
     answers = instrument.answers
     of_ratings = {"low": answers.low, "high": answers.high, "step": answers.step}
     fine = common_divisor(Fraction(1, 10**DECIMALS), answers.resolution, exact(answers.high))
@@ -159,10 +159,10 @@ def course_instrument(instrument: Instrument, summaries: Sequence[Summary]) -> I
 
 def sum_up(
     imported: Imported,
-    ratings: Mapping[tuple[str, Moment], tuple[Place, Sequence[Summary], list[Rating]]],
+    ratings: Mapping[tuple[str, Administration], tuple[SourceRow, Sequence[Summary], list[Rating]]],
     known: Mapping[str, Instrument],
 ) -> None:
-    """Add the summaries of every course to what was imported."""
+    """Add the summaries of every rating time course to an import."""
     wanted: dict[str, dict[Summary, None]] = defaultdict(dict)
     for (name, moment), (place, summaries, course) in ratings.items():
         if not summaries:
@@ -170,7 +170,7 @@ def sum_up(
         wanted[name] |= dict.fromkeys(summaries)
         given = [r.response for r in sorted(course, key=lambda r: r.onset_s)]
         answers = [answer for answer in given if answer is not None]
-        sheet = Sheet(place, {each: _summary(each, answers) for each in summaries})
+        sheet = ImportedResponse(place, {each: _summary(each, answers) for each in summaries})
         imported.sheets[f"{name}_course", moment] = sheet
     for name, items in wanted.items():
         made = course_instrument(known[name], [*items])

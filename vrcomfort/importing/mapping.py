@@ -1,4 +1,4 @@
-"""The mapping: what each column of a lab's files means. Written in TOML, checked here."""
+"""The mapping: the meaning of each column of a lab's files, in TOML, checked here."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Fact(Settings):
 
 
 class Read(Settings):
-    """How the files are read; what is left out is found out, and said."""
+    """How the files are read; omitted keys are detected, and noted."""
 
     encoding: str | None = None
     separator: str | None = None
@@ -90,7 +90,7 @@ class AnswerCoding(Settings):
 
 
 class _Columns(Settings):
-    """What questionnaires and scores share: which headings are theirs, and what they say."""
+    """Keys of questionnaires and scores alike: their headings, and the facts of these."""
 
     instrument: str
     heading: str = "{item}"
@@ -117,7 +117,7 @@ class _Columns(Settings):
 
 
 class Questionnaire(_Columns, AnswerCoding):
-    """One questionnaire, or several whose headings are made alike."""
+    """One questionnaire, or several with headings of one template."""
 
     items: dict[str, Texts] = Field(default_factory=dict)
     """Item → what stands for ``{item}`` in its heading (in long files: in `item_column`). Without
@@ -137,7 +137,7 @@ class Questionnaire(_Columns, AnswerCoding):
 
 
 class Scores(_Columns):
-    """Scores, or raw sums, of an instrument whose answers are not there."""
+    """Scores, or raw sums, without the answers that they were made of."""
 
     scales: Annotated[dict[str, str], Field(min_length=1)]
     """Scale → what stands for ``{item}`` in its heading."""
@@ -145,8 +145,8 @@ class Scores(_Columns):
     """`other`: of another formula; taken as they are, on no known range."""
 
 
-class Table(Settings):
-    """Files (or sheets) whose columns mean the same."""
+class TableMapping(Settings):
+    """Files (or sheets) with columns of the same meaning."""
 
     files: Annotated[tuple[str, ...], Field(min_length=1)]
     """Names of files; ``*`` and ``?`` as in a terminal."""
@@ -194,7 +194,7 @@ class Doubt(Settings):
 
 
 class LabMapping(Settings):
-    """What the files of a study mean."""
+    """The mapping of all files of a study."""
 
     format_version: Literal[1]
     name: str = ""
@@ -204,7 +204,7 @@ class LabMapping(Settings):
     instruments: tuple[str, ...] = ()
     """A lab's own instruments: their TOML files, beside the mapping."""
     ignore_sheets: tuple[str, ...] = ()
-    tables: Annotated[tuple[Table, ...], Field(min_length=1)]
+    tables: Annotated[tuple[TableMapping, ...], Field(min_length=1)]
     doubts: tuple[Doubt, ...] = ()
 
     _text: str = PrivateAttr(default="")
@@ -232,7 +232,7 @@ class MappingFile:
 
 
 def load_mapping(file: Path) -> MappingFile:
-    """Read a mapping whose doubts are all answered.
+    """Read a mapping, and require an answer to each doubt.
 
     Raises
     ------
@@ -253,7 +253,7 @@ def load_mapping(file: Path) -> MappingFile:
 
 
 def parse_mapping(text: str, file: Path | None) -> LabMapping:
-    """Read the text of a mapping, whose doubts may be open.
+    """Read the text of a mapping; its doubts may be open.
 
     Raises
     ------
@@ -299,7 +299,7 @@ def _unknown_items(each: Questionnaire, instrument: Instrument, path: KeyPath) -
 
 
 def _problems(mapping: LabMapping) -> Iterator[Problem]:
-    """Yield what the types cannot say."""
+    """Yield problems between keys, which types cannot express."""
     for place, table in enumerate(mapping.tables):
         here: tuple[str | int, ...] = ("tables", place)
         for name in FACTS:

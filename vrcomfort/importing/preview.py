@@ -1,16 +1,16 @@
-"""Shows in a few lines what an import makes of the files."""
+"""Shows the result of an import in a few lines."""
 
 from __future__ import annotations
 
 from collections import Counter, defaultdict
 
-from vrcomfort.importing.rows import Imported, Moment
+from vrcomfort.importing.rows import Administration, Imported
 
 FIRST = 8
 
 
 def preview(imported: Imported) -> list[str]:
-    """Return the first rows as they are imported, counts, and what is missing; one line each."""
+    """Return the first rows as imported, counts, and missing answers; one line each."""
     return [*_first_rows(imported), "", *_counts(imported), *_missing(imported)]
 
 
@@ -28,7 +28,7 @@ def _first_rows(imported: Imported) -> list[str]:
     return aligned([heading, *rows])
 
 
-def _shown(m: Moment) -> list[str]:
+def _shown(m: Administration) -> list[str]:
     return [m.participant, m.session, m.trial or m.period, m.condition, m.timepoint]
 
 

@@ -28,8 +28,8 @@ def suspects(names: Iterable[str]) -> list[str]:
     ]
 
 
-class Moment(NamedTuple):
-    """Whose a questionnaire is, and when it was asked; blank where that is not said."""
+class Administration(NamedTuple):
+    """One administration of a questionnaire; blank fields are not known."""
 
     participant: str
     session: str
@@ -49,7 +49,7 @@ class Moment(NamedTuple):
         return ", ".join(part for part in parts if part)
 
 
-class Place(NamedTuple):
+class SourceRow(NamedTuple):
     """Where a row came from."""
 
     file: str
@@ -62,17 +62,17 @@ class Place(NamedTuple):
 
 
 @dataclass
-class Sheet:
+class ImportedResponse:
     """The answers to one questionnaire at one moment."""
 
-    place: Place
+    place: SourceRow
     answers: dict[str, Answer | None] = field(default_factory=dict)
 
 
 class Rating(NamedTuple):
     """One rating during exposure; None where it was missed."""
 
-    moment: Moment
+    moment: Administration
     instrument: str
     onset_s: float
     response: Answer | None
@@ -98,7 +98,7 @@ class Imported:
         What the user should know, one sentence each.
     """
 
-    sheets: dict[tuple[str, Moment], Sheet] = field(default_factory=dict)
+    sheets: dict[tuple[str, Administration], ImportedResponse] = field(default_factory=dict)
     ratings: list[Rating] = field(default_factory=list)
     participants: dict[str, dict[str, str]] = field(default_factory=dict)
     instruments: dict[str, Instrument] = field(default_factory=dict)
@@ -115,10 +115,10 @@ class Imported:
 
     @property
     def covariates(self) -> list[str]:
-        """Return the names of what is known of participants."""
+        """Return the names of the covariates of participants."""
         return list(dict.fromkeys(name for each in self.participants.values() for name in each))
 
 
-def moment_of(facts: Mapping[str, str]) -> Moment:
-    """Return a moment of what is said of it; the rest is blank."""
-    return Moment(*(facts.get(name, "") for name in Moment._fields))
+def administration_of(facts: Mapping[str, str]) -> Administration:
+    """Return the administration with these facts; the others are blank."""
+    return Administration(*(facts.get(name, "") for name in Administration._fields))

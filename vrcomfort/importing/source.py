@@ -17,7 +17,7 @@ LONGEST_TEXT = 131_072
 
 
 class Reading(NamedTuple):
-    """How a file is read; what is None (or blank) is found out, and said.
+    """How a file is read; None (or blank) is detected, and noted.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Writes what was imported as a study folder, and where all of it came from."""
+"""Writes an import as a study folder, with its provenance."""
 
 from __future__ import annotations
 

@@ -123,14 +123,14 @@ def _is_windows_1252(content: bytes) -> bool:
 
 
 def _declared(text: str) -> tuple[str | None, str]:
-    """Return the separator of a first line ``sep=;``, which Excel writes, and what follows."""
+    """Return the separator of a first line ``sep=;``, as Excel writes it, and the rest."""
     found = re.match(r"sep=(.)\r?\n", text)
     return (found[1], "\n" + text[found.end() :]) if found else (None, text)
 
 
 def _separator(text: str) -> str:
     """Return the separator that divides most rows into the same number of cells, at least two."""
-    sample = text[:200_000]
+    sample = text[:200_000]  # enough rows to decide; the rest of a long file costs time alone
 
     def merit(sign: str) -> tuple[float, int]:
         try:
@@ -150,7 +150,7 @@ def _separator(text: str) -> str:
 def _rows(text: str, separator: str, file: Path) -> list[list[str]]:
     if len(separator) != 1:
         raise InputError(f"separator {separator!r} is not one character", file=file)
-    if "\n" not in text:
+    if "\n" not in text:  # old exports of Macintosh programs end lines with a carriage return
         text = text.replace("\r", "\n")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
     try:
@@ -171,7 +171,7 @@ def _decimal(rows: list[list[str]], separator: str) -> str:
     cells = [cell for row in rows for cell in row if cell]
     with_comma = sum(_DECIMAL_COMMA.fullmatch(cell) is not None for cell in cells)
     with_point = sum(_DECIMAL_POINT.fullmatch(cell) is not None for cell in cells)
-    return "," if with_comma > with_point else "."
+    return "," if with_comma > with_point else "."  # the majority: both signs also group thousands
 
 
 _ADVICE = "mend it there, or export it again"

@@ -64,7 +64,7 @@ def check_archive(content: bytes, file: Path) -> None:
 
 @contextmanager
 def one_sentence(file: Path, what: str) -> Iterator[None]:
-    """Turn any exception while `what` is read into one sentence.
+    """Turn any exception while a part is read into one sentence.
 
     zipfile and openpyxl do not validate what they read: exceptions of all types come from them.
 

@@ -21,7 +21,7 @@ CROSS_FADE_FROM = 0.85
 
 HALF_WIDER = 1.5
 """At half resolution, where there are a quarter of the pixels, a disc of one surface is summed on a
-level up to so many times the radius, in texels."""
+level up to this many times the radius, in texels."""
 
 
 LEAST_TEXELS = 16

@@ -135,7 +135,7 @@ def thin_lens_px_per_dioptre(
     aperture_m
         Diameter of the opening.
     focal_px
-        Focal length of the image: one `focal_length_m` on the sensor is so many pixels.
+        Focal length of the image: the pixels of one `focal_length_m` on the sensor.
     focus_m
         From the lens.
 

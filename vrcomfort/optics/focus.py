@@ -32,7 +32,7 @@ GAZE_RING = 0.745
 nine then stands for a ninth of its area."""
 
 WIDEST_GAZE = np.sin(np.radians(5.0))
-"""Least cosine between a ray and the head's forward axis: nobody looks beyond 85° from it."""
+"""Least cosine between a ray and the head's forward axis: no eye looks beyond 85° from it."""
 
 
 def gaze_tangents(head_from_gaze: Pose, radius_deg: float) -> Array | None:

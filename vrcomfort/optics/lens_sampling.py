@@ -110,7 +110,8 @@ FEW = 12
 """Fewer discs than this leave gaps however they lie."""
 
 FEW_RADIUS = 0.97
-"""Radius of a blur over nearly the whole lens: the points show only what a filter cannot know."""
+"""Radius of a blur over nearly the whole lens: the points add only surfaces that a filter cannot
+know."""
 
 _DIRECTIONS = 16
 _PLACES = 64
@@ -177,7 +178,7 @@ def disc_edge(away: ArrayLike, /) -> Array:
 def _shares(count: int, more: tuple[int, ...]) -> Iterator[Counts]:
     """Yield numbers of points on each ring, from the inside, that grow evenly.
 
-    But for so many `more` on the outermost: wide discs would leave the rim of the lens too soft.
+    But for `more` points on the outermost: wide discs would leave the rim of the lens too soft.
     """
     usual = round(math.sqrt(0.39 * count))
     for rings in range(max(1, usual - 1), usual + 2):

@@ -15,7 +15,7 @@ import numpy as np
 from vrcomfort.geometry import Fov, Pose
 
 _NARROW_PX, _WIDE_PX = 400, 1000
-_DIAL = (
+_READS_BY_SAMPLES = (
     (2, (1, 3), (1, 3), (1, 3)),
     (4, (1, 5), (1, 5), (1, 5)),
     (8, (3, 3), (3, 3), (3, 3)),
@@ -23,7 +23,8 @@ _DIAL = (
     (32, (5, 5), (5, 5), (7, 7)),
     (64, (7, 7), (7, 7), (9, 9)),
 )
-"""Up to so many samples: taps and parts of narrow images, of others, and of wide ones."""
+"""Most samples, then taps and parts of narrow images, of others, and of wide ones: chosen by error
+and cost with ``python -m bench.motion_blur`` (docs/motion_blur.md)."""
 _CUBIC_ABOVE = 16
 
 _MOST_PAIRS = 7
@@ -47,7 +48,7 @@ class Sampling(NamedTuple):
     cubic: bool
     """Whether each read is sharper across the streak: three reads in place of one."""
     stride_px: int
-    """Between samples that look for what is in front: 1 or 3."""
+    """Between samples that seek a foreground: 1 or 3."""
     most_taps: int
     """Of these, to each side."""
     jump: float
@@ -67,7 +68,7 @@ class Sampling(NamedTuple):
 
 def sampling_of(samples: int, width_px: int) -> Sampling:
     """Return how streaks are averaged with ``MotionBlur.samples`` in an image of this width."""
-    by_width = next(rest for most, *rest in _DIAL if samples <= most)
+    by_width = next(rest for most, *rest in _READS_BY_SAMPLES if samples <= most)
     taps, parts = by_width[(width_px > _NARROW_PX) + (width_px > _WIDE_PX)]
     stride_px, most_taps, jump = (3, 32, 0.2) if samples <= 8 else (1, 64, 0.1)
     return Sampling(taps, parts, samples > _CUBIC_ABOVE, stride_px, most_taps, jump)

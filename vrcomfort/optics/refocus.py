@@ -1,6 +1,6 @@
 """Refocus laws: how focus follows its target from frame to frame.
 
-Each law moves focus by the time since the frame before, whatever that was. All but
+Each law moves focus by the time since the frame before, at any frame rate. All but
 `low_pass_backward_euler` are exact: two steps are the same as one of their summed length, so
 neither frame rate nor dropped frames change how fast focus moves.
 

@@ -27,21 +27,21 @@ class FactorLevel(ConditionSettings, LevelName):
     """A level of a factor: the settings of a condition that it changes."""
 
 
-class Factor(Settings):
+class CrossedFactor(Settings):
     """A within-subject factor; its levels are crossed with those of the others."""
 
     name: Word
-    """What conditions' `levels` and `max_run` call it."""
+    """Name of the factor in conditions' `levels`, and in `max_run`."""
     levels: Annotated[tuple[FactorLevel, ...], Field(min_length=2, max_length=16)]
     """At least two."""
 
 
-def crossed(factors: tuple[Factor, ...]) -> tuple[Condition, ...]:
+def crossed(factors: tuple[CrossedFactor, ...]) -> tuple[Condition, ...]:
     """Return a condition for every combination of levels, called by their names joined by `_`."""
     return tuple(_condition(factors, levels) for levels in product(*(f.levels for f in factors)))
 
 
-def _condition(factors: tuple[Factor, ...], levels: tuple[FactorLevel, ...]) -> Condition:
+def _condition(factors: tuple[CrossedFactor, ...], levels: tuple[FactorLevel, ...]) -> Condition:
     settings: dict[str, Any] = {}
     for level in levels:
         _merge(settings, level.model_dump(exclude_unset=True, exclude=set(LevelName.model_fields)))
@@ -61,7 +61,7 @@ def _merge(into: dict[str, Any], more: dict[str, Any]) -> None:
             into[key] = value
 
 
-def factor_problems(factors: tuple[Factor, ...]) -> Iterator[Problem]:
+def factor_problems(factors: tuple[CrossedFactor, ...]) -> Iterator[Problem]:
     """Yield why factors cannot be crossed: too many levels, or two that set the same thing."""
     count = 1
     for factor in factors:

@@ -36,7 +36,7 @@ class Words(Settings):
     hint: Sentence = "Click, or type {answers}, then Enter"
     """Where there is a keyboard."""
     sure: Sentence = "Do you want to stop the study?"
-    """Asked of whoever wants to stop."""
+    """Question to participants who want to stop."""
     go_on: Button = "No, go on"
     """Button: an answer to that."""
     stop_now: Button = "Yes, stop now"
@@ -121,9 +121,9 @@ class LanguageTable(Settings):
     instruments: dict[str, TranslationTable] = Field(default_factory=dict)
     """Instrument → its instruction, labels and items, as in [translations] of an instrument."""
     instructions: dict[str, InstructionWording] = Field(default_factory=dict)
-    """Name of an instruction → what is told in this language."""
+    """Name of an instruction → its text in this language."""
     free_texts: dict[str, Asked] = Field(default_factory=dict)
-    """Name of a free text → what is asked in this language."""
+    """Name of a free text → its question in this language."""
 
 
 def words_of(language: str, tables: Mapping[str, LanguageTable]) -> Words:

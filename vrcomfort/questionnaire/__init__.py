@@ -1,4 +1,4 @@
-"""Questionnaires: what is asked, how it is read from files, how it is scored."""
+"""Questionnaires: instruments, their answers in files, and scoring."""
 
 from vrcomfort.questionnaire.answers import Answer, Answers
 from vrcomfort.questionnaire.instrument_file import parse_instrument, read_instrument, short_form

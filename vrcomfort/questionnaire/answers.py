@@ -90,12 +90,12 @@ class Answers:
 
     @property
     def in_words(self) -> str:
-        """Return what may be answered, such as "0 to 3" or "0 to 1 in steps of 0.1"."""
+        """Return the possible answers in words, such as "0 to 3" or "0 to 1 in steps of 0.1"."""
         return self._range(self.step)
 
     @property
     def asked_in_words(self) -> str:
-        """Return what a form offers, as `in_words`."""
+        """Return the answers that a form offers, as `in_words`."""
         return self._range(self.asked_step)
 
     def _range(self, step: Answer) -> str:

@@ -45,7 +45,7 @@ TAKEN = frozenset(
 
 
 class AnswersTable(Settings):
-    """What can be answered."""
+    """The possible answers."""
 
     low: Bound
     high: Bound
@@ -295,7 +295,7 @@ def _alone(table: InstrumentTable) -> list[str]:
 
 
 def _problems(table: InstrumentTable) -> Iterator[Problem]:
-    """Yield what the types cannot say."""
+    """Yield problems between keys, which types cannot express."""
     yield from reserved(("name",), table.name)
     yield from repeated(("items",), [item.name for item in table.items])
     yield from repeated(("scales",), [scale.name for scale in table.scales])
@@ -344,7 +344,7 @@ def _range_problems(path: KeyPath, answers: AnswersTable) -> Iterator[Problem]:
 
 
 def _between(table: InstrumentTable, items: Mapping[str, Item]) -> Iterator[Problem]:
-    """Yield what is wrong between items and scales."""
+    """Yield problems between items and scales."""
     yield from _same_headings(items)
     before: list[str] = []
     columns: list[str] = []

@@ -1,4 +1,4 @@
-"""What participants are asked: items, wording, answers, and the scales made of them."""
+"""Instruments: items, wording, answers, and the scales made of them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Wording:
 
 @dataclass(frozen=True)
 class Translation:
-    """What is asked of all items in another language, and whose wording it is."""
+    """An instrument's instruction and labels in another language, with their source."""
 
     instruction: str | None = None
     labels: tuple[str, ...] = ()
@@ -44,7 +44,7 @@ class Translated(Protocol):
 
     @property
     def instruction(self) -> str | None:
-        """Return what is asked of all items."""
+        """Return the instruction."""
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -56,7 +56,7 @@ class Translated(Protocol):
 
     @property
     def source(self) -> str:
-        """Return whose wording it is."""
+        """Return the source of the wording."""
 
 
 @dataclass(frozen=True)
@@ -198,7 +198,7 @@ class Instrument:
 
     @cached_property
     def needed(self) -> tuple[str, ...]:
-        """Return the names of the scales that whoever answers everything asked has."""
+        """Return the names of the scales that a complete response has."""
         found: list[str] = []
         asked = {item.name for item in self.asked}
         for scale in self.scales:
@@ -284,7 +284,7 @@ class Instrument:
         )
 
     def lacks(self, language: str) -> list[str]:
-        """Return in words what is missing for being asked in a language."""
+        """Return the texts that a language lacks, in words."""
         if language == self.language:
             return []
         given = self.translations.get(language, Translation())
@@ -298,7 +298,7 @@ class Instrument:
         ]
 
     def with_translation(self, language: str, given: Translated) -> Instrument:
-        """Return the instrument with words of a language; what is given takes the place of its."""
+        """Return the instrument with texts of a language; they replace its own."""
         before = self.translations.get(language, Translation())
         whole = Translation(
             given.instruction or before.instruction,
@@ -337,7 +337,7 @@ class Instrument:
         )
 
     def wording_source(self, language: str) -> str:
-        """Return whose wording is asked in a language."""
+        """Return the source of the wording in a language."""
         source = self.translations.get(language, Translation()).source
         return source or (self.licence if language == self.language else "")
 

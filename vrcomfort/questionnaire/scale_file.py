@@ -1,4 +1,4 @@
-"""How a scale is written in an instrument's file, and what it comes to in whole numbers."""
+"""Compiles the scales of an instrument's file to whole numbers."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Compiled:
 def scale_problems(
     path: KeyPath, table: ScaleTable, items: Mapping[str, Item], before: list[str]
 ) -> Iterator[Problem]:
-    """Yield what is wrong with a table whose types are right."""
+    """Yield problems of a table beyond its types."""
     given = [n for n in ("items", "raw_sums_of", "scores_of") if getattr(table, n)]
     if len(given) != 1:
         said = " and ".join(given) or "none"
@@ -206,7 +206,7 @@ def of_one_item(item: Item) -> Scale:
 
 
 def _term(item: Item, loading: int, *, from_low: bool) -> Term:
-    """Return what an item adds: its answer, turned round if it is reversed, or what it is above."""
+    """Return an item's term: its answer, reversed if need be, or counted from the lowest."""
     answers = item.answers
     low, high = (int(exact(end) / answers.resolution) for end in (answers.low, answers.high))
     slope, intercept = (-1, low + high) if item.reversed else (1, 0)

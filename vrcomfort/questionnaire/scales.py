@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Term:
-    """What an item adds to a raw sum: `slope` for each step of its answer, and `intercept`."""
+    """The term of an item in a raw sum: `slope` for each step of its answer, and `intercept`."""
 
     item: str
     slope: int
@@ -86,7 +86,7 @@ class Scale:
 
     @property
     def stretch(self) -> dict[int, int]:
-        """Return number of answered items → what their sum is multiplied by."""
+        """Return number of answered items → factor of their sum."""
         return stretch(len(self.terms), self.min_valid)
 
 

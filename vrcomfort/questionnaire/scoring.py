@@ -59,7 +59,7 @@ def score(instrument: Instrument, answers: Mapping[str, Answer | None]) -> dict[
 
 
 def score_all(instrument: Instrument, answers: Sequence[Mapping[str, Answer | None]]) -> RawScores:
-    """Score many questionnaires, whose answers have been checked, in raw numbers."""
+    """Score many questionnaires of checked answers, in raw numbers."""
     steps, given = {}, {}
     for item in instrument.items:
         column = [each.get(item.name) for each in answers]
@@ -71,7 +71,7 @@ def score_all(instrument: Instrument, answers: Sequence[Mapping[str, Answer | No
 
 
 def wrong_weights(instrument: Instrument, answers: Mapping[str, Answer | None]) -> str | None:
-    """Say where a person's weights do not add up to what they should, as 15 comparisons do."""
+    """Note weights of a person that do not add up to their sum, as 15 comparisons do."""
     for scale in instrument.scales:
         weights = [answers.get(name) for _, name in scale.weights]
         given = [weight for weight in weights if weight is not None]

@@ -105,7 +105,7 @@ class Sheet:
 
     @property
     def participant(self) -> str:
-        """Whose it is; this and what follows are blank where the file says nothing."""
+        """The participant; this and the next ones are blank where the file says nothing."""
         return self.keys.get("participant", "")
 
     @property
@@ -125,7 +125,7 @@ class Sheet:
 
     @property
     def condition(self) -> str:
-        """What was shown before."""
+        """The condition before."""
         return self.keys.get("condition", "")
 
     @property

@@ -14,9 +14,8 @@ from typing import Any
 import duckdb
 
 from vrcomfort.errors import InputError
-from vrcomfort.records.disk import OWNER, refuse_links, refused, sync_folder
+from vrcomfort.records.disk import OWNER, only_program, refuse_links, refused, sync_folder
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
-from vrcomfort.records.lock import only_program
 from vrcomfort.records.recording import (
     Fingerprint,
     Memory,

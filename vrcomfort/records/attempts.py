@@ -1,4 +1,4 @@
-"""Tells of which attempt at a trial a frame is."""
+"""Compares recorded times, and tells the attempt at a trial that a frame is of."""
 
 from __future__ import annotations
 
@@ -8,7 +8,20 @@ from collections.abc import Iterable, Mapping
 from typing import Any, TypeAlias
 
 from vrcomfort.records.tables import RecordedRow
-from vrcomfort.records.times import within
+
+TOLERANCE_S = 1e-6
+"""The clock of people's sessions is recorded to the microsecond, and sums of times are rounded."""
+
+
+def before(one_s: float, other_s: float) -> bool:
+    """Return whether a time is earlier than another, by more than rounding."""
+    return one_s < other_s - TOLERANCE_S
+
+
+def within(time_s: float, start_s: float, end_s: float) -> bool:
+    """Return whether a time lies between two, but for rounding."""
+    return not before(time_s, start_s) and not before(end_s, time_s)
+
 
 Attempt: TypeAlias = tuple[int, int]
 """Numbers of a trial and of an attempt at it."""

@@ -8,9 +8,16 @@ from typing import Annotated, ClassVar
 
 from vrcomfort.geometry import EyeGaze, Gaze, Pose, View
 from vrcomfort.records.exposure_rows import BallRow
-from vrcomfort.records.pose_columns import Body, fov_columns, pose_columns
 from vrcomfort.records.rows import BOTH, GAZE, MOTION, Cell, Column, ColumnGroup, Needs, Row
-from vrcomfort.records.shared_columns import FrameS, FrameTimeNs, FrameTrial, Resumed
+from vrcomfort.records.shared_columns import (
+    Body,
+    FrameS,
+    FrameTimeNs,
+    FrameTrial,
+    Resumed,
+    fov_columns,
+    pose_columns,
+)
 
 CUT, SNAP_TURN = 1, 2
 """Of `discontinuity`: nothing of the frame before counts; or all but the avatar's heading."""
@@ -154,7 +161,7 @@ class ImageRow(Row):
     xr_time_ns: FrameTimeNs
     trial: FrameTrial
     left_hash: Annotated[
-        str, Column("Hash of the left eye's image, 16 hexadecimal digits (`render.image_hash`)")
+        str, Column("Hash of the left eye's image, 16 hexadecimal digits (`render.display`)")
     ]
     right_hash: Annotated[str, Column("Hash of the right eye's image, likewise")]
     resumed: Resumed = 0

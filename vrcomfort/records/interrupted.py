@@ -1,27 +1,37 @@
-"""Takes up the files of a session that was interrupted, so that they can be continued."""
+"""Repairs the files of an interrupted session, and returns its progress."""
 
 from __future__ import annotations
 
+import os
+import shutil
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from vrcomfort.errors import InputError
 from vrcomfort.protocol import Trial
 from vrcomfort.records.appended_file import AppendedFile
 from vrcomfort.records.attempts import FramesOfAttempts
-from vrcomfort.records.checksums import unseal
-from vrcomfort.records.disk import OWNER, Access, refused
+from vrcomfort.records.checksums import remove_checksums
+from vrcomfort.records.disk import (
+    OWNER,
+    Access,
+    open_new,
+    refuse_links,
+    refused,
+    replace_text,
+    sync_folder,
+)
 from vrcomfort.records.exposure_rows import OVER, DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.interruptions import OF_FRAMES
 from vrcomfort.records.json_file import damaged
-from vrcomfort.records.mend import mend
 from vrcomfort.records.reader import Session
 from vrcomfort.records.rows import Row, csv_line
-from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS
+from vrcomfort.records.schema import OPTIONAL_ROWS, SCHEMA_VERSION, SESSION_ROWS, columns_of_version
 from vrcomfort.records.session_rows import (
     ClockRow,
     EventRow,
@@ -29,9 +39,131 @@ from vrcomfort.records.session_rows import (
     ScreeningRow,
     TextRow,
 )
-from vrcomfort.records.tables import RecordedRow
-from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undone_trials
+from vrcomfort.records.tables import RecordedRow, split_line, text_rows
 
+
+def repair_table(folder: Path, row_type: type[Row], access: Access) -> str | None:
+    """Leave the whole rows in a file, or a header where there is not even that.
+
+    The half-written last row of a file (NUL bytes, after a power cut) is moved to the end of a
+    file beside it, whose name has ``.cut`` appended. A file of an older schema gets the columns
+    that it lacks, blank; it stays as it was beside, with ``.schema1`` (its version) appended.
+
+    Returns
+    -------
+    str or None
+        What was cut off, in one sentence.
+
+    Raises
+    ------
+    InputError
+        If the header is another, a row before the last is broken, the file is a symbolic link, or
+        the disk refuses.
+    """
+    file, columns = folder / row_type.FILE, row_type.columns()
+    try:
+        refuse_links(folder, file)
+        if not file.exists() or not file.stat().st_size:
+            _begin(file, columns, access)
+            return None
+        written = file.stat()
+        cut = _repaired(file, columns, access)
+        os.utime(file, ns=(written.st_atime_ns, written.st_mtime_ns))  # when its last row came
+    except OSError as error:
+        raise refused(file, error) from error
+    return cut
+
+
+def _begin(file: Path, columns: tuple[str, ...], access: Access) -> None:
+    again = AppendedFile(file, access, fresh=True, header=csv_line(columns))
+    try:
+        again.sync()
+        sync_folder(file.parent)
+    finally:
+        again.close()
+
+
+def _repaired(file: Path, columns: tuple[str, ...], access: Access) -> str | None:
+    version, there = _schema_of(file, columns)
+    whole, lines = _whole_rows(file, there)
+    cut = _cut(file, whole, lines, there, access) if whole < file.stat().st_size else None
+    if there != columns:
+        _add_columns(file, columns, access, kept=f"{file.name}.schema{version}")
+    return cut
+
+
+def _schema_of(file: Path, columns: tuple[str, ...]) -> tuple[int, tuple[str, ...]]:
+    """Return the newest version whose columns a file's header has, and those; else the present."""
+    with file.open("rb") as stream:
+        header = stream.readline()
+    for version in range(SCHEMA_VERSION, 0, -1):
+        older = columns_of_version(version, file.name, columns)
+        if header == csv_line(older).encode():
+            return version, older
+    return SCHEMA_VERSION, columns
+
+
+def _add_columns(file: Path, columns: tuple[str, ...], access: Access, *, kept: str) -> None:
+    """Put blank cells where a file is without a column; as it was, it is called `kept`."""
+    lines = [csv_line(row.get(column, "") for column in columns) for row in text_rows(file)]
+    beside = file.with_name(kept)
+    beside.unlink(missing_ok=True)
+    try:
+        beside.hardlink_to(file)
+    except OSError:  # a file system without links
+        shutil.copyfile(file, beside)
+    replace_text(file, csv_line(columns) + "".join(lines), access)
+
+
+def _whole_rows(file: Path, columns: tuple[str, ...]) -> tuple[int, int]:
+    """Return how many bytes and lines are whole; at most one line is not."""
+    whole = lines = 0
+    broken = False
+    with file.open("rb") as stream:
+        for line in stream:
+            if broken:
+                raise InputError("this row is broken; mend it first", file=file, line=lines + 1)
+            cells = _cells(line)
+            broken = cells is None or (lines > 0 and len(cells) != len(columns))
+            if not broken and not lines and cells != list(columns):
+                message = "this file has other columns: it is from another version of vrcomfort"
+                raise InputError(f"{message}; resume the session with that one", file=file, line=1)
+            whole += 0 if broken else len(line)
+            lines += not broken
+    return whole, lines
+
+
+def _cells(line: bytes) -> list[str] | None:
+    """Return the cells of a whole line."""
+    if not line.endswith(b"\n"):
+        return None
+    try:
+        return split_line(line)
+    except ValueError:
+        return None
+
+
+def _cut(file: Path, whole: int, lines: int, columns: tuple[str, ...], access: Access) -> str:
+    beside = file.with_name(f"{file.name}.cut")
+    with (
+        file.open("r+b") as stream,
+        os.fdopen(open_new(beside, access, os.O_WRONLY | os.O_APPEND), "ab") as rest,
+    ):
+        stream.seek(whole)
+        rest.write(stream.read().rstrip(b"\n") + b"\n")
+        rest.flush()
+        os.fsync(rest.fileno())  # first: it must be somewhere
+        sync_folder(file.parent)
+        stream.seek(whole)
+        stream.truncate()
+        stream.write(b"" if lines else csv_line(columns).encode())
+        stream.flush()
+        os.fsync(stream.fileno())
+    return f"{file}, line {lines + 1}: a half-written row was moved to {beside.name}"
+
+
+ENDED_THE_STUDY = ("withdrawn", "stopped")
+"""Statuses of the trial in which a participant's study ended."""
 _DECIMALS = 9
 """Of times on record; a sum of two may have more."""
 _TRIAL_STATUS = ("completed", "withdrawn", "stopped", "aborted", "skipped")
@@ -93,7 +225,7 @@ class Interrupted:
     practised: Mapping[str, Practised] = field(default_factory=dict)
 
 
-def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> Interrupted:
+def repair_session(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> Interrupted:
     """Mend the files of an interrupted session and return how far it came.
 
     A half-written last row goes to a file beside (``frames.csv.cut``). An exposure that was under
@@ -116,9 +248,9 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
     begun = manifest.get("under_way")
     if begun:
         _check_begun(folder, begun, planned)
-    unseal(folder)
+    remove_checksums(folder)
     there = [each for each in OPTIONAL_ROWS if (folder / each.FILE).exists()]
-    cuts = [mend(folder, row_type, access) for row_type in (*SESSION_ROWS, *there)]
+    cuts = [repair_table(folder, row_type, access) for row_type in (*SESSION_ROWS, *there)]
     whose = {"participant": manifest["participant"], "session": manifest["session"]}
     trials = list(_checked_trials(session, planned, whose))
     frames = _Frames.read(session, trials, begun)
@@ -170,11 +302,17 @@ def _last_trial(
     return last["trial"], status if status in ENDED_THE_STUDY else None, last["abort_code"]
 
 
+def undone_trials(manifest: Mapping[str, Any]) -> set[tuple[int, int]]:
+    """Return (trial, attempt) of exposures whose withdrawal has been undone."""
+    undone: Iterable[Mapping[str, Any]] = manifest.get("withdrawals_undone") or ()
+    return {(each["trial"], each["attempt"]) for each in undone if each.get("trial")}
+
+
 def _answered(
     session: Session, whose: Mapping[str, Any]
 ) -> dict[tuple[int | None, str, str], frozenset[str]]:
     found: dict[tuple[int | None, str, str], set[str]] = {}
-    for row in _of(whose, session.rows(QuestionnaireRow, mended=True)):
+    for row in _of(whose, session.rows(QuestionnaireRow, repaired=True)):
         key = (row["trial"], row["timepoint"], row["instrument"])
         found.setdefault(key, set()).add(row["item"])
     return {key: frozenset(items) for key, items in found.items()}
@@ -183,7 +321,7 @@ def _answered(
 def _practised(session: Session, whose: Mapping[str, Any]) -> dict[str, Practised]:
     """Return how far each block of practice came."""
     found: dict[str, Practised] = {}
-    for row in _of(whose, session.rows(PracticeRow, mended=True)):
+    for row in _of(whose, session.rows(PracticeRow, repaired=True)):
         before = found.get(row["practice"], Practised(0, 0, over=False))
         begun = max(before.begun, row["repetition"])
         whole = before.whole + int(row["met"] is not None)
@@ -232,7 +370,7 @@ def _checked_trials(
     """Yield the rows of trials that were planned, each attempt once and none skipped."""
     seen: set[tuple[int, int]] = set()
     done = 0
-    for row in _of(whose, session.rows(TrialRow, mended=True)):
+    for row in _of(whose, session.rows(TrialRow, repaired=True)):
         for column, fault in _unplanned(row, planned):
             raise row.fault(fault, column)
         attempt = row["trial"], row["attempt"]
@@ -272,14 +410,14 @@ class _Frames:
         found = cls()
         under_way = (begun["trial"], begun["attempt"]) if begun else None
         of_attempts = FramesOfAttempts([*trials, *([begun] if begun else [])])
-        for row in session.rows(FrameRow, mended=True):
+        for row in session.rows(FrameRow, repaired=True):
             attempt = of_attempts.add(row)
             if attempt is not None and attempt == under_way:
                 found.shown += 1
                 found.dropped += row["dropped"]
             found._meet(row)
         for row_type in OF_FRAMES:  # a power cut may have left them without their frame
-            for row in session.rows(row_type, mended=True):
+            for row in session.rows(row_type, repaired=True):
                 found._meet(row)
         return found
 
@@ -306,7 +444,7 @@ def _ends(
         ClockRow: ("session_s",),
     }
     for row_type, parts in columns.items():
-        for row in _of(whose, session.rows(row_type, mended=True)):
+        for row in _of(whose, session.rows(row_type, repaired=True)):
             yield sum(row[part] or 0.0 for part in parts)
 
 

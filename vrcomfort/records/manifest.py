@@ -13,8 +13,7 @@ from typing import Any
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.records.disk import OWNER, Access, replace_text
-from vrcomfort.records.json_file import indented, read_json
-from vrcomfort.records.manifest_shape import ManifestShape
+from vrcomfort.records.json_file import ManifestShape, indented, read_json
 from vrcomfort.records.schema import SCHEMA_VERSION
 
 _PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow")

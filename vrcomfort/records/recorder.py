@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections import deque
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Condition, Thread
 from types import TracebackType
 from typing import Self
 
 from vrcomfort.errors import InputError
-from vrcomfort.records.appended_file import Meddling
-from vrcomfort.records.background import CAPACITY, BackgroundWriter
+from vrcomfort.records.appended_file import ExternalChange
 from vrcomfort.records.disk import OWNER, Access, make_folders, refused
 from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.frame_rows import FrameRow
@@ -19,6 +21,95 @@ from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import SESSION_ROWS
 from vrcomfort.records.session_rows import EventRow
 from vrcomfort.stop_signals import uninterrupted
+
+CAPACITY = 4096
+"""Rows that may wait: 45 s of frames at 90 Hz, about 15 MB."""
+
+
+class BackgroundWriter:
+    """Writes rows in a thread of its own, so that a slow disk never holds up a frame.
+
+    They are written in the order in which they came, those that wait together.
+
+    Parameters
+    ----------
+    files
+        Written to in the thread. An error is raised again by the next `check`, `finish` or
+        `close`; the rows after it are still written.
+    capacity
+        Rows that may wait before `offer` refuses.
+    """
+
+    def __init__(self, files: RowFiles, *, capacity: int = CAPACITY) -> None:
+        self._files = files
+        self._capacity = capacity
+        self._rows: deque[Row] = deque()
+        self._changed = Condition()
+        self._fault: Exception | None = None
+        self._closing = False
+        self._thread = Thread(target=self._run, name="recorder", daemon=True)
+        self._thread.start()
+
+    def offer(self, row: Row) -> bool:
+        """Take a row, or return False where too many wait; never waits."""
+        with self._changed:
+            if len(self._rows) >= self._capacity:
+                return False
+            self._add(row)
+        return True
+
+    def put(self, row: Row) -> None:
+        """Take a row, however many wait; never waits."""
+        with self._changed:
+            self._add(row)
+
+    def check(self) -> None:
+        """Raise what `write` has raised."""
+        with self._changed:
+            fault, self._fault = self._fault, None
+        if fault is not None:
+            raise fault
+
+    def finish(self) -> None:
+        """Wait until every row has been written."""
+        with self._changed:
+            self._changed.wait_for(lambda: not self._rows)
+        self.check()
+
+    def close(self) -> None:
+        """Write what waits, and end the thread; only an error of the files is left to tell."""
+        with self._changed:
+            self._closing = True
+            self._changed.notify_all()
+        self._thread.join()
+        self.check()
+
+    def _add(self, row: Row) -> None:
+        self._rows.append(row)
+        self._changed.notify_all()
+
+    def _run(self) -> None:
+        while (rows := self._next()) is not None:
+            fault = self._try(rows)
+            with self._changed:
+                self._fault = self._fault or fault
+                for _ in rows:
+                    self._rows.popleft()  # only now: an empty queue says that all is in the files
+                self._changed.notify_all()
+
+    def _try(self, rows: Sequence[Row]) -> Exception | None:
+        try:
+            self._files.write(rows)
+        except Exception as error:  # it belongs to whoever wrote the row
+            return error
+        return None
+
+    def _next(self) -> Sequence[Row] | None:
+        """Wait for rows, or until the files are due (then there are none); None at the end."""
+        due_in_s = self._files.due_in_s()
+        with self._changed:
+            self._changed.wait_for(lambda: self._rows or self._closing, due_in_s)
+            return tuple(self._rows) if self._rows or not self._closing else None
 
 
 def session_folder(study: Path, participant: str, session: int) -> Path:
@@ -56,7 +147,7 @@ class Recorder:
     Parameters
     ----------
     resumed
-        Append to the files of a session that was interrupted (see `take_up`), and mark the rows.
+        Append to the files of an interrupted session (see `repair_session`), and mark the rows.
     durability
         "session_end" syncs at the end alone, for sessions that can be simulated again: until
         then rows survive the end of the program, and not of the machine. Nobody waits for a row
@@ -68,8 +159,8 @@ class Recorder:
     ----------
     frames_not_recorded
         Frames that were left out.
-    meddling
-        What other programs have done to the files, as far as `take_meddling` has told.
+    external_changes
+        What other programs have done to the files, as far as `take_external_changes` has told.
 
     Raises
     ------
@@ -92,7 +183,7 @@ class Recorder:
         self.folder = session_folder(study, participant, session)
         self.access = access
         self.frames_not_recorded = 0
-        self.meddling: list[Meddling] = []
+        self.external_changes: list[ExternalChange] = []
         self.durability = durability
         self._gap: _Gap | None = None
         self._closed = False
@@ -147,10 +238,12 @@ class Recorder:
                 self._background.put(row)
         self._background.check()  # not before: no row may be lost to the fault of another
 
-    def take_meddling(self) -> list[Meddling]:
+    def take_external_changes(self) -> list[ExternalChange]:
         """Return what other programs have done to the files since the last call."""
-        found = [self._files.meddling.popleft() for _ in range(len(self._files.meddling))]
-        self.meddling.extend(found)
+        found = [
+            self._files.external_changes.popleft() for _ in range(len(self._files.external_changes))
+        ]
+        self.external_changes.extend(found)
         return found
 
     @uninterrupted()

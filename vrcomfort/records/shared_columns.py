@@ -1,10 +1,34 @@
-"""Columns of the same name and meaning in several files."""
+"""Columns of the same name and meaning in several files, those of poses among them."""
 
 from __future__ import annotations
 
-from typing import Annotated, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 from vrcomfort.records.rows import Column
+
+Body = Literal["head", "left", "right", "avatar", "left_hand", "right_hand"]
+Eye = Literal["left", "right"]
+
+_POSE_SUFFIXES = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
+_FOV_SIDES = ("left", "right", "up", "down")
+
+
+def pose_columns(body: Body) -> tuple[str, ...]:
+    """Return the seven columns of a body: position (metres), then quaternion (x, y, z, w)."""
+    return tuple(f"{body}_{suffix}" for suffix in _POSE_SUFFIXES)
+
+
+def fov_columns(eye: Eye) -> tuple[str, ...]:
+    """Return the four half-angle columns of an eye (radians; left and down negative)."""
+    return tuple(f"{eye}_fov_{side}_rad" for side in _FOV_SIDES)
+
+
+HEAD = pose_columns("head")
+EYES = (*pose_columns("left"), *pose_columns("right"))
+FOVS = (*fov_columns("left"), *fov_columns("right"))
+AVATAR = pose_columns("avatar")
+HANDS = (*pose_columns("left_hand"), *pose_columns("right_hand"))
+POSE_COLUMNS = (*HEAD, *EYES, *FOVS, *AVATAR)
 
 ParticipantName: TypeAlias = Annotated[str, Column("Identifier of a participant")]
 SessionNumber: TypeAlias = Annotated[int, Column("Number of the session, from 1")]

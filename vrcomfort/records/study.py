@@ -22,15 +22,15 @@ from vrcomfort.records.disk import (
     GROUP,
     OWNER,
     Access,
+    in_turn,
     make_folders,
+    only_program,
     refuse_links,
     refused,
     replace_text,
 )
-from vrcomfort.records.json_file import read_json
-from vrcomfort.records.lock import in_turn, only_program
+from vrcomfort.records.json_file import DescribedShape, DescriptionShape, read_json
 from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.manifest_shape import DescribedShape, DescriptionShape
 from vrcomfort.records.names import check_case, check_participant, check_study
 from vrcomfort.records.recorder import is_begun, session_folder
 from vrcomfort.records.rows import csv_line

@@ -17,7 +17,7 @@ from typing import Any
 from vrcomfort.csv_table import LARGEST_WHOLE, CsvTable, plain_digits, shortened
 from vrcomfort.errors import InputError
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
-from vrcomfort.records.manifest_shape import LONGEST_S
+from vrcomfort.records.json_file import LONGEST_S
 from vrcomfort.records.rows import Column, Row, declared, single
 from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
 
@@ -111,7 +111,7 @@ def read_rows(
         Of the schema that it was written in; columns that came later are None.
     cut
         The last row may be half-written, by a program that was killed; it is left out then. Else
-        the file has been mended.
+        the file has been repaired.
     told
         Is called with every fault, and the other rows are yielded; the columns have to be those of
         the version then, in their order. Without it the first fault is raised, and columns that

@@ -24,9 +24,9 @@ from vrcomfort.render.effects.effect import (
     RegisteredEffect,
 )
 from vrcomfort.render.focus.autofocus_zone import screen_tangents
+from vrcomfort.render.focus.rays import GazeHits
 from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.focus.search import FocusPass, HeadView
-from vrcomfort.render.gaze_hit import GazeHits
 from vrcomfort.render.plan import in_order, plan_passes
 from vrcomfort.render.scene_pass import ResolvePass, ScenePass
 from vrcomfort.scene.data import Scene
@@ -43,7 +43,7 @@ class EyeImages(NamedTuple):
     """The textures of the eye that was just drawn; the next eye overwrites all but `encoded`.
 
     `pinhole` and `linear` are linear HDR light before and after the effects, `depth` is reverse-Z
-    with `near_m`, `velocity` is px per frame, `encoded` is what the display gets. `previous` is
+    with `near_m`, `velocity` is px per frame, `encoded` is the display's image. `previous` is
     where the eye counts as having been, None where motion blur needs none.
     """
 
@@ -57,7 +57,7 @@ class EyeImages(NamedTuple):
 
 
 Renderable: TypeAlias = EffectPass | LensViews | ScenePass | ResolvePass | ToneMapPass | FocusPass
-"""What has a `render`."""
+"""Parts of a frame that can be measured: they have a `render`."""
 
 NO_EYE_TRACKER = (
     "effects are centred on the gaze (gaze_centre), and this headset has no eye tracker; use one "
@@ -130,6 +130,7 @@ class ConditionPasses:
         self._named: dict[str, Renderable] = {}
         for each in registered:
             self._add(each, condition)
+        # A target for each eye: both images of a frame are valid until the next frame.
         exposure = scene.environment.exposure
         self.tone_maps = tuple(
             ToneMapPass(ctx, radiance=self.colour, size_px=size_px, exposure=exposure)
@@ -147,6 +148,7 @@ class ConditionPasses:
                 self._size_px,
                 self.colour,
                 self.scene.depth,
+                # Only the first effect reads the scene's own image: there the resolve writes radii.
                 self.scene.resolve if self.colour is self.scene.colour else None,
                 {name: texture for name in registered.reads if (texture := made[name]) is not None},
             )
@@ -163,6 +165,7 @@ class ConditionPasses:
         settings = condition.depth_of_field
         if settings is None or self.focus is None or self._views == 1:
             return
+        # The effects so far are drawn in each view, those to come once, on the mean.
         self._of_view, self._of_eye = self._of_eye, []
         self.scene.lens_focus = self.focus.texture
         infinity_m = condition.focus.infinity_m
@@ -279,6 +282,7 @@ class ConditionPasses:
                 eye.camera.fov,
                 lambda lens: self._draw(eye, self._of_view, scene_time_s, before_s, lens),
             )
+        # The centre view comes last: its depth and velocity are those of the eye.
         self._draw(eye, self._of_eye, scene_time_s, before_s)
         tone_map = self.tone_maps[eye.eye_index]
         tone_map.render()

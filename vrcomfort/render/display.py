@@ -1,6 +1,6 @@
 """Passes after the effects: tone map to 8 bits, photodiode patch, hash of the images.
 
-The patch is drawn after tone mapping: full black or full white, whatever the condition does.
+The patch is drawn after tone mapping: full black or full white in every condition.
 """
 
 from __future__ import annotations
@@ -135,9 +135,10 @@ def _span(
 
 
 HASH_EVERY = 30
-"""Every so many drawn frames of a session have their images hashed."""
+"""Drawn frames of a session from one hash of its images to the next."""
 
 _SUMS_OF_BOTH_EYES = 4
+"""Two of 32 bits for each eye: integer sums are the same in any order of the GPU's threads."""
 
 
 def image_hash(rgb8: NDArray[np.uint8]) -> str:
@@ -204,6 +205,7 @@ class ImageHasher:
 
 
 def _mixed(values: NDArray[np.uint32]) -> NDArray[np.uint32]:
+    # The finaliser of MurmurHash3: each bit of the input changes half of the output's.
     values = values ^ values >> np.uint32(16)
     values = values * np.uint32(0x85EBCA6B)
     values ^= values >> np.uint32(13)

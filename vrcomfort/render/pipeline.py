@@ -71,11 +71,11 @@ class RenderedFrame:
     image_hashes
         Those of earlier frames that have arrived, where images are hashed.
     seeks_gaze
-        Whether it is being found out what the gaze of this frame meets.
+        Whether the gaze hit of this frame is being sought.
     gaze_hits
-        Of earlier frames that have arrived, what their gaze meets.
+        Those of earlier frames that have arrived.
     effect_centre
-        What effects that are centred on the gaze are centred on: ``gaze``, ``held`` or ``head``;
+        Centre of gaze-contingent effects: ``gaze``, ``held`` or ``head``;
         None where the condition has none.
     """
 
@@ -121,12 +121,12 @@ class StereoRenderer:
         Called after each eye (0 left, 1 right) of each frame with its textures, where `render` is
         not told otherwise.
     hash_every
-        The images of every so many frames are hashed, the first of each `begin` among them; 0: of
-        none.
+        Frames from one hash of the images to the next, the first of each `begin` among them; 0: no
+        hashes.
     photodiode
         The patch that frames with a `Frame.patch` have.
     finds_hits
-        Find out what the gaze of frames meets, where they have one.
+        Find the hit of each frame's gaze, where it has one.
     """
 
     def __init__(
@@ -161,13 +161,14 @@ class StereoRenderer:
     def begin(self, scene: Scene, condition: Condition) -> None:
         """Build the passes that `condition` needs in `scene`; those of before are released.
 
-        Drivers compile when something is first drawn, so two frames are drawn that nobody sees.
+        Drivers compile at the first draw, so two frames are drawn that are never shown.
         """
         self.build(scene, condition)
         passes = self._built()
         for frame in looks_around(scene.spawn):
             self._draw(frame, 0.0, None)
         passes.warm_up()
+        # Warm-up frames must leave nothing behind: no samples, no maxima, no frame before.
         self.drain()
         self.drain_gaze_hits()
         passes.reset()
@@ -247,8 +248,8 @@ class StereoRenderer:
     def _look_along(self, frame: Frame, world_from_head: Pose) -> tuple[bool, tuple[GazeHit, ...]]:
         """Seek the gaze hit; return whether it is sought, and the hits that have arrived.
 
-        Frames that nobody sees look as well once an eye tracker has been seen: without one, nothing
-        is made for it.
+        Warm-up frames seek it as well once an eye tracker has been seen: without one, no program or
+        buffer is made for it.
         """
         if not self._finds_hits or frame.gaze is None:
             return False, ()
@@ -279,7 +280,7 @@ class StereoRenderer:
         on_eye: Callable[[int, EyeImages], None] | None,
     ) -> RenderedFrame:
         start_s = time.perf_counter()
-        gl.collect(self.ctx)
+        gl.collect(self.ctx)  # objects of the condition before are released here, not in mid-frame
         passes = self._built()
         passes.scene.gpu.draws = 0
         before = None if frame.discontinuity else self._before
@@ -290,6 +291,8 @@ class StereoRenderer:
         if self._has_hands:
             self._place_hands(frame, before)
         centre = passes.centre(frame)
+        # Both eyes are known before anything is drawn: they are culled together. Then the focus,
+        # which resolves, lenses and depth of field of both eyes read on the GPU.
         eyes = [
             self._eye(index, frame, world_from_head, before, centre) for index in range(self._eyes)
         ]
@@ -312,6 +315,7 @@ class StereoRenderer:
             frame.hands,
         )
         return RenderedFrame(
+            # With one eye, its image stands for both.
             eyes=(passes.tone_maps[0].target, passes.tone_maps[-1].target),
             focus_samples=samples,
             max_blur_px=passes.max_blur_px,
@@ -448,7 +452,7 @@ WIDE = Fov(-1.2, 1.2, 1.2, -1.2)
 """Radians: two frames back to back see nearly everything around."""
 
 LATEST_NS = 2**63 - 1
-"""After it every frame goes back in time, which resets what remembers frames before."""
+"""After it every frame goes back in time, which resets all state from earlier frames."""
 
 
 def looks_around(spawn: Pose) -> tuple[Frame, ...]:

@@ -1,7 +1,7 @@
 """Buffers of a scene on the GPU: vertices, one row for each instance, joints, clip matrices.
 
-Vertices are written once. A row is what a vertex shader needs of an instance in a view: a 3 × 4
-matrix and a few numbers; rows are written each frame for what is seen.
+Vertices are written once. A row holds the inputs of the vertex shader for an instance in a
+view: a 3 × 4 matrix and a few numbers; rows of visible instances are written each frame.
 """
 
 from __future__ import annotations
@@ -20,6 +20,9 @@ from vrcomfort.render.lighting import LampReach
 from vrcomfort.scene.data import Primitive, Scene
 from vrcomfort.scene.node_poses import HandPoses, NodePoses, relative_rows
 
+# Half floats for normals and colours: 11 bits are finer than an 8-bit image shows. Not for texture
+# coordinates, which grow large where an image repeats. A fourth component keeps attributes aligned
+# to 4 bytes.
 _VERTEX = np.dtype(
     [
         ("position", np.float32, 3),
@@ -36,6 +39,7 @@ VERTEX_NAMES = ("in_position", "in_normal", "in_uv", "in_color")
 
 def vertex_bytes(primitives: tuple[Primitive, ...]) -> bytes:
     """Return the vertices of all primitives, one after the other."""
+    # A scene may be empty, a buffer may not.
     return b"".join(_packed(primitive).tobytes() for primitive in primitives) or bytes(64)
 
 
@@ -99,6 +103,9 @@ _BASE_INSTANCE = 4
 _ROW, _MATRIX = 18, 12
 """Numbers in a row, and those among them that are the rows of a 3 × 4 matrix."""
 
+# Columns after the matrix: `in_thing` (scene.vert), then `in_material` and `in_first_joint`.
+_AMBIENT, _LOCKED, _LAMPS, _WEIGHT, _MATERIAL, _FIRST_JOINT = range(_MATRIX, _ROW)
+
 
 class RowBuffers:
     """Instance rows and indirect commands on the GPU.
@@ -124,6 +131,7 @@ class RowBuffers:
         previous: NDArray[np.float32] | None = None,
     ) -> None:
         """Put things in drawing order; row i belongs to command i."""
+        # Instanced attributes are read from `base_instance` on: each command has its own row.
         commands[:, _BASE_INSTANCE] = np.arange(len(commands))
         _replace(self.rows, rows)
         _replace(self.commands, commands)
@@ -132,7 +140,7 @@ class RowBuffers:
 
 
 def _replace(buffer: moderngl.Buffer, data: NDArray[np.generic]) -> None:
-    buffer.orphan(data.nbytes)  # what is being drawn from it stays as it is
+    buffer.orphan(data.nbytes)  # draws that are under way keep their storage
     buffer.write(data)
 
 
@@ -181,12 +189,12 @@ class SceneRows:
         centers, halves = self._bent(every, *table.world_boxes(world, every))
         self._boxes = culling.boxes(centers, halves)
         self._rows = np.zeros((len(table.node), _ROW), dtype=np.float32)
-        self._rows[:, _MATRIX] = table.ambient
-        self._rows[:, _MATRIX + 1] = self._locked
-        self._rows[:, _MATRIX + 2] = self._reach.bits(centers, halves)
-        self._rows[:, _MATRIX + 3] = table.semantic_weight
-        self._rows[:, _MATRIX + 4] = table.material
-        self._rows[:, _MATRIX + 5] = table.first_joint
+        self._rows[:, _AMBIENT] = table.ambient
+        self._rows[:, _LOCKED] = self._locked
+        self._rows[:, _LAMPS] = self._reach.bits(centers, halves)
+        self._rows[:, _WEIGHT] = table.semantic_weight
+        self._rows[:, _MATERIAL] = table.material
+        self._rows[:, _FIRST_JOINT] = table.first_joint
         of_nodes = table.node_centers(centers, halves, len(self._scene.nodes))
         self._level_centers = np.ascontiguousarray(of_nodes[table.node].T)
         self._updated: tuple[float, float, Pose] | None = None
@@ -211,7 +219,7 @@ class SceneRows:
             Where they count as having been a frame ago: if `with_head`, as the present eye would
             have seen them then, else in the world.
         """
-        self._rows[self._poses.in_hand[self._list.node], _MATRIX + 1] = with_head
+        self._rows[self._poses.in_hand[self._list.node], _LOCKED] = with_head
         if (hands, before) != (self._poses.hands, self._poses.hands_before):
             self._poses.hands, self._poses.hands_before = hands, before
             self._updated = None
@@ -245,7 +253,7 @@ class SceneRows:
             return
         centers, halves = self._bent(moves.rows, *moves.boxes(self._world))
         self._boxes[:3, moves.rows], self._boxes[3:6, moves.rows] = centers.T, halves.T
-        self._rows[moves.rows, _MATRIX + 2] = self._reach.bits(centers, halves)
+        self._rows[moves.rows, _LAMPS] = self._reach.bits(centers, halves)
         self._level_centers[:, moves.with_levels] = moves.level_centers(centers, halves).T
 
     def _bent(self, rows: Rows, centers: Array, halves: Array) -> tuple[Array, Array]:
@@ -302,9 +310,10 @@ class SceneRows:
         rows = self._rows[order]
         rows[:, :_MATRIX] = relative_rows(self._world, nodes, origin_m).reshape(-1, _MATRIX)
         if numbered:
-            rows[:, _MATRIX + 3] = nodes + 1
+            rows[:, _WEIGHT] = nodes + 1
         before = None
         if buffers.previous is not None:
+            # From the present eye: the shader adds the eye's own step (`camera.CameraMotion`).
             before = relative_rows(self._previous_world, nodes, origin_m).astype(np.float32)
         buffers.write(rows, self._commands[order], before)
 
@@ -364,7 +373,7 @@ class JointBuffer:
     def write(self, place_from_bind: Array, previous: Array) -> None:
         """Take (joints, 4, 4) matrices of `Skins.place_from_bind`."""
         self._rows[:, 0], self._rows[:, 1] = place_from_bind[:, :3], previous[:, :3]
-        self._buffer.orphan(self._rows.nbytes)  # what is being drawn from it stays as it is
+        self._buffer.orphan(self._rows.nbytes)  # draws that are under way keep their storage
         self._buffer.write(self._rows)
 
     def bind(self) -> None:

@@ -4,7 +4,7 @@ r"""The sun's shadow map: one D32F image of the surroundings, seen along the sun
 
       sun  \   \   \        The map follows the head in steps of whole texels, so its
             \ ___\___\       texels stay on the same points of the world and shadows
-             |  head  |     do not crawl. Steps are large: what does not move is drawn
+             |  head  |     do not crawl. Steps are large: static casters are drawn
              |___x____|     again only when the head leaves the middle of the map.
 """
 
@@ -74,6 +74,7 @@ class ShadowMap:
             self._place(center)
             self._draw(self._static, clear=True)
         if self._live is not self._static:
+            # Moving casters are drawn over a copy of the static ones, which stay as they are.
             self._copy(self._static.depth, self._live.depth)
             self._draw(self._live, clear=False)
 
@@ -108,7 +109,7 @@ class ShadowMap:
         if clear:
             target.target.clear(depth=0.0)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
-        self._ctx.enable_direct(_DEPTH_CLAMP)
+        self._ctx.enable_direct(_DEPTH_CLAMP)  # casters beyond the range still cast shadows
         self._ctx.depth_func = gl.DEPTH_FUNC
         clip_from_relative = relative_to(self._clip_from_world, self._origin_m)
         movement: Movement = "all"

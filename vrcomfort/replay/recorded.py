@@ -32,7 +32,7 @@ from vrcomfort.records.schema import SCHEMA_VERSION
 from vrcomfort.records.tables import RecordedRow
 from vrcomfort.scene.markers import Shown
 from vrcomfort.settings import in_words
-from vrcomfort.traces.table import Table
+from vrcomfort.traces.table import TraceTable
 from vrcomfort.traces.trace import Trace, read_trace
 
 
@@ -66,7 +66,7 @@ def read_frames(file: Path) -> tuple[Trace, FrameFacts]:
     """
     parts: list[tuple[Any, ...]] = []
 
-    def take(table: Table) -> None:
+    def take(table: TraceTable) -> None:
         if not parts:
             table.require(["session_s", "trial", "should_render", "discontinuity", "dropped"])
         parts.append(_columns(table))
@@ -77,7 +77,7 @@ def read_frames(file: Path) -> tuple[Trace, FrameFacts]:
     return replace(trace, cuts=cuts), FrameFacts(*facts)
 
 
-def _columns(table: Table) -> tuple[Any, ...]:
+def _columns(table: TraceTable) -> tuple[Any, ...]:
     dropped = table.integers("dropped")
     if table.has(["missed_refreshes"]):
         cells = table.text("missed_refreshes")

@@ -114,11 +114,11 @@ _NEVER: dict[str, dict[str, None]] = {
     "png": {"Software": None},
     "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
 }
-"""What would differ from day to day and from version to version."""
+"""Metadata that would differ from day to day and from version to version."""
 
 
 class Drawing:
-    """A figure that is drawn; each form is made when it is asked for."""
+    """A drawn figure; PNG and PDF are made on demand."""
 
     def __init__(self, name: str, width_in: float, height_in: float) -> None:
         self._name = name
@@ -159,7 +159,7 @@ def style(name: str) -> Iterator[None]:
 
 @contextmanager
 def canvas(name: str, width_in: float, height_in: float) -> Iterator[tuple[Figure, Drawing]]:
-    """Give a figure to draw on, and the drawing that it becomes."""
+    """Yield a figure to draw on, and its drawing."""
     with style(name):
         drawing = Drawing(name, width_in, height_in)
         FigureCanvasAgg(drawing.figure)
@@ -168,7 +168,7 @@ def canvas(name: str, width_in: float, height_in: float) -> Iterator[tuple[Figur
 
 
 def _printed(write: Callable[..., Any], metadata: dict[str, None]) -> bytes:
-    """Return what a canvas writes; `savefig` would draw everything twice."""
+    """Return the bytes of a canvas; `savefig` would draw everything twice."""
     stream = io.BytesIO()
     write(stream, metadata=metadata)
     return stream.getvalue()
@@ -191,6 +191,11 @@ def lines(name: str, width: int) -> str:
     name = short(name)
     broken = any(len(word) > LONGEST_WORD for word in name.split())
     return fill(name, width, break_long_words=broken)
+
+
+def time_unit(longest_s: float) -> tuple[float, str]:
+    """Return the seconds of a unit in which a time is easily read, and its name."""
+    return (60.0, "min") if longest_s >= 90 else (1.0, "s")
 
 
 def dots(axes: Axes, x: Floats, y: Floats, colour: str, *, size: float = 4.0, **more: Any) -> None:

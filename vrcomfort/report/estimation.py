@@ -1,4 +1,4 @@
-"""Estimation plots: everybody's scores under each condition, beside the differences of the tests.
+"""Estimation plots: scores under each condition, beside the differences of the tests.
 
 After Gardner & Altman (1986) and Ho et al. (2019); the difference shown is the one that is tested.
 """
@@ -109,7 +109,7 @@ def estimation_figure(
     Returns
     -------
     Drawing or None
-        None where nobody is in a test.
+        None without a test.
     """
     made = [test for test in tests if test.found]
     if not made:
@@ -136,7 +136,7 @@ def estimation_figure(
 
 
 def _scores(scored: Exposures, tests: list[SignedRankRow], sides: list[Side]) -> Floats:
-    """Return the mean score per exposure, people × sides; NaN where somebody is in no test."""
+    """Return the mean score per exposure, people × sides; NaN for people in no test."""
     outcome = tests[0].outcome
     columns = []
     for side in sides:
@@ -148,7 +148,7 @@ def _scores(scored: Exposures, tests: list[SignedRankRow], sides: list[Side]) ->
 
 
 def differences(scored: Exposures, test: SignedRankRow) -> Floats:
-    """Return the differences of a test in points, of those who answered."""
+    """Return the differences of a test in points, of people with scores."""
     found = pair_up(scored, test.outcome, *test.sides, complete=False)
     tested = set(test.participants)
     chosen = [place for place, who in enumerate(found.participants) if who in tested]
@@ -196,7 +196,7 @@ def _draw_below(axes: Axes, found: list[tuple[SignedRankRow, Floats]], words: Vo
 
 
 def difference_label(outcome: str, words: Vocabulary) -> str:
-    """Return what an axis with differences of an outcome is called."""
+    """Return the label of an axis with differences of an outcome."""
     unit = words.unit(outcome)
     return f"difference ({unit})" if unit else "difference"
 
@@ -244,7 +244,7 @@ def group_figure(scored: Exposures, row: ComparisonRow, words: Vocabulary) -> Dr
 
 
 def values_of(scored: Exposures, row: ComparisonRow) -> tuple[Floats, Floats]:
-    """Return the scores of those in a comparison, in points."""
+    """Return the scores of the people in a comparison, in points."""
     one, two = row.sides
     tested = set(row.participants)
     if row.design == "paired":

@@ -24,6 +24,7 @@ from vrcomfort.report.canvas import (
     short,
     spread,
     threads,
+    time_unit,
 )
 from vrcomfort.report.estimation import estimation_figure, group_figure
 from vrcomfort.report.ordering import natural
@@ -81,7 +82,7 @@ def draw_figures(
 
 
 _OTHERWISE = ("estimation_", "comparison_", "flow")
-"""What no plan leaves out, or what was chosen before it was drawn."""
+"""Figures that every plan has, or that were chosen before they were drawn."""
 
 
 def _wanted(results: dict[str, Any], name: str) -> bool:
@@ -93,7 +94,7 @@ def _wanted(results: dict[str, Any], name: str) -> bool:
 def symptom_figure(
     symptoms: list[dict[str, Any]], instrument: str, words: Vocabulary
 ) -> Drawing | None:
-    """Mean answer of each symptom by condition, the largest first."""
+    """Draw the mean answer of each symptom by condition, the largest first."""
     means: dict[str, dict[str, float]] = {}
     for row in symptoms:
         means.setdefault(row["item"], {})[row["condition"]] = row["mean"]
@@ -126,7 +127,7 @@ def symptom_figure(
 def recovery_figure(
     scored: Exposures, results: dict[str, Any], words: Vocabulary
 ) -> Drawing | None:
-    """Scores after a session's last exposure and after recovery; a line is a session."""
+    """Draw scores after a session's last exposure and after recovery; a line is a session."""
     if not results["recovery_course"]:
         return None
     outcome = results["recovery_course"][0]["outcome"]
@@ -149,7 +150,7 @@ def recovery_figure(
 def exposure_figure(
     trials: list[dict[str, str]], results: dict[str, Any], words: Vocabulary
 ) -> Drawing | None:
-    """Everybody's exposures in order, with a cross where somebody left; only if somebody did."""
+    """Draw the exposures of people in order, with a cross at withdrawals; None without any."""
     if not results["withdrawals"]["n"] or not trials:
         return None
     gone = {each["participant"] for each in results["withdrawals"]["list"]}
@@ -162,14 +163,14 @@ def exposure_figure(
             of[trial["participant"]].append(trial)
     with canvas("exposures", 6.8, 0.9 + 0.19 * len(people)) as (figure, drawing):
         axes = figure.add_subplot()
-        unit = _unit(trials)
+        scale, unit = time_unit(max(trial_s(t) or 0.0 for t in trials))
         for row, who in enumerate(reversed(people)):
             mine = sorted(of[who], key=lambda t: (natural(t["session"]), natural(t["trial"])))
-            _exposures_of(axes, row, mine, words, unit[0], withdrew=who in gone)
+            _exposures_of(axes, row, mine, words, scale, withdrew=who in gone)
         _legend_of_exposures(axes, words)
         axes.set_yticks(range(len(people)), [*map(short, reversed(people))], fontsize=7.5)
         axes.tick_params(axis="y", length=0)
-        axes.set_xlabel(f"time in exposure, all sessions ({unit[1]})")
+        axes.set_xlabel(f"time in exposure, all sessions ({unit})")
         axes.xaxis.set_major_locator(MaxNLocator(nbins=8))
     return drawing
 
@@ -180,11 +181,6 @@ def _legend_of_exposures(axes: Any, words: Vocabulary) -> None:
     axes.plot([], [], "X", color=INK, ms=7, ls="", label="withdrew here")
     columns = 3 if len(words.conditions) < 3 else 2
     axes.legend(frameon=False, ncols=columns, loc="lower left", bbox_to_anchor=(0, 1), fontsize=8)
-
-
-def _unit(trials: list[dict[str, str]]) -> tuple[float, str]:
-    longest = max(trial_s(t) or 0.0 for t in trials)
-    return (60.0, "min") if longest >= 90 else (1.0, "s")
 
 
 def _exposures_of(
@@ -209,7 +205,7 @@ _MAIN, _SIDE = (0.0, 2.0), (2.7, 3.5)
 
 
 def flow_figure(flow: list[dict[str, Any]]) -> Drawing:
-    """Draw the stages below each other; beside the way to the next one, who left and why."""
+    """Draw the stages below each other, with losses and their reasons between them."""
     parts: list[tuple[str, str]] = []
     for stage in flow:
         parts.append(("stage", _stage(stage)))

@@ -29,7 +29,7 @@ WITHIN = ("condition", "scene", "position", "session")
 
 @dataclass(frozen=True)
 class Residuals:
-    """What is left of one score, in points.
+    """Residuals and differences of one score, in points.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class Residuals:
 def residuals_of(
     scored: Exposures, plan: Plan, tests: Sequence[SignedRankRow], outcome: str
 ) -> Residuals:
-    """Take participants and cells off one score; complete participants alone."""
+    """Return the residuals of a score: without the means of participants and cells."""
     fitted, left = _of_cells(scored, plan, outcome)
     test = next((t for t in tests if t.outcome == outcome and t.found), None)
     if test is None:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort.report.analyses import MethodsParagraph
 from vrcomfort.report.analyses.contract import SectionAnalysis, SectionData
-from vrcomfort.report.courses import RATINGS
 from vrcomfort.report.gaze_and_head import GAZE_AND_HEAD
+from vrcomfort.report.ratings import RATINGS
 from vrcomfort.report.rows import rounded
 
 if TYPE_CHECKING:
@@ -76,5 +76,5 @@ def section_paragraphs(sections: Iterable[Section]) -> list[MethodsParagraph]:
 
 
 def section_names() -> dict[str, Any]:
-    """Return what the templates of all sections call things, by the variable's name."""
+    """Return the names that the templates of all sections use, by variable."""
     return {name: names for each in SECTIONS for name, names in each.names.items()}

@@ -26,8 +26,7 @@ from vrcomfort.questionnaire import (
 from vrcomfort.recordings import ExposureFrames, frame_measures
 from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
-from vrcomfort.records.json_file import DamagedError, read_json
-from vrcomfort.records.manifest_shape import DescribedShape, ManifestShape
+from vrcomfort.records.json_file import DamagedError, DescribedShape, ManifestShape, read_json
 from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.recording import Memory
 from vrcomfort.records.rows import Row

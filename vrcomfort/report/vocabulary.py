@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.report.figures_of_sources import SameFigures
+from vrcomfort.resources import data_folder
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -17,6 +18,25 @@ BASES = {
     "measured": "",
 }
 """What the scores of an outcome are; a measure has its unit instead."""
+
+
+@dataclass(frozen=True)
+class SameFigures:
+    """A paper's figures of the same, cited in reports of its protocol."""
+
+    figures: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, protocol: str | None) -> SameFigures:
+        """Return those of a protocol's paper; none for any other protocol."""
+        file = data_folder("analysis") / "report" / "figures_of_sources.toml"
+        known = tomllib.loads(file.read_text(encoding="utf-8"))
+        return cls(known.get(protocol or "", {}))
+
+    def with_figure(self, name: str) -> str:
+        """Return “ (cf. …)”, or nothing."""
+        found = self.figures.get(name)
+        return f" (cf. {found})" if found else ""
 
 
 @dataclass(frozen=True)

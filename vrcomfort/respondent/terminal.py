@@ -14,52 +14,11 @@ from vrcomfort.respondent import keyboard
 from vrcomfort.respondent.base import Exposure, Form, Heard, InstructionContent, Withdrew, Written
 from vrcomfort.respondent.keyboard import input_over, waiting_line
 
-
-class TypedRating:
-    """The rating that is asked for, until it is given or its time is over.
-
-    Parameters
-    ----------
-    instrument
-        The scale; None while nothing is asked.
-    until_s
-        When the time is over, in seconds since the exposure began.
-    """
-
-    def __init__(self, instrument: Instrument | None = None, until_s: float = 0.0) -> None:
-        self._instrument = instrument
-        self._until_s = until_s
-        self.response: int | None = None
-
-    def close(self) -> None:
-        """End the time to answer, with the exposure."""
-        self._until_s = -1.0
-
-    def take(self, line: str, elapsed_s: float) -> str:
-        """Take a line; return a message on one that is not recorded, else nothing."""
-        scale = self._instrument
-        if scale is None:
-            return f"{line!r} was not recorded: nothing was asked"
-        if self.response is not None:
-            return f"{line!r} was not recorded: {self.response} was given before"
-        if elapsed_s > self._until_s:
-            return self.too_late(line)
-        answers = scale.items[0].answers
-        if not (line.isdecimal() and answers.offers(int(line))):
-            return f"{line!r} was not recorded: {answers.asked_in_words} is a rating"
-        self.response = int(line)
-        return ""
-
-    def too_late(self, line: str) -> str:
-        """Return a message on a line that came too late."""
-        return f"{line!r} came too late and was not recorded"
-
-
 _KEYS = f"number = answer, {keyboard.HELP}"
 _STOP = f"{keyboard.STOP} + Enter = withdraw"
 _YES_OR_NO = {keyboard.YES: True, "yes": True, keyboard.NO: False, "no": False}
 _LOOKS_EVERY_S = 0.05
-"""So often what is typed is looked at while something is told."""
+"""Interval at which typed lines are read during an instruction."""
 
 
 class TerminalRespondent:
@@ -343,3 +302,43 @@ def _answer_table(instrument: Instrument, answers: dict[int, int | None]) -> Tab
         response = answers[index]
         table.add_row(str(index + 1), item.text, "–" if response is None else str(response))
     return table
+
+
+class TypedRating:
+    """The rating that is asked for, until it is given or its time is over.
+
+    Parameters
+    ----------
+    instrument
+        The scale; None while nothing is asked.
+    until_s
+        When the time is over, in seconds since the exposure began.
+    """
+
+    def __init__(self, instrument: Instrument | None = None, until_s: float = 0.0) -> None:
+        self._instrument = instrument
+        self._until_s = until_s
+        self.response: int | None = None
+
+    def close(self) -> None:
+        """End the time to answer, with the exposure."""
+        self._until_s = -1.0
+
+    def take(self, line: str, elapsed_s: float) -> str:
+        """Take a line; return a message on one that is not recorded, else nothing."""
+        scale = self._instrument
+        if scale is None:
+            return f"{line!r} was not recorded: nothing was asked"
+        if self.response is not None:
+            return f"{line!r} was not recorded: {self.response} was given before"
+        if elapsed_s > self._until_s:
+            return self.too_late(line)
+        answers = scale.items[0].answers
+        if not (line.isdecimal() and answers.offers(int(line))):
+            return f"{line!r} was not recorded: {answers.asked_in_words} is a rating"
+        self.response = int(line)
+        return ""
+
+    def too_late(self, line: str) -> str:
+        """Return a message on a line that came too late."""
+        return f"{line!r} came too late and was not recorded"

@@ -1,4 +1,4 @@
-"""Boxes around nodes of a scene, and what hangs on which node."""
+"""Boxes around nodes of a scene, with their descendants."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ class CameraPath:
         return Pose(np.array([x, y, z]), axis_angle([0.0, 1.0, 0.0], float(yaw_rad)))
 
     def moved(self, time_s: float) -> Pose:
-        """Return what takes the pose at time 0 to that at a time."""
+        """Return the motion from the pose at time 0 to that at a time."""
         return self.pose(time_s) @ self.pose(0.0).inverse()
 
     def positions(self, times_s: Array) -> Array:

@@ -1,4 +1,4 @@
-"""What a scene is: plain frozen data between the glTF loader, the renderer and the ray caster.
+"""A scene: plain frozen data between the glTF loader, the renderer and the ray caster.
 
 World frame: right-handed, +Y up, metres. Colours are linear unless a name says sRGB.
 Indices into the scene's lists are plain integers; `None` or -1 means "there is none".
@@ -143,7 +143,7 @@ class LodLevel:
 
 @dataclass(frozen=True, eq=False)
 class Node:
-    """A place in the scene graph, with what is drawn there.
+    """A node of the scene graph, with its primitives.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ HEADROOM_M = 2.0
 
 
 def with_defaults(scene: Scene) -> Scene:
-    """Return the scene with a spawn point and a walkable rectangle made from what is drawn.
+    """Return the scene with a spawn point and a walkable rectangle made from its bounds.
 
     A place is entered at its middle, on the lowest floor there that one can stand on; anything
     else is looked at from its +Z side, from so far away that all of it is in view. That is as it

@@ -54,7 +54,7 @@ class Area(Protocol):
 
 @dataclass(frozen=True)
 class _Leg:
-    """What became of a straight walk: where it ended, and how much of it was not walked."""
+    """The result of a straight walk: its end, and the remainder that was not walked."""
 
     feet: Array
     left_m: float
@@ -134,7 +134,7 @@ class Floors:
         return leg.feet
 
     def _along_an_edge(self, leg: _Leg, wish: Array) -> _Leg | None:
-        """Use what is left of a walk for sliding along the edge that it points along most."""
+        """Use the remainder of a walk for sliding along the edge that it points along most."""
         near, _ = self._nearest_on_edges(leg.feet[[0, 2]])
         close = np.linalg.norm(near - leg.feet[[0, 2]], axis=1) < NEAR_EDGE_M
         edges = normalize(self._edge[close])
@@ -224,7 +224,7 @@ class Floors:
         return odd
 
     def _nearest_on_edges(self, spot: Array) -> tuple[Array, Indices]:
-        """Return the nearest (2,) point of every edge, and whose edge it is."""
+        """Return the nearest (2,) point of every edge, and the index of its polygon."""
         share = np.sum((spot - self._from) * self._edge, axis=1) / self._length2
         return self._from + np.clip(share, 0.0, 1.0)[:, None] * self._edge, self._owner
 

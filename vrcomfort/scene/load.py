@@ -146,7 +146,7 @@ def _check_skins(scene: Scene, path: Path) -> None:
 
 
 def _check_places(scene: Scene, path: Path) -> None:
-    """Refuse what single precision cannot place: matrices multiply along a branch."""
+    """Refuse nodes beyond single precision: matrices multiply along a branch."""
     with np.errstate(over="ignore", invalid="ignore"):
         world = scene.world_from_joint(0.0)
         bends = np.abs(scene.all_skins.place_from_bind(world)).max(initial=0.0)

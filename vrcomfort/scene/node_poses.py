@@ -1,4 +1,4 @@
-"""Where every node is now and was a frame ago; only what moves is computed again."""
+"""Poses of every node, now and a frame ago; only moving nodes are computed again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a ray meets first in a scene, on the CPU: for a line of sight, not for pictures."""
+"""The first hit of a ray in a scene, on the CPU: for a line of sight, not for pictures."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from vrcomfort.scene.node_poses import NodePoses
 _PARALLEL = 1e-12
 
 
-class Met(NamedTuple):
-    """What a ray meets.
+class RayHit(NamedTuple):
+    """The first hit of a ray.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class Met(NamedTuple):
     node: str
 
 
-NOTHING = Met(np.inf, "")
+NOTHING = RayHit(np.inf, "")
 
 
 class _Surface(NamedTuple):
@@ -52,7 +52,7 @@ class _Surface(NamedTuple):
 
 
 class RayCaster:
-    """Casts rays into a scene. What goes with the head or a hand is not there for it.
+    """Casts rays into a scene. Nodes on the head or a hand are invisible to it.
 
     Nodes are taken at their finest level of detail. MASK surfaces count where they are
     transparent, too; BLEND surfaces, as glass, never do. Skins are not bent.
@@ -71,8 +71,8 @@ class RayCaster:
         ]
         self._kept: tuple[float, list[_Surface], Array, Array] | None = None
 
-    def cast(self, ray: Pose, time_s: float = 0.0) -> Met:
-        """Return what −Z of world-from-ray meets first at a time of the scene."""
+    def cast(self, ray: Pose, time_s: float = 0.0) -> RayHit:
+        """Return the first hit along −Z of world-from-ray at a time of the scene."""
         surfaces, low, high = self._at(time_s)
         if not surfaces:
             return NOTHING
@@ -84,7 +84,7 @@ class RayCaster:
                 break
             away_m = _nearest(surfaces[place], origin, along)
             if away_m < found.distance_m:
-                found = Met(away_m, self._scene.nodes[self._nodes[place]].name)
+                found = RayHit(away_m, self._scene.nodes[self._nodes[place]].name)
         return found
 
     def _at(self, time_s: float) -> tuple[list[_Surface], Array, Array]:

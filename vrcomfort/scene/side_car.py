@@ -1,4 +1,4 @@
-"""The TOML file beside a scene: light, air, where to stand and walk, what nodes mean.
+"""The TOML file beside a scene: light, air, spawn point, walkable area, roles of nodes.
 
 Angles are degrees here and only here; colours are linear RGB.
 """
@@ -165,7 +165,7 @@ class Lod(Settings):
 
 
 class NodeSettings(Settings):
-    """What the glTF file cannot say about its nodes; left out means unchanged."""
+    """Properties of nodes beyond glTF's; an omitted one is unchanged."""
 
     semantic_weight: Annotated[float, Field(gt=0, le=1)] | None = None
     """W_S of the autofocus zone: 1 for what people are to look at, 0.004 for the rest."""
@@ -283,7 +283,7 @@ def _stand_in(level: Lod, name: str) -> str:
 
 
 def _environment(side_car: SideCar, of_file: Environment) -> Environment:
-    """Return what the side-car says; the file's lamps stay, and its sun unless there is a [sun]."""
+    """Return the side-car's environment; the file's lamps stay, its sun unless there is a [sun]."""
     azimuth, elevation = np.radians([side_car.sun.azimuth_deg, side_car.sun.elevation_deg])
     lamps = tuple(
         PointLight(lamp.position, lamp.intensity, lamp.range_m) for lamp in side_car.lamps

@@ -98,12 +98,12 @@ def collector_at_rest() -> Iterator[None]:
 Ending = Literal["completed", "task_done", "headset_ended"]
 
 FREEZE_S = 0.5
-"""A picture that stands still for longer is a freeze: what fell due in it was missed. After a
-shorter one, it is asked late."""
+"""A picture that stands still for longer is a freeze: questions that fell due in it were missed.
+After a shorter one, they are asked late."""
 
 
 CLOCKS_EVERY_S = 10.0
-"""So often all clocks are read at once in an exposure, the first time at its first frame."""
+"""Interval between two readings of all clocks in an exposure, the first at its first frame."""
 
 
 @dataclass(frozen=True)

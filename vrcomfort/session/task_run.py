@@ -22,7 +22,7 @@ from vrcomfort.scene.markers import Markers, Shown
 from vrcomfort.scene.ray_cast import RayCaster
 from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.settings import did_you_mean
-from vrcomfort.tasks import Ball, Demand, Moment, Result, Surroundings, Task, TaskSettings
+from vrcomfort.tasks import Ball, Demand, Result, Surroundings, Task, TaskFrame, TaskSettings
 
 _STREAM = 3
 """Which of a trial's random streams is the task's."""
@@ -127,7 +127,7 @@ class TaskRun:
             self._write(self._task.finish(self.elapsed_s))
             self._began_s = None
 
-    def _moment(self, frame: Frame, headset: object, time_s: float) -> Moment:
+    def _moment(self, frame: Frame, headset: object, time_s: float) -> TaskFrame:
         head = frame.avatar_pose @ frame.head_pose
         gaze = frame.gaze
         seen = frame.avatar_pose @ gaze.pose if gaze is not None and gaze.valid else None
@@ -141,7 +141,7 @@ class TaskRun:
             aims = [hand.aim for hand in inputs.hands if hand.select]
             aims += [None] if inputs.keys.enter else []
             pressed = [None if aim is None else frame.avatar_pose @ aim for aim in aims]
-        return Moment(time_s, head, seen, tuple(pressed))
+        return TaskFrame(time_s, head, seen, tuple(pressed))
 
     @property
     def _stream(self) -> int:
@@ -196,20 +196,20 @@ class TaskRun:
             ),
             duration_s=self.duration_s,
             spawn=scene.spawn if scene else Pose(),
-            thing=lambda name: _Thing.of(scene, name, self.place.scene),
+            thing=lambda name: _SceneObject.of(scene, name, self.place.scene),
             free_m=free_m,
         )
 
 
 @dataclass(frozen=True)
-class _Thing:
+class _SceneObject:
     """A node of a scene, with all that hangs on it."""
 
     scene: Scene
     index: int
 
     @classmethod
-    def of(cls, scene: Scene | None, name: str, called: str) -> _Thing:
+    def of(cls, scene: Scene | None, name: str, called: str) -> _SceneObject:
         """Find a node by its name.
 
         Raises

@@ -3,15 +3,18 @@
 from vrcomfort.tasks.base import (
     Ball,
     Demand,
-    Moment,
     Pointed,
     Result,
     Surroundings,
     Task,
+    TaskFrame,
     TaskSettings,
     angle_deg,
 )
 from vrcomfort.tasks.kinds import AnyTask, OwnTask, own_task_file, run_task_file
+
+Moment = TaskFrame
+"""The name of `TaskFrame` in version 0.1, for task files of labs."""
 
 __all__ = [
     "AnyTask",
@@ -23,6 +26,7 @@ __all__ = [
     "Result",
     "Surroundings",
     "Task",
+    "TaskFrame",
     "TaskSettings",
     "angle_deg",
     "own_task_file",

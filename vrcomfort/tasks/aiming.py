@@ -18,32 +18,32 @@ from vrcomfort.geometry import Array, Pose, yaw_pitch_roll
 from vrcomfort.tasks.base import (
     Ball,
     Demand,
-    Moment,
     Point,
     Pointed,
     Result,
     Surroundings,
     Task,
+    TaskFrame,
     angle_deg,
     numbers,
 )
 
 Metres = Annotated[float, Field(ge=0.2, le=1000)]
 _BEFORE_WALLS = 0.9
-"""So much of the way to what is seen behind it, so that no ball is inside of a wall."""
+"""Share of the distance to the scene behind a target, so that no ball is inside of a wall."""
 
 
 class Aiming(Pointed):
     """Shoot targets: hits, precision in degrees, reaction times (Hillaire et al. 2008)."""
 
     kind: Literal["aiming"]
-    """What is done."""
+    """The kind of task."""
     every_s: Annotated[float, Field(ge=0.2, le=3600)] = 4.0
     """From one target to the next."""
     shown_s: Annotated[float, Field(ge=0.1, le=3600)] = 3.0
-    """A target goes when it is hit, or after so long."""
+    """A target disappears when it is hit, or after this time."""
     jitter_s: Annotated[float, Field(ge=0, le=600)] = 0.5
-    """Targets come so much later at most, evenly drawn, so that nobody can count along."""
+    """Largest random delay of a target, evenly drawn, so that its time cannot be predicted."""
     diameter_deg: Annotated[float, Field(ge=0.1, le=30)] = 2.0
     """Angle at which a target is seen when it appears."""
     field_deg: Annotated[float, Field(ge=0, le=170)] = 40.0
@@ -92,15 +92,15 @@ class _Aiming(Task):
         wait_s = float(self._around.random.uniform(0.0, self._settings.jitter_s))
         return index * self._settings.every_s + wait_s
 
-    def step(self, moment: Moment) -> Sequence[Result]:
+    def step(self, frame: TaskFrame) -> Sequence[Result]:
         results: list[Result] = []
-        for ray in self._settings.rays(moment):
-            results += self._shot(ray, moment.time_s)
+        for ray in self._settings.rays(frame):
+            results += self._shot(ray, frame.time_s)
         target = self._target
-        if target and moment.time_s >= target.since_s + self._settings.shown_s:
+        if target and frame.time_s >= target.since_s + self._settings.shown_s:
             results.append(self._over(None))
-        if self._target is None and moment.time_s >= self._next_s:
-            self._appear(moment)
+        if self._target is None and frame.time_s >= self._next_s:
+            self._appear(frame)
         return results
 
     def balls(self) -> Sequence[Ball | None]:
@@ -119,12 +119,12 @@ class _Aiming(Task):
         )  # fmt: skip
         return [*results, whole]
 
-    def _appear(self, moment: Moment) -> None:
-        position_m = self._drawn(moment.head)
-        away_m = float(np.linalg.norm(position_m - moment.head.position))
+    def _appear(self, frame: TaskFrame) -> None:
+        position_m = self._drawn(frame.head)
+        away_m = float(np.linalg.norm(position_m - frame.head.position))
         radius_m = away_m * float(np.sin(np.radians(self._settings.diameter_deg / 2)))
         self._shown += 1
-        self._target = _Target(self._shown, Ball(position_m, radius_m), moment.time_s, away_m)
+        self._target = _Target(self._shown, Ball(position_m, radius_m), frame.time_s, away_m)
         self._next_s = self._due_s(self._shown)
 
     def _drawn(self, head: Pose) -> Array:

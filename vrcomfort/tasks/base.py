@@ -41,7 +41,7 @@ class Ball:
 
 
 @dataclass(frozen=True)
-class Moment:
+class TaskFrame:
     """One frame of an exposure, in the world.
 
     Parameters
@@ -126,7 +126,7 @@ class Result:
     score: float | None = None
 
 
-class Thing(Protocol):
+class SceneObject(Protocol):
     """A node of the scene: where it is at a time."""
 
     def __call__(self, time_s: float) -> Ball:
@@ -154,7 +154,7 @@ class Surroundings:
     random: np.random.Generator
     duration_s: float
     spawn: Pose
-    thing: Callable[[str], Thing]
+    thing: Callable[[str], SceneObject]
     free_m: Callable[[Pose], float]
 
 
@@ -180,7 +180,7 @@ class Task(ABC):
         return False
 
     @abstractmethod
-    def step(self, moment: Moment) -> Sequence[Result]:
+    def step(self, frame: TaskFrame) -> Sequence[Result]:
         """Take a frame, before it is drawn; return the results that are complete with it."""
 
     def balls(self) -> Sequence[Ball | None]:
@@ -200,7 +200,7 @@ class TaskSettings(Settings):
     """Settings that all tasks have."""
 
     name: Word
-    """What `task` calls it, and `tasks.csv`."""
+    """Name of the task in `task`, and in `tasks.csv`."""
 
     def start(self, surroundings: Surroundings) -> Task:
         """Return the task at the beginning of an exposure."""
@@ -211,15 +211,15 @@ class Pointed(TaskSettings):
     """Settings of tasks in which people point."""
 
     aim_with: Literal["hand", "head", "gaze"] = "hand"
-    """What points when a button goes down: the hand that presses (a window: the mouse), the middle
-    of the head's view, or the eyes. Where a hand or the eyes are not known, the head."""
+    """Origin of the ray when a button goes down: the hand that presses (a window: the mouse), the
+    middle of the head's view, or the eyes. Where a hand or the eyes are not known, the head."""
 
-    def rays(self, moment: Moment) -> list[Pose]:
+    def rays(self, frame: TaskFrame) -> list[Pose]:
         """Return world-from-ray of each press of a moment."""
         if self.aim_with == "hand":
-            return [hand or moment.head for hand in moment.pressed]
-        looks = moment.gaze if self.aim_with == "gaze" else None
-        return [looks or moment.head] * len(moment.pressed)
+            return [hand or frame.head for hand in frame.pressed]
+        looks = frame.gaze if self.aim_with == "gaze" else None
+        return [looks or frame.head] * len(frame.pressed)
 
 
 def angle_deg(ray: Pose, position_m: Array) -> float:

@@ -9,14 +9,14 @@ import numpy as np
 from pydantic import Field
 
 from vrcomfort.geometry import Array
-from vrcomfort.tasks.base import Moment, Result, Surroundings, Task, TaskSettings, numbers
+from vrcomfort.tasks.base import Result, Surroundings, Task, TaskFrame, TaskSettings, numbers
 
 
 class Exploration(TaskSettings):
     """Go and look wherever one likes: the way that was gone, seen from above."""
 
     kind: Literal["exploration"]
-    """What is done."""
+    """The kind of task."""
     sample_s: Annotated[float, Field(ge=0.1, le=600)] = 1.0
     """From one row with the place to the next; the way is the sum between them."""
 
@@ -33,10 +33,10 @@ class _Exploration(Task):
         self._gone_m = 0.0
         self._before: Array | None = None
 
-    def step(self, moment: Moment) -> Sequence[Result]:
-        if moment.time_s < self._samples * self._sample_s:
+    def step(self, frame: TaskFrame) -> Sequence[Result]:
+        if frame.time_s < self._samples * self._sample_s:
             return ()
-        here = moment.head.position
+        here = frame.head.position
         if self._before is not None:
             self._gone_m += float(np.linalg.norm((here - self._before)[[0, 2]]))
         self._before = here
@@ -44,7 +44,7 @@ class _Exploration(Task):
         gone_m = round(self._gone_m, 4)
         return [
             Result(
-                "sample", self._samples, "", moment.time_s, distance_m=gone_m,
+                "sample", self._samples, "", frame.time_s, distance_m=gone_m,
                 position_m=numbers(here),
             )
         ]  # fmt: skip

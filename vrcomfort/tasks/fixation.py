@@ -12,10 +12,10 @@ from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.tasks.base import (
     Ball,
     Demand,
-    Moment,
     Result,
     Surroundings,
     Task,
+    TaskFrame,
     TaskSettings,
     angle_deg,
     numbers,
@@ -29,7 +29,7 @@ class Fixation(TaskSettings):
     """Look at points that appear one after the other, at angles from the view's middle."""
 
     kind: Literal["fixation"]
-    """What is done."""
+    """The kind of task."""
     points: tuple[tuple[Angle, Angle, Metres], ...] = (
         (0.0, 0.0, 1.0),
         (-10.0, 0.0, 1.0),
@@ -50,7 +50,7 @@ class Fixation(TaskSettings):
     diameter_deg: Annotated[float, Field(ge=0.1, le=10)] = 0.5
     """Angle at which a point is seen."""
     look_with: Literal["gaze", "head"] = "gaze"
-    """What is measured."""
+    """The measure."""
 
     def start(self, surroundings: Surroundings) -> Task:
         """Return the task at the beginning of an exposure."""
@@ -70,14 +70,14 @@ class _Fixation(Task):
         self._errors: list[float] = []
         self._on = self._counted = 0
 
-    def step(self, moment: Moment) -> Sequence[Result]:
+    def step(self, frame: TaskFrame) -> Sequence[Result]:
         results: list[Result] = []
-        if self._ball is None or moment.time_s >= self._since_s + self._settings.each_s:
+        if self._ball is None or frame.time_s >= self._since_s + self._settings.each_s:
             results += self._over()
-            self._appear(moment)
+            self._appear(frame)
         ball = self._ball
-        ray = moment.gaze if self._settings.look_with == "gaze" else moment.head
-        settled = moment.time_s >= self._since_s + self._settings.settle_s
+        ray = frame.gaze if self._settings.look_with == "gaze" else frame.head
+        settled = frame.time_s >= self._since_s + self._settings.settle_s
         if ball is not None and ray is not None and settled:
             self._errors.append(angle_deg(ray, ball.position_m))
         return results
@@ -96,7 +96,7 @@ class _Fixation(Task):
         whole = Result("trial", 1, "", 0.0, targets=self._number, hits=self._hits, score=share)
         return [*results, whole]
 
-    def _appear(self, moment: Moment) -> None:
+    def _appear(self, frame: TaskFrame) -> None:
         points = self._settings.points
         if not self._left:
             shuffled = self._settings.order == "shuffled"
@@ -104,11 +104,11 @@ class _Fixation(Task):
             self._left = order.tolist()
         right_deg, up_deg, away_m = points[self._left.pop(0)]
         look = yaw_pitch_roll(-np.radians(right_deg), np.radians(up_deg), 0.0)
-        ray = moment.head @ Pose(orientation=look)
+        ray = frame.head @ Pose(orientation=look)
         radius_m = away_m * float(np.sin(np.radians(self._settings.diameter_deg / 2)))
-        self._ball = Ball(moment.head.position + ray.forward * away_m, radius_m)
+        self._ball = Ball(frame.head.position + ray.forward * away_m, radius_m)
         self._number += 1
-        self._since_s = moment.time_s
+        self._since_s = frame.time_s
 
     def _over(self) -> list[Result]:
         """Return the row of the point that was shown: hit where most of the time was on it."""

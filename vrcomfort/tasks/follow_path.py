@@ -12,11 +12,11 @@ from vrcomfort.geometry import Array
 from vrcomfort.tasks.base import (
     Ball,
     Demand,
-    Moment,
     Point,
     Result,
     Surroundings,
     Task,
+    TaskFrame,
     TaskSettings,
     numbers,
 )
@@ -26,7 +26,7 @@ class FollowPath(TaskSettings):
     """Walk along a path behind a ball: the distance from the path, seen from above."""
 
     kind: Literal["follow_path"]
-    """What is done."""
+    """The kind of task."""
     path_m: Annotated[tuple[Point, ...], Field(min_length=2)]
     """Points of the scene, at the height at which the ball goes."""
     speed_m_s: Annotated[float, Field(ge=0.01, le=20)] = 1.0
@@ -53,18 +53,18 @@ class _FollowPath(Task):
         self._samples = self._frames = 0
         self._sum_m = self._time_s = 0.0
 
-    def step(self, moment: Moment) -> Sequence[Result]:
-        self._time_s = moment.time_s
-        away_m = self._away_m(moment.head.position)
+    def step(self, frame: TaskFrame) -> Sequence[Result]:
+        self._time_s = frame.time_s
+        away_m = self._away_m(frame.head.position)
         self._sum_m += away_m
         self._frames += 1
-        if moment.time_s < self._samples * self._settings.sample_s:
+        if frame.time_s < self._samples * self._settings.sample_s:
             return ()
         self._samples += 1
-        where = numbers(moment.head.position)
+        where = numbers(frame.head.position)
         away_m = round(away_m, 4)
         return [
-            Result("sample", self._samples, "", moment.time_s, distance_m=away_m, position_m=where)
+            Result("sample", self._samples, "", frame.time_s, distance_m=away_m, position_m=where)
         ]
 
     def balls(self) -> Sequence[Ball | None]:

@@ -11,11 +11,11 @@ from pydantic import Field
 from vrcomfort.geometry import Pose
 from vrcomfort.tasks.base import (
     Demand,
-    Moment,
     Pointed,
     Result,
     Surroundings,
     Task,
+    TaskFrame,
     angle_deg,
     numbers,
 )
@@ -25,16 +25,16 @@ class VisualSearch(Pointed):
     """Find a named thing, point at it and press: hits and search times."""
 
     kind: Literal["search"]
-    """What is done."""
+    """The kind of task."""
     things: Annotated[tuple[str, ...], Field(min_length=1)]
     """Names of nodes of the scene. The experimenter says which is looked for: the event
     `task_target` names it."""
     order: Literal["as_written", "shuffled"] = "shuffled"
     """In which order they are looked for; shuffled with the seed."""
     within_s: Annotated[float, Field(ge=0.5, le=3600)] = 30.0
-    """What has not been found by then is missed, and the next is looked for."""
+    """Time after which a thing is missed, and the next is looked for."""
     slack_deg: Annotated[float, Field(ge=0, le=30)] = 1.0
-    """So far beside a thing may be pointed."""
+    """Tolerance of pointing beside a thing."""
 
     def start(self, surroundings: Surroundings) -> Task:
         """Return the task at the beginning of an exposure."""
@@ -62,13 +62,13 @@ class _Search(Task):
         """Return whether all things were found or missed."""
         return self.wanted is None
 
-    def step(self, moment: Moment) -> Sequence[Result]:
-        self._now_s = moment.time_s
+    def step(self, frame: TaskFrame) -> Sequence[Result]:
+        self._now_s = frame.time_s
         results: list[Result] = []
-        for ray in self._settings.rays(moment):
-            results += self._shot(ray, moment.time_s)
-        if self.wanted and moment.time_s >= self._since_s + self._settings.within_s:
-            results.append(self._over(moment.time_s, found=False))
+        for ray in self._settings.rays(frame):
+            results += self._shot(ray, frame.time_s)
+        if self.wanted and frame.time_s >= self._since_s + self._settings.within_s:
+            results.append(self._over(frame.time_s, found=False))
         return results
 
     def demand(self) -> Demand | None:

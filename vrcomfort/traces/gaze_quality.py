@@ -53,7 +53,7 @@ def angles_deg(a: Array, b: Array) -> Array:
 
 
 def _as_if_ahead(directions: Array, towards: Array) -> Array:
-    """Return the directions in frames whose −Z is the way to the point, upright in the stage."""
+    """Return the directions in frames that look along −Z to the point, upright in the stage."""
     back = -towards
     right = normalize(np.cross(np.array([0.0, 1.0, 0.0]), back))
     up = np.cross(back, right)

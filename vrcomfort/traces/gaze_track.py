@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from vrcomfort.geometry import Array, EyeGaze, Gaze, Pose, turn_to
 from vrcomfort.records.frame_rows import eye_columns, gaze_columns
 from vrcomfort.traces.pose_track import Times
-from vrcomfort.traces.table import Table, has_group, read_parts
+from vrcomfort.traces.table import TraceTable, has_group, read_parts
 
 
 @dataclass(frozen=True, eq=False)
 class EyeTrack:
-    """What an eye tracker saw of one eye.
+    """The samples of an eye tracker for one eye.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class EyeTrack:
         return EyeGaze(Pose(ray[:3], turn_to(ray[3:])), pupil_mm=pupil_mm)
 
 
-def eye_of(table: Table, eye: str) -> EyeTrack | None:
+def eye_of(table: TraceTable, eye: str) -> EyeTrack | None:
     """Read the columns of an eye (``left_`` or ``right_``); None where the file has none.
 
     Raises
@@ -86,7 +86,7 @@ def joined(parts: Sequence[EyeTrack | None]) -> EyeTrack | None:
     )
 
 
-def rays_of(table: Table, valid: NDArray[np.bool_], eye: str = "") -> Array:
+def rays_of(table: TraceTable, valid: NDArray[np.bool_], eye: str = "") -> Array:
     """Return (n, 6) origins and directions, NaN in rows that are not valid: they may be blank.
 
     Raises
@@ -109,7 +109,7 @@ def rays_of(table: Table, valid: NDArray[np.bool_], eye: str = "") -> Array:
     return rays
 
 
-def part_of(table: Table, rows: NDArray[np.bool_]) -> Table:
+def part_of(table: TraceTable, rows: NDArray[np.bool_]) -> TraceTable:
     """Return some rows of a table."""
     kept = np.flatnonzero(rows).tolist()
     return replace(
@@ -119,7 +119,7 @@ def part_of(table: Table, rows: NDArray[np.bool_]) -> Table:
     )
 
 
-def _filled(table: Table, column: str) -> NDArray[np.bool_]:
+def _filled(table: TraceTable, column: str) -> NDArray[np.bool_]:
     return np.array([bool(cell.strip()) for cell in table.text(column)], dtype=bool)
 
 
@@ -132,7 +132,7 @@ LONGEST_NS = 50_000_000
 
 @dataclass(frozen=True, eq=False)
 class GazeTrack:
-    """What an eye tracker saw.
+    """The samples of an eye tracker, of both eyes together.
 
     Parameters
     ----------
@@ -201,5 +201,5 @@ def read_gaze(path: str | Path) -> GazeTrack:
     )
 
 
-def _require(table: Table) -> None:
+def _require(table: TraceTable) -> None:
     table.require([TIME, VALID, *gaze_columns()])

@@ -1,4 +1,4 @@
-"""Head traces that nobody walked: seeded walks with bob, sway, roll, fast turns and long looks.
+"""Synthesizes head traces: seeded walks with bob, sway, roll, fast turns and long fixations.
 
 An itinerary says where to walk and what to look at. The walk itself is locomotion (the avatar's
 pose in the world), the head moves in the tracked stage, as with a participant who walks by
@@ -44,7 +44,7 @@ class Look:
 
 @dataclass(frozen=True)
 class Gait:
-    """How somebody walks and stands; amplitudes at full speed."""
+    """A manner of walking and standing; amplitudes at full speed."""
 
     eye_height_m: float = 1.65
     speed_m_s: float = 1.4
@@ -74,7 +74,7 @@ def synthesize(
     gait: Gait | None = None,
     rate_hz: int = 72,
 ) -> Trace:
-    """Return the trace of somebody who walks an itinerary.
+    """Return the head trace of a walk along an itinerary.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def synthesize(
 def with_hands(
     trace: Trace, *, before_m: Point = (0.17, -0.33, -0.42), swing_m: float = 0.05
 ) -> Trace:
-    """Return the trace of somebody who holds something before the chest with each hand.
+    """Return the trace with both hands held before the chest.
 
     The hands go with the head as it turns and moves, a quarter of a second of it averaged, as with
     somebody who carries what they look past; while walking, they swing, one forwards as the other
@@ -203,7 +203,7 @@ def _gaze(path: Array, knots: Array, looks: list[Point | None], step: Steps, gai
 
 
 def _torso(gaze_yaw: Array, knots: Array, step: Steps) -> Array:
-    """Return (n, 1) yaw of the torso: along each walk, and towards what one stands before."""
+    """Return (n, 1) yaw of the torso: along each walk, and towards the gaze while standing."""
     torso = np.zeros_like(gaze_yaw)
     for index, (before, after) in enumerate(pairwise(knots)):
         here = step == index
@@ -236,7 +236,7 @@ def _head_in_stage(path: Array, turn: Array, time_s: Array, gait: Gait, seed: in
 
 
 def _idle(time_s: Array, seed: int) -> Array:
-    """Return (n, 6) slow noise of about unit amplitude: nobody stands still."""
+    """Return (n, 6) slow noise of about unit amplitude: postural sway."""
     random = np.random.default_rng(np.random.SeedSequence(seed))
     hertz = random.uniform(0.1, 0.7, size=(6, 4))
     phases = random.uniform(0.0, 2 * np.pi, size=(6, 4))

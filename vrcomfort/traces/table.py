@@ -15,14 +15,14 @@ from vrcomfort.csv_table import CsvTable, plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import FARTHEST_M, Array
 from vrcomfort.records.frame_rows import SNAP_TURN
-from vrcomfort.records.pose_columns import HEAD, fov_columns, pose_columns
+from vrcomfort.records.shared_columns import HEAD, fov_columns, pose_columns
 from vrcomfort.traces.pose_track import PoseTrack, Times
 
 Number = TypeVar("Number", int, float)
 
 
 @dataclass(frozen=True)
-class Table(CsvTable):
+class TraceTable(CsvTable):
     """A table of numbers."""
 
     def has(self, columns: Sequence[str]) -> bool:
@@ -141,7 +141,9 @@ ROWS_AT_ONCE = 4096
 """Text takes many times the memory of the numbers in it."""
 
 
-def read_parts(path: str | Path, check_header: Callable[[Table], None]) -> Iterator[Table]:
+def read_parts(
+    path: str | Path, check_header: Callable[[TraceTable], None]
+) -> Iterator[TraceTable]:
     """Yield a table some rows at a time; `check_header` may refuse its header.
 
     No part is empty but the last, which tells what was left out.
@@ -151,7 +153,7 @@ def read_parts(path: str | Path, check_header: Callable[[Table], None]) -> Itera
     InputError
         As `CsvTable.read`, or if there is no row.
     """
-    parts = Table.parts(path, appended=True, most_rows=ROWS_AT_ONCE)
+    parts = TraceTable.parts(path, appended=True, most_rows=ROWS_AT_ONCE)
     for number, table in enumerate(parts):
         if number == 0:
             if not table.header:
@@ -174,7 +176,7 @@ FOVS = (fov_columns("left"), fov_columns("right"))
 UNITY_HEADER = ["Time", "x", "y", "z", "alpha", "beta", "gamma"]
 
 
-def require_trace(table: Table) -> None:
+def require_trace(table: TraceTable) -> None:
     """Raise InputError if a required column is missing, or if this is another program's log."""
     if _words(table) == UNITY_HEADER:
         raise table.fault(
@@ -185,7 +187,7 @@ def require_trace(table: Table) -> None:
     table.require(REQUIRED)
 
 
-def require_unity(table: Table) -> None:
+def require_unity(table: TraceTable) -> None:
     """Raise InputError if this is not a Unity log: names on its first line, commas in its rows."""
     needed = " ".join(UNITY_HEADER)
     if _words(table) != UNITY_HEADER:
@@ -195,12 +197,12 @@ def require_unity(table: Table) -> None:
         raise table.fault(f"{message}, like 0.5,0,1.6,0,10,90,0", table.lines[0])
 
 
-def _words(table: Table) -> list[str]:
+def _words(table: TraceTable) -> list[str]:
     """Return the names of a header that has spaces in place of commas, too."""
     return table.header[0].split() if len(table.header) == 1 else list(table.header)
 
 
-def has_group(table: Table, columns: tuple[str, ...]) -> bool:
+def has_group(table: TraceTable, columns: tuple[str, ...]) -> bool:
     """Return whether an optional group of columns is there; half of a group is an error."""
     missing = [name for name in columns if name not in table.header]
     if missing and len(missing) < len(columns):
@@ -210,15 +212,15 @@ def has_group(table: Table, columns: tuple[str, ...]) -> bool:
     return not missing
 
 
-def track_of(table: Table, columns: tuple[str, ...]) -> PoseTrack:
+def track_of(table: TraceTable, columns: tuple[str, ...]) -> PoseTrack:
     """Return the poses in seven columns."""
     return PoseTrack(table.positions(columns[:3]), table.quaternions(columns[3:]))
 
 
 def cuts_of(
-    table: Table, trial: tuple[str, ...] | None, *, before: str | None, start: bool
+    table: TraceTable, trial: tuple[str, ...] | None, *, before: str | None, start: bool
 ) -> NDArray[np.bool_]:
-    """Return (n,) bool: the start, changes of trial, and what the file calls a discontinuity.
+    """Return (n,) bool: the start, changes of trial, and the file's discontinuities.
 
     Parameters
     ----------
@@ -237,7 +239,7 @@ def cuts_of(
     return cuts
 
 
-def hands_of(table: Table) -> tuple[PoseTrack | None, PoseTrack | None]:
+def hands_of(table: TraceTable) -> tuple[PoseTrack | None, PoseTrack | None]:
     """Return stage-from-aim of both hands, NaN in blank rows; None where all are blank."""
     left, right = (
         _track_with_gaps(table, columns) if has_group(table, columns) else None for columns in HANDS
@@ -245,7 +247,7 @@ def hands_of(table: Table) -> tuple[PoseTrack | None, PoseTrack | None]:
     return left, right
 
 
-def _track_with_gaps(table: Table, columns: tuple[str, ...]) -> PoseTrack | None:
+def _track_with_gaps(table: TraceTable, columns: tuple[str, ...]) -> PoseTrack | None:
     cells = [table.text(name) for name in columns]
     known = [any(cell.strip() for cell in row) for row in zip(*cells, strict=True)]
     kept = np.flatnonzero(known)
@@ -258,12 +260,12 @@ def _track_with_gaps(table: Table, columns: tuple[str, ...]) -> PoseTrack | None
     return PoseTrack(poses[:, :3], poses[:, 3:])
 
 
-def snap_turns_of(table: Table) -> NDArray[np.bool_] | None:
+def snap_turns_of(table: TraceTable) -> NDArray[np.bool_] | None:
     """Return (n,) bool where the avatar was turned at once, or None where the file says nothing."""
     return table.integers(DISCONTINUITY) == SNAP_TURN if table.has([DISCONTINUITY]) else None
 
 
-def periods_of(table: Table) -> Times | None:
+def periods_of(table: TraceTable) -> Times | None:
     """Return (n,) int64 frame periods, or None where the file has none."""
     if not table.has([PERIOD]):
         return None
@@ -274,14 +276,14 @@ def periods_of(table: Table) -> Times | None:
     return periods
 
 
-def eyes_of(table: Table) -> tuple[PoseTrack, PoseTrack] | None:
+def eyes_of(table: TraceTable) -> tuple[PoseTrack, PoseTrack] | None:
     """Return left and right eye poses, or None where the file has none."""
     if not has_group(table, (*EYES[0], *EYES[1])):
         return None
     return track_of(table, EYES[0]), track_of(table, EYES[1])
 
 
-def fovs_of(table: Table) -> Array | None:
+def fovs_of(table: TraceTable) -> Array | None:
     """Return (n, 2, 4) half angles of both eyes, or None where the file has none."""
     if not has_group(table, (*FOVS[0], *FOVS[1])):
         return None

@@ -25,7 +25,7 @@ from vrcomfort.csv_table import plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, axis_angle, quaternion_multiply
 from vrcomfort.records.frame_rows import CUT, SNAP_TURN, FrameRow, GazeRow
-from vrcomfort.records.pose_columns import AVATAR, HEAD
+from vrcomfort.records.shared_columns import AVATAR, HEAD
 from vrcomfort.traces.gaze_track import GazeTrack, read_gaze
 from vrcomfort.traces.pose_track import PoseTrack, Times
 from vrcomfort.traces.table import (
@@ -38,7 +38,7 @@ from vrcomfort.traces.table import (
     TIME,
     TRIAL,
     UNITY_HEADER,
-    Table,
+    TraceTable,
     cuts_of,
     eyes_of,
     fovs_of,
@@ -79,7 +79,7 @@ Format = Literal["unity-euler"]
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What a head did.
+    """A head trace: poses over time, with hands, eyes and gaze where they were recorded.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ class Trace:
         )
 
 
-def read_trace(path: str | Path, *, also: Callable[[Table], None] | None = None) -> Trace:
+def read_trace(path: str | Path, *, also: Callable[[TraceTable], None] | None = None) -> Trace:
     """Read a trace, or a recorded `frames.csv`, which is one.
 
     A half-written last line is left out and named in `Trace.warnings`. The `gaze.csv` that a
@@ -207,7 +207,7 @@ def read_trace(path: str | Path, *, also: Callable[[Table], None] | None = None)
     return replace(joined(parts), gaze=_gaze_beside(file), sha256=sha256)
 
 
-def _part_of(table: Table, before: Trace | None) -> Trace:
+def _part_of(table: TraceTable, before: Trace | None) -> Trace:
     """Return the trace in a part of a table, given that of the part before."""
     # The same few names in every row: kept once.
     trial = tuple(map(sys.intern, table.text(TRIAL))) if table.has([TRIAL]) else None
@@ -325,7 +325,7 @@ def _import_unity(path: str | Path) -> Trace:
 _IMPORTERS: dict[str, Callable[[str | Path], Trace]] = {"unity-euler": _import_unity}
 
 
-def _nanoseconds(table: Table, row: int) -> int:
+def _nanoseconds(table: TraceTable, row: int) -> int:
     # Decimal keeps what the file says: a float64 of seconds since 1970 is 200 ns coarse.
     cell = table.rows[row][0]
     try:

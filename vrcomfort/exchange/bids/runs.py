@@ -12,14 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from vrcomfort.json_text import json_of
-from vrcomfort.records.attempts import Attempt, FramesOfAttempts
+from vrcomfort.records.attempts import Attempt, FramesOfAttempts, within
 from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
-from vrcomfort.records.pose_columns import Body, pose_columns
 from vrcomfort.records.reader import Session
 from vrcomfort.records.rows import declared
 from vrcomfort.records.session_rows import EventRow
-from vrcomfort.records.times import within
+from vrcomfort.records.shared_columns import Body, pose_columns
 
 MISSING = "n/a"
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from vrcomfort.exchange.verifying.findings import Verified
+from vrcomfort.records.attempts import TOLERANCE_S, before
 from vrcomfort.records.tables import RecordedRow
-from vrcomfort.records.times import TOLERANCE_S, before
 
 _REFUSED = "rather not say"
 

@@ -10,10 +10,9 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from vrcomfort.exchange.verifying.findings import Verified
-from vrcomfort.records.attempts import Attempt, FramesOfAttempts
+from vrcomfort.records.attempts import TOLERANCE_S, Attempt, FramesOfAttempts, before, within
 from vrcomfort.records.interruptions import SAFE_AFTER_S, Interruption
 from vrcomfort.records.tables import RecordedRow
-from vrcomfort.records.times import TOLERANCE_S, before, within
 
 _BACKWARDS = "; the file was changed or mixed with another: restore it from a copy"
 

@@ -27,6 +27,7 @@ from vrcomfort.exchange.verifying.frames import (
     read_frames,
 )
 from vrcomfort.protocol import Trial
+from vrcomfort.records.attempts import before, within
 from vrcomfort.records.checksums import CHECKSUMS, read_checksums, sha256_of
 from vrcomfort.records.exposure_rows import (
     OVER,
@@ -52,7 +53,6 @@ from vrcomfort.records.session_rows import (
     TextRow,
 )
 from vrcomfort.records.tables import RecordedRow
-from vrcomfort.records.times import before, within
 
 _OWN = {*(each.FILE for each in (*SESSION_ROWS, *OPTIONAL_ROWS)), "manifest.json", CHECKSUMS}
 _PACKED = {parquet_of(Path(each.FILE)).name for each in (FrameRow, GazeRow)}

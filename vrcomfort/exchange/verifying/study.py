@@ -14,8 +14,7 @@ from vrcomfort.exchange.verifying.session import check_order, verify_session
 from vrcomfort.records.checksums import CHECKSUMS, sha256_of
 from vrcomfort.records.consents import read_consents
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
-from vrcomfort.records.json_file import read_json
-from vrcomfort.records.manifest_shape import DescribedShape, ImportShape
+from vrcomfort.records.json_file import DescribedShape, ImportShape, read_json
 from vrcomfort.records.reader import Session
 from vrcomfort.records.session_rows import ConsentRow, ParticipantRow, QuestionnaireRow
 from vrcomfort.records.study import DESCRIPTION, read_description, read_participants

@@ -1,4 +1,4 @@
-"""Writes a mapping from a lab's files, with what was understood and what is doubtful."""
+"""Writes a mapping from a lab's files, with the doubts that they leave."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from vrcomfort.importing.files import as_table, read_grids
 from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.source import Reading, SourceTable
-from vrcomfort.importing.suggest.draft import Doubt, Draft
+from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
 from vrcomfort.importing.suggest.layouts import stands_on_its_side
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import (
     Known,
-    Vocabulary,
+    LabVocabulary,
     read_vocabulary,
     shipped_vocabulary,
 )
@@ -72,7 +72,7 @@ def suggest_mapping(
         If a file cannot be read, or a vocabulary is wrong; with line and column.
     """
     own = own or {}
-    words = Vocabulary([*map(read_vocabulary, vocabularies)]) if vocabularies else None
+    words = LabVocabulary([*map(read_vocabulary, vocabularies)]) if vocabularies else None
     known = Known((*own.values(), *usual_instruments()), words or shipped_vocabulary())
     read = [table for file in files for table in _tables(file, known)]
     groups: dict[tuple[object, ...], list[SourceTable]] = {}
@@ -81,7 +81,7 @@ def suggest_mapping(
     drafts = [TableDraft(tables, known) for tables in groups.values()]
     useful = [draft for draft in drafts if draft.gives] or drafts
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
-    top = Draft({"format_version": 1, "name": files[0].stem})
+    top = TomlDraft({"format_version": 1, "name": files[0].stem})
     if own:
         top.put("instruments", list(own))
     labels = {name: label for draft in useful for name, label in draft.labels.items()}
@@ -93,9 +93,9 @@ def suggest_mapping(
     top.lists["tables"] = [draft.draft for draft in useful]
     imported, refusal = _tried(top, files, [*own.values()])
     if refusal:
-        doubts.append(Doubt("As it stands, the import refuses the files; mend this:", refusal))
+        doubts.append(OpenDoubt("As it stands, the import refuses the files; mend this:", refusal))
     top.lists["doubts"] = [
-        Draft({"question": d.question, "assumed": d.assumed, "answer": ""}) for d in doubts
+        TomlDraft({"question": d.question, "assumed": d.assumed, "answer": ""}) for d in doubts
     ]
     notes = tuple(dict.fromkeys(note for table in read for note in table.notes))
     return Suggestion(
@@ -112,19 +112,23 @@ def _tables(file: Path, known: Known) -> list[SourceTable]:
     ]
 
 
-def _ignored_sheets(top: Draft, drafts: list[TableDraft], useful: list[TableDraft]) -> list[Doubt]:
+def _ignored_sheets(
+    top: TomlDraft, drafts: list[TableDraft], useful: list[TableDraft]
+) -> list[OpenDoubt]:
     """List sheets in which no answers were found, and ask."""
     others = [d.table.sheet for d in drafts if d not in useful and d.table.sheet]
     if not others:
         return []
     top.put("ignore_sheets", others)
-    return [Doubt(f"May the sheets {', '.join(others)} be left out? No answers were found.", "yes")]
+    return [
+        OpenDoubt(f"May the sheets {', '.join(others)} be left out? No answers were found.", "yes")
+    ]
 
 
 def _tried(
-    top: Draft, files: Sequence[Path], own: Sequence[Instrument]
+    top: TomlDraft, files: Sequence[Path], own: Sequence[Instrument]
 ) -> tuple[Imported | None, str]:
-    """Return what the mapping makes of the files, or why it is refused."""
+    """Import the files by the mapping; return the import, or the reason of its refusal."""
     try:
         return import_files(files, parse_mapping(top.text(), None), own), ""
     except InputError as error:

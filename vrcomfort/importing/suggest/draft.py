@@ -12,15 +12,15 @@ _WIDEST = 90
 """Characters of a list in one line."""
 
 
-class Doubt(NamedTuple):
-    """A question that the files do not answer, and what is taken for granted meanwhile."""
+class OpenDoubt(NamedTuple):
+    """A question that the files do not answer, and the assumption meanwhile."""
 
     question: str
     assumed: str
 
 
 @dataclass
-class Draft:
+class TomlDraft:
     """A TOML table: its keys, comments above some of them, and tables inside.
 
     Parameters
@@ -31,8 +31,8 @@ class Draft:
 
     values: dict[str, object] = field(default_factory=dict)
     comments: dict[str, list[str]] = field(default_factory=dict)
-    tables: dict[str, Draft] = field(default_factory=dict)
-    lists: dict[str, list[Draft]] = field(default_factory=dict)
+    tables: dict[str, TomlDraft] = field(default_factory=dict)
+    lists: dict[str, list[TomlDraft]] = field(default_factory=dict)
 
     def put(self, key: str, value: object, comment: str = "") -> None:
         """Set a key, with a comment above it."""
@@ -60,7 +60,7 @@ class Draft:
             for table in tables:
                 yield from self._opened(table, f"[[{name}]]", name)
 
-    def _opened(self, table: Draft, header: str, name: str) -> Iterator[str]:
+    def _opened(self, table: TomlDraft, header: str, name: str) -> Iterator[str]:
         yield ""
         yield from (f"# {line}" for line in table.comments.get("", ()))
         yield header

@@ -18,7 +18,7 @@ from typing import NamedTuple
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.mapping import FACTS
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.vocabulary import IGNORED, Vocabulary, tokens
+from vrcomfort.importing.suggest.vocabulary import IGNORED, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 
 MOST_CONDITIONS = 12
@@ -27,7 +27,7 @@ LONGEST_CODE = 24
 LONGEST_CONDITION = 40
 """Letters of a condition's name at most."""
 FIRST_COLUMNS = 4
-"""Columns among which codes of participants are looked for: they stand in front."""
+"""Columns in which codes of participants, and names of rows below them, are looked for."""
 
 
 @dataclass
@@ -76,7 +76,7 @@ class Context:
     """
 
     table: SourceTable
-    vocabulary: Vocabulary
+    vocabulary: LabVocabulary
     roles: Roles
     one_row_each: bool = True
     time: int | None = None
@@ -91,7 +91,7 @@ class HeadingEvidence(NamedTuple):
 
     name: str
     weight: int
-    roles: Callable[[str, Vocabulary], Iterable[str]]
+    roles: Callable[[str, LabVocabulary], Iterable[str]]
 
 
 class CellEvidence(NamedTuple):
@@ -105,38 +105,38 @@ class CellEvidence(NamedTuple):
     assumed: str = ""
 
 
-class Finding(NamedTuple):
+class Candidate(NamedTuple):
     """A column that may have a role, and its heaviest evidence."""
 
     column: int
     evidence: CellEvidence
 
 
-def _own_label(text: str, vocabulary: Vocabulary) -> list[str]:
+def _own_label(text: str, vocabulary: LabVocabulary) -> list[str]:
     key = plain(text)
     return [vocabulary.own_roles[key]] if key in vocabulary.own_roles else []
 
 
-def _fact_word(text: str, vocabulary: Vocabulary, *, most: int) -> list[str]:
+def _fact_word(text: str, vocabulary: LabVocabulary, *, most: int) -> list[str]:
     words = set(tokens(text))
     if len(words) > most:
         return []
     return [fact for fact, known in vocabulary.fact_words.items() if words & known]
 
 
-def _label(text: str, vocabulary: Vocabulary, kind: Callable[[str], bool]) -> list[str]:
+def _label(text: str, vocabulary: LabVocabulary, kind: Callable[[str], bool]) -> list[str]:
     role = vocabulary.roles.get(plain(text), "")
     return [role] if role and kind(role) else []
 
 
-def _covariate_word(text: str, vocabulary: Vocabulary) -> list[str]:
+def _covariate_word(text: str, vocabulary: LabVocabulary) -> list[str]:
     words = set(tokens(text))
     if len(words) > 6:
         return []
     return [name for name, known in vocabulary.covariate_words.items() if words & known]
 
 
-def _word_of_covariate_label(text: str, vocabulary: Vocabulary) -> list[str]:
+def _word_of_covariate_label(text: str, vocabulary: LabVocabulary) -> list[str]:
     words = set(tokens(text))
     if len(words) > 3:
         return []
@@ -170,7 +170,7 @@ HEADINGS: tuple[HeadingEvidence, ...] = (
 )
 
 
-def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: Vocabulary) -> Roles:
+def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabulary) -> Roles:
     """Decide on the roles of columns by their headings, or else by their labels."""
     roles = Roles()
     weighed: dict[str, list[tuple[int, int]]] = defaultdict(list)
@@ -190,7 +190,7 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: Vocabulary)
     return roles
 
 
-def _heaviest(texts_: Sequence[str], vocabulary: Vocabulary) -> tuple[str, int]:
+def _heaviest(texts_: Sequence[str], vocabulary: LabVocabulary) -> tuple[str, int]:
     """Return role and weight of the heaviest evidence in the first text that has any."""
     for text in texts_:
         if plain(text):
@@ -365,18 +365,18 @@ CELLS: tuple[CellEvidence, ...] = (
 )  # fmt: skip
 
 
-def candidates(role: str, columns: Iterable[int], context: Context) -> list[Finding]:
+def candidates(role: str, columns: Iterable[int], context: Context) -> list[Candidate]:
     """Return the columns with evidence for a role, the heaviest first, then as they are given."""
     rows = sorted((each for each in CELLS if each.role == role), key=lambda each: -each.weight)
     found = []
     for column in dict.fromkeys(columns):
         heaviest = next((each for each in rows if each.test(context, column)), None)
         if heaviest is not None:
-            found.append(Finding(column, heaviest))
+            found.append(Candidate(column, heaviest))
     return sorted(found, key=lambda each: -each.evidence.weight)
 
 
-def is_personal(heading: str, vocabulary: Vocabulary) -> bool:
+def is_personal(heading: str, vocabulary: LabVocabulary) -> bool:
     """Return whether a column may identify a person."""
     return plain(heading) in vocabulary.personal
 
@@ -412,6 +412,7 @@ def is_numeric(table: SourceTable, column: int) -> bool:
 def total_rows(table: SourceTable, column: int, totals: Collection[str]) -> list[str]:
     """Return the texts of a column that name means, sums and the like, of the last rows."""
     cells = table.column(column)
+    # Eight rows hold the mean, SD, n, min and max that labs put below their participants.
     found = [
         text
         for text in dict.fromkeys(cells[-8:])

@@ -10,21 +10,21 @@ from difflib import SequenceMatcher
 from itertools import combinations
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import Doubt, Draft
+from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
 from vrcomfort.importing.suggest.evidence import (
     BASELINE_AMONG_CONDITIONS,
     COUNTS_EXPOSURES,
     GROUPS_PEOPLE,
     MOST_CONDITIONS,
     OTHER_TIMEPOINTS,
+    Candidate,
     Context,
-    Finding,
     candidates,
     is_numeric,
     texts,
     varies_within,
 )
-from vrcomfort.importing.suggest.vocabulary import Vocabulary
+from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 from vrcomfort.questionnaire import plain
 from vrcomfort.settings import toml_value
 
@@ -47,8 +47,8 @@ class DraftedFacts:
     """
 
     context: Context
-    draft: Draft = field(default_factory=Draft)
-    doubts: list[Doubt] = field(default_factory=list)
+    draft: TomlDraft = field(default_factory=TomlDraft)
+    doubts: list[OpenDoubt] = field(default_factory=list)
     unused: list[int] = field(default_factory=list)
 
 
@@ -103,9 +103,9 @@ class FactDraft:
 
     def doubt(self, question: str, assumed: str) -> None:
         """Add a question that the files leave open."""
-        self.found.doubts.append(Doubt(question, assumed))
+        self.found.doubts.append(OpenDoubt(question, assumed))
 
-    def doubt_of(self, found: Finding) -> None:
+    def doubt_of(self, found: Candidate) -> None:
         """Add the question that a piece of evidence leaves open."""
         question = found.evidence.question.format(heading=self.heading(found.column))
         self.doubt(question, found.evidence.assumed)
@@ -203,14 +203,14 @@ class Conditions(FactDraft):
         return True
 
     def _repetitions(self) -> None:
-        """Have exposures numbered where somebody has one condition and moment twice."""
+        """Draft a count of exposures where a participant has a condition at a timepoint twice."""
         if "trial" in self._context.columns:
             return
         if runs := candidates("trial", self._roles.unknown, self._context):
             self.use("trial", runs[0].column, count=True)
             self.doubt_of(runs[0])
         if self._context.participant is None or self._context.time is not None:
-            return
+            return  # ratings of one exposure are many rows of one condition
         keys = [self._context.participant, *self._answers.row_keys]
         keys += [c for columns in self._context.columns.values() for c in columns]
         seen: dict[tuple[str, ...], tuple[int, tuple[str, ...]]] = {}
@@ -230,7 +230,7 @@ class Conditions(FactDraft):
             self._count_exposures(again)
 
     def _count_exposures(self, again: Mapping[str, Sequence[str]]) -> None:
-        """Have exposures numbered, and ask; `again`: who has several, and which rows are equal."""
+        """Draft a count of exposures, and ask; `again`: participants with several → equal rows."""
         self.found.draft.put("trial", {"count": True}, "exposures in the order of the rows")
         people = ", ".join([*again][:MOST_NAMED])
         more = f" and {len(again) - MOST_NAMED} more" if len(again) > MOST_NAMED else ""
@@ -333,7 +333,7 @@ class _Facts(FactDraft):
             self.doubt_of(found)
 
     def _names_of_files(self) -> None:
-        """Take what differs between the names of sheets, or of files."""
+        """Take facts from the names of sheets, or of files."""
         answers = self._answers
         wanted = [] if self._context.participant is not None else ["participant"]
         wanted += (
@@ -494,9 +494,9 @@ class NameParts:
 
 
 def parts_of_names(
-    names: Sequence[str], wanted: Sequence[str], vocabulary: Vocabulary
+    names: Sequence[str], wanted: Sequence[str], vocabulary: LabVocabulary
 ) -> NameParts | None:
-    """Return what differs between names, called by the wanted facts; None where nothing does.
+    """Return the parts that differ between names, as facts; None where none differs.
 
     Timepoints are known by their words, sessions by theirs; of the rest, what differs most is
     the participant, where that is wanted.

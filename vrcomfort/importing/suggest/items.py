@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -10,7 +11,7 @@ from functools import lru_cache
 from typing import Literal, NamedTuple
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.vocabulary import Known, Vocabulary, tokens
+from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
 
 How = Literal["name", "near", "abbreviation", "initials", "number", "position"]
@@ -38,7 +39,7 @@ class Named:
 
 
 def named_item(
-    column: int, heading: str, label: str, instrument: Instrument, vocabulary: Vocabulary
+    column: int, heading: str, label: str, instrument: Instrument, vocabulary: LabVocabulary
 ) -> Named | None:
     """Return the item of an instrument that a heading names, or else its label.
 
@@ -84,9 +85,10 @@ def _exact(words: Sequence[str], known: Mapping[str, str], _: Instrument) -> _Sp
 def _near(words: Sequence[str], known: Mapping[str, str], _: Instrument) -> _Span | None:
     best: tuple[float, _Span] | None = None
     for start, end, key in _windows(tuple(words)):
-        if len(key) < 5:
+        if len(key) < 5:  # short words resemble each other by chance
             continue
         for spelling, item in known.items():
+            # Misspellings keep the first letter and about the length; comparing all is slow.
             if spelling[0] != key[0] or abs(len(spelling) - len(key)) > 3:
                 continue
             ratio = _likeness(spelling, key)
@@ -97,7 +99,7 @@ def _near(words: Sequence[str], known: Mapping[str, str], _: Instrument) -> _Spa
 
 @lru_cache(maxsize=4096)
 def _likeness(spelling: str, key: str) -> float:
-    """Return the ratio of what two words share, or 0 where it is surely less than is asked for."""
+    """Return the similarity of two words, or 0 where quick bounds put it below `_NEAR`."""
     matcher = SequenceMatcher(None, spelling, key)
     if matcher.real_quick_ratio() < _NEAR or matcher.quick_ratio() < _NEAR:
         return 0.0
@@ -169,20 +171,35 @@ FEWEST = 4
 Context = tuple[str, ...]
 
 
-@dataclass
-class Found:
-    """Columns that are one questionnaire.
+@dataclass(frozen=True)
+class FoundAnswers(ABC):
+    """Columns of answers, in any layout.
 
     Parameters
     ----------
     context
-        The words that its headings share, but for those that name the instrument.
-    items
-        Item → index of its column.
+        The words that the headings share, but for those that name the instrument.
     """
 
     instrument: Instrument
     context: Context
+
+    @property
+    @abstractmethod
+    def columns(self) -> list[int]:
+        """Return the indices of the columns."""
+
+
+@dataclass(frozen=True)
+class Found(FoundAnswers):
+    """Columns that are one questionnaire.
+
+    Parameters
+    ----------
+    items
+        Item → index of its column.
+    """
+
     items: dict[str, Named]
 
     @property
@@ -196,15 +213,16 @@ class Found:
         return [item.name for item in self.instrument.asked if item.name not in self.items]
 
 
-def find_blocks(table: SourceTable, known: Known) -> list[Found]:
+def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> list[Found]:
     """Return the questionnaires that the headings of a table name, no column twice.
 
     By the names of the items, else by their numbers, else (where there are no headings) by where
     the answers stand.
     """
     found: list[Found] = []
+    other = {*range(len(table.headings))} - {*columns}
     for find in (_by_name, _by_number, _by_initials):
-        taken = {column for block in found for column in block.columns}
+        taken = other.union(*(block.columns for block in found))
         blocks = [b for i in known.instruments for b in find(table, i, taken, known.vocabulary)]
         found += _best(table, blocks, known.instruments)
     if not found and not table.reading.heading_rows:
@@ -213,7 +231,7 @@ def find_blocks(table: SourceTable, known: Known) -> list[Found]:
 
 
 def _by_name(
-    table: SourceTable, instrument: Instrument, _: set[int], vocabulary: Vocabulary
+    table: SourceTable, instrument: Instrument, _: set[int], vocabulary: LabVocabulary
 ) -> list[Found]:
     if len(instrument.asked) == 1:
         return []
@@ -275,6 +293,7 @@ def _placed(side: str, words: Sequence[str]) -> list[tuple[int, str]]:
 
 def _item_numbers(named: Sequence[Named]) -> set[tuple[str, int]]:
     """Return the places in headings where the number of the item stands: another for each."""
+    # Numbers of sessions or trials stand in headings, too, but most items share them.
     numbers: dict[tuple[str, int], dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
     for each in named:
         for side, words in (("before", each.before), ("after", each.after)):
@@ -316,14 +335,14 @@ def _best(
 
 
 def _is_worth(block: Found, items: dict[str, Named]) -> bool:
-    """Return whether what is left is still a questionnaire, and not a few words of another."""
+    """Return whether the items left are still a questionnaire, and not words of another."""
     hows = Counter(named.how for named in items.values())
     sure = hows["name"] + hows["number"] + hows["initials"]
     return len(items) == len(block.items) and sure * 3 >= len(items)
 
 
 def _by_number(
-    table: SourceTable, instrument: Instrument, taken: set[int], vocabulary: Vocabulary
+    table: SourceTable, instrument: Instrument, taken: set[int], vocabulary: LabVocabulary
 ) -> list[Found]:
     """Find ``SSQ1`` … ``SSQ16``: headings that differ in a number alone, from 1 (or 0) on."""
     count = len(instrument.asked)
@@ -352,7 +371,7 @@ def _by_number(
 
 
 def _by_initials(
-    table: SourceTable, instrument: Instrument, taken: set[int], vocabulary: Vocabulary
+    table: SourceTable, instrument: Instrument, taken: set[int], vocabulary: LabVocabulary
 ) -> list[Found]:
     """Find ``SSQ_GD``, ``SSQ_DEO``: initials of at least nine in ten items of an instrument."""
     count = len(instrument.asked)

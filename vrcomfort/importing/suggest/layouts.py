@@ -13,13 +13,13 @@ from vrcomfort.importing.made_instruments import on_scale
 from vrcomfort.importing.mapping import ScoreKind, scale_named
 from vrcomfort.importing.source import Grid, SourceTable
 from vrcomfort.importing.suggest.evidence import texts
-from vrcomfort.importing.suggest.items import How, mentions, named_item
-from vrcomfort.importing.suggest.vocabulary import Known, Vocabulary, tokens
+from vrcomfort.importing.suggest.items import FoundAnswers, How, mentions, named_item
+from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
 
 
 @dataclass(frozen=True)
-class Long:
+class Long(FoundAnswers):
     """A table with a row for each answer.
 
     Parameters
@@ -34,7 +34,6 @@ class Long:
         Where the questionnaire is named, and the text there.
     """
 
-    instrument: Instrument
     item_column: int
     response_column: int
     items: dict[str, str]
@@ -42,12 +41,24 @@ class Long:
     others: list[str]
     instrument_column: tuple[int, str] | None
 
+    @property
+    def row_keys(self) -> list[int]:
+        """Return the columns that tell the answers of one questionnaire apart."""
+        named = [self.instrument_column[0]] if self.instrument_column else []
+        return [self.item_column, *named]
 
-def find_long(table: SourceTable, known: Known) -> list[Long]:
+    @property
+    def columns(self) -> list[int]:
+        """Return the indices of the columns."""
+        return [*self.row_keys, self.response_column]
+
+
+def find_long(table: SourceTable, columns: Sequence[int], known: Known) -> list[Long]:
     """Return the questionnaires of a long table; none where it is not one."""
     found: list[Long] = []
-    for column in range(len(table.headings)):
+    for column in columns:
         words = texts(table, column)
+        # Fewer items make no questionnaire; more texts are ids or comments.
         if not (4 <= len(words) <= 200) or len(table.rows) < len(words):
             continue
         response = _response_column(table, column, known.vocabulary)
@@ -59,7 +70,7 @@ def find_long(table: SourceTable, known: Known) -> list[Long]:
                 items, hows = named
                 others = [word for word in words if word not in items.values()]
                 where = _instrument_column(table, instrument, column)
-                long = Long(instrument, column, response, items, hows, others, where)
+                long = Long(instrument, (), column, response, items, hows, others, where)
                 found.append(long)
         if found:
             return _best_long(found)
@@ -145,7 +156,7 @@ def _numbered_in_rows(
     return items, dict.fromkeys(items, "number")
 
 
-def _response_column(table: SourceTable, item_column: int, vocabulary: Vocabulary) -> int | None:
+def _response_column(table: SourceTable, item_column: int, vocabulary: LabVocabulary) -> int | None:
     candidates = [
         column
         for column, heading in enumerate(table.headings)
@@ -160,7 +171,7 @@ def _last_word(heading: str) -> str:
     return plain(heading.rsplit(".", 1)[-1])
 
 
-def _is_response(table: SourceTable, column: int, heading: str, vocabulary: Vocabulary) -> bool:
+def _is_response(table: SourceTable, column: int, heading: str, vocabulary: LabVocabulary) -> bool:
     words = texts(table, column)
     if not words or len(words) > 110:
         return False
@@ -186,17 +197,48 @@ def _instrument_column(
 
 
 @dataclass(frozen=True)
-class FoundRating:
+class FoundRating(FoundAnswers):
     """A column of ratings, and that of the seconds at which they were given."""
 
-    instrument: Instrument
     column: int
     time: int | None
-    context: tuple[str, ...] = ()
-    """The words of its heading that do not name the scale."""
+
+    @property
+    def columns(self) -> list[int]:
+        """Return the index of the column of ratings."""
+        return [self.column]
+
+
+@dataclass(frozen=True)
+class FoundCourse(FoundAnswers):
+    """Columns of a rating time course, one for each time."""
+
+    ratings: tuple[FoundRating, ...]
+
+    @property
+    def columns(self) -> list[int]:
+        """Return the indices of the columns, in the order of the file."""
+        return [rating.column for rating in self.ratings]
 
 
 def find_ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
+    """Return the columns of ratings that are in no time course."""
+    ratings = _ratings(table, columns, known)
+    in_courses = [rating for course in _courses_of(ratings) for rating in course]
+    return [rating for rating in ratings if rating not in in_courses]
+
+
+def find_courses(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundCourse]:
+    """Return the rating time courses that have a column for each time."""
+    units = known.vocabulary.units
+    found = []
+    for course in _courses_of(_ratings(table, columns, known)):
+        context = (word for word in course[0].context if not word.isdecimal() and word not in units)
+        found.append(FoundCourse(course[0].instrument, tuple(context), tuple(course)))
+    return found
+
+
+def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
     """Return the columns that are called by the name of a scale of one item."""
     time = next((c for c in columns if plain(table.headings[c]) in known.vocabulary.seconds), None)
     found = []
@@ -206,7 +248,7 @@ def find_ratings(table: SourceTable, columns: Sequence[int], known: Known) -> li
             own = {plain(instrument.name), "score", "rating", *map(plain, instrument.title.split())}
             for column in named:
                 rest = tuple(w for w in tokens(table.headings[column]) if w not in own)
-                found.append(FoundRating(instrument, column, time, rest))
+                found.append(FoundRating(instrument, rest, column, time))
     return found
 
 
@@ -225,8 +267,8 @@ FEWEST_TIMES = 3
 """Columns of one scale that differ in a number alone and are a time course of ratings."""
 
 
-def courses_of(ratings: Sequence[FoundRating]) -> list[list[FoundRating]]:
-    """Return ratings whose headings differ in one number alone, such as ``FMS_1 min``."""
+def _courses_of(ratings: Sequence[FoundRating]) -> list[list[FoundRating]]:
+    """Group ratings by headings that differ in one number alone, such as ``FMS_1 min``."""
     groups: dict[tuple[str, ...], list[FoundRating]] = {}
     for rating in ratings:
         digits = [word for word in rating.context if word.isdecimal()]
@@ -237,7 +279,7 @@ def courses_of(ratings: Sequence[FoundRating]) -> list[list[FoundRating]]:
 
 
 @dataclass(frozen=True)
-class FoundScores:
+class FoundScores(FoundAnswers):
     """Columns that hold scores of one moment.
 
     Parameters
@@ -246,13 +288,16 @@ class FoundScores:
         Scale → index of its column.
     """
 
-    instrument: Instrument
-    context: tuple[str, ...]
     scales: dict[str, int]
+
+    @property
+    def columns(self) -> list[int]:
+        """Return the indices of the columns."""
+        return [*self.scales.values()]
 
 
 def find_scores(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundScores]:
-    """Return the columns whose headings name scales: a total, or at least two."""
+    """Return the columns of scores by the scales in their headings: a total, or at least two."""
     found: list[FoundScores] = []
     left = list(columns)
     named = mentions(
@@ -269,7 +314,7 @@ def find_scores(table: SourceTable, columns: Sequence[int], known: Known) -> lis
 
 
 def _of_instrument(
-    table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: Vocabulary
+    table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: LabVocabulary
 ) -> list[FoundScores]:
     words = _scale_words(instrument, vocabulary)
     fillers = vocabulary.scale_fillers
@@ -286,8 +331,8 @@ def _of_instrument(
     ]
 
 
-def _scale_words(instrument: Instrument, vocabulary: Vocabulary) -> dict[str, str]:
-    """Return word → scale: its name, title and column, and what labs call it else."""
+def _scale_words(instrument: Instrument, vocabulary: LabVocabulary) -> dict[str, str]:
+    """Return word → scale: its name, title and column, and the vocabulary's words for it."""
     words = {
         plain(word): scale.name
         for scale in instrument.scales
@@ -380,6 +425,7 @@ def parts_of(
     counted = found[np.abs(found) > 1e-6]
     if len(counted) < 2 or not np.allclose(parts[:, used] @ found, target, atol=0.02):
         return None
+    # Raw sums count an item once or twice, in two subscales; other weights are chance fits.
     steps = counted / counted.min() if counted.min() > 0 else np.array([0.5])
     if not np.allclose(steps, np.round(steps), atol=0.02) or steps.max() > 2.1:
         return None

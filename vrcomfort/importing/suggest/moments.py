@@ -8,16 +8,16 @@ from itertools import takewhile
 from typing import NamedTuple
 
 from vrcomfort.importing.mapping import template_pattern
-from vrcomfort.importing.suggest.draft import Doubt
-from vrcomfort.importing.suggest.vocabulary import Vocabulary
+from vrcomfort.importing.suggest.draft import OpenDoubt
+from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 
 _ITEM = "{item}"
 _PART = re.compile(r"[^\W_]+|[\W_]+")
 
 
 def moments(
-    contexts: Sequence[tuple[str, ...]], vocabulary: Vocabulary, *, numbers: str = "condition"
-) -> tuple[list[dict[str, str]], list[Doubt]]:
+    contexts: Sequence[tuple[str, ...]], vocabulary: LabVocabulary, *, numbers: str = "condition"
+) -> tuple[list[dict[str, str]], list[OpenDoubt]]:
     """Return for each questionnaire of a row the facts that its headings say, and doubts.
 
     Parameters
@@ -31,7 +31,7 @@ def moments(
     if any(set(context) <= shared for context in contexts) and max(map(len, contexts)) <= 4:
         shared = set()  # such as Blur and No Blur
     facts: list[dict[str, str]] = []
-    doubts: list[Doubt] = []
+    doubts: list[OpenDoubt] = []
     for context in contexts:
         # Words for timepoints and numbers say something even where all headings have them.
         rest = [
@@ -47,13 +47,13 @@ def moments(
 
 
 def _of_one(
-    context: tuple[str, ...], vocabulary: Vocabulary
-) -> tuple[list[dict[str, str]], list[Doubt]]:
+    context: tuple[str, ...], vocabulary: LabVocabulary
+) -> tuple[list[dict[str, str]], list[OpenDoubt]]:
     when = [vocabulary.timepoints[word] for word in context if word in vocabulary.timepoints]
     return [{"timepoint": when[0]} if len(set(when)) == 1 else {}], []
 
 
-def _facts(words: Sequence[str], vocabulary: Vocabulary) -> dict[str, str]:
+def _facts(words: Sequence[str], vocabulary: LabVocabulary) -> dict[str, str]:
     numbered, timepoints = vocabulary.numbered, vocabulary.timepoints
     facts: dict[str, str] = {}
     rest: list[str] = []
@@ -75,7 +75,7 @@ def _facts(words: Sequence[str], vocabulary: Vocabulary) -> dict[str, str]:
     return facts
 
 
-def _numbered_times(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
+def _numbered_times(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
     """Call T0, T1, T2 baseline, post and recovery, and ask."""
     said = sorted({f["timepoint"] for f in facts if f.get("timepoint", "")[1:].isdecimal()})
     if not said:
@@ -85,10 +85,10 @@ def _numbered_times(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
         when = each.get("timepoint", "")
         each["timepoint"] = names.get(when, when)
     shown = ", ".join(f"{old.upper()} {names.get(old, old)}" for old in said)
-    doubts.append(Doubt("Which moments are T0, T1 …: before exposure, after it, later?", shown))
+    doubts.append(OpenDoubt("Which moments are T0, T1 …: before exposure, after it, later?", shown))
 
 
-def _two_unnamed(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
+def _two_unnamed(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
     """Take two blocks of the same headings, the second marked with a number, for before, after."""
     bare = [f for f in facts if not f]
     second = [f for f in facts if set(f) == {"condition"} and f["condition"].isdecimal()]
@@ -97,16 +97,16 @@ def _two_unnamed(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
         second[0].pop("condition")
         second[0]["timepoint"] = "post"
         question = "The same items are asked twice in a row: are these before and after exposure?"
-        doubts.append(Doubt(question, "the first columns are baseline, the second post"))
+        doubts.append(OpenDoubt(question, "the first columns are baseline, the second post"))
 
 
-def _name_the_rest(facts: list[dict[str, str]], doubts: list[Doubt], fact: str) -> None:
-    """Ask what numbers mean that stand alone; tell equal moments apart."""
+def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: str) -> None:
+    """Ask for the meaning of numbers that stand alone; tell equal administrations apart."""
     numbers = [f for f in facts if f.get("condition", "").replace("_", "").isdecimal()]
     if numbers:
         shown = ", ".join(dict.fromkeys(f["condition"] for f in numbers))
         question = f"What do the numbers {shown} in the headings stand for?"
-        doubts.append(Doubt(question, f"each is a {fact}"))
+        doubts.append(OpenDoubt(question, f"each is a {fact}"))
         for each in numbers:
             each[fact] = each.pop("condition")
     several = len({f.get("condition", "") for f in facts}) > 1
@@ -116,7 +116,7 @@ def _name_the_rest(facts: list[dict[str, str]], doubts: list[Doubt], fact: str) 
         if nameless or (not each and len(facts) > 1):
             each["condition"] = f"questionnaire_{place}"
             question = f"Of which condition is questionnaire {place} of a row?"
-            doubts.append(Doubt(question, f"`questionnaire_{place}`"))
+            doubts.append(OpenDoubt(question, f"`questionnaire_{place}`"))
 
 
 class Template(NamedTuple):
@@ -177,7 +177,7 @@ def template_of(
 
 
 def _split(headings: Mapping[str, str]) -> tuple[str, str, dict[str, str]]:
-    """Return what all headings begin and end with, and what stands between."""
+    """Return the common start and end of all headings, and the rest of each."""
     texts = list(headings.values())
     left = _common_start(texts)
     right = _common_start([text[len(left) :][::-1] for text in texts])[::-1]

@@ -10,13 +10,14 @@ from dataclasses import dataclass, field, replace
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import Doubt, Draft
+from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
 from vrcomfort.importing.suggest.evidence import Roles, texts
 from vrcomfort.importing.suggest.items import Found, Named, mentions
-from vrcomfort.importing.suggest.layouts import FoundRating, Long, parts_of
-from vrcomfort.importing.suggest.vocabulary import Known, Vocabulary
+from vrcomfort.importing.suggest.layouts import FoundCourse, FoundRating, Long, parts_of
+from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary
 from vrcomfort.questionnaire import Instrument, never_zero, plain, shipped_instruments
 
+Drafted = tuple[TomlDraft, list[OpenDoubt]]
 _CODES = frozenset(
     {-1, -2, -7, -8, -9, -77, -88, -99, -999, -9999, 9, 77, 88, 99, 777, 888, 999, 9999}
 )
@@ -45,14 +46,14 @@ class Coding:
     times: int | None = None
     variant: Instrument | None = None
     missing: list[str] = field(default_factory=list)
-    doubts: list[Doubt] = field(default_factory=list)
+    doubts: list[OpenDoubt] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
 
 def coding_of(
-    table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: Vocabulary
+    table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: LabVocabulary
 ) -> Coding:
-    """Return how the answers in some columns are to be read, with what is doubtful."""
+    """Return the coding of the answers in some columns, with its doubts."""
     cells = [table.rows[r][c] for r in range(len(table.rows)) for c in columns]
     return coding_of_texts(cells, instrument, table.reading.decimal or ".", vocabulary)
 
@@ -70,9 +71,9 @@ def _variant(instrument: Instrument, values: Iterable[int]) -> Instrument | None
 
 
 def coding_of_texts(
-    cells: Sequence[str], instrument: Instrument, decimal: str, vocabulary: Vocabulary
+    cells: Sequence[str], instrument: Instrument, decimal: str, vocabulary: LabVocabulary
 ) -> Coding:
-    """Return how some answers are to be read, with what is doubtful."""
+    """Return the coding of some answers, with its doubts."""
     counts = Counter(cell for cell in cells if cell)
     found = Coding()
     values: dict[int, int] = {}
@@ -91,7 +92,7 @@ def coding_of_texts(
     if broken:
         shown = ", ".join(broken[:6]) + (" …" if len(broken) > 6 else "")
         question = f"Why are answers {shown}, where those of {instrument.name} are whole numbers?"
-        found.doubts.append(Doubt(question, "the import will refuse them"))
+        found.doubts.append(OpenDoubt(question, "the import will refuse them"))
     _words(words, values, instrument, found, vocabulary)
     _numbers(values, instrument, found)
     return found
@@ -102,7 +103,7 @@ def _words(
     values: dict[int, int],
     instrument: Instrument,
     found: Coding,
-    vocabulary: Vocabulary,
+    vocabulary: LabVocabulary,
 ) -> None:
     said = _labels(instrument, vocabulary)
     unknown = []
@@ -112,7 +113,7 @@ def _words(
             answer = _numbered(text, said, instrument)
         if plain(text) == "none" and values and len(words) == 1:
             question = "Is `None` an answer (0) or a missing value? All others are numbers."
-            found.doubts.append(Doubt(question, "it is missing"))
+            found.doubts.append(OpenDoubt(question, "it is missing"))
             found.missing.append(text)
         elif text.casefold() in vocabulary.missing:
             found.missing.append(text)
@@ -125,11 +126,13 @@ def _words(
     if unknown:
         shown = ", ".join(repr(text) for text in unknown[:8]) + (" …" if len(unknown) > 8 else "")
         question = f"Which answers of {instrument.name} are the words {shown}?"
-        found.doubts.append(Doubt(question, "none yet: give them under answers, or under missing"))
+        found.doubts.append(
+            OpenDoubt(question, "none yet: give them under answers, or under missing")
+        )
     _doubled(found, instrument)
 
 
-def _labels(instrument: Instrument, vocabulary: Vocabulary) -> dict[str, int]:
+def _labels(instrument: Instrument, vocabulary: LabVocabulary) -> dict[str, int]:
     """Return word → answer, of the instrument's own words and of none to severe."""
     low, high = int(instrument.low), int(instrument.high)
     said: dict[str, int] = {}
@@ -159,43 +162,47 @@ def _doubled(found: Coding, instrument: Instrument) -> None:
     if doubled:
         shown = "; ".join(" and ".join(words) for words in doubled)
         question = f"Are these one answer of {instrument.name} each: {shown}?"
-        found.doubts.append(Doubt(question, "they are, as `answers` has them"))
+        found.doubts.append(OpenDoubt(question, "they are, as `answers` has them"))
 
 
 def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> None:
     low, high = int(instrument.low), int(instrument.high)
     outside = sorted(value for value in values if not low <= value <= high)
     inside = [value for value in values if low <= value <= high]
+    # One above the highest answer is an answer counted from 1, not a code.
     codes = [value for value in outside if value in _CODES and value != high + 1]
     for code in codes:
         found.missing.append(str(code))
     if codes:
         shown = ", ".join(map(str, codes))
         question = f"Do the numbers {shown} stand for missing answers? {instrument.name} has none."
-        found.doubts.append(Doubt(question, "they do"))
+        found.doubts.append(OpenDoubt(question, "they do"))
     rest = [value for value in outside if value not in codes]
     variant = _variant(instrument, values)
     if rest and low in values and variant is not None:
         found.variant = variant
         question = f"Answers go from {low} to {max(rest)}: is this the {variant.short}?"
-        found.doubts.append(Doubt(question, f"it is, and not comparable with {instrument.short}"))
+        found.doubts.append(
+            OpenDoubt(question, f"it is, and not comparable with {instrument.short}")
+        )
     elif rest == [low - 1] and high not in values:
         found.coded_from = low - 1
         question = f"Are the answers {low - 1} to {high - 1} in place of {low} to {high}?"
-        found.doubts.append(Doubt(question, f"they are: {low - 1} stands for {low}"))
+        found.doubts.append(OpenDoubt(question, f"they are: {low - 1} stands for {low}"))
     elif rest == [high + 1] and low not in values:
         found.coded_from = low + 1
         question = f"Are the answers {low + 1} to {high + 1} in place of {low} to {high}?"
-        found.doubts.append(Doubt(question, f"they are: {low + 1} stands for {low}"))
+        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}"))
     elif rest:
         shown = ", ".join(map(str, rest[:6]))
         question = f"What do the answers {shown} mean? {instrument.name} has {low} to {high}."
-        found.doubts.append(Doubt(question, "the import will refuse them"))
+        found.doubts.append(OpenDoubt(question, "the import will refuse them"))
+    # The task load index is printed with 21 marks, of which labs type the number.
     elif high >= 100 and inside and max(inside) <= 21:
         found.times = 10 if max(inside) <= 10 else 5
         found.coded_from = 1 if max(inside) == 21 else None
         question = f"Answers of {instrument.short} are {low} to {high}, these {min(inside)} to"
-        doubt = Doubt(f"{question} {max(inside)}: are they marks?", f"times {found.times}")
+        doubt = OpenDoubt(f"{question} {max(inside)}: are they marks?", f"times {found.times}")
         found.doubts.append(doubt)
     elif not found.answers and (
         count := never_zero(instrument, {value: values[value] for value in inside})
@@ -205,12 +212,12 @@ def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> N
             f"None of {count} answers is {low}: are they counted from {low + 1} (with no "
             f"{high + 1} among them), or was {low} never answered?"
         )
-        found.doubts.append(Doubt(question, f"they are: {low + 1} stands for {low}"))
+        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}"))
 
 
-def mend_items(
-    table: SourceTable, block: Found, roles: Roles, vocabulary: Vocabulary
-) -> tuple[Found, list[Doubt]]:
+def _mend_items(
+    table: SourceTable, block: Found, roles: Roles, vocabulary: LabVocabulary
+) -> tuple[Found, list[OpenDoubt]]:
     """Take a sum for no item, though its heading names one; and ask."""
     doubts = []
     items = dict(block.items)
@@ -237,7 +244,7 @@ def mend_items(
         else:
             assumed = f"`{heading}` is ignored, and nobody was asked {item}"
         question = f"{heading!r} is exactly the sum of {shown}: which column is the item {item}?"
-        doubts.append(Doubt(question, assumed))
+        doubts.append(OpenDoubt(question, assumed))
     return replace(block, items=items), doubts
 
 
@@ -250,7 +257,7 @@ def _values(table: SourceTable, column: int) -> list[float | None]:
 
 
 def _coded_values(
-    table: SourceTable, column: int, instrument: Instrument, vocabulary: Vocabulary
+    table: SourceTable, column: int, instrument: Instrument, vocabulary: LabVocabulary
 ) -> list[float | None]:
     """Return the answers of a column, those in words as numbers."""
     words = coding_of(table, [column], instrument, vocabulary).answers
@@ -259,7 +266,7 @@ def _coded_values(
 
 
 def _may_answer(
-    table: SourceTable, column: int, instrument: Instrument, vocabulary: Vocabulary
+    table: SourceTable, column: int, instrument: Instrument, vocabulary: LabVocabulary
 ) -> bool:
     """Return whether a column holds nothing but answers of an instrument."""
     words = texts(table, column)
@@ -270,11 +277,12 @@ def _may_answer(
 
 
 def draft_block(
-    table: SourceTable, block: Found, facts: Mapping[str, str], known: Known
-) -> tuple[Draft, list[Doubt]]:
+    table: SourceTable, block: Found, facts: Mapping[str, str], known: Known, roles: Roles
+) -> Drafted:
     """Draft a questionnaire that has a column for each item."""
-    draft = Draft({"instrument": block.instrument.name, **facts})
-    doubts = _instrument_doubts(table, block, known)
+    block, doubts = _mend_items(table, block, roles, known.vocabulary)
+    draft = TomlDraft({"instrument": block.instrument.name, **facts})
+    doubts += _instrument_doubts(table, block, known)
     coding = coding_of(table, block.columns, block.instrument, known.vocabulary)
     if coding.variant is not None:
         block = replace(block, instrument=coding.variant)
@@ -288,8 +296,8 @@ def draft_block(
         draft.put("not_asked", block.absent)
         names = ", ".join(block.absent)
         question = f"No column was found for {names}: were they not asked?"
-        doubts.append(Doubt(question, "they were not (a short form); its scores lack them"))
-    items = Draft(dict(headings))
+        doubts.append(OpenDoubt(question, "they were not (a short form); its scores lack them"))
+    items = TomlDraft(dict(headings))
     for item in order:
         how = block.items[item].how
         if how != "name":
@@ -299,7 +307,7 @@ def draft_block(
     return draft, doubts
 
 
-def _instrument_doubts(table: SourceTable, block: Found, known: Known) -> list[Doubt]:
+def _instrument_doubts(table: SourceTable, block: Found, known: Known) -> list[OpenDoubt]:
     """Ask which instrument it is, where another has all of these items, too."""
     text = " ".join(table.headings[c] + " " + table.labels[c] for c in block.columns)
     if block.instrument.name in mentions(
@@ -315,10 +323,10 @@ def _instrument_doubts(table: SourceTable, block: Found, known: Known) -> list[D
     if not others:
         return []
     question = f"Items of {block.instrument.name.upper()} are items of {', '.join(others)}, too:"
-    return [Doubt(f"{question} which was asked?", block.instrument.name.upper())]
+    return [OpenDoubt(f"{question} which was asked?", block.instrument.name.upper())]
 
 
-def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[Doubt]:
+def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[OpenDoubt]:
     """Ask about items that were not found by their own name."""
     doubts = []
     by_how: dict[str, list[str]] = {}
@@ -328,22 +336,22 @@ def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[Doubt]:
         first, last = headings[numbered[0]], headings[numbered[-1]]
         title, citation = block.instrument.title, block.instrument.citation.split(",")[0]
         question = f"Are {first} … {last} in the published order of the {title} ({citation})?"
-        doubts.append(Doubt(question, f"they are: {first} is {numbered[0]}"))
+        doubts.append(OpenDoubt(question, f"they are: {first} is {numbered[0]}"))
     if placed := by_how.get("position"):
         first, last = headings[placed[0]], headings[placed[-1]]
         if len(placed) > 1:
             question = f"Are {first} … {last} the {block.instrument.title} in published order?"
-            doubts.append(Doubt(question, f"they are: {first} is {placed[0]}"))
+            doubts.append(OpenDoubt(question, f"they are: {first} is {placed[0]}"))
     if near := by_how.get("near"):
         shown = "; ".join(f"{headings[item]!r} is {item}" for item in near)
-        doubts.append(Doubt(f"Is it right that {shown}?", "it is: these are misspellings"))
+        doubts.append(OpenDoubt(f"Is it right that {shown}?", "it is: these are misspellings"))
     if short := [*by_how.get("abbreviation", ()), *by_how.get("initials", ())]:
         shown = "; ".join(f"{headings[item]!r} is {item}" for item in short)
-        doubts.append(Doubt(f"Is it right that {shown}?", "it is: these are abbreviations"))
+        doubts.append(OpenDoubt(f"Is it right that {shown}?", "it is: these are abbreviations"))
     return doubts
 
 
-def _coded(draft: Draft, coding: Coding) -> None:
+def _coded(draft: TomlDraft, coding: Coding) -> None:
     if coding.answers:
         draft.put("answers", dict(coding.answers))
     if coding.coded_from is not None:
@@ -355,20 +363,20 @@ def _coded(draft: Draft, coding: Coding) -> None:
 
 
 def _of_single_items(
-    table: SourceTable, block: Found, whole: Coding, draft: Draft, doubts: list[Doubt]
+    table: SourceTable, block: Found, whole: Coding, draft: TomlDraft, doubts: list[OpenDoubt]
 ) -> None:
     """Let single columns be coded otherwise than the rest, where they go one too high."""
     high, low = int(block.instrument.high), int(block.instrument.low)
     if whole.coded_from is not None or whole.variant is not None:
         return
-    own = Draft()
+    own = TomlDraft()
     for item, named in block.items.items():
         answers = {value for value in _values(table, named.column) if value is not None}
         if high + 1 in answers and low not in answers and max(answers) == high + 1:
-            own.tables[item] = Draft({"coded_from": low + 1})
+            own.tables[item] = TomlDraft({"coded_from": low + 1})
             heading = table.headings[named.column]
             question = f"Is {heading!r} counted from {low + 1}, unlike the other items?"
-            doubts.append(Doubt(question, f"it is: {low + 1} stands for {low}"))
+            doubts.append(OpenDoubt(question, f"it is: {low + 1} stands for {low}"))
     if own.tables:
         draft.tables["item_coding"] = own
         stale = [d for d in doubts if d.question.startswith(f"What do the answers {high + 1} mean")]
@@ -376,9 +384,11 @@ def _of_single_items(
             doubts.remove(doubt)
 
 
-def draft_long(table: SourceTable, long: Long, known: Known) -> tuple[Draft, list[Doubt]]:
+def draft_long(
+    table: SourceTable, long: Long, facts: Mapping[str, str], known: Known, _: Roles
+) -> Drafted:
     """Draft a questionnaire of a table that has a row for each answer."""
-    draft = Draft({"instrument": long.instrument.name})
+    draft = TomlDraft({"instrument": long.instrument.name, **facts})
     draft.put("item_column", table.headings[long.item_column])
     draft.put("response_column", table.headings[long.response_column])
     rows = list(table.rows)
@@ -404,16 +414,16 @@ def draft_long(table: SourceTable, long: Long, known: Known) -> tuple[Draft, lis
     if block.absent:
         draft.put("not_asked", block.absent)
         question = f"No row was found for {', '.join(block.absent)}: were they not asked?"
-        doubts.append(Doubt(question, "they were not (a short form); its scores lack them"))
+        doubts.append(OpenDoubt(question, "they were not (a short form); its scores lack them"))
     if long.others and long.instrument_column is None:
         shown = ", ".join(map(repr, long.others[:8])) + (" …" if len(long.others) > 8 else "")
         question = f"May the rows of {shown} be left out, which are no items of this instrument?"
-        doubts.append(Doubt(question, "they are left out"))
-    draft.tables["items"] = Draft({item: long.items[item] for item in order})
+        doubts.append(OpenDoubt(question, "they are left out"))
+    draft.tables["items"] = TomlDraft({item: long.items[item] for item in order})
     return draft, doubts
 
 
-def _other_instruments(table: SourceTable, column: int, known: Known) -> list[Doubt]:
+def _other_instruments(table: SourceTable, column: int, known: Known) -> list[OpenDoubt]:
     """Ask whether the rows of questionnaires that we do not know may be left out."""
     names = {
         plain(name) for each in known.instruments for name in (each.name, each.short, each.title)
@@ -422,53 +432,49 @@ def _other_instruments(table: SourceTable, column: int, known: Known) -> list[Do
     if not others:
         return []
     question = f"May the rows with {', '.join(others)} in {table.headings[column]!r} be left out?"
-    return [Doubt(question, "they are: no instrument of ours is called so")]
+    return [OpenDoubt(question, "they are: no instrument of ours is called so")]
 
 
 def draft_rating(
-    table: SourceTable, rating: FoundRating, facts: Mapping[str, str], vocabulary: Vocabulary
-) -> tuple[Draft, list[Doubt]]:
+    table: SourceTable, rating: FoundRating, facts: Mapping[str, str], known: Known, _: Roles
+) -> Drafted:
     """Draft a scale of one item: ratings during exposure, where there is a time."""
     (item,) = rating.instrument.items
-    draft = Draft({"instrument": rating.instrument.name, **facts})
+    draft = TomlDraft({"instrument": rating.instrument.name, **facts})
     if rating.time is not None:
         draft.put("time", table.headings[rating.time], "seconds since the exposure began")
         draft.put("summaries", ["peak", "mean", "last"], "what the report has of each exposure")
-    coding = coding_of(table, [rating.column], rating.instrument, vocabulary)
+    coding = coding_of(table, rating.columns, rating.instrument, known.vocabulary)
     _coded(draft, coding)
-    draft.tables["items"] = Draft({item.name: table.headings[rating.column]})
+    draft.tables["items"] = TomlDraft({item.name: table.headings[rating.column]})
     return draft, coding.doubts
 
 
 def draft_course(
-    table: SourceTable,
-    course: Sequence[FoundRating],
-    facts: Mapping[str, str],
-    vocabulary: Vocabulary,
-) -> tuple[Draft, list[Doubt]]:
+    table: SourceTable, course: FoundCourse, facts: Mapping[str, str], known: Known, _: Roles
+) -> Drafted:
     """Draft ratings during exposure that have a column for each time."""
-    first = course[0]
-    headings = [table.headings[rating.column] for rating in course]
+    headings = [table.headings[column] for column in course.columns]
     parts = [re.split(r"(\d+)", heading) for heading in headings]
     place = next(i for i, part in enumerate(zip(*parts, strict=False)) if len(set(part)) > 1)
     minutes = [int(part[place]) for part in parts]
     unit = "time_min" if max(minutes) <= 60 else "time_s"
     template = [*parts[0][:place], f"{{{unit}}}", *parts[0][place + 1 :]]
     heading = "".join(template)
-    draft = Draft({"instrument": first.instrument.name, **facts, "heading": heading})
+    draft = TomlDraft({"instrument": course.instrument.name, **facts, "heading": heading})
     draft.put("summaries", ["peak", "mean", "last"], "what the report has of each exposure")
-    coding = coding_of(table, [rating.column for rating in course], first.instrument, vocabulary)
+    coding = coding_of(table, course.columns, course.instrument, known.vocabulary)
     _coded(draft, coding)
     what = "minutes" if unit == "time_min" else "seconds"
     question = (
         f"Are {headings[0]} … {headings[-1]} ratings during exposure, {what} after its start?"
     )
-    return draft, [*coding.doubts, Doubt(question, f"they are, {what}")]
+    return draft, [*coding.doubts, OpenDoubt(question, f"they are, {what}")]
 
 
 def leftovers(
-    table: SourceTable, columns: Sequence[int], blocks: Sequence[Found], vocabulary: Vocabulary
-) -> tuple[dict[int, str], list[Doubt]]:
+    table: SourceTable, columns: Sequence[int], blocks: Sequence[Found], vocabulary: LabVocabulary
+) -> tuple[dict[int, str], list[OpenDoubt]]:
     """Return why columns are ignored, as far as that is known, and ask about answers in them."""
     reasons: dict[int, str] = {}
     doubts = []
@@ -495,5 +501,5 @@ def leftovers(
             reasons[column] = f"the exact (weighted) sum of {shown}"
         elif blocks and _may_answer(table, column, blocks[0].instrument, vocabulary):
             question = f"{heading!r} holds what may be answers: is it an item?"
-            doubts.append(Doubt(question, "it is not, and is ignored"))
+            doubts.append(OpenDoubt(question, "it is not, and is ignored"))
     return reasons, doubts

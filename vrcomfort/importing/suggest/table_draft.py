@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Generic, TypeVar
 
 from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import Doubt, Draft
+from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
 from vrcomfort.importing.suggest.evidence import (
+    FIRST_COLUMNS,
     Context,
+    Roles,
     is_personal,
     roles_of,
     texts,
     total_rows,
 )
 from vrcomfort.importing.suggest.facts import AnswersFound, DraftedFacts, draft_facts
-from vrcomfort.importing.suggest.items import Found, find_blocks
+from vrcomfort.importing.suggest.items import FoundAnswers, find_blocks
 from vrcomfort.importing.suggest.layouts import (
-    FoundRating,
-    FoundScores,
-    Long,
-    courses_of,
+    find_courses,
     find_long,
     find_ratings,
     find_scores,
@@ -29,21 +29,76 @@ from vrcomfort.importing.suggest.layouts import (
 )
 from vrcomfort.importing.suggest.moments import moments, template_of
 from vrcomfort.importing.suggest.questionnaires import (
+    Drafted,
     draft_block,
     draft_course,
     draft_long,
     draft_rating,
     leftovers,
-    mend_items,
 )
 from vrcomfort.importing.suggest.vocabulary import Known, words_of
 from vrcomfort.settings import toml_value
 
+FoundT = TypeVar("FoundT", bound=FoundAnswers)
 
-def _row_keys(longs: Sequence[Long]) -> list[int]:
-    """Return the columns that tell the answers of one moment apart."""
-    columns = [long.item_column for long in longs[:1]]
-    return columns + [long.instrument_column[0] for long in longs[:1] if long.instrument_column]
+
+@dataclass(frozen=True)
+class Layout(Generic[FoundT]):
+    """A way in which answers stand in a table.
+
+    Parameters
+    ----------
+    weight
+        Heavier layouts take their columns first; the others look among those that are left.
+    find
+        Returns the answers in some columns of a table.
+    draft
+        Drafts the questionnaire of what was found; None for scores, which are drafted together.
+    whole
+        The layout is that of a whole table: a table has at most one such layout.
+    """
+
+    name: str
+    weight: int
+    find: Callable[[SourceTable, Sequence[int], Known], list[FoundT]]
+    draft: Callable[[SourceTable, FoundT, Mapping[str, str], Known, Roles], Drafted] | None = None
+    whole: bool = False
+
+
+LONG = Layout("a row for each answer", 50, find_long, draft_long, whole=True)
+BLOCKS = Layout("a column for each item", 40, find_blocks, draft_block, whole=True)
+RATINGS = Layout("a column of ratings", 30, find_ratings, draft_rating)
+COURSES = Layout("a column for each time of a rating", 20, find_courses, draft_course)
+SCORES = Layout("columns of scores", 10, find_scores)
+LAYOUTS: tuple[Layout[Any], ...] = (LONG, BLOCKS, RATINGS, COURSES, SCORES)
+
+
+class AnswerColumns:
+    """The answers of a table, by their layouts."""
+
+    def __init__(self, table: SourceTable, known: Known) -> None:
+        self._found: dict[Layout[Any], list[Any]] = {}
+        self.taken: set[int] = set()
+        """Columns of answers."""
+        for layout in sorted(LAYOUTS, key=lambda each: -each.weight):
+            left = [c for c in range(len(table.headings)) if c not in self.taken]
+            closed = layout.whole and any(
+                each.whole and found for each, found in self._found.items()
+            )
+            self._found[layout] = [] if closed else layout.find(table, left, known)
+            self.taken.update(c for each in self._found[layout] for c in each.columns)
+
+    def __getitem__(self, layout: Layout[FoundT]) -> list[FoundT]:
+        return self._found[layout]
+
+    def __bool__(self) -> bool:
+        return any(self._found.values())
+
+    @property
+    def leading(self) -> Layout[Any] | None:
+        """Return the layout with the facts of a row in its headings, if there is one."""
+        leading: tuple[Layout[Any], ...] = (BLOCKS, SCORES, RATINGS)
+        return next((each for each in leading if self[each]), None)
 
 
 class TableDraft:
@@ -63,8 +118,8 @@ class TableDraft:
         self._vocabulary = known.vocabulary
         rows = tuple(row for table in tables for row in table.rows)
         self.table = replace(tables[0], rows=rows)
-        self.draft = Draft()
-        self.doubts: list[Doubt] = []
+        self.draft = TomlDraft()
+        self.doubts: list[OpenDoubt] = []
         self.labels: dict[str, str] = {}
         """Condition that headings say → how they write it."""
         self._totals = self._total_rows()
@@ -72,34 +127,14 @@ class TableDraft:
         self.gives = False
         """Whether there is anything to import."""
         self._files()
-        self._longs = find_long(self.table, known)
-        self._blocks = [] if self._longs else find_blocks(self.table, known)
-        taken = self._answer_columns()
-        self._ratings = find_ratings(
-            self.table, [c for c in self._columns() if c not in taken], known
-        )
-        taken |= {rating.column for rating in self._ratings}
-        self._courses = courses_of(self._ratings)
-        self._ratings = [r for r in self._ratings if r not in [x for c in self._courses for x in c]]
-        self._scores = find_scores(
-            self.table, [c for c in self._columns() if c not in taken], known
-        )
-        taken |= {c for each in self._scores for c in each.scales.values()}
-        self._taken = taken
-        self._roles = roles_of(
-            self.table, [c for c in self._columns() if c not in taken], self._vocabulary
-        )
+        self._answers = AnswerColumns(self.table, known)
+        others = [c for c in range(len(self.table.headings)) if c not in self._answers.taken]
+        self._roles = roles_of(self.table, others, self._vocabulary)
+        self._facts: dict[Layout[Any], list[dict[str, str]]] = {}
+        """Layout → what the headings of its answers say."""
+        self._made: dict[int, str] = {}
+        """Column of a score whose answers are there → why it is ignored."""
         self._write()
-
-    def _columns(self) -> range:
-        return range(len(self.table.headings))
-
-    def _answer_columns(self) -> set[int]:
-        taken = {column for block in self._blocks for column in block.columns}
-        for long in self._longs:
-            taken |= {long.item_column, long.response_column}
-            taken |= {long.instrument_column[0]} if long.instrument_column else set()
-        return taken
 
     def _files(self) -> None:
         names = list(dict.fromkeys(table.file.name for table in self._tables))
@@ -125,45 +160,39 @@ class TableDraft:
         if read.transpose:
             values["transpose"] = True
             question = "Do participants stand side by side, and items one below the other?"
-            self.doubts.append(Doubt(question, "they do; columns are read as rows"))
+            self.doubts.append(OpenDoubt(question, "they do; columns are read as rows"))
         if values:
             self.draft.put("read", values)
         if not read.heading_rows and "heading_rows" in values:
             question = f"{self.table.file.name} seems to have no headings: is its first row data?"
-            self.doubts.append(Doubt(question, "it is; columns are called column 1, column 2 …"))
+            self.doubts.append(
+                OpenDoubt(question, "it is; columns are called column 1, column 2 …")
+            )
 
     def _write(self) -> None:
-        facts = self._moments()
+        leading = self._answers.leading
+        facts = self._moments_of(self._answers[leading]) if leading else []
         when = self._roles.facts.get("timepoint", [])
         if len(facts) == 1 and any(len(texts(self.table, column)) > 1 for column in when):
             facts[0].pop("timepoint", None)  # a column says it better
-        self._course_facts = self._moments_of(
-            [self._context_of(course) for course in self._courses]
-        )
-        said = {name for each in (*facts, *self._course_facts) for name in each}
+        rated = self._answers[COURSES]
+        courses = self._moments_of(rated)
+        self._facts = {COURSES: courses} | ({leading: facts} if leading else {})
+        said = {name for each in (*facts, *courses) for name in each}
         context, answers = self._context(), self._found_answers(said)
         exposures = draft_facts(context, answers)
         self.draft.values |= exposures.draft.values
         self.draft.comments |= exposures.draft.comments
         self.doubts += exposures.doubts
         self._leave_out(context.participant)
-        self._questionnaires(facts)
+        self._questionnaires()
+        self._score_tables()
         self._covariates(exposures)
         self._ignore(exposures)
         self.gives = bool(self.draft.lists or self.draft.values.get("participants"))
 
-    def _moments(self) -> list[dict[str, str]]:
-        """Return what the headings say of each block of answers (or, without any, of scores).
-
-        Questionnaires of one instrument are told apart by their words, each instrument by itself.
-        """
-        found: Sequence[Found | FoundScores | FoundRating] = (
-            self._blocks or self._scores or self._ratings
-        )
-        return self._moments_of([(each.instrument.name, each.context) for each in found])
-
     def _numbers(self) -> str:
-        """Return what numbers in headings are: a column may say the condition already."""
+        """Return the fact that numbers in headings are: a column may say the condition already."""
         return "trial" if self._roles.facts.get("condition") else "condition"
 
     def _spelt(self, facts: dict[str, str]) -> dict[str, str]:
@@ -180,25 +209,18 @@ class TableDraft:
         self.labels["_".join(parts)] = " ".join(parts)
         return {**facts, "condition": "_".join(parts)}
 
-    def _context_of(self, course: Sequence[FoundRating]) -> tuple[str, tuple[str, ...]]:
-        """Return the instrument of a rating time course, and the words of all its headings."""
-        first, units = course[0], self._vocabulary.units
-        words = tuple(word for word in first.context if not word.isdecimal() and word not in units)
-        return first.instrument.name, words
-
     def _context(self) -> Context:
-        time = next((r.time for r in self._ratings if r.time is not None), None)
-        return Context(
-            self.table, self._vocabulary, self._roles, one_row_each=not self._longs, time=time
-        )
+        time = next((r.time for r in self._answers[RATINGS] if r.time is not None), None)
+        single = not self._answers[LONG]
+        return Context(self.table, self._vocabulary, self._roles, one_row_each=single, time=time)
 
     def _found_answers(self, said: set[str]) -> AnswersFound:
-        answered = any((self._blocks, self._longs, self._scores, self._ratings, self._courses))
-        return AnswersFound(self._tables, said, self._taken, _row_keys(self._longs), answered)
+        keys = [column for long in self._answers[LONG][:1] for column in long.row_keys]
+        return AnswersFound(self._tables, said, self._answers.taken, keys, bool(self._answers))
 
     def _total_rows(self) -> dict[int, list[str]]:
         """Take rows of means and sums out of the table; return column → their texts."""
-        for column in range(min(4, len(self.table.headings))):
+        for column in range(min(FIRST_COLUMNS, len(self.table.headings))):
             found = [
                 text
                 for table in self._tables
@@ -212,7 +234,7 @@ class TableDraft:
 
     def _fill_down(self) -> None:
         """Let blank cells of a column of participants mean the one above, where they are many."""
-        first = range(min(4, len(self.table.headings)))
+        first = range(min(FIRST_COLUMNS, len(self.table.headings)))
         columns = roles_of(self.table, first, self._vocabulary).facts.get("participant", [])
         for column in columns or ([0] if self.table.reading.transpose else []):
             cells = self.table.column(column)
@@ -224,7 +246,7 @@ class TableDraft:
                 self.table = replace(self.table, rows=tuple(rows))
                 self.draft.put("fill_down", [name])
                 question = f"Do the blank cells of {name!r} mean the participant above them?"
-                self.doubts.append(Doubt(question, "they do"))
+                self.doubts.append(OpenDoubt(question, "they do"))
                 return
 
     def _leave_out(self, participant: int | None) -> None:
@@ -240,37 +262,36 @@ class TableDraft:
             question = (
                 f"May the rows with {shown} in {names[column]!r} be left out, as no person's?"
             )
-            self.doubts.append(Doubt(question, "they are left out"))
+            self.doubts.append(OpenDoubt(question, "they are left out"))
 
-    def _questionnaires(self, facts: Sequence[dict[str, str]]) -> None:
-        drafts: list[Draft] = []
-        for block, own in zip(self._blocks, facts, strict=False):
-            mended, doubts = mend_items(self.table, block, self._roles, self._vocabulary)
-            self.doubts += doubts
-            draft, doubts = draft_block(self.table, mended, own, self._known)
-            drafts.append(draft)
-            self.doubts += doubts
-        for long in self._longs:
-            draft, doubts = draft_long(self.table, long, self._known)
-            drafts.append(draft)
-            self.doubts += doubts
-        rated = facts if not self._blocks and not self._scores else self._moments_of_ratings()
-        for rating, own in zip(self._ratings, rated, strict=True):
-            draft, doubts = draft_rating(self.table, rating, own, self._vocabulary)
-            drafts.append(draft)
-            self.doubts += doubts
-        for course, own in zip(self._courses, self._course_facts, strict=True):
-            draft, doubts = draft_course(self.table, course, own, self._vocabulary)
-            drafts.append(draft)
-            self.doubts += doubts
+    def _questionnaires(self) -> None:
+        drafts: list[TomlDraft] = []
+        for layout in LAYOUTS:
+            if layout.draft is None:
+                continue
+            for found, own in zip(self._answers[layout], self._facts_of(layout), strict=True):
+                draft, doubts = layout.draft(self.table, found, own, self._known, self._roles)
+                drafts.append(draft)
+                self.doubts += doubts
         self.doubts[:] = list(dict.fromkeys(self.doubts))
         if drafts:
-            self.draft.lists["questionnaires"] = self._in_short(drafts, facts)
-        self._score_tables([] if self._blocks else facts)
+            self.draft.lists["questionnaires"] = self._in_short(drafts)
 
-    def _in_short(self, drafts: list[Draft], facts: Sequence[dict[str, str]]) -> list[Draft]:
-        """Say questionnaires in one whose headings are made alike, and whose answers are."""
-        count = len(self._blocks)
+    def _facts_of(self, layout: Layout[Any]) -> list[dict[str, str]]:
+        """Return the facts in the headings of a layout's answers.
+
+        Ratings beside questionnaires say their own; scores beside them, and long tables, nothing.
+        """
+        if layout not in self._facts:
+            found = self._answers[layout]
+            said = self._moments_of(found) if layout is RATINGS else [{} for _ in found]
+            self._facts[layout] = said
+        return self._facts[layout]
+
+    def _in_short(self, drafts: list[TomlDraft]) -> list[TomlDraft]:
+        """Merge questionnaires with headings of one template and the same coding."""
+        facts = self._facts_of(BLOCKS)
+        count = len(facts)
         names = {draft.values["instrument"] for draft in drafts[:count]}
         if count < 2 or len(names) > 1:
             return drafts
@@ -298,20 +319,17 @@ class TableDraft:
         for fact, values in found.values.items():
             if any(text != value for text, value in values.items()):
                 self.draft.put(fact, {"values": values})
-        whole = Draft({"instrument": own.pop("instrument"), "heading": found.heading, **own})
+        whole = TomlDraft({"instrument": own.pop("instrument"), "heading": found.heading, **own})
         if answers:
             whole.put("answers", dict(sorted(answers.items(), key=lambda each: each[1])))
-        whole.tables["items"] = Draft(dict(found.items), dict(notes))
+        whole.tables["items"] = TomlDraft(dict(found.items), dict(notes))
         shown = "; ".join(f"{fact}: {', '.join(texts)}" for fact, texts in found.values.items())
         whole.note(f"{count} questionnaires in a row: {shown}")
         return [whole, *drafts[count:]]
 
-    def _moments_of_ratings(self) -> list[dict[str, str]]:
-        """Return what the headings of ratings say, beside questionnaires that say their own."""
-        return self._moments_of([(each.instrument.name, each.context) for each in self._ratings])
-
-    def _moments_of(self, named: Sequence[tuple[str, tuple[str, ...]]]) -> list[dict[str, str]]:
-        """Return what the words of headings say, of each instrument by itself."""
+    def _moments_of(self, found: Sequence[FoundAnswers]) -> list[dict[str, str]]:
+        """Return the facts in the words of headings, each instrument by itself."""
+        named = [(each.instrument.name, each.context) for each in found]
         facts: list[dict[str, str]] = [{} for _ in named]
         for name in dict.fromkeys(name for name, _ in named):
             places = [i for i, (other, _) in enumerate(named) if other == name]
@@ -323,21 +341,20 @@ class TableDraft:
                 facts[place] = self._spelt(said)
         return facts
 
-    def _score_tables(self, facts: Sequence[dict[str, str]]) -> None:
-        """Keep scores of instruments whose answers are not there."""
-        answered = {block.instrument.name for block in self._blocks}
-        answered |= {long.instrument.name for long in self._longs}
-        kept = [each for each in self._scores if each.instrument.name not in answered]
-        self._made = [each for each in self._scores if each.instrument.name in answered]
+    def _score_tables(self) -> None:
+        """Draft scores of instruments without answers in the table."""
+        answered = {each.instrument.name for each in (*self._answers[BLOCKS], *self._answers[LONG])}
         drafts = []
         asked: dict[str, list[str]] = {}
-        own = list(facts) if facts else [{} for _ in kept]
-        for each, said in zip(kept, own, strict=False):
+        for each, said in zip(self._answers[SCORES], self._facts_of(SCORES), strict=True):
+            if each.instrument.name in answered:
+                self._made |= dict.fromkeys(each.columns, "a score made of the answers")
+                continue
             kind = kind_of(self.table, each)
             scales = {scale: self.table.headings[c] for scale, c in each.scales.items()}
-            draft = Draft({"instrument": each.instrument.name, **said, "kind": kind})
+            draft = TomlDraft({"instrument": each.instrument.name, **said, "kind": kind})
             draft.note("The answers are not in the file: scores alone.")
-            draft.tables["scales"] = Draft(dict(scales))
+            draft.tables["scales"] = TomlDraft(dict(scales))
             drafts.append(draft)
             what = {"raw_sum": "raw sums", "score": "scores by the published formula"}.get(
                 kind, "scores by another formula"
@@ -345,7 +362,7 @@ class TableDraft:
             asked.setdefault(f"{what} of the {each.instrument.short}", []).extend(scales.values())
         for what, names in asked.items():
             question = f"{', '.join(names)}: are these {what}?"
-            self.doubts.append(Doubt(question, f"they are {what}; the answers are not there"))
+            self.doubts.append(OpenDoubt(question, f"they are {what}; the answers are not there"))
         if drafts:
             self.draft.lists["scores"] = drafts
 
@@ -360,25 +377,29 @@ class TableDraft:
                 one = {other: group[0] for group in groups for other in group[1:]}
                 said = "they are not; `values` of participant make them one: "
                 question = f"Are these participants one person each: {shown}?"
-                self.doubts.append(Doubt(question, f"{said}values = {toml_value(one)}"))
+                self.doubts.append(OpenDoubt(question, f"{said}values = {toml_value(one)}"))
 
     def _ignore(self, exposures: DraftedFacts) -> None:
         """List every column that nothing was said of, with the reason."""
-        made = {c: "a score made of the answers" for e in self._made for c in e.scales.values()}
         rest = [
             column
-            for column in (*self._roles.metadata, *self._roles.unknown, *exposures.unused, *made)
+            for column in (
+                *self._roles.metadata,
+                *self._roles.unknown,
+                *exposures.unused,
+                *self._made,
+            )
             if column not in exposures.context.used
         ]
         columns = sorted(set(rest))
         if not columns:
             return
         asked = [column for column in columns if column not in self._roles.metadata]
-        reasons, doubts = leftovers(self.table, asked, self._blocks, self._vocabulary)
+        reasons, doubts = leftovers(self.table, asked, self._answers[BLOCKS], self._vocabulary)
         self.doubts += doubts
         for column in columns:
             name = self.table.headings[column]
-            reason = reasons.get(column) or made.get(column, "")
+            reason = reasons.get(column) or self._made.get(column, "")
             if is_personal(name, self._vocabulary):
                 reason = "may tell who the person is"
             if reason:

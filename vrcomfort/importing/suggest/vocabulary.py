@@ -165,12 +165,12 @@ def read_vocabulary(file: Path) -> VocabularyFile:
 
 
 @cache
-def shipped_vocabulary() -> Vocabulary:
+def shipped_vocabulary() -> LabVocabulary:
     """Return the vocabulary of the shipped files."""
-    return Vocabulary(())
+    return LabVocabulary(())
 
 
-class Vocabulary:
+class LabVocabulary:
     """Words of other labs' files, compiled for look-up as `plain` writes them.
 
     Parameters
@@ -259,7 +259,7 @@ class Known(NamedTuple):
     """Instruments that a file may hold answers to, and the words of other labs' files."""
 
     instruments: Sequence[Instrument]
-    vocabulary: Vocabulary
+    vocabulary: LabVocabulary
 
 
 def _labels(file: VocabularyFile) -> Iterator[tuple[str, KeyPath, str]]:

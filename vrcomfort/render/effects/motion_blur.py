@@ -4,11 +4,11 @@
 
     velocity ─► TileMaxPass ─► FrameStreaks     longest streak of the frame, in one texel
                     │              │
-                dilation ◄─────────┤            tiles that streaks reach; who may pass whom
+                dilation ◄─────────┤            tiles that streaks reach, and their class
                     │              ▼
                     │          averages         along each pixel's own streak, in one step or two
                     ▼              ▼
-                complex tiles ─► target         who hides whom, where things pass each other
+                complex tiles ─► target         occlusion at velocity discontinuities
 
 The CPU never learns how long a frame's streaks are: the vertex shaders of passes that a frame does
 not need give triangles without area. ``docs/motion_blur.md`` tells more.
@@ -327,7 +327,7 @@ ROWS = 4
 AT_ONCE_PX = 400
 """Images up to so wide have few tiles: each is summed up at once."""
 _LEAST = -1e30
-"""Less than what any tile has."""
+"""Where a maximum starts from: less than the value of any tile."""
 
 
 class _Opening(NamedTuple):
@@ -342,7 +342,7 @@ class TileMaxPass:
     velocity
         RG16F (px per frame, +x right, +y up).
     limit_px
-        No half velocity counts for more, whatever it is.
+        No half velocity counts for more.
     jump
         Things pass each other where half velocities differ by this part of the shorter one.
 
@@ -411,6 +411,7 @@ class FrameStreaks:
         """Begin with a new frame; the maximum over all frames stays."""
         self._clear(self._framebuffer, (0.0, 0.0, _LEAST, 0.0))
         self._tile_max.use(0)
+        # Maximum blending of points on one pixel: a reduction in one draw, without a read back.
         self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)
         with self._scope:
             self._points.render(moderngl.POINTS, vertices=self._tile_max.height)
@@ -427,7 +428,7 @@ _LONGEST_BINDING = 0
 class PerPixel:
     """Averages `samples` along each pixel's own streak into `target`: one pass (Rosado 2007).
 
-    For comparison with ours: streaks end at the silhouette edges of what moves.
+    For comparison with ours: streaks end at the silhouette edges of moving objects.
     """
 
     def __init__(
@@ -439,6 +440,7 @@ class PerPixel:
         samples: int,
     ) -> None:
         self._ctx = ctx
+        # Maximum by atomics on the bits: positive floats have the order of their bits.
         self._longest = gl.dynamic_buffer(ctx, 4)
         self._longest.clear()
         self._gather = FullscreenPass(

@@ -105,7 +105,7 @@ class FocusRule:
     Parameters
     ----------
     name
-        What `method` of a protocol calls it.
+        Value of `method` in a protocol.
     plan
         Say whether it draws anything, and why; no OpenGL.
     build
@@ -204,6 +204,7 @@ class FocusSearch:
         return self._readback.drain()
 
     def _decide(self, uniforms: dict[str, Any]) -> None:
+        # A pass may not read the texture it draws into: the state of the frame before is a copy.
         self._ctx.copy_framebuffer(self._history, self._target)
         self._target.use()
         for unit, texture in enumerate(self._before):
@@ -233,6 +234,7 @@ class Readback:
     def __init__(self, ctx: moderngl.Context, near_m: float, infinity_m: float) -> None:
         self._near_m = near_m
         self._infinity_m = infinity_m
+        # One buffer for each frame in flight, and one for the frame that is being drawn.
         self._free = [gl.dynamic_buffer(ctx, (RAYS + 4) * 4) for _ in range(LATENCY + 1)]
         self._pending: deque[tuple[int, Array, moderngl.Buffer]] = deque()
 

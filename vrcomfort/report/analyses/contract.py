@@ -321,7 +321,7 @@ class SectionAnalysis(Generic[Found]):
     notes
         Recordings that could not be read.
     names
-        What the template calls a thing beside the words of the report.
+        Names that the template uses beside the words of the report, by variable.
     """
 
     key: str

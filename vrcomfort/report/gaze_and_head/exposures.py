@@ -52,27 +52,27 @@ _FORWARD = (0.0, 0.0, -1.0)
 
 @dataclass(frozen=True)
 class Motion:
-    """What was recorded of n frames in which the head's pose was known.
+    """The recording of n frames with a known pose of the head.
 
     Parameters
     ----------
     time_s, session_s, seconds
         (n,) display time, session time, and period of each frame.
     cuts
-        (n,) where a frame, or one left out before it, has nothing to do with the one before.
+        (n,) whether a discontinuity lies between a frame and the one before.
     head
         (n, 5) position in the stage in metres, yaw (to the right, without jumps) and pitch in
         degrees.
     place, forward
-        (n, 3) position of the head in the world, and where it faces.
+        (n, 3) position of the head in the world, and its viewing direction.
     half_widths
         (n, 2) tangents of half an eye's image in width and height; NaN where not recorded.
     in_head, in_world
         (n, 3) directions of the gaze; NaN where it was not valid. None without an eye tracker.
     drawn
-        (n,) where the scene was drawn, and not left out as nobody could see it.
+        (n,) whether the scene was drawn; invisible frames are not.
     nodes
-        What is under the gaze, of n frames; None where it was not recorded.
+        The node under the gaze, of n frames; None where it was not recorded.
     """
 
     time_s: Floats
@@ -90,7 +90,7 @@ class Motion:
 
     @property
     def valid(self) -> NDArray[np.bool_]:
-        """Return (n,) where the gaze was known."""
+        """Return (n,) whether the gaze was valid."""
         if self.in_world is None:
             return np.zeros(self.time_s.shape, dtype=bool)
         return np.isfinite(self.in_world[:, 0])
@@ -124,6 +124,7 @@ def read_motion(
 
 def _aligned(time_ns: Floats, gaze: dict[str, Floats]) -> NDArray[np.int64]:
     """Return (n,) the row of the gaze at each frame's time; −1 where none is valid."""
+    # Frames and gaze samples have the same display times where they belong together.
     found = np.full(len(time_ns), -1)
     known = np.flatnonzero(gaze["valid"] == 1)
     place = np.searchsorted(time_ns, gaze["xr_time_ns"][known])
@@ -139,6 +140,7 @@ def _motion(
     start, end = float(trial["start_s"]) - _ROUNDING_S, float(trial["end_s"]) + _ROUNDING_S
     at = table["session_s"]
     mine = (table["trial"] == int(trial["trial"])) & (at >= start) & (at <= end)
+    # Counted over all frames, so that the cut of a left-out frame stays with the next one kept.
     cuts_so_far = np.cumsum(np.asarray(table["discontinuity"] == CUT))
     known = np.isfinite(np.column_stack([table[name] for name in _HEAD])).all(axis=1)
     mine = mine & known & (table["head_valid"] != 0)
@@ -151,7 +153,7 @@ def _motion(
     yaw, pitch = angles_deg(forward)
     carried, carrying = _avatar(part)
     directions = None if gaze is None else gaze[mine]
-    back = turns * [-1.0, -1.0, -1.0, 1.0]
+    back = turns * [-1.0, -1.0, -1.0, 1.0]  # the conjugate: from the stage to the head
     return Motion(
         time_s=part["xr_time_ns"] / 1e9,
         session_s=part["session_s"],
@@ -175,7 +177,7 @@ def _pose(part: dict[str, Floats], names: tuple[str, ...]) -> tuple[Floats, Floa
 
 
 def _avatar(part: dict[str, Floats]) -> tuple[Floats, Floats]:
-    """Return where the stage is in the world; where that was not recorded, it is the world."""
+    """Return the pose of the stage in the world; where it was not recorded, the identity."""
     position, turns = _pose(part, _AVATAR)
     known = np.asarray(np.isfinite(np.column_stack([position, turns])).all(axis=1))
     unknown = ~known[:, None]
@@ -183,7 +185,10 @@ def _avatar(part: dict[str, Floats]) -> tuple[Floats, Floats]:
 
 
 def _half_widths(part: dict[str, Floats]) -> Floats:
-    """Return half of an eye's image in tangents, the mean of both eyes: their frusta are askew."""
+    """Return the half width and height of an eye's image in tangents, the mean of both eyes.
+
+    The frusta of eyes are asymmetric: half of left and right together is the half width.
+    """
     tangents = {name: np.tan(part[name]) for name in _FOV}
     half = [
         sum(tangents[f"{eye}_fov_{high}_rad"] - tangents[f"{eye}_fov_{low}_rad"]
@@ -194,14 +199,14 @@ def _half_widths(part: dict[str, Floats]) -> Floats:
 
 
 def times_of(session: Session, name: str, otherwise_s: float) -> list[tuple[float, float]]:
-    """Return begin and end, in session time, of a session's events, or shots, of a name.
+    """Return begin and end, in session time, of the events or task rows of a name.
 
     Parameters
     ----------
     name
-        Of an event (events.csv), or what a row of a task is of (`kind` of tasks.csv, as ``shot``).
+        Of an event (events.csv), or of a kind of task rows (`kind` of tasks.csv, as ``shot``).
     otherwise_s
-        How long one lasts that says nothing, or 0 s.
+        Length of an event without a duration, or with 0 s.
 
     Raises
     ------
@@ -230,9 +235,9 @@ BANDS_HZ = ((0.25, 0.5), (0.5, 2.0), (2.0, 8.0))
 HELD = (0.75, 0.9)
 """Shares of the gaze; see `GazeZones`."""
 NOTHING = ""
-"""The name of what is no node: the sky."""
+"""Name of the sky, which is no node."""
 WHOLE = ""
-"""The time of a whole exposure, beside that of events."""
+"""Key of the whole exposure among events."""
 Times = list[tuple[float, float]]
 
 
@@ -383,7 +388,7 @@ def _zones(
 
 
 def during(at_s: NDArray[np.float64], times: Times) -> NDArray[np.bool_]:
-    """Return which moments are within any of some stretches of time."""
+    """Return a mask of the samples within any of the given times."""
     inside = np.zeros(at_s.shape, dtype=bool)
     for start, end in times:
         inside |= (at_s >= start) & (at_s <= end)

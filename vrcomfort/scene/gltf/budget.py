@@ -1,4 +1,4 @@
-"""What a scene may cost, so that a small file cannot ask for all memory of the machine."""
+"""Limits of a scene's size, so that a small file cannot ask for all memory of the machine."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ _WORDS = {
 
 
 class Account:
-    """What has been spent of a budget while a file is read."""
+    """The spent part of a budget while a file is read."""
 
     def __init__(self, path: Path, budget: SceneBudget) -> None:
         self.budget = budget

@@ -39,7 +39,7 @@ _AT_ONCE = 4096
 
 
 def check_structure(root: dict[str, Any], path: Path) -> None:
-    """Make sure that a file's JSON is what the loader takes it for.
+    """Check a file's JSON against the loader's types.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def check_structure(root: dict[str, Any], path: Path) -> None:
 
 
 def count_items(root: dict[str, Any]) -> int:
-    """Return how many parts a file's JSON has, whether they are what they need to be or not."""
+    """Return the number of parts in a file's JSON, valid or not."""
     lists = [items for items in root.values() if isinstance(items, list)]
     lamps = _extension(root).get("lights")
     inner = [
@@ -91,21 +91,21 @@ def _in_the_whole(location: tuple[int | str, ...], start: int) -> tuple[int | st
 
 
 def _counts(root: dict[str, Any]) -> dict[str, int]:
-    """Return how many items each list has that is referred to; 0 for what is no list."""
+    """Return the length of each list that indices refer to; 0 for anything else."""
     found: dict[str, Any] = {key: root.get(key) for key in _LISTS}
     found["lights"] = _extension(root).get("lights")
     return {key: len(items) if isinstance(items, list) else 0 for key, items in found.items()}
 
 
 def _extension(root: dict[str, Any]) -> dict[str, Any]:
-    """Return what the file says of lamps, or an empty dict."""
+    """Return the file's lamps, or an empty dict."""
     extensions = root.get("extensions")
     lamps = extensions.get(_LAMPS) if isinstance(extensions, dict) else None
     return lamps if isinstance(lamps, dict) else {}
 
 
 def place(root: dict[str, Any], location: tuple[int | str, ...]) -> str:
-    """Return a place in the JSON as people write it, with the names of what it is in."""
+    """Return a place in the JSON for messages, with the names of the objects around it."""
     words, value = "", root
     for part in location:
         words += f"[{part}]" if isinstance(part, int) else f".{part}" if words else part

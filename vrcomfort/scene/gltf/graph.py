@@ -152,7 +152,7 @@ def _skin(file: GltfFile, item: dict[str, Any], what: str, place: dict[int, int]
 
 
 def _mark_moving(nodes: list[Node], moving: set[int], skins: tuple[Skin, ...]) -> tuple[Node, ...]:
-    """Mark what moves: below an animated node, or bent by a joint that moves."""
+    """Mark moving nodes: below an animated node, or bent by a joint that moves."""
     marked: list[Node] = []
     for index, node in enumerate(nodes):
         inherited = node.parent >= 0 and marked[node.parent].moving

@@ -130,7 +130,7 @@ def read_meshes(file: GltfFile, unsupported: set[str]) -> tuple[tuple[Primitive,
 
 
 def _never_bent(item: dict[str, Any]) -> dict[str, Any]:
-    """Return a primitive without what a skin would need: exports may keep it for nothing."""
+    """Return a primitive without joints and weights: exports may keep them without a skin."""
     kept = {
         name: accessor
         for name, accessor in item["attributes"].items()

@@ -3,7 +3,7 @@
 With several views through the lens the effect blurs each view a little, and `LensViews` averages
 them. One setting spans fast to reference: with one view all blur is a filter's; with K, each view
 is blurred over about 2/√K of the lens, so that no gap shows between them, and what a filter cannot
-know (the background that the foreground hides) is drawn instead of guessed. Views so many that they
+know (the background that the foreground hides) is drawn instead of guessed. Views that
 lie about a pixel apart are not blurred: the pixel's own sampling of the scene hides the gaps.
 """
 
@@ -81,7 +81,7 @@ class DepthOfFieldPass:
     infinity_m
         Distance taken for the sky.
     resolve
-        What makes `colour`, where it can write radii beside it.
+        Resolve that makes `colour`, where it can write radii beside it.
     """
 
     def __init__(
@@ -215,7 +215,7 @@ class LensViews:
         self._settings = settings
         self._infinity_m = infinity_m
         self._points = view_points(settings.views, part_of_one_view(settings, view.size))
-        self._sum = gl.color_texture(ctx, view.size, dtype="f4")
+        self._sum = gl.color_texture(ctx, view.size, dtype="f4")  # of up to hundreds of half floats
         self.target = gl.color_texture(ctx, view.size)
         self._view = view
         self._ctx = ctx
@@ -228,7 +228,7 @@ class LensViews:
         self._summing.clear()
         for point in self._lenses(fov):
             draw(point)
-            self._ctx.blend_func = moderngl.ONE, moderngl.ONE
+            self._ctx.blend_func = moderngl.ONE, moderngl.ONE  # `draw` may have set another
             with self._ctx.scope(self._summing, moderngl.BLEND):
                 self._scaled(self._view, 1.0)
         with self._ctx.scope(self._averaging, moderngl.NOTHING):

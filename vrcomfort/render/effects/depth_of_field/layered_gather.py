@@ -42,7 +42,7 @@ class LayeredGatherKernel:
 
     Notes
     -----
-    Where no disc can be wider than what is summed over pixels, there are no levels.
+    Where no disc can be too wide to be summed over pixels, there are no coarser mips.
     """
 
     def __init__(
@@ -58,6 +58,7 @@ class LayeredGatherKernel:
         self._layers = self._layer_passes()
         layers = {f"layers_{i}": each.target for i, each in enumerate(self._layers, 1)}
         self.target = gl.color_texture(ctx, coc.size_px)
+        # A shader for each class, which reads only what the class needs.
         self._composite = [self._tiles("IN_FOCUS", "in_focus"), self._tiles("FAST", "fast")]
         coarser = {"COARSER_BEHIND": int(blur_kernels.coarser_behind(settings.samples))}
         self._composite.append(self._tiles("COMPLEX", "complex", layers, defines=coarser))
@@ -98,6 +99,7 @@ class LayeredGatherKernel:
             finer = found[-1].target if found else self._coc.colour_and_coc
             defines = {"FROM_LAYERS": 1} if found else {}
             size_px = self._size_of(level)
+            # Eight half floats in a texel: light and radius of a foreground and of a background.
             found.append(
                 self._pass("layers", {"finer": finer}, size_px=size_px, dtype="u4", defines=defines)
             )

@@ -19,24 +19,25 @@ from vrcomfort.report.canvas import (
     dots,
     lines,
     threads,
+    time_unit,
 )
-from vrcomfort.report.courses.survival import (
+from vrcomfort.report.palette import colour_of, marker_of
+from vrcomfort.report.ratings.survival import (
     TimeToEvent,
     curve_of,
     repeated,
     times_to_threshold,
     times_to_withdrawal,
 )
-from vrcomfort.report.courses.time_courses import at_times
-from vrcomfort.report.palette import colour_of, marker_of
+from vrcomfort.report.ratings.time_courses import at_times
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from vrcomfort.report.courses.analysis import TimeCourseAnalysis
-    from vrcomfort.report.courses.exposures import RatedExposure
+    from vrcomfort.report.ratings.analysis import TimeCourseAnalysis
+    from vrcomfort.report.ratings.exposures import RatedExposure
     from vrcomfort.report.vocabulary import Vocabulary
     from vrcomfort.stats.survival import KaplanMeier
 
@@ -97,11 +98,6 @@ def course_figure(courses: TimeCourseAnalysis, words: Vocabulary) -> Drawing | N
         longest = max([float(curves.times_s.max()), *gone])
         _limits(panels, found.low, found.high, longest / scale)
     return drawing
-
-
-def time_unit(longest_s: float) -> tuple[float, str]:
-    """Return the seconds of a unit in which a time is easily read, and its name."""
-    return (60.0, "min") if longest_s >= 90 else (1.0, "s")
 
 
 def _course_panels(figure: Figure, count: int, rows: int) -> list[Axes]:
@@ -186,7 +182,7 @@ def _draw_condition(
 
 
 def _mark(axes: Axes, exposures: list[RatedExposure], scale: float) -> None:
-    """Mark who left, what was missed, and when the picture stood still."""
+    """Mark withdrawals, missed ratings, and times of a frozen picture."""
     gone = [e for e in exposures if e.left]
     last = [(e.ended_s / scale, e.course.last()) for e in gone]
     known = [(t, v) for t, v in last if v is not None]
@@ -211,12 +207,12 @@ MOST_SURVIVAL_BANDS = 3
 def survival_figure(
     name: str, events: list[TimeToEvent], title: str, words: Vocabulary, confidence: float
 ) -> Drawing | None:
-    """Draw the share without the event over time; None where nothing was watched.
+    """Draw the share without the event over time; None without time at risk.
 
     Parameters
     ----------
     title
-        What the share is of, for the axis.
+        Label of the axis.
     """
     shown = [c for c in words.labels if any(e.condition == c for e in events)]
     shown += [""] if any(not e.condition for e in events) else []

@@ -28,6 +28,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+ALL, COMPLETERS, CARRIED, WORST = "all available", "completers", "carried forward", "worst case"
+"""Assumptions about withdrawals, as sensitivity analyses call them."""
+MOST_UNPLACED_S = 0.05
+"""Shorter differences of time and live time may be rounding, or a frame."""
 SHORTEST_FREEZE_S = 0.5
 """As in a session: a picture that stands still for longer makes ratings missed that fall due."""
 LATE_PERIODS = 1.2
@@ -42,7 +46,7 @@ class LiveTime:
     since_start_s: Floats
     live_s: Floats
     freezes: tuple[tuple[float, float], ...]
-    """When the picture stood still, in live seconds, and for how long."""
+    """Onset in live seconds, and length, of each time of a frozen picture."""
 
     def at(self, time_s: float) -> float:
         """Return the live seconds at a time since the start."""
@@ -50,21 +54,22 @@ class LiveTime:
 
     @classmethod
     def of(cls, frames_s: Floats, period_s: Floats, length_s: float) -> LiveTime:
-        """Return what frames say.
+        """Return the live time of an exposure from its frames.
 
         Parameters
         ----------
         frames_s
-            When each frame was shown, since the start of the exposure, ascending, shape (n,).
+            Display time of each frame, since the start of the exposure, ascending, shape (n,).
         period_s
-            How long a frame is meant to be shown, shape (n,).
+            Period of each frame, shape (n,).
         length_s
-            When the exposure ended, since its start.
+            Length of the exposure.
         """
         ends = np.append(frames_s[1:], max(length_s, float(frames_s[-1])))
         passed = ends - frames_s
         late = passed > LATE_PERIODS * period_s
         shown = np.where(late, period_s, passed)
+        # Live time rises while a frame is shown, and stands still from there to the next frame.
         knots = np.column_stack([frames_s, frames_s + shown]).ravel()
         live = np.concatenate([[0.0], np.cumsum(shown)])
         at_knots = np.column_stack([live[:-1], live[1:]]).ravel()
@@ -78,16 +83,18 @@ class LiveClock:
     """Reads frames.csv of those sessions alone in which time was lost."""
 
     def __init__(self, study: StudyData) -> None:
-        lost = {(t["participant"], t["session"]) for t in study.trials if _lost_s(t) > 0.05}
+        lost = {
+            (t["participant"], t["session"]) for t in study.trials if _lost_s(t) > MOST_UNPLACED_S
+        }
         recorded = study.recorded_sessions if lost else ()
-        named = {_whose(session): session for session in recorded}
-        self._sessions = {whose: named[whose] for whose in lost & named.keys()}
+        named = {_owner(session): session for session in recorded}
+        self._sessions = {owner: named[owner] for owner in lost & named.keys()}
         self._read: dict[tuple[str, str], pd.DataFrame] = {}
 
     def of(self, key: tuple[str, ...], trial: Mapping[str, str]) -> LiveTime | None:
-        """Return the live time of an exposure; None where nothing was lost, or no frame says it."""
+        """Return the live time of an exposure; None without lost time, or without frames of it."""
         session = key[0], key[1]
-        if _lost_s(trial) <= 0.05 or session not in self._sessions:
+        if _lost_s(trial) <= MOST_UNPLACED_S or session not in self._sessions:
             return None
         if session not in self._read:
             self._read[session] = _frames(self._sessions[session])
@@ -108,20 +115,21 @@ def _lost_s(trial: Mapping[str, str]) -> float:
     return 0.0 if start is None or end is None or live is None else end - start - live
 
 
-def _whose(session: Session) -> tuple[str, str]:
+def _owner(session: Session) -> tuple[str, str]:
     """Return participant and session as ``trials.csv`` has them; blank where it has none."""
     row = next(session.text_rows(TrialRow), {})
     return row.get("participant", ""), row.get("session", "")
 
 
 def _frames(session: Session) -> pd.DataFrame:
-    """Return the frames that were seen; none of a damaged recording, which is told elsewhere."""
+    """Return the visible frames; none of a damaged recording, which the page reports elsewhere."""
     try:
         columns = session.recording().columns(_COLUMNS, Memory())
     except InputError:
         columns = dict.fromkeys(_COLUMNS, np.empty(0))
     frames = pd.DataFrame(columns).dropna()
-    return frames[frames["should_render"] != 0]  # what nobody saw stood behind the frame before
+    # While frames are not visible, the one before stands.
+    return frames[frames["should_render"] != 0]
 
 
 Key = tuple[str, str, str, str]
@@ -129,13 +137,13 @@ Key = tuple[str, str, str, str]
 ENDINGS = {"completed": "completed", "withdrawn": "withdrew", "stopped": "stop rule"}
 INTERRUPTED, UNKNOWN = "interrupted", "not recorded"
 LEFT = ("withdrew", "stop rule")
-"""Endings that say something of how somebody felt."""
+"""Endings that tell of discomfort."""
 _NEAR_S = 1e-6
 
 
 @dataclass(frozen=True)
 class RatedExposure:
-    """One exposure.
+    """One exposure with its ratings.
 
     Parameters
     ----------
@@ -144,15 +152,15 @@ class RatedExposure:
     course
         Its ratings; empty where nothing was rated.
     ended_s
-        How long the stimulus was watched: live time, where that was recorded.
+        Length of the exposure: live time, where that was recorded.
     ending
         One of `ENDINGS`, `INTERRUPTED` or `UNKNOWN`.
     not_live_s
-        Seconds since the start that are not in its times, because nothing moved or was seen.
+        Seconds since the start that its times leave out: the picture was frozen or not visible.
     unplaced
-        Such seconds there were, and no frame says when: times of ratings are those since the start.
+        Whether no frames place these seconds; times of ratings are then those since the start.
     freezes
-        When the picture stood still, in live seconds, and for how long.
+        Onset in live seconds, and length, of each time of a frozen picture.
     """
 
     participant: str
@@ -169,12 +177,12 @@ class RatedExposure:
 
     @property
     def left(self) -> bool:
-        """Return whether somebody left early, or was stopped because of a rating."""
+        """Return whether the participant withdrew, or the stop rule ended the exposure."""
         return self.ending in LEFT
 
 
 def rated_instrument(study: StudyData, wanted: str) -> str:
-    """Return the instrument whose ratings are analysed: the one named, or the most rated.
+    """Return the instrument of the analysed ratings: the one named, or the most rated.
 
     Raises
     ------
@@ -195,14 +203,14 @@ def rated_exposures(
     without: Container[str] = (),
     clock: LiveClock | None = None,
 ) -> list[RatedExposure]:
-    """Return every exposure of trials.csv or with ratings, in the order in which people met them.
+    """Return the exposures of trials.csv and of ratings, in their order for each participant.
 
     Parameters
     ----------
     without
-        Participants that are left out.
+        Excluded participants.
     clock
-        Says what was live, where frames do.
+        Live time, from frames.
 
     Raises
     ------
@@ -217,13 +225,15 @@ def rated_exposures(
             rows[_key(row)].append(row)
     undone = undone_attempts(study)
     keys = sorted({*trials, *rows}, key=lambda key: tuple(map(natural, key)))
-    met: Counter[str] = Counter()
+    positions: Counter[str] = Counter()
     found = []
     for key in keys:
-        met[key[0]] += 1
+        positions[key[0]] += 1
         trial = trials.get(key, {})
+        # A withdrawal that the operator took back is an interruption.
         gone = _attempt(trial) not in undone
-        found.append(_exposure(key, met[key[0]], rows[key], trial, clock, may_have_left=gone))
+        position = positions[key[0]]
+        found.append(_exposure(key, position, rows[key], trial, clock, may_have_left=gone))
     return found
 
 
@@ -277,12 +287,8 @@ def _exposure(
     )
 
 
-MOST_UNPLACED_S = 0.05
-"""So much less live time than time may be rounding, or a frame."""
-
-
 def _rating(row: dict[str, str]) -> tuple[float, float]:
-    """Return when a rating fell due and what it was, NaN if it was missed."""
+    """Return the onset and the value of a rating; NaN if it was missed."""
     onset = _number(row, "onset_s")
     if onset is None:
         who = row.get("participant", "")

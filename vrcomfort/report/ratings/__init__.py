@@ -1,14 +1,14 @@
 """Ratings during exposure: time courses, times to a rating and to withdrawal, a symptom model."""
 
 from vrcomfort.report.analyses.contract import SectionAnalysis
-from vrcomfort.report.courses.analysis import (
+from vrcomfort.report.ratings.analysis import (
     TimeCourseAnalysis,
     analyse_time_courses,
     course_paragraphs,
     course_tables,
 )
-from vrcomfort.report.courses.figures import rating_figures
-from vrcomfort.report.courses.time_courses import MEANINGS, TITLES
+from vrcomfort.report.ratings.figures import rating_figures
+from vrcomfort.report.ratings.time_courses import MEANINGS, TITLES
 
 __all__ = ["RATINGS", "TimeCourseAnalysis", "analyse_time_courses"]
 

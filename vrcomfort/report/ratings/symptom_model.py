@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.analyses.contract import MethodsParagraph
-from vrcomfort.report.rows import INLINE, as_json
+from vrcomfort.report.rows import INLINE, Cells, as_json
 from vrcomfort.stats.rating_courses import Constants, Parameter, SymptomFit, fit_symptoms
 from vrcomfort.stats.t_tests import paired_t
 
 if TYPE_CHECKING:
-    from vrcomfort.report.courses.exposures import RatedExposure
     from vrcomfort.report.plan.ratings import RatingAnalysis
+    from vrcomfort.report.ratings.exposures import RatedExposure
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Quartiles:
 
 @dataclass(frozen=True)
 class Spread:
-    """Quartiles over people; an empty object in results.json where nobody has a value."""
+    """Quartiles over people; an empty object in results.json without values."""
 
     quartiles: Quartiles | None = field(metadata=INLINE)
 
@@ -195,7 +195,7 @@ def _ratio(a: str, b: str, fits: dict[str, SymptomFit], confidence: float) -> Le
     )
 
 
-def symptom_model_tables(found: SymptomModelAnalysis) -> dict[str, list[dict[str, Any]]]:
+def symptom_model_tables(found: SymptomModelAnalysis) -> dict[str, list[Cells]]:
     """Return name → lines of the CSV tables: a line for each person and condition, and ratios."""
     return {
         "symptom_model": [
@@ -206,8 +206,9 @@ def symptom_model_tables(found: SymptomModelAnalysis) -> dict[str, list[dict[str
     }
 
 
-def _person_lines(person: PersonFit) -> list[dict[str, Any]]:
+def _person_lines(person: PersonFit) -> list[Cells]:
     names = [(name, _columns("level", level)) for name, level in person.levels.items()]
+    # A fit without ratings above 0 has a level of 0, and no interval.
     names += [(name, {"level": 0.0}) for name in person.without_symptoms]
     fitted = {
         **_columns("sensitisation", person.sensitisation),
@@ -223,7 +224,7 @@ def _person_lines(person: PersonFit) -> list[dict[str, Any]]:
     ]
 
 
-def _columns(name: str, found: ParameterEstimate) -> dict[str, Any]:
+def _columns(name: str, found: ParameterEstimate) -> dict[str, object]:
     return {name: found.estimate, f"{name}_low": found.low, f"{name}_high": found.high}
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.analyses.contract import MethodsParagraph
-from vrcomfort.report.rows import INLINE
+from vrcomfort.report.ratings.exposures import ALL, CARRIED, COMPLETERS, WORST
+from vrcomfort.report.rows import INLINE, Cells
 from vrcomfort.stats.means import MeanCurves, mean_curves
 from vrcomfort.stats.mixed import Estimate, MixedModel, Pairwise, mixed_model
 from vrcomfort.stats.random_intercept import FTest
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vrcomfort.report.courses.exposures import RatedExposure
     from vrcomfort.report.plan.ratings import Course
+    from vrcomfort.report.ratings.exposures import RatedExposure
     from vrcomfort.stats.rating_courses import RatingCourse
 
     Floats = NDArray[np.float64]
@@ -40,7 +41,6 @@ TITLES = {
     "area": "area under the ratings (points × min)",
     "slope": "slope (points per min)",
 }
-ALL, COMPLETERS, CARRIED, WORST = "all available", "completers", "carried forward", "worst case"
 MEANINGS = {
     COMPLETERS: "exposures that were completed alone",
     ALL: "every exposure, with the ratings until it ended",
@@ -173,7 +173,7 @@ def describe(
 def model_of(
     table: pd.DataFrame, summary: Course, reference: str, confidence: float
 ) -> SummaryModel:
-    """Fit ``summary ~ condition + (1 | participant)``, or say why there is no model."""
+    """Fit ``summary ~ condition + (1 | participant)``; or return the reason for no model."""
     try:
         model = mixed_model(
             table,
@@ -230,7 +230,7 @@ def sensitivity(
 
 
 def planned_s(exposures: Iterable[RatedExposure]) -> float:
-    """Return how long an exposure was to be: the longest that was completed, or that there is."""
+    """Return the planned length of an exposure: that of the longest completed, or of any."""
     there = list(exposures)
     done = [e.ended_s for e in there if e.ending == "completed"]
     return max(done or [e.ended_s for e in there], default=0.0)
@@ -239,6 +239,7 @@ def planned_s(exposures: Iterable[RatedExposure]) -> float:
 def _assumptions(
     name: Course, planned: float, highest: float
 ) -> dict[str, Callable[[RatedExposure], float | None]]:
+    # Area and slope have no value for the time after a withdrawal.
     plain = SUMMARIES[name]
     found: dict[str, Callable[[RatedExposure], float | None]] = {
         COMPLETERS: lambda e: plain(e.course),
@@ -253,7 +254,7 @@ def _assumptions(
 
 
 def _filled(exposure: RatedExposure, planned: float, value: float | None) -> float | None:
-    """Return the mean rating with a value from leaving on, each second counting the same."""
+    """Return the time-weighted mean of the ratings and of a value from withdrawal on."""
     mean = exposure.course.mean()
     if not exposure.left or planned <= 0 or value is None:
         return mean
@@ -263,7 +264,7 @@ def _filled(exposure: RatedExposure, planned: float, value: float | None) -> flo
     return mean * share + value * (1 - share)
 
 
-def exposure_lines(exposures: Iterable[RatedExposure]) -> list[dict[str, Any]]:
+def exposure_lines(exposures: Iterable[RatedExposure]) -> list[Cells]:
     """Return the CSV line of each exposure: its ending, and its summaries."""
     return [
         {
@@ -284,14 +285,14 @@ def exposure_lines(exposures: Iterable[RatedExposure]) -> list[dict[str, Any]]:
 
 
 MOST_TIMES = 48
-"""At which a mean is fitted: more than a figure can show apart."""
+"""Of means: more than a figure can show apart, and each one is a fit."""
 
 
 def grid_s(exposures: list[RatedExposure]) -> Floats:
     """Return the times of the means: those of ratings where they are few and alike, else even.
 
-    Even ones end where a tenth of the exposures that nobody left had ended: means of the few that
-    went on for longer would jump.
+    Even ones end when a tenth of the exposures without withdrawal have ended: means of the few
+    longer ones would jump.
     """
     answered = [e.course.answered.times_s for e in exposures]
     together = np.concatenate(answered) if answered else np.array([])
@@ -299,6 +300,7 @@ def grid_s(exposures: list[RatedExposure]) -> Floats:
         return together
     rounded = np.unique(np.round(together))
     if rounded.size <= MOST_TIMES:
+        # Prompts of one time come some frames apart: at the latest of them, all were answered.
         late = [together[np.round(together) == moment].max() for moment in rounded]
         return np.asarray(late, dtype=np.float64)
     first = max(float(np.median([each[0] for each in answered if each.size])), 0.0)
@@ -313,8 +315,8 @@ def at_times(exposures: list[RatedExposure], times_s: Floats, *, carried: bool) 
     Parameters
     ----------
     carried
-        Of those who left, the last rating stands until the planned end; without it, nothing is
-        there after an exposure ended.
+        The last observation before a withdrawal is carried forward to the planned end (LOCF);
+        otherwise there is nothing after the end of an exposure.
     """
     end = planned_s(exposures)
     rows = [
@@ -325,7 +327,7 @@ def at_times(exposures: list[RatedExposure], times_s: Floats, *, carried: bool) 
 
 
 def _until_s(exposure: RatedExposure) -> float:
-    """Return until when a rating stands: the end of the exposure, and its last rating at least."""
+    """Return the time until which a rating stands: the end of the exposure, or its last rating."""
     times = exposure.course.times_s
     return max(exposure.ended_s, float(times[-1]) if times.size else 0.0)
 

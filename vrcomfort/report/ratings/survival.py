@@ -9,7 +9,8 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.analyses.contract import MethodsParagraph
-from vrcomfort.report.rows import INLINE, as_json
+from vrcomfort.report.ratings.exposures import ALL, COMPLETERS, UNKNOWN, WORST
+from vrcomfort.report.rows import INLINE, Cells, as_json
 from vrcomfort.stats.survival import (
     Cox,
     KaplanMeier,
@@ -23,14 +24,12 @@ from vrcomfort.stats.survival import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from vrcomfort.report.courses.exposures import RatedExposure
-
-ALL = "all available"
+    from vrcomfort.report.ratings.exposures import RatedExposure
 
 
 @dataclass(frozen=True)
 class TimeToEvent:
-    """An exposure until its event, or until it was watched no longer.
+    """The time of an exposure to its event, or to its end (censored).
 
     Parameters
     ----------
@@ -141,9 +140,9 @@ def times_to_threshold(
     found = []
     for e in exposures:
         reached = e.course.time_to(threshold, ended_s=e.ended_s)
-        if reached is None or (how == "completers" and e.left and not reached.reached):
+        if reached is None or (how == COMPLETERS and e.left and not reached.reached):
             continue
-        came = reached.reached or (how == "worst case" and e.left)
+        came = reached.reached or (how == WORST and e.left)
         found.append(TimeToEvent(e.participant, e.condition, e.position, reached.time_s, came))
     return found
 
@@ -153,7 +152,7 @@ def times_to_withdrawal(exposures: Iterable[RatedExposure]) -> list[TimeToEvent]
     return [
         TimeToEvent(e.participant, e.condition, e.position, e.ended_s, e.left)
         for e in exposures
-        if e.ending != "not recorded"
+        if e.ending != UNKNOWN
     ]
 
 
@@ -166,7 +165,7 @@ def curve_of(events: list[TimeToEvent], confidence: float, *, robust: bool) -> K
 
 
 def repeated(events: Iterable[TimeToEvent]) -> bool:
-    """Return whether anybody is there more than once."""
+    """Return whether a participant has several exposures."""
     people = [e.participant for e in events]
     return len(set(people)) < len(people)
 
@@ -311,11 +310,11 @@ def _hazards(
     return reason
 
 
-def survival_tables(name: str, found: SurvivalAnalysis) -> dict[str, list[dict[str, Any]]]:
+def survival_tables(name: str, found: SurvivalAnalysis) -> dict[str, list[Cells]]:
     """Return name → lines of the CSV tables of one kind of event."""
     hazards = found.cox
     effects = hazards.model.effects if isinstance(hazards, HazardRatios) else {}
-    tables = {
+    tables: dict[str, list[Cells]] = {
         f"{name}_curves": [
             {"condition": curve.condition, "robust": curve.robust, "n": curve.n, **as_json(at)}
             for curve in found.curves

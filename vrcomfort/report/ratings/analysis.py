@@ -8,13 +8,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.report.analyses.contract import MethodsParagraph
-from vrcomfort.report.courses.exposures import (
+from vrcomfort.report.ordering import natural
+from vrcomfort.report.ratings.exposures import (
+    ALL,
+    COMPLETERS,
+    UNKNOWN,
+    WORST,
     LiveClock,
     RatedExposure,
     rated_exposures,
     rated_instrument,
 )
-from vrcomfort.report.courses.survival import (
+from vrcomfort.report.ratings.survival import (
     SurvivalAnalysis,
     survival_analysis,
     survival_paragraph,
@@ -22,13 +27,13 @@ from vrcomfort.report.courses.survival import (
     times_to_threshold,
     times_to_withdrawal,
 )
-from vrcomfort.report.courses.symptom_model import (
+from vrcomfort.report.ratings.symptom_model import (
     SymptomModelAnalysis,
     symptom_model,
     symptom_model_paragraph,
     symptom_model_tables,
 )
-from vrcomfort.report.courses.time_courses import (
+from vrcomfort.report.ratings.time_courses import (
     CurvePoint,
     SensitivityRow,
     SummaryModel,
@@ -42,8 +47,7 @@ from vrcomfort.report.courses.time_courses import (
     sensitivity,
     time_course_paragraph,
 )
-from vrcomfort.report.ordering import natural
-from vrcomfort.report.rows import INLINE, as_json, rounded
+from vrcomfort.report.rows import INLINE, Cells, as_json, rounded
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -100,7 +104,7 @@ class RatingTimeCourses:
 
 @dataclass(frozen=True)
 class TimeCourseAnalysis:
-    """The analyses, and the exposures and curves that tables and figures show.
+    """Ratings during exposure and times to events, with the exposures and curves behind them.
 
     Parameters
     ----------
@@ -164,7 +168,7 @@ def analyse_time_courses(
 
 
 def _left_out(study: StudyData, results: Mapping[str, Any]) -> set[str]:
-    """Return who is in no analysis, by the experimenter or by a rule of the plan."""
+    """Return the participants excluded by the experimenter or by a rule of the plan."""
     people = {p["participant"] for p in study.participants if p["status"] == "excluded"}
     rules = {x["participant"] for x in results["exclusions"] if x["what"] == "participant"}
     return people | rules
@@ -183,7 +187,7 @@ def _pairs(results: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def reference_of(results: Mapping[str, Any], conditions: list[str]) -> str:
-    """Return the condition that others are compared with: b of the only pair, or the first."""
+    """Return the reference condition: b of the only pair, or the first."""
     pairs = _pairs(results)
     if len(pairs) == 1 and pairs[0][1] in conditions:
         return pairs[0][1]
@@ -250,7 +254,7 @@ def _counts(rated: list[RatedExposure]) -> RatingCounts:
         missed=sum(int(np.isnan(e.course.ratings).sum()) for e in rated),
         without_answer=sum(not e.course.answered.ratings.size for e in rated),
         left_early=sum(e.left for e in rated),
-        endings_recorded=any(e.ending != "not recorded" for e in rated),
+        endings_recorded=any(e.ending != UNKNOWN for e in rated),
         not_live_s=sum(e.not_live_s for e in rated),
         freezes=sum(len(e.freezes) for e in rated),
         unplaced=sum(e.unplaced for e in rated),
@@ -269,9 +273,9 @@ def _reached(
     if not answered:
         return []
     times = _times(plan.ratings.times_s, max(e.ended_s for e in answered))
-    ways = ["all available"]
+    ways = [ALL]
     if any(e.left for e in answered):
-        ways += ["completers", "worst case"]
+        ways += [COMPLETERS, WORST]
     found = []
     for how in ways:
         events = times_to_threshold(answered, threshold, how=how)
@@ -294,10 +298,10 @@ def _leaving(
     return survival_analysis(events, conditions, pairs, times, reference, plan.confidence)
 
 
-def course_tables(courses: TimeCourseAnalysis) -> dict[str, list[dict[str, Any]]]:
+def course_tables(courses: TimeCourseAnalysis) -> dict[str, list[Cells]]:
     """Return name → lines of the CSV tables of ratings and of times to events."""
     ratings, leaving = rounded(courses.ratings), rounded(courses.leaving)
-    found: dict[str, list[dict[str, Any]]] = {}
+    found: dict[str, list[Cells]] = {}
     if ratings is not None:
         found |= {
             "rated_exposures": exposure_lines(
@@ -318,11 +322,11 @@ def course_tables(courses: TimeCourseAnalysis) -> dict[str, list[dict[str, Any]]
     return found
 
 
-def _model_lines(model: SummaryModel) -> list[dict[str, Any]]:
+def _model_lines(model: SummaryModel) -> list[Cells]:
     found = model.found
     if found is None:
         return [{"summary": model.summary, "not_fitted": model.not_fitted}]
-    same = {
+    same: Cells = {
         "summary": model.summary,
         "reference": found.reference,
         "n_participants": found.n_participants,
