@@ -203,6 +203,7 @@ def _of_nothing(
             found.append(Problem((*path, "words", key), f"the panel has no `{key}`; {hint}"))
             continue
         try:
+            # All that any of the panel's words is ever given: a brace beside is a mistake.
             text.format(number=1, count=1, instruction="", answers="", minutes=1)
         except (KeyError, IndexError, ValueError):
             message = f"`{key}` has braces that stand for nothing; the English has"

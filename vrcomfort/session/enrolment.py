@@ -170,7 +170,7 @@ class InterruptedSessions:
                 file = self._folders[number] / "manifest.json"
                 raise InputError(error.message, file=file) from error
 
-    def take_up(self, sequence: Sequence) -> dict[int, Interrupted]:
+    def resume(self, sequence: Sequence) -> dict[int, Interrupted]:
         """Mend the files; return session → how far it came."""
         access = access_of(self._study)
         return {

@@ -225,7 +225,7 @@ def _kept(flow: SessionFlow, writer: ManifestWriter, events: EventLog) -> tuple[
     try:
         events.recorder.sync()
     finally:
-        events.look_at_files()
+        events.report_file_changes()
         writer.close(status)
     return status, note
 
@@ -263,5 +263,5 @@ def run(enrolment: OpenEnrolment, settings: SessionSettings) -> RunOutcome:
         exposure_s=enrolment.exposure_s,
     )
     enrolment.interrupted.check_memory(settings.respondent)  # before anything is written
-    interrupted = enrolment.interrupted.take_up(context.sequence)
+    interrupted = enrolment.interrupted.resume(context.sequence)
     return ParticipantSessions(context, interrupted).run(enrolment.numbers)
