@@ -2,7 +2,7 @@
 // is behind it. Eight numbers in the 128 bits of a texel.
 //
 // Radii are those of circles of confusion in pixels of image width, negative in front of the focus. Twin:
-// tests/support/layers.py. Include after coc.glsl.
+// tests/oracles/layers.py. Include after coc.glsl.
 
 struct Layers {
     vec4 front;      // rgb, signed radius (px); nothing where coverage is 0

@@ -322,9 +322,9 @@ def _language_of(protocol: Protocol, study: Path, participant: str) -> str | Non
 
 
 def _tell_of_the_other_kind(study: Path, kind: RespondentKind) -> None:
-    from vrcomfort.records import told_of_the_other_kind
+    from vrcomfort.records import mixed_kinds_notice
 
-    if told := told_of_the_other_kind(study, simulated=kind is RespondentKind.SIMULATED):
+    if told := mixed_kinds_notice(study, simulated=kind is RespondentKind.SIMULATED):
         warn(told)
 
 

@@ -231,10 +231,10 @@ def anonymise(
     - `vrcomfort anonymise my_study --out shared --key ../keys/my_study.csv`
     - `vrcomfort anonymise my_study --out shared --keep-motion --dates remove`
     """
-    from vrcomfort.exchange.anonymising import RECORD, Wishes
+    from vrcomfort.exchange.anonymising import RECORD, AnonymisingOptions
     from vrcomfort.exchange.anonymising import anonymise as copy
 
-    record = copy(study, out, Wishes(seed, dates.value, keep_motion, keep_gaze, key))
+    record = copy(study, out, AnonymisingOptions(seed, dates.value, keep_motion, keep_gaze, key))
     still = record["still_there"]
     for what in still["people_are_recognised_by"]:
         warn(f"{what} is kept: people can be recognised by it")

@@ -32,7 +32,7 @@ not wait. Nothing that is read back is shown."""
 
 Copied: TypeAlias = Callable[[moderngl.Texture], None]
 copy_observers: list[Copied] = []
-"""Told of each texture that :func:`copier` copies: what is copied is no draw."""
+"""Called with each texture that :func:`copier` copies: a copy is no draw."""
 
 _LOWER_LEFT, _ZERO_TO_ONE = 0x8CA1, 0x935F
 _COLOR = 0x1800

@@ -48,7 +48,7 @@ class Sampling(NamedTuple):
     cubic: bool
     """Whether each read is sharper across the streak: three reads in place of one."""
     stride_px: int
-    """Between samples that look for what is in front: 1 or 3."""
+    """Between samples that seek a foreground: 1 or 3."""
     most_taps: int
     """Of these, to each side."""
     jump: float

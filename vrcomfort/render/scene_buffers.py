@@ -1,7 +1,7 @@
 """Buffers of a scene on the GPU: vertices, one row for each instance, joints, clip matrices.
 
-Vertices are written once. A row is what a vertex shader needs of an instance in a view: a 3 × 4
-matrix and a few numbers; rows are written each frame for what is seen.
+Vertices are written once. A row holds the inputs of the vertex shader for an instance in a
+view: a 3 × 4 matrix and a few numbers; rows of visible instances are written each frame.
 """
 
 from __future__ import annotations
@@ -140,7 +140,7 @@ class RowBuffers:
 
 
 def _replace(buffer: moderngl.Buffer, data: NDArray[np.generic]) -> None:
-    buffer.orphan(data.nbytes)  # what is being drawn from it stays as it is
+    buffer.orphan(data.nbytes)  # draws that are under way keep their storage
     buffer.write(data)
 
 
@@ -373,7 +373,7 @@ class JointBuffer:
     def write(self, place_from_bind: Array, previous: Array) -> None:
         """Take (joints, 4, 4) matrices of `Skins.place_from_bind`."""
         self._rows[:, 0], self._rows[:, 1] = place_from_bind[:, :3], previous[:, :3]
-        self._buffer.orphan(self._rows.nbytes)  # what is being drawn from it stays as it is
+        self._buffer.orphan(self._rows.nbytes)  # draws that are under way keep their storage
         self._buffer.write(self._rows)
 
     def bind(self) -> None:

@@ -151,7 +151,7 @@ class EventLog:
 
     def report_file_changes(self) -> None:
         """Write, and report at once, changes of the session's files by other programs."""
-        for each in self.recorder.take_meddling():
+        for each in self.recorder.take_external_changes():
             name = "rows_lost" if each.lost else "file_put_back"
             self.event_soon(name, detail=each.sentence)
             self.tell("notice", TrialPlace(), 0, 0, each.sentence)

@@ -4,11 +4,11 @@
 
     velocity ─► TileMaxPass ─► FrameStreaks     longest streak of the frame, in one texel
                     │              │
-                dilation ◄─────────┤            tiles that streaks reach; who may pass whom
+                dilation ◄─────────┤            tiles that streaks reach, and their class
                     │              ▼
                     │          averages         along each pixel's own streak, in one step or two
                     ▼              ▼
-                complex tiles ─► target         who hides whom, where things pass each other
+                complex tiles ─► target         occlusion at velocity discontinuities
 
 The CPU never learns how long a frame's streaks are: the vertex shaders of passes that a frame does
 not need give triangles without area. ``docs/motion_blur.md`` tells more.
@@ -428,7 +428,7 @@ _LONGEST_BINDING = 0
 class PerPixel:
     """Averages `samples` along each pixel's own streak into `target`: one pass (Rosado 2007).
 
-    For comparison with ours: streaks end at the silhouette edges of what moves.
+    For comparison with ours: streaks end at the silhouette edges of moving objects.
     """
 
     def __init__(

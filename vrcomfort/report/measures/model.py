@@ -50,17 +50,17 @@ class Measure:
     Parameters
     ----------
     name
-        As plans and tables call it.
+        In plans and tables.
     title
-        As readers know it.
+        In sentences and figures.
     source, quantity
         File of the study (a key of `measures.SOURCES`), and quantity in it.
     unit_label
         Unit, such as s; blank for a pure number.
     better
-        Which direction is the good one; blank where that is not said.
+        The good direction; blank where it is not known.
     instrument
-        Of ratings: the instrument that is meant; blank where there is one.
+        Of ratings; blank where only one was rated.
     threshold
         Of a time to a threshold: the rating.
     """
@@ -74,6 +74,7 @@ class Measure:
     instrument: str = ""
     threshold: float | None = None
 
+    # A measure's steps are its values: tables multiply steps by units, of scores as of measures.
     unit = 1.0
     parts: tuple[str, ...] = ()
 
@@ -128,6 +129,7 @@ def number_of(text: str) -> Fraction | None:
     ValueError
         If it is no finite number.
     """
+    # Of the text, not of its float: 0.1 + 0.2 ties with 0.3, as in the file.
     return None if number_in(text, words=True) is None else Fraction(text.strip())
 
 

@@ -30,6 +30,13 @@ if TYPE_CHECKING:
     Exposure = tuple[str, str, str]
 
 NOT_RECORDED = "not recorded"
+
+
+def _trials_of(study: StudyData) -> dict[Exposure, dict[str, str]]:
+    """Return the trial of each exposure: participant, session, trial."""
+    return {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
+
+
 TRIAL_QUANTITIES = {
     "frames": Quantity("Frames", "", "", "the frames that were drawn in an exposure"),
     "dropped": Quantity("Dropped frames", "", "lower", "the frames that were late"),
@@ -62,6 +69,7 @@ class TrialMeasures:
 
 def _of_trial(trial: dict[str, str], name: str) -> Fraction | None:
     if name == "length_s":
+        # Without live time, a trial's length is that from its start to its end.
         length = trial_s({**trial, "live_s": ""})
         return None if length is None else exactly(length)
     if name == "dropped_percent":
@@ -101,9 +109,9 @@ class TaskMeasures:
             counts = kind is None or row.get("kind") == kind
             number = _cell(row, column, "tasks.csv") if counts else None
             found[key] += [] if number is None else [factor * number]
-        conditions = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
+        trials = _trials_of(study)
         for (who, session, trial, condition), numbers in found.items():
-            said = condition or conditions.get((who, session, trial), {}).get("condition", "")
+            said = condition or trials.get((who, session, trial), {}).get("condition", "")
             mean = sum(numbers, Fraction(0)) / len(numbers) if numbers else None
             reason = "" if numbers else "blank in tasks.csv"
             yield MeasuredValue(who, session, trial, said, mean, reason)
@@ -166,8 +174,7 @@ RATING_QUANTITIES = {
         "below it have no value",
     ),
 }  # fmt: skip
-"""What is measured; ratings that were missed, because nobody answered or the picture stood still,
-count in none of them."""
+"""Missed ratings, without an answer or during a frozen picture, count in none of them."""
 
 
 class RatingMeasures:
@@ -177,9 +184,9 @@ class RatingMeasures:
     of_whole_exposures: ClassVar[bool] = False
 
     def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
-        """Yield the value of each exposure that was rated, or was to be."""
+        """Yield the value of each exposure of trials.csv or ratings.csv."""
         courses = courses_of(study, measure.instrument)
-        trials = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
+        trials = _trials_of(study)
         longest = _longest_s(trials, courses)
         for key in dict.fromkeys([*trials, *courses]):
             trial, course = trials.get(key, {}), courses.get(key)
@@ -229,7 +236,7 @@ def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, Exposur
         raise InputError(f"ratings are of {', '.join(asked)}; name the instrument that is meant")
     if instrument and instrument not in asked:
         raise InputError(f"nothing was rated with {instrument}; ratings are of {', '.join(asked)}")
-    trials = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
+    trials = _trials_of(study)
     due: dict[Exposure, list[tuple[float, float]]] = defaultdict(list)
     conditions: dict[Exposure, str] = {}
     for row in study.ratings:
@@ -250,7 +257,7 @@ def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, Exposur
 
 
 def _at_s(row: dict[str, str], trial: dict[str, str]) -> float | None:
-    """Return when a rating fell due, from the start of the exposure; None of an earlier attempt."""
+    """Return the onset of a rating, from the start of the exposure; None in an earlier attempt."""
     onset = _number(row.get("onset_s", ""), row) or 0.0
     start, end = (_number(trial.get(name, ""), trial) for name in ("start_s", "end_s"))
     if start is None or end is None:
@@ -288,7 +295,7 @@ def _time_to(
 
 
 def _mean(course: RatingCourse) -> Fraction | None:
-    """Return the mean of ratings as they were given, without rounding."""
+    """Return the exact mean of the answered ratings."""
     given = course.answered.ratings.tolist()
     return sum(map(Fraction, given), Fraction(0)) / len(given) if given else None
 
@@ -325,9 +332,9 @@ class DialMeasures:
             if row["dial"] == measure.quantity:
                 key = tuple(row.get(n, "") for n in _KEYS)
                 found[key] = row if row["kind"] == "confirmed" else found.get(key)
-        conditions = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
+        trials = _trials_of(study)
         for (who, session, trial, condition), last in found.items():
-            known = conditions.get((who, session, trial), {}).get("condition", "")
+            known = trials.get((who, session, trial), {}).get("condition", "")
             number = None if last is None else _confirmed(last)
             reason = "it was not confirmed" if last is None else "its value is blank"
             said = condition or known

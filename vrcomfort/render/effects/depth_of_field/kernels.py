@@ -239,8 +239,8 @@ class SeparableGaussianKernel:
     Notes
     -----
     Every pixel has its own width, so that the two axes are a two-dimensional Gaussian only where
-    neighbours are blurred alike. No depth is compared: sharp fronts leak into what is blurred
-    behind them, and blurred fronts end at their outline.
+    neighbours are blurred alike. No depth is compared: a sharp foreground leaks into the
+    blurred background, and a blurred foreground ends at its silhouette edge.
     """
 
     def __init__(
@@ -323,7 +323,7 @@ class Poisson15NearKernel:
 
     Notes
     -----
-    A blurred front gets soft edges because what lies around it is blurred too, sharp background
+    A blurred foreground gets soft edges because its surroundings are blurred too, sharp background
     included ("the drawback of this method"). Taps are not compared in depth: a sharp front leaks
     into a blurred back, as the paper says of methods of this kind.
     """
