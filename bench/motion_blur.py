@@ -25,7 +25,7 @@ from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.effects.motion_blur import MotionBlurPass
 from vrcomfort.render.image_error import judged, rms, sure
 from vrcomfort.render.reference import Reference, read_rgb
-from vrcomfort.tradeoff.captures import Capture, capture, context
+from vrcomfort.tradeoff.captures import Capture, capture_views, context
 from vrcomfort.tradeoff.cases import Case, Scope, frames
 from vrcomfort.tradeoff.methods import SHUTTER, base_condition
 from vrcomfort.tradeoff.store import scene_and_hash
@@ -64,34 +64,34 @@ def _measure(
         streaks = condition.motion_blur.model_copy(update=opening)
         condition = condition.model_copy(update={"motion_blur": streaks})
     pair = frames(Case(name, 0, "walk", "motion_blur"), Scope(size_px=size_px))
-    shot = capture(scene, condition, pair, size_px)[0]
+    capture = capture_views(scene, condition, pair, size_px)[0]
     reference = Reference(context(), scene, condition, size_px).render(
-        shot.camera, time_s(pair[1]), shot.previous, focus_m=1.5, samples=samples
+        capture.camera, time_s(pair[1]), capture.previous, focus_m=1.5, samples=samples
     )
     exposure = scene.environment.exposure
     seen = sure(reference.halves, exposure=exposure)
     settings = {each: {**SHUTTER, **METHODS[each], **opening} for each in METHODS}
-    passes = {each: _pass(context(), shot, settings[each]) for each in METHODS}
-    frame = EyeFrame(0, 0, Pose(), shot.camera, shot.previous)
+    passes = {each: _pass(context(), capture, settings[each]) for each in METHODS}
+    frame = EyeFrame(0, 0, Pose(), capture.camera, capture.previous)
     seconds = _processor_s({k: lambda p=p: p.render(frame) for k, p in passes.items()}, rounds)
     cost = {each: np.median(seconds[each] / seconds["per_pixel 8"]) for each in METHODS}
     for each, effect in passes.items():
         image = judged(read_rgb(effect.target), seen, exposure)
         error = 1e3 * rms(image, judged(reference.image, seen, exposure))
-        moved = _traffic(shot, settings[each], frame)
+        moved = _traffic(capture, settings[each], frame)
         print(f"| {name} | {each} | {cost[each]:.2f} | {moved} | {error:.2f} |")
 
 
-def _pass(ctx: moderngl.Context, shot: Capture, settings: dict[str, Any]) -> MotionBlurPass:
-    height, width = shot.depth.shape
+def _pass(ctx: moderngl.Context, capture: Capture, settings: dict[str, Any]) -> MotionBlurPass:
+    height, width = capture.depth.shape
     size_px = width, height
     alpha = np.ones((height, width, 1), np.float32)
     colour, depth = gl.color_texture(ctx, size_px), gl.depth_texture(ctx, size_px)
-    colour.write(_half(np.concatenate([shot.sharp, alpha], axis=-1)))
-    depth.write(shot.depth.tobytes())
+    colour.write(_half(np.concatenate([capture.sharp, alpha], axis=-1)))
+    depth.write(capture.depth.tobytes())
     velocity = gl.color_texture(ctx, size_px, components=2)
-    if shot.velocity_px is not None:
-        velocity.write(_half(shot.velocity_px))
+    if capture.velocity_px is not None:
+        velocity.write(_half(capture.velocity_px))
     return MotionBlurPass(
         ctx,
         colour=colour,
@@ -102,14 +102,14 @@ def _pass(ctx: moderngl.Context, shot: Capture, settings: dict[str, Any]) -> Mot
     )
 
 
-def _traffic(shot: Capture, settings: dict[str, Any], frame: EyeFrame) -> str:
+def _traffic(capture: Capture, settings: dict[str, Any], frame: EyeFrame) -> str:
     """Return texture reads and bytes for each pixel, as two cells of the table."""
     with shaders.counting_reads():
-        effect = _pass(context(), shot, settings)
+        effect = _pass(context(), capture, settings)
     recorder = DrawRecorder(context())
     with recorder.recording():
         effect.render(frame)
-    moved, pixels = added_up(recorder.draws), shot.depth.size
+    moved, pixels = added_up(recorder.draws), capture.depth.size
     return f"{(moved.reads or 0) / pixels:.1f} | {moved.bytes / pixels:.1f}"
 
 

@@ -12,7 +12,7 @@ from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows
 from tests.support.tasks import do, doing_protocol
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
 from vrcomfort.protocol import load_protocol
@@ -291,7 +291,7 @@ def test_the_report_has_the_value_that_was_confirmed(study):
 
 def test_verify_knows_the_file_and_anonymise_keeps_it(study, tmp_path):
     assert not verify_study(study / "S").faults
-    anonymise(study / "S", tmp_path / "shared", Wishes(seed=1))
+    anonymise(study / "S", tmp_path / "shared", AnonymisingOptions(seed=1))
     assert not verify_study(tmp_path / "shared").faults
     (file, _) = sorted((tmp_path / "shared").rglob("dials.csv"))
     assert {row["participant"] for row in read_rows(file)} == {

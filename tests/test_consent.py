@@ -12,7 +12,7 @@ from tests.support.study import Scripted
 from tests.support.tasks import doing_protocol, in_the_room
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records.consents import Given, read_consents
 from vrcomfort.records.session_rows import ConsentRow
@@ -145,7 +145,7 @@ def test_simulated_participants_consent_to_anything(tmp_path, today):
 
 def test_verify_misses_what_is_not_there_and_copies_leave_it_out(tmp_path):
     agree(tmp_path, Given("v1"))
-    anonymise(tmp_path / "S", tmp_path / "shared", Wishes(seed=1))
+    anonymise(tmp_path / "S", tmp_path / "shared", AnonymisingOptions(seed=1))
     assert not (tmp_path / "shared" / ConsentRow.FILE).exists()
     assert not verify_study(tmp_path / "shared").faults
     (tmp_path / "S" / ConsentRow.FILE).unlink()

@@ -197,8 +197,8 @@ def test_bands_of_a_number():
 
 def test_people_who_are_not_there_are_drawn_within_bounds():
     design = build_design(generated("williams", 2, "", COVARIATES), seed=3)
-    drawn = [design.imagined(number) for number in range(200)]
-    assert drawn == [design.imagined(number) for number in range(200)]
+    drawn = [design.simulated_covariates(number) for number in range(200)]
+    assert drawn == [design.simulated_covariates(number) for number in range(200)]
     ages = [int(each["age"]) for each in drawn]
     assert min(ages) >= 18
     assert max(ages) <= 70

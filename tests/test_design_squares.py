@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from vrcomfort.design import all_orders, latin_square, williams
-from vrcomfort.design.orders import Limits, block_random
+from vrcomfort.design.orders import OrderConstraints, block_random
 from vrcomfort.errors import InputError
 
 
@@ -61,7 +61,7 @@ TRIAL = list("012345")
 
 
 def drawn(seed, *, blocks=4, strata=None, **max_run):
-    limits = Limits({"scene": SCENES, "blur": BLUR, "trial": TRIAL}, max_run, strata)
+    limits = OrderConstraints({"scene": SCENES, "blur": BLUR, "trial": TRIAL}, max_run, strata)
     return block_random(6, blocks, limits, np.random.default_rng(seed))
 
 
@@ -100,7 +100,7 @@ def test_strata_are_spread_evenly():
 
 
 def test_all_orders_that_keep_the_limits_come():
-    limits = Limits({"scene": ["a", "a", "b", "b", "c"]}, {"scene": 1}, None)
+    limits = OrderConstraints({"scene": ["a", "a", "b", "b", "c"]}, {"scene": 1}, None)
     possible = {
         order for order in permutations(range(5)) if longest_run(order, limits.levels["scene"]) == 1
     }
@@ -114,6 +114,8 @@ def test_the_same_seed_gives_the_same_order():
 
 
 def test_limits_that_nothing_keeps_are_told():
-    limits = Limits({"scene": ["a", "a", "a", "b"], "x": list("0123")}, {"scene": 1}, None)
+    limits = OrderConstraints(
+        {"scene": ["a", "a", "a", "b"], "x": list("0123")}, {"scene": 1}, None
+    )
     with pytest.raises(InputError, match="no order of 4 trials was found"):
         block_random(4, 1, limits, np.random.default_rng(0))

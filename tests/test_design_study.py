@@ -9,10 +9,10 @@ import pytest
 
 from tests.support.studies import COVARIATES, generated, grouped
 from tests.support.study import read_rows
-from vrcomfort.design import Enrolment, Met, audit_study, build_design
+from vrcomfort.design import AdministeredOrder, Enrolment, audit_study, build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Sequence
-from vrcomfort.records import enrol, open_study, read_participants, set_status, what_was_met
+from vrcomfort.records import administered_orders, enrol, open_study, read_participants, set_status
 from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.rows import cell_text, csv_line
 from vrcomfort.records.study import enrolment_of
@@ -25,7 +25,7 @@ ALLOCATION = 'rounds = [1]\nby = ["sex"]'
 def met(design, name, status="completed", exposures=None):
     whole = design.sequence(name)
     sessions = tuple(session[:exposures] for session in whole.sessions)
-    return Met(name, Enrolment(name, status), Sequence.model_construct(name=name, group=whole.group, sessions=sessions))  # fmt: skip  # noqa: E501
+    return AdministeredOrder(name, Enrolment(name, status), Sequence.model_construct(name=name, group=whole.group, sessions=sessions))  # fmt: skip  # noqa: E501
 
 
 def test_the_audit_of_what_was_run_counts_what_was_shown_whole():
@@ -98,7 +98,7 @@ def test_what_was_met_is_read_from_the_study(tmp_path):
     shown = {"condition": "c1", "scene": "room.gltf"}
     trials = [{**shown, "status": "aborted"}, {**shown, "status": "completed"}]
     write_trials(study / "sub-P0" / "ses-1", trials)
-    first, *others = what_was_met(study)
+    first, *others = administered_orders(study)
     assert [trial.condition for trial in first.run.trials] == ["c1"]
     assert first.enrolment.covariates == KNOWN
     assert all(each.run.trials == () for each in others)

@@ -14,7 +14,7 @@ from tests.support.report import build_report
 from tests.support.resume import go
 from tests.support.study import Scripted
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import RECORD, Wishes, anonymise, new_names
+from vrcomfort.exchange.anonymising import RECORD, AnonymisingOptions, anonymise, new_names
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records import set_status, undo_withdrawal
 from vrcomfort.records.shared_columns import AVATAR, EYES, HANDS, HEAD
@@ -49,7 +49,7 @@ def frames(folder: Path) -> list[dict[str, str]]:
 @pytest.mark.slow
 def test_nothing_in_the_copy_tells_who_it_was(study: Path, tmp_path: Path) -> None:
     before = contents(study)
-    anonymise(study, tmp_path / "out", Wishes())
+    anonymise(study, tmp_path / "out", AnonymisingOptions())
     assert contents(study) == before
     copied = contents(tmp_path / "out")
     year = str(datetime.now().year).encode()
@@ -65,9 +65,10 @@ def test_nothing_in_the_copy_tells_who_it_was(study: Path, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize(
-    "wishes", [Wishes(), Wishes(dates="remove", keep_motion=True, keep_gaze=True)]
+    "wishes",
+    [AnonymisingOptions(), AnonymisingOptions(dates="remove", keep_motion=True, keep_gaze=True)],
 )
-def test_the_copy_is_whole(study: Path, tmp_path: Path, wishes: Wishes) -> None:
+def test_the_copy_is_whole(study: Path, tmp_path: Path, wishes: AnonymisingOptions) -> None:
     anonymise(study, tmp_path / "out", wishes)
     found = verify_study(tmp_path / "out")
     assert found.faults == []
@@ -79,7 +80,7 @@ def test_the_copy_is_whole(study: Path, tmp_path: Path, wishes: Wishes) -> None:
 @pytest.mark.slow
 @pytest.mark.smoke
 def test_the_copy_is_reported_with_the_same_answers(study: Path, tmp_path: Path) -> None:
-    anonymise(study, tmp_path / "out", Wishes())
+    anonymise(study, tmp_path / "out", AnonymisingOptions())
     for source in (study, tmp_path / "out"):
         build_report(source, out=tmp_path / f"report of {source.name}")
     same = [
@@ -90,7 +91,7 @@ def test_the_copy_is_reported_with_the_same_answers(study: Path, tmp_path: Path)
 
 
 def test_motion_and_gaze_are_kept_on_request_but_for_the_time(study: Path, tmp_path: Path) -> None:
-    wishes = Wishes(keep_motion=True, keep_gaze=True, seed=3)
+    wishes = AnonymisingOptions(keep_motion=True, keep_gaze=True, seed=3)
     record = anonymise(study, tmp_path / "out", wishes)
     new = new_names(["Anna77", "Bert88", "Cleo99"], 3)["Anna77"]
     was, now = frames(study / "sub-Anna77"), frames(tmp_path / "out" / f"sub-{new}")
@@ -109,8 +110,8 @@ def test_times_between_sessions_stay_or_go(study: Path, tmp_path: Path) -> None:
         return (ended - began).total_seconds()
 
     new = new_names(["Anna77", "Bert88", "Cleo99"], 3)["Cleo99"]
-    anonymise(study, tmp_path / "shifted", Wishes(seed=3))
-    anonymise(study, tmp_path / "removed", Wishes(seed=3, dates="remove"))
+    anonymise(study, tmp_path / "shifted", AnonymisingOptions(seed=3))
+    anonymise(study, tmp_path / "removed", AnonymisingOptions(seed=3, dates="remove"))
     assert length_s(tmp_path / "shifted" / f"sub-{new}") == length_s(study / "sub-Cleo99")
     assert length_s(tmp_path / "removed" / f"sub-{new}") == 0
 
@@ -124,13 +125,13 @@ def test_new_names_are_a_permutation_that_the_seed_decides() -> None:
 
 
 def test_the_key_is_written_where_it_is_asked_for_alone(study: Path, tmp_path: Path) -> None:
-    anonymise(study, tmp_path / "out", Wishes(key=tmp_path / "key.csv", seed=5))
+    anonymise(study, tmp_path / "out", AnonymisingOptions(key=tmp_path / "key.csv", seed=5))
     lines = (tmp_path / "key.csv").read_text().splitlines()
     new = new_names(["Anna77", "Bert88", "Cleo99"], 5)
     assert lines == ["participant,anonymous", *(",".join(pair) for pair in new.items())]
     for place in (tmp_path / "other" / "key.csv", study / "key.csv"):
         with pytest.raises(InputError, match="choose a place outside"):
-            anonymise(study, tmp_path / "other", Wishes(key=place))
+            anonymise(study, tmp_path / "other", AnonymisingOptions(key=place))
     assert not (tmp_path / "other").exists()
 
 

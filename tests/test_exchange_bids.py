@@ -13,7 +13,7 @@ import pytest
 from tests.support.exchange import PRACTICE, cell, errors_of, with_gaze
 from tests.support.resume import go
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.bids import export_bids
 
 FIRST = "sub-P01_ses-1_task-tiny"
@@ -183,7 +183,7 @@ def test_a_dataset_with_gaze_and_hands_is_valid(dataset: Path) -> None:
 
 @pytest.mark.slow
 def test_an_anonymous_dataset_without_motion_is_valid(study: Path, tmp_path: Path) -> None:
-    anonymise(study, tmp_path / "anonymous", Wishes())
+    anonymise(study, tmp_path / "anonymous", AnonymisingOptions())
     export_bids(tmp_path / "anonymous", tmp_path / "dataset")
     assert len(list((tmp_path / "dataset").rglob("*practice_beh.tsv"))) == 2
     assert not list((tmp_path / "dataset").rglob("*_motion.tsv"))

@@ -19,7 +19,7 @@ from vrcomfort.exchange.verifying import study as verifying
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.records import read_participants, undo_withdrawal
-from vrcomfort.records.checksums import CHECKSUMS, read_checksums, seal
+from vrcomfort.records.checksums import CHECKSUMS, read_checksums, write_checksums
 
 SESSION = "sub-P01/ses-1"
 Damage = Callable[[Path], None]
@@ -44,7 +44,7 @@ def sealed(study: Path) -> list[str]:
     from vrcomfort.records.disk import OWNER
 
     for folder in study.glob("sub-*/ses-*"):
-        seal(folder, OWNER)
+        write_checksums(folder, OWNER)
     return told(study)
 
 

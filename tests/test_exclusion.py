@@ -10,7 +10,7 @@ from tests.support.resume import rows
 from tests.support.study import read_rows
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records import read_participants
 from vrcomfort.records.participants import add_note, exclude, undo_exclusion
@@ -103,7 +103,7 @@ def test_an_ipd_that_does_not_fit_is_told_before_the_exposure(tmp_path, ipd_m, r
     assert decisions(tmp_path) == [(rule, pytest.approx(1000 * ipd_m), "stop")]
     assert f"is {1000 * ipd_m:g}, " in person.questions[0]
     assert rows(tmp_path, "trials") == []
-    anonymise(tmp_path / "S", tmp_path / "shared", Wishes(seed=1))
+    anonymise(tmp_path / "S", tmp_path / "shared", AnonymisingOptions(seed=1))
     (file,) = (tmp_path / "shared").rglob("screening.csv")
     assert [(row["rule"], row["value"]) for row in read_rows(file)] == [(rule, "")]
     assert not verify_study(tmp_path / "shared").faults

@@ -16,7 +16,7 @@ from tests.support.study import Scripted, read_rows
 from tests.support.tasks import do, doing_protocol
 from vrcomfort.console.server import read_command
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.psych_ds import export_psych_ds
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records.rows import cell_text
@@ -208,7 +208,7 @@ def test_it_is_exported_and_left_out_of_what_is_shared(tmp_path):
     (file,) = (tmp_path / "dataset/data").glob("*texts*")
     assert in_lines(read_rows(file)[0]["text"]) == AWKWARD.replace("\r\n", "\n")
     assert "may tell who gave it" in (tmp_path / "dataset/README.md").read_text(encoding="utf-8")
-    anonymise(tmp_path / "S", tmp_path / "shared", Wishes(seed=1))
+    anonymise(tmp_path / "S", tmp_path / "shared", AnonymisingOptions(seed=1))
     assert not list((tmp_path / "shared").rglob("texts.csv"))
     record = (tmp_path / "shared/anonymised.json").read_text(encoding="utf-8")
     assert json.loads(record)["files_left_out"]["texts.csv"] == "own words"

@@ -32,8 +32,8 @@ from vrcomfort.records import (
     Machine,
     Manifest,
     Recorder,
+    repair_session,
     session_folder,
-    take_up,
 )
 from vrcomfort.records.study import now
 from vrcomfort.resources import data_folder
@@ -202,7 +202,7 @@ def test_a_resumed_session_goes_on_in_the_same_file(tmp_path):
     Manifest("P1", 1, "ab", protocol, Machine(), {}, "scripted", 0, 10.0, now()).write(folder)
     with (folder / "gaze.csv").open("a") as file:
         file.write("0.1,2,1,0.0,")
-    warnings = take_up(folder, protocol.order.sequences[0].sessions[0]).warnings
+    warnings = repair_session(folder, protocol.order.sequences[0].sessions[0]).warnings
     assert [warning.rpartition("/")[2] for warning in warnings] == [
         "gaze.csv, line 3: a half-written row was moved to gaze.csv.cut"
     ]

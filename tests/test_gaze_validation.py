@@ -12,7 +12,7 @@ import pytest
 from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows, tiny_protocol
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.geometry import Gaze, Pose, normalize, turn_to, yaw_pitch_roll
 from vrcomfort.protocol.simulation import SimulatedEyes
@@ -174,14 +174,14 @@ def test_the_error_is_no_covariate_and_the_study_is_whole(looked, tmp_path):
     (person,) = read_participants(looked / "S")
     assert person.covariates == {}
     assert not verify_study(looked / "S").faults
-    anonymise(looked / "S", tmp_path / "shared", Wishes(seed=1, keep_gaze=True))
+    anonymise(looked / "S", tmp_path / "shared", AnonymisingOptions(seed=1, keep_gaze=True))
     (file,) = (tmp_path / "shared").rglob("gaze_validation.csv")
     assert len(read_rows(file)) == 3 * 10  # both eyes, left, right
     assert not verify_study(tmp_path / "shared").faults
 
 
 def test_a_copy_without_gaze_does_not_tell_its_error(looked, tmp_path):
-    anonymise(looked / "S", tmp_path / "shared", Wishes(seed=1))
+    anonymise(looked / "S", tmp_path / "shared", AnonymisingOptions(seed=1))
     assert not list((tmp_path / "shared").rglob("gaze*"))
     assert "gaze_validation_error_deg" not in (tmp_path / "shared/participants.csv").read_text()
     assert not verify_study(tmp_path / "shared").faults

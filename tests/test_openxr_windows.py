@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from tests.support.waiting import WAIT_S
-from vrcomfort.cli import doctor as openxr_bindings
+from vrcomfort.cli import headset_setup
 from vrcomfort.errors import InputError
 
 DEBUG_RUNTIME = re.compile(rb"(?:msvcp|vcruntime)\d+(?:_\d)?d\.dll|ucrtbased\.dll", re.IGNORECASE)
@@ -59,7 +59,7 @@ def test_the_remedy_names_the_versions_that_are_required() -> None:
     file = Path(__file__).parent.parent / "pyproject.toml"
     dependencies = tomllib.loads(file.read_text())["project"]["dependencies"]
     (required,) = (each for each in dependencies if each.startswith("pyopenxr"))
-    assert required.partition(";")[0] == openxr_bindings.REQUIREMENT
+    assert required.partition(";")[0] == headset_setup.REQUIREMENT
 
 
 @pytest.mark.parametrize(
@@ -84,7 +84,7 @@ def test_a_library_that_is_not_loaded_has_a_remedy(
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setattr(sys, "platform", system)
     with pytest.raises(InputError, match=words) as caught:
-        openxr_bindings.require_bindings()
+        headset_setup.require_bindings()
     assert "XrApiLayer_python.dll" in str(caught.value)
     assert os.linesep not in str(caught.value)
 

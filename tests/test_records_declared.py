@@ -18,7 +18,7 @@ import vrcomfort
 from tests.support.exchange import PRACTICE, errors_of, with_gaze
 from tests.support.report import build_report
 from tests.support.study import read_rows
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.bids import export_bids
 from vrcomfort.exchange.psych_ds import export_psych_ds
 from vrcomfort.exchange.verifying import verify_study
@@ -26,7 +26,7 @@ from vrcomfort.operator_interface import ALLOWED
 from vrcomfort.records import rows, schema
 from vrcomfort.records.disk import OWNER
 from vrcomfort.records.events import EVENTS, EventKind
-from vrcomfort.records.interrupted import mend
+from vrcomfort.records.interrupted import repair_table
 from vrcomfort.records.recording import kinds
 from vrcomfort.records.rows import ALWAYS, BOTH, GAZE, MOTION, Column, Row, declared
 from vrcomfort.records.schema import (
@@ -155,10 +155,10 @@ def with_all_files(study: Path) -> None:
 @pytest.mark.parametrize(
     ("wishes", "kept"),
     [
-        (Wishes(), ALWAYS),
-        (Wishes(keep_motion=True), MOTION),
-        (Wishes(keep_gaze=True), GAZE),
-        (Wishes(keep_motion=True, keep_gaze=True), BOTH),
+        (AnonymisingOptions(), ALWAYS),
+        (AnonymisingOptions(keep_motion=True), MOTION),
+        (AnonymisingOptions(keep_gaze=True), GAZE),
+        (AnonymisingOptions(keep_motion=True, keep_gaze=True), BOTH),
     ],
 )
 def test_a_copy_has_what_is_declared_and_says_so(study, tmp_path, wishes, kept):
@@ -253,11 +253,11 @@ def test_an_older_study_is_whole_without_a_column_that_came_later(study, tmp_pat
     assert len(read_session(session).exposures) == 2
     assert export_bids(study, tmp_path / "bids") == []
     assert run("export", study, "--format", "psych-ds", "--out", tmp_path / "psych")[0] == 0
-    anonymise(study, tmp_path / "out", Wishes())
+    anonymise(study, tmp_path / "out", AnonymisingOptions())
     assert verify_study(tmp_path / "out").faults == []
     for row_type in SESSION_ROWS:  # as where the session goes on
         before = (session / row_type.FILE).read_bytes()
-        assert mend(session, row_type, OWNER) is None
+        assert repair_table(session, row_type, OWNER) is None
         assert (session / f"{row_type.FILE}.schema{old}").read_bytes() == before
     assert NOVEL in (session / "trials.csv").read_text().splitlines()[0]
 
@@ -291,7 +291,7 @@ def test_a_column_and_an_event_are_declared_in_one_place_each(tmp_path, monkeypa
     assert variable["description"] == "Something new; blank: not recorded"
     assert variable["unitText"] == "ms"
 
-    anonymise(study, tmp_path / "out", Wishes())
+    anonymise(study, tmp_path / "out", AnonymisingOptions())
     copy = tmp_path / "out/sub-P01/ses-1"
     assert {row[NOVEL] for row in read_rows(copy / "frames.csv")} == {""}
     assert "in the tower" not in all_text(tmp_path / "out")

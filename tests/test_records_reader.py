@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
+import vrcomfort
 from tests.support.exchange import cell, with_gaze
 from vrcomfort.errors import InputError
 from vrcomfort.recordings import pack_study
@@ -131,3 +133,27 @@ def test_rows_are_values_in_their_order(whole: Path) -> None:
     events = list(Study(whole).session("P01", 1).rows(EventRow))
     assert events[0]["name"] == "session_start"
     assert [event["onset_s"] for event in events] == sorted(event["onset_s"] for event in events)
+
+
+CSV_READERS = {
+    "csv_table.py": "the table itself",
+    "records/tables.py": "rows and tables of a study",
+    "records/recording.py": "frames and gaze, and the place of what is wrong in them",
+    "traces/table.py": "head traces, of any program",
+    "questionnaire/library.py": "answers, to find whose items they are",
+    "questionnaire/tables.py": "answers that are scored, of any program",
+    "importing/text_files.py": "tables of other programs, however they separate cells",
+    "api/reports.py": "a first row, to tell a tidy file from others",
+}
+"""The modules that open CSV files, and of what."""
+
+
+def test_the_tables_of_a_study_are_opened_in_one_place() -> None:
+    root = Path(vrcomfort.__file__).parent
+    opening = re.compile(r"Table\.(read|parts)\(|csv\.(reader|DictReader)\(|read_csv\(")
+    found = {
+        file.relative_to(root).as_posix()
+        for file in root.rglob("*.py")
+        if opening.search(file.read_text("utf-8"))
+    }
+    assert found == CSV_READERS.keys()

@@ -16,7 +16,7 @@ from tests.support.session import run as run_session
 from tests.support.study import Scripted, read_rows
 from vrcomfort.api.playback import shipped_walk
 from vrcomfort.api.rendering import describe_machine, make_renderer
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose
@@ -292,7 +292,7 @@ def test_an_anonymous_copy_has_them_only_with_the_motion(
     place: Path, tmp_path: Path, keep_motion: bool
 ) -> None:
     """Where targets appear is decided by where the head looks."""
-    anonymise(place / "S", tmp_path / "out", Wishes(keep_motion=keep_motion))
+    anonymise(place / "S", tmp_path / "out", AnonymisingOptions(keep_motion=keep_motion))
     (session,) = (tmp_path / "out").glob("sub-*/ses-1")
     assert (session / "balls.csv").exists() == keep_motion
 

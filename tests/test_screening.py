@@ -16,7 +16,7 @@ from tests.support.report import build_report
 from tests.support.study import AheadHeadset, Scripted, read_rows
 from tests.support.tasks import doing_protocol, in_the_room
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.protocol.questions import Screening
 from vrcomfort.records import read_participants, undo_withdrawal
@@ -246,7 +246,7 @@ def test_the_report_counts_them(tmp_path):
 
 def test_verify_and_anonymise_know_the_file(tmp_path):
     screen(tmp_path, Decider(True))
-    anonymise(tmp_path / "S", tmp_path / "shared", Wishes(seed=1))
+    anonymise(tmp_path / "S", tmp_path / "shared", AnonymisingOptions(seed=1))
     assert not verify_study(tmp_path / "shared").faults
     (file,) = (tmp_path / "shared").rglob("screening.csv")
     assert read_rows(file)[0]["participant"] == file.parents[1].name.removeprefix("sub-")

@@ -11,7 +11,7 @@ from tests.support.report import build_report
 from tests.support.study import Scripted, read_rows
 from tests.support.tasks import do, doing_protocol
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
 from vrcomfort.report.measures import measure_of, values_of
@@ -187,7 +187,7 @@ def test_a_slider_stands_beside_a_task(tmp_path):
 
 def test_verify_and_anonymise_know_it(study, tmp_path):
     assert not verify_study(study / "S").faults
-    anonymise(study / "S", tmp_path / "shared", Wishes(seed=1))
+    anonymise(study / "S", tmp_path / "shared", AnonymisingOptions(seed=1))
     assert not verify_study(tmp_path / "shared").faults
 
 

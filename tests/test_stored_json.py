@@ -17,7 +17,7 @@ from tests.support.exchange import PRACTICE, SeesEyes
 from tests.support.odd_json import GONE, odd_versions, with_odd
 from tests.support.resume import go
 from tests.support.study import PROTOCOL, tiny_protocol
-from vrcomfort.records.checksums import seal
+from vrcomfort.records.checksums import write_checksums
 from vrcomfort.records.disk import OWNER
 
 OF_STUDY = "dataset_description.json"
@@ -67,7 +67,7 @@ def odd(study: Path, file: str, place: Place, value: Any) -> None:
     content = json.loads((study / file).read_text())
     (study / file).write_text(json.dumps(with_odd(content, place, value), indent=1))
     if file != OF_STUDY:
-        seal((study / file).parent, OWNER)
+        write_checksums((study / file).parent, OWNER)
 
 
 Run = Callable[..., tuple[int, str, str]]

@@ -12,7 +12,7 @@ import pytest
 from tests.support.exchange import cell
 from tests.support.resume import go
 from tests.support.study import PROTOCOL, AheadHeadset, read_rows, tiny_protocol
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.frame import Frame
 from vrcomfort.session.clock import WallClock
@@ -104,7 +104,9 @@ def test_a_simulated_session_has_no_clocks(tmp_path: Path) -> None:
 
 def test_verify_finds_a_clock_that_goes_back_and_a_copy_has_none(tmp_path: Path) -> None:
     record(tmp_path)
-    anonymise(tmp_path / "S", tmp_path / "out", Wishes(keep_motion=True, keep_gaze=True))
+    anonymise(
+        tmp_path / "S", tmp_path / "out", AnonymisingOptions(keep_motion=True, keep_gaze=True)
+    )
     assert not list((tmp_path / "out").rglob("clocks.csv"))
     cell(tmp_path / SESSION / "clocks.csv", 4, "monotonic_ns", "17")
     told = [str(each) for each in verify_study(tmp_path / "S").faults]

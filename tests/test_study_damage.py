@@ -78,7 +78,7 @@ class Damaged:
         ) as enrolment:
             row = enrol(self.study, enrolment.design, "P01")
             enrolment.interrupted.check_memory(self._respondent)
-            return enrolment.interrupted.take_up(enrolment.design.sequence(row.sequence))[1]
+            return enrolment.interrupted.repair_session(enrolment.design.sequence(row.sequence))[1]
 
     def _restore(self) -> None:
         for file in self.study.rglob("*.cut"):

@@ -47,12 +47,12 @@ def test_no_row_is_lost_with_a_file(tmp_path, change: Change, durability) -> Non
         change(file)
         events(recorder, 50, 60)
         recorder.sync()
-        (found,) = recorder.take_meddling()
+        (found,) = recorder.take_external_changes()
         events(recorder, 60, 70)
     assert onsets(file) == [float(each) for each in range(70)]
     assert not found.lost
     assert f"{file}: another program has re" in found.sentence
-    assert recorder.take_meddling() == []
+    assert recorder.take_external_changes() == []
     aside = file.with_name("events.csv.replaced1")
     assert change is Path.unlink or aside.read_text() == "older\n"
 
@@ -77,7 +77,7 @@ def test_rows_that_were_cut_off_are_told_and_what_follows_can_be_read(tmp_path, 
         with file.open("r+b") as stream:
             stream.truncate(kept_bytes)
         events(recorder, 50, 60)
-        (found,) = recorder.take_meddling()
+        (found,) = recorder.take_external_changes()
         assert found.lost
         events(recorder, 60, 70)
     assert onsets(file)[-20:] == [float(each) for each in range(50, 70)]

@@ -11,7 +11,7 @@ import pytest
 from tests.support.exchange import cell
 from tests.support.resume import go
 from tests.support.study import LateFocus, Picture, read_rows
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.frame import Frame, ImageHash
 
@@ -79,7 +79,7 @@ def test_verify_reads_them_and_finds_a_hash_of_no_frame(study: Path, tmp_path: P
 def test_an_anonymous_copy_has_them_only_with_the_motion_they_were_drawn_with(
     study: Path, tmp_path: Path, keep_motion: bool
 ) -> None:
-    anonymise(study, tmp_path / "out", Wishes(keep_motion=keep_motion))
+    anonymise(study, tmp_path / "out", AnonymisingOptions(keep_motion=keep_motion))
     (copy,) = (tmp_path / "out").glob("sub-*/ses-1")
     assert (copy / "images.csv").exists() == keep_motion
     if keep_motion:

@@ -9,7 +9,7 @@ import pytest
 from tests.support.resume import go, rows
 from tests.support.study import PROTOCOL, Scripted, tiny_protocol
 from vrcomfort.design import Enrolment, audit, audit_study, build_design
-from vrcomfort.design.audit import Met, cannot_balance
+from vrcomfort.design.audit import AdministeredOrder, cannot_balance
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.status import status_of
 from vrcomfort.exchange.verifying import verify_study
@@ -99,7 +99,7 @@ def test_the_balance_is_that_of_each_part(tmp_path):
     assert found.remainder == (
         "The parts' orders are dealt by themselves, evenly: ab × 3, ba × 3; ab × 3, ba × 3."
     )
-    people = [Met("P01", Enrolment("ab-ab"), design.sequence("ab-ab"))]
+    people = [AdministeredOrder("P01", Enrolment("ab-ab"), design.sequence("ab-ab"))]
     assert audit_study(design, people).next_orders == ("ba-ba",)
 
 
@@ -159,8 +159,8 @@ def test_the_balance_of_groups_is_that_of_each_of_their_parts(tmp_path):
         "long × 4."
     )
     people = [
-        Met("P01", Enrolment("calm-ab-one"), design.sequence("calm-ab-one")),
-        Met("P02", Enrolment("wild-ba-long"), design.sequence("wild-ba-long")),
+        AdministeredOrder("P01", Enrolment("calm-ab-one"), design.sequence("calm-ab-one")),
+        AdministeredOrder("P02", Enrolment("wild-ba-long"), design.sequence("wild-ba-long")),
     ]
     assert audit_study(design, people).next_orders == ("calm-ba-two", "wild-ab-long")
 

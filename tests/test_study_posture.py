@@ -12,7 +12,7 @@ from tests.support.operator import Given, ScriptedDesk
 from tests.support.resume import folder, go, manifest, rows
 from tests.support.study import PROTOCOL, AheadHeadset, Scripted, tiny_protocol
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose
@@ -186,7 +186,7 @@ def test_check_counts_the_measurement_as_training(tmp_path):
 
 def test_how_tall_somebody_is_is_not_handed_on(tmp_path):
     sit(tmp_path)
-    anonymise(tmp_path / "S", tmp_path / "shared", Wishes(seed=1))
+    anonymise(tmp_path / "S", tmp_path / "shared", AnonymisingOptions(seed=1))
     (session,) = (tmp_path / "shared").glob("sub-*/ses-1")
     (height,) = read_manifest(session)["eye_heights"]
     assert (height["measured_m"], height["offset_m"]) == (None, None)

@@ -14,7 +14,7 @@ from tests.support.study import PROTOCOL as TINY
 from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows, tiny_protocol
 from tests.support.tasks import PROTOCOL, doing_protocol, room
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.protocol.session_steps import Practice
 from vrcomfort.report.study_data import read_study
@@ -262,7 +262,7 @@ def test_without_frames_practice_takes_its_time(tmp_path):
 def test_practice_is_handed_on_without_names(tmp_path):
     person = Scripted()
     practise(tmp_path, FREE, person=person)
-    anonymise(tmp_path / "S", tmp_path / "shared", Wishes(seed=1))
+    anonymise(tmp_path / "S", tmp_path / "shared", AnonymisingOptions(seed=1))
     (file,) = (tmp_path / "shared").rglob("practice.csv")
     (row,) = read_rows(file)
     (name,) = (each.name for each in (tmp_path / "shared").glob("sub-*"))

@@ -10,7 +10,7 @@ import pytest
 from vrcomfort.cli import main
 from vrcomfort.records import FrameRow, GazeRow
 from vrcomfort.records.disk import OWNER
-from vrcomfort.records.interrupted import mend
+from vrcomfort.records.interrupted import repair_table
 from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
 from vrcomfort.records.shared_columns import HANDS
 from vrcomfort.traces.gaze_track import read_gaze
@@ -79,7 +79,7 @@ def test_a_file_of_the_second_version_gets_the_columns_of_the_third(study):
         writer.writeheader()
         writer.writerows(frames)
     before = (session / "frames.csv").read_bytes()
-    assert mend(session, FrameRow, OWNER) is None
+    assert repair_table(session, FrameRow, OWNER) is None
     assert (session / "frames.csv.schema2").read_bytes() == before
     blank = dict.fromkeys(HANDS, "")
     assert rows(session / "frames.csv") == [
@@ -96,7 +96,7 @@ def test_gaze_of_the_third_version_gets_the_columns_of_each_eye_and_is_read(stud
     file.write_text(",".join(third) + "\n0.1,5,1,0.0,1.6,0.0,0.0,0.0,-1.0,2.5,0\n")
     before = file.read_bytes()
     assert read_gaze(file).at(5).eyes == (None, None)
-    assert mend(session, GazeRow, OWNER) is None
+    assert repair_table(session, GazeRow, OWNER) is None
     assert (session / "gaze.csv.schema3").read_bytes() == before
     (row,) = rows(file)
     assert tuple(row) == GazeRow.columns()

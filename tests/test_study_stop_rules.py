@@ -17,7 +17,7 @@ from tests.support.study import (
     tiny_protocol,
 )
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import Moved, of_manifest
+from vrcomfort.exchange.anonymising import DateShift, of_manifest
 from vrcomfort.exchange.verifying.study import verify_study
 from vrcomfort.records import read_participants, session_folder
 from vrcomfort.report.notices import _ended_early
@@ -170,5 +170,5 @@ def test_a_copy_for_others_keeps_what_ended_a_session_and_not_the_words(tmp_path
     go(tmp_path, Scripted(withdraw_at_s=5.0), stop, sessions=[1])
     manifest, _, _ = session_of(tmp_path)
     began = datetime.fromisoformat(manifest["started_at"])
-    found = of_manifest(manifest, "X01", Moved(began, all_one=True))
+    found = of_manifest(manifest, "X01", DateShift(began, all_one=True))
     assert found["ended"] == {"by": "participant", "ends": "session", "reason": "left out"}

@@ -20,7 +20,7 @@ from tests.support.study import AheadHeadset, Scripted, read_rows
 from tests.support.tasks import PROTOCOL, do, doing_protocol, room
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.geometry import Pose, normalize, turn_to, yaw_pitch_roll
 from vrcomfort.headset.inputs import HandInput, Inputs
@@ -311,7 +311,7 @@ def test_verify_knows_the_file_and_sees_a_row_that_cannot_be(study, tmp_path):
 
 
 def test_anonymising_keeps_results_and_leaves_out_where_things_were(study, tmp_path):
-    anonymise(study, tmp_path / "shared", Wishes(seed=1))
+    anonymise(study, tmp_path / "shared", AnonymisingOptions(seed=1))
     (file, *_) = sorted((tmp_path / "shared").rglob("tasks.csv"))
     rows = read_rows(file)
     assert {row["x_m"] for row in rows} == {""}

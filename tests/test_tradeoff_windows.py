@@ -7,7 +7,7 @@ import pytest
 
 from vrcomfort.errors import InputError
 from vrcomfort.optics.circle_of_confusion import max_radius_px
-from vrcomfort.tradeoff.captures import capture, radius_px
+from vrcomfort.tradeoff.captures import capture_views, radius_px
 from vrcomfort.tradeoff.cases import (
     ALIGNED_PX,
     HEADSET_PX,
@@ -35,19 +35,19 @@ def part(monkeypatch):
     return Case("temple", 0, "still", "depth_of_field", window="part")
 
 
-def shot(case, scope):
+def capture(case, scope):
     scene, _ = scene_and_hash(case.scene)
     condition = condition_of(case, scope, base_condition(case.effect))
     size_px = drawn(case, scope).size_px
-    (found,) = capture(scene, condition, frames(case, scope), size_px, eyes=1)
+    (found,) = capture_views(scene, condition, frames(case, scope), size_px, eyes=1)
     return found, condition
 
 
 @pytest.mark.slow
 def test_a_part_shows_what_the_whole_shows_there(part):
     scope = Scope(size_px=SIZE_PX, eyes=1, poses=2)
-    whole, whole_condition = shot(Case("temple", 0, "still", "depth_of_field"), scope)
-    found, condition = shot(part, scope)
+    whole, whole_condition = capture(Case("temple", 0, "still", "depth_of_field"), scope)
+    found, condition = capture(part, scope)
     rows, columns = drawn(part, scope).within(ImageWindow("whole", 0, 0, *SIZE_PX))
     assert found.sharp.shape[0] < SIZE_PX[1]
     difference = np.abs(found.sharp - whole.sharp[rows, columns])

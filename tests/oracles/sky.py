@@ -26,7 +26,7 @@ _OCTAVE = np.array([[1.6, -1.2], [1.2, 1.6]])
 
 
 class SkyLight(Protocol):
-    """What is needed of `render.scene_data.Environment`."""
+    """What is needed of `scene.data.Environment`."""
 
     @property
     def sun_direction(self) -> Array:

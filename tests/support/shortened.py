@@ -48,7 +48,7 @@ def shortened(name: str, folder: Path) -> Path:
 
 def first_person(protocol: Protocol) -> list[str]:
     """Return the options that say of P01 what the protocol has to know of everybody."""
-    known = build_design(protocol).imagined(1)
+    known = build_design(protocol).simulated_covariates(1)
     return [word for name, value in known.items() for word in ("--covariate", f"{name}={value}")]
 
 

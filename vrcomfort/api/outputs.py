@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from vrcomfort.errors import InputError, spare
 
@@ -20,13 +20,9 @@ def as_warning(sentence: str) -> None:
     warnings.warn(sentence, stacklevel=3)
 
 
-class Progress(Protocol):
-    """Shows how far work has come; the command line has a bar for it."""
-
-    def __call__(
-        self, title: str, total: float | None, *, unit: str = ""
-    ) -> AbstractContextManager[Callable[..., None]]:
-        """Return a context whose value takes finished steps: ``advance(steps=1, title=None)``."""
+Progress = Callable[..., AbstractContextManager[Callable[..., None]]]
+"""Shows the progress of work: called as ``progress(title, total, unit="")``, it returns a context
+that yields a counter of steps, called as ``advance(steps=1, title=None)``."""
 
 
 @contextmanager
@@ -37,7 +33,7 @@ def no_progress(title: str, total: float | None, *, unit: str = "") -> Iterator[
 
 
 def output_folder(path: Path) -> Path:
-    """Make the folder for results that can be made again; its old files are replaced.
+    """Make the folder for results; earlier ones in it are replaced.
 
     Raises
     ------
@@ -54,7 +50,7 @@ def output_folder(path: Path) -> Path:
 
 
 def output_file(path: Path, source: Path) -> Path:
-    """Return `path` for what is made of `source` and can be made again; an old one is replaced.
+    """Return `path` for a result of `source`; an earlier one is replaced.
 
     Raises
     ------

@@ -67,7 +67,7 @@ class PlaybackSetup:
         )
 
     def _trace(self, scene_name: str, on_foot: bool) -> Trace:
-        """Return the head's trace; of a participant who does not walk, without locomotion."""
+        """Return the head's trace, without locomotion for a seated participant."""
         trace = self.trace or shipped_walk(scene_name)
         return trace if on_foot else replace(trace, avatar=None, snap_turns=None)
 

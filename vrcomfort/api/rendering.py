@@ -1,4 +1,4 @@
-"""Makes renderers without a window, and says what of a machine stands in a manifest."""
+"""Renderers without a window, and the machine's facts for a manifest."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def make_renderer(
 
 
 def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:
-    """Return what the manifest says of the machine and of the passes it draws."""
+    """Return the machine's facts for the manifest: driver, shaders, passes of each condition."""
     from vrcomfort.gpu.gl import describe
     from vrcomfort.headset.timing import TimingTrust
     from vrcomfort.records import Machine

@@ -137,7 +137,7 @@ def simulate_sessions(
         As `simulate_study`.
     """
     from vrcomfort.design import build_design
-    from vrcomfort.records import open_study, told_of_the_other_kind
+    from vrcomfort.records import mixed_kinds_notice, open_study
 
     if not frames and (trace or refresh_hz):
         raise InputError("--no-frames plays no head trace; leave --trace and --refresh-hz out")
@@ -159,7 +159,7 @@ def simulate_sessions(
     design = build_design(protocol, seed=kept_seed)
     outcomes: list[RunOutcome] = []
     ends = {name: resume_check.ends(out, name) for name in _names(out, participants)}
-    if told := told_of_the_other_kind(out, simulated=True):
+    if told := mixed_kinds_notice(out, simulated=True):
         note(told)
     if protocol.ratings and protocol.shown_s(exposure_s) < protocol.longest_s:
         note(
@@ -170,7 +170,9 @@ def simulate_sessions(
     with progress("simulated", participants, unit="participants") as advance:
         for number, (name, ended) in enumerate(ends.items(), start=1):
             if not _is_over(out, name, ended, design.sessions):
-                outcomes.append(_simulate_one(setup, out, name, design.imagined(number)))
+                outcomes.append(
+                    _simulate_one(setup, out, name, design.simulated_covariates(number))
+                )
             advance()
             if outcomes and outcomes[-1].status == "aborted":
                 break

@@ -95,7 +95,7 @@ class LazyCommands(TyperGroup):
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:  # typer keeps its type of context to itself
-        """Run the command whose values `ctx` holds."""
+        """Run a command; report bad values, and an interrupt, in one sentence."""
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
@@ -173,7 +173,7 @@ def _run() -> None:
 
 
 def _drop_unwritten() -> None:
-    """Send to nowhere what a stream cannot write; Python would try once more, and exit with 120."""
+    """Discard unwritable output: Python would try to flush it again, and exit with 120."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()

@@ -39,7 +39,7 @@ def register(app: typer.Typer) -> None:
 
 @dataclass
 class _Checked:
-    """What was found out about one protocol."""
+    """Findings on one protocol."""
 
     faults: list[InputError] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -133,7 +133,7 @@ def _of_instructions(protocol: Protocol) -> list[InputError]:
 
 
 def _undrawable(protocol: Protocol) -> list[InputError]:
-    """Return the texts that the panel cannot draw, in any language; what all have comes once."""
+    """Return the texts that the panel cannot draw, in any language, each once."""
     from vrcomfort.session.panel_wording import undrawable_wording
 
     languages = protocol.languages or (None,)
@@ -171,7 +171,7 @@ _MEANT, _MEANT_S = 2, 300.0
 
 
 def _without_rest(protocol: Protocol, lengths: list[SessionLength]) -> Iterator[str]:
-    """Yield a sentence where exposures follow each other without a rest that nobody has decided.
+    """Yield a note where exposures follow each other without a rest, and no setting decides so.
 
     A `break_s = 0.0` that is written down is a decision for two exposures, or for a few minutes.
     """

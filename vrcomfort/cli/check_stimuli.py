@@ -1,4 +1,4 @@
-"""What `vrcomfort check` finds out about blur and streaks, by drawing small frames of a walk."""
+"""Measures blur and streaks for `vrcomfort check`, by drawing small frames of a walk."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _QUICK_LOOK_DEG_PER_S = 200.0
 
 @dataclass(frozen=True)
 class Stimuli:
-    """Amounts of every condition in every scene, and what is wrong with them."""
+    """Amounts of every condition in every scene, and their faults."""
 
     rows: list[StimulusExtent]
     faults: list[Fault]
@@ -127,7 +127,7 @@ def _walk(
 
 
 def _carried(path: CameraPath | None, refresh_hz: float) -> Callable[[Frame], Frame]:
-    """Return what moves a frame along a path, to the time that its index tells."""
+    """Return a function that moves a frame along a path, by the frame's index."""
     if path is None:
         return lambda frame: frame
     return lambda frame: replace(
@@ -138,7 +138,7 @@ def _carried(path: CameraPath | None, refresh_hz: float) -> Callable[[Frame], Fr
 def open_vignettes(
     protocol: Protocol, size_px: tuple[int, int], refresh_hz: float
 ) -> Iterator[str]:
-    """Yield a sentence for each condition whose vignette narrows in no scene; nothing is drawn.
+    """Yield a note on each vignette that narrows in no scene; nothing is drawn.
 
     The walks are those that blur is measured on. Where none ships with a scene, people are taken to
     walk and to turn their heads quickly. Where they can move by locomotion, its speeds count, too.

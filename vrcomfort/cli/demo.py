@@ -77,7 +77,7 @@ def demo(
 
 
 def _fresh(out: Path) -> tuple[Path, Path]:
-    """Return new study and picture folders; only what a demo made is removed."""
+    """Return new study and picture folders; only those of an earlier demo are removed."""
     parts = [out / name for name in ("study", "pictures", "report")]
     foreign = [path for path in out.glob("*") if path not in parts] if out.is_dir() else []
     if foreign:

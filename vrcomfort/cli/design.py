@@ -37,7 +37,7 @@ def design(
     seed: StudySeed = None,
     as_json: Json = False,
 ) -> None:
-    """Show who meets what in which order and in which group, and how balanced that is.
+    """Show the orders and groups of all participants, and their balance.
 
     With --study, what was really run, without those whose places are free again, and which orders
     the next participants should get.
@@ -77,13 +77,13 @@ def _what_of_places(scheme: Design) -> str:
 def _of_study(protocol: Protocol, study: Path, seed: int | None, as_json: bool) -> None:
     from vrcomfort.design import audit_study
     from vrcomfort.errors import InputError
-    from vrcomfort.records import open_study, what_was_met
+    from vrcomfort.records import administered_orders, open_study
     from vrcomfort.records.study import DESCRIPTION
 
     if not (study / DESCRIPTION).is_file():
         raise InputError(f"this is no study folder: it has no {DESCRIPTION}", file=study)
     scheme = build_design(protocol, seed=open_study(study, protocol, seed=seed))
-    found = audit_study(scheme, what_was_met(study))
+    found = audit_study(scheme, administered_orders(study))
     if as_json:
         answer(_with_text_keys(asdict(found)))
         return

@@ -7,7 +7,6 @@ import sys
 import warnings
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -15,6 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from vrcomfort import __version__
+from vrcomfort.cli.headset_setup import require_bindings
 from vrcomfort.cli.options import Json
 from vrcomfort.cli.terminal import answer, console, progress_bar, warn
 from vrcomfort.errors import InputError, pip_install
@@ -30,14 +30,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DoctorFinding:
-    """One thing that was looked for.
+    """One part that was looked for.
 
     Parameters
     ----------
     needed
         Whether every use of vrcomfort needs it.
     details
-        More of what was found, for programs.
+        Further facts, for programs.
     """
 
     part: str
@@ -46,65 +46,6 @@ class DoctorFinding:
     remedy: str = ""
     needed: bool = True
     details: tuple[str, ...] = ()
-
-
-# Whether OpenXR can be spoken at all.
-
-
-REQUIREMENT = "pyopenxr>=1.1.5301,<1.1.6302"
-"""As in pyproject.toml: from 1.1.6302 on, the Windows libraries need a debug C runtime."""
-_DEBUG_SINCE = (1, 1, 6302)
-_REDISTRIBUTABLE = "https://aka.ms/vs/17/release/vc_redist.x64.exe"
-
-
-def require_bindings() -> str:
-    """Return the version of pyopenxr.
-
-    Raises
-    ------
-    InputError
-        If it, or the OpenXR loader that it brings, is missing.
-    """
-    try:
-        from xr.version import PYOPENXR_VERSION
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] == "xr":
-            raise InputError(
-                f"the OpenXR bindings are not installed; {pip_install(REQUIREMENT)}"
-            ) from error
-        raise _not_loaded(error) from error
-    except (ImportError, AttributeError) as error:  # as PyOpenGL says that a library is missing
-        raise _not_loaded(error) from error
-    except OSError as error:
-        message = f"a library of the OpenXR bindings cannot be loaded ({error})"
-        raise InputError(f"{message}; {_library_remedy()}") from error
-    return str(PYOPENXR_VERSION)
-
-
-def _library_remedy() -> str:
-    if sys.platform == "win32":
-        if (installed := _installed_version()) >= _DEBUG_SINCE:
-            release = ".".join(map(str, installed))
-            needs = f"pyopenxr {release} needs a debug C runtime on Windows"
-            return f"{needs}; install another version: {pip_install(REQUIREMENT)}"
-        return f"install the Microsoft Visual C++ Redistributable: {_REDISTRIBUTABLE}"
-    return f"reinstall the bindings that bring it: {pip_install(REQUIREMENT, again=True)}"
-
-
-def _installed_version() -> tuple[int, ...]:
-    try:
-        release = version("pyopenxr")
-    except PackageNotFoundError:
-        return ()
-    return tuple(int(part) for part in release.split(".") if part.isdecimal())
-
-
-def _not_loaded(error: Exception) -> InputError:
-    return InputError(
-        f"the OpenXR bindings cannot be loaded ({error}); install the graphics libraries (on "
-        "Debian or Ubuntu 'apt-get install libgl1 libegl1', elsewhere your graphics driver) and "
-        f"the bindings: {pip_install(REQUIREMENT, 'PyOpenGL', again=True)}"
-    )
 
 
 # The part of `doctor` that looks for a headset: bindings, runtime, headset, session, timing.
@@ -121,7 +62,7 @@ PLAYBACK = "playback, rendering and reports work without"
 
 
 def examine_openxr(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[DoctorFinding]:
-    """Yield what is there, up to the first thing that is missing.
+    """Yield the parts that are there, up to the first missing one.
 
     Parameters
     ----------
@@ -234,7 +175,7 @@ def doctor(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Say what is there and what is missing, each with the remedy.
+    """Find the parts that are there and those that are missing, each with its remedy.
 
     The exit code is 1 if something is missing that every use of vrcomfort needs. A headset is not:
     playback, rendering and reports work without.

@@ -85,7 +85,7 @@ def _import(files: list[Path], mapping: Path, out: Path | None, quiet: bool) -> 
 def _suggest(
     files: list[Path], out: Path | None, own: list[Path], vocabularies: list[Path], quiet: bool
 ) -> None:
-    """Write a mapping, or print it; what people read beside it goes to stderr then."""
+    """Write a mapping, or print it, with notes on stderr."""
     from vrcomfort.importing import preview
     from vrcomfort.importing.suggest import suggest_mapping
     from vrcomfort.questionnaire import find_instrument

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class ComparedKind(StrEnum):
-    """What is compared with no blur."""
+    """Effects that can be compared with no blur."""
 
     DEPTH_OF_FIELD = "depth_of_field"
     MOTION_BLUR = "motion_blur"
@@ -165,7 +165,7 @@ def _write(file: Path, text: str) -> None:
 
 
 class _Asker:
-    """Asks what no option has given, or takes what is usual.
+    """Asks for values that no option gives, or takes the usual ones.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ class _Asker:
         self._asks = asks
 
     def text(self, question: str, usual: str) -> str:
-        """Return what is answered; an empty line is what is usual."""
+        """Return the answer; an empty line takes the usual one."""
         if not self._asks:
             return usual
         try:

@@ -97,7 +97,7 @@ def parse_size(text: str) -> tuple[int, int]:
 
 
 def typed_words(ctx: typer.Context) -> str:
-    """Return a command line that means what was typed, ready to be typed again."""
+    """Return a command line of the same meaning, ready to be typed again."""
     words = ctx.command_path.split()
     for each in ctx.command.params:
         source = ctx.get_parameter_source(each.name or "")

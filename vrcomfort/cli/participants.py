@@ -69,7 +69,7 @@ def note(
 def undo_withdrawal(
     study: StudyArgument, participant: Participant, reason: Reason, quiet: Quiet = False
 ) -> None:
-    """Let a participant go on who was withdrawn by mistake.
+    """Take back the withdrawal of a participant that was a mistake.
 
     They are enrolled again, and the session that ended so can be resumed. Rows and events stay as
     they are; the reason stands in participants.csv and in the session's manifest.

@@ -43,7 +43,7 @@ def passes(
     ] = True,
     as_json: Json = False,
 ) -> None:
-    """Show which passes each condition needs in each scene and why, and what it costs.
+    """Show the render passes of each condition in each scene, the reasons, and the cost.
 
     Draws a frame of each, which without a GPU takes some seconds at --size. GPU memory is what is
     allocated here, for both eyes at --size. Cost and error are those shipped for the condition's
@@ -116,7 +116,7 @@ class StudyPasses:
     beyond: dict[str, Unlimited]
 
     def as_data(self) -> dict[str, Any]:
-        """Return what JSON gets: passes, costs, and where the figures come from."""
+        """Return passes, costs and the figures' source, for JSON."""
         names = [(row, {"scene": row.scene, "condition": row.condition}) for row in self.rows]
         measured = quality_table().measured
         return {
@@ -233,7 +233,7 @@ def _traffic(
 
 
 def _quality(condition: Condition, drawn: list[str]) -> str:
-    """Return the level whose settings the condition has, or that they are nobody's."""
+    """Return the quality level of these settings, or that they are of no level."""
     changed = f"{condition.quality}, changed" if condition.quality else "own settings"
     return level_of(condition, drawn) or changed
 

@@ -24,7 +24,7 @@ SHOWN = ("gaze", "ratings")
 
 @dataclass(frozen=True)
 class ReplayOptions:
-    """What was asked for on the command line; see `vrcomfort play --help`."""
+    """Options of the command line; see `vrcomfort play --help`."""
 
     protocol: str | None
     condition: str | None
@@ -39,7 +39,7 @@ class ReplayOptions:
 
     @property
     def shown(self) -> set[str]:
-        """Return what is drawn in.
+        """Return the marks that are drawn into the images.
 
         Raises
         ------
@@ -222,7 +222,7 @@ def _count(session: RecordedSession, selection: ReplaySelection) -> int:
 
 
 def _times(session: RecordedSession) -> str:
-    """Return what there is to ask for."""
+    """Return the trials and times that can be asked for."""
     return "there are: " + ", ".join(_times_of(session))
 
 
@@ -240,7 +240,7 @@ def _tell(
     *,
     quiet: bool,
 ) -> None:
-    """Say how many images are as recorded, and what may be why where some are not."""
+    """Report how many images are as recorded, and possible reasons where some are not."""
     from vrcomfort.gpu.gl import describe
     from vrcomfort.records import Machine
     from vrcomfort.replay.drawn import differences

@@ -108,7 +108,7 @@ def parse_pose(option: str, text: str | None) -> Pose | None:
 
 
 def _in_words(found: dict[str, Any], samples: int) -> str:
-    """Return the error of an eye, how sure it is, and what was compared."""
+    """Return the error of an eye, its certainty, and the compared pixels."""
     psnr = "none" if found["psnr_db"] is None else f"{found['psnr_db']:.1f} dB"
     enough = "the error counts" if found["counts"] else "more samples are needed to count"
     return (

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from vrcomfort.session.rehearsal import Rehearsal
 
 
-# Which headset a session is shown in, and which options mean something for it.
+# The headset of a session, and the options that have a meaning for it.
 
 
 class HeadsetKind(StrEnum):
@@ -74,7 +74,7 @@ MEANT_FOR: Mapping[str, tuple[HeadsetKind, ...]] = {
 
 
 def usual_respondent(headset: HeadsetKind, *, with_console: bool = False) -> RespondentKind:
-    """Return who answers where nothing is said: the panel in a headset, else an experimenter."""
+    """Return the default respondent: the panel in a headset, else an experimenter."""
     if headset is not PLAYBACK:
         return RespondentKind.PANEL
     return RespondentKind.CONSOLE if with_console else RespondentKind.TERMINAL
@@ -117,9 +117,6 @@ def require_console(kind: RespondentKind, *, with_console: bool) -> None:
         raise InputError("--respondent console needs --console, where answers are entered")
 
 
-# Shows how far the steps of a session have come.
-
-
 class SessionBars(ExitStack):
     """A bar for each exposure and rest; the questionnaires speak for themselves."""
 
@@ -130,7 +127,7 @@ class SessionBars(ExitStack):
         self._done = 0.0
 
     def tell(self, progress: SessionProgress) -> None:
-        """Show how far a step of the session has come, and what the operator must know at once."""
+        """Show the progress of a step, and notices to the operator."""
         if progress.step == "notice":
             warn(progress.text)
             return
@@ -325,14 +322,14 @@ def _language_of(protocol: Protocol, study: Path, participant: str) -> str | Non
 
 
 def _tell_of_the_other_kind(study: Path, kind: RespondentKind) -> None:
-    from vrcomfort.records import told_of_the_other_kind
+    from vrcomfort.records import mixed_kinds_notice
 
-    if told := told_of_the_other_kind(study, simulated=kind is RespondentKind.SIMULATED):
+    if told := mixed_kinds_notice(study, simulated=kind is RespondentKind.SIMULATED):
         warn(told)
 
 
 def _require_gaze(headset: HeadsetKind, protocol: Protocol, playback: PlaybackSetup) -> None:
-    """Refuse a protocol whose focus needs to know where the eyes look, and cannot."""
+    """Refuse conditions that need gaze, where there is none."""
     if headset is HeadsetKind.PLAYBACK:
         require_recorded_gaze(protocol.conditions, playback.trace)
     else:
@@ -341,7 +338,7 @@ def _require_gaze(headset: HeadsetKind, protocol: Protocol, playback: PlaybackSe
 
 
 def _require_dial(headset: HeadsetKind, protocol: Protocol, kind: RespondentKind) -> None:
-    """Refuse a protocol whose participants turn a dial, where they have none."""
+    """Refuse adjustments and sliders where the headset has no dial for them."""
     dials = (*protocol.adjustments, *protocol.sliders)
     if dials and headset is HeadsetKind.PLAYBACK and kind != "simulated":
         name = dials[0].name

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from vrcomfort.session.verbal import VerbalRespondent
 
 
-# The operator's console of a session that `run` takes somebody through.
+# The operator's console.
 
 
 @dataclass(frozen=True)
@@ -36,11 +36,11 @@ class ConsoleSetup:
 
     @property
     def progress(self) -> ProgressCallback:
-        """Return what shows how far a step has come."""
+        """Return the callback that shows the progress of a step."""
         return self.desk.tell
 
     def respondent(self, screen: PanelScreen | None, words: Words) -> VerbalRespondent:
-        """Return a respondent whose answers are entered on the page; `words` stand in a headset."""
+        """Return a respondent for answers on the page; `words` stand in a headset."""
         from vrcomfort.session.verbal import VerbalRespondent
 
         return VerbalRespondent(self.desk, self.operators, screen, words=words)
@@ -73,7 +73,7 @@ def open_console() -> Iterator[ConsoleSetup]:
             pictures.release()
 
 
-# Other devices that are told what happens in a session: LabStreamingLayer, a serial port.
+# Outlets pass events, ratings and frames on to other devices: LabStreamingLayer, a serial port.
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ class Outlets:
 def open_outlets(
     study: str, participant: str, *, lsl: bool, ttl: str | None, simulated: bool
 ) -> Iterator[Outlets]:
-    """Open what was asked for.
+    """Open the outlets that were asked for.
 
     Raises
     ------
@@ -145,7 +145,7 @@ def open_outlets(
         yield Outlets(tuple(opened))
 
 
-# The sound device of a session whose instructions are heard.
+# The sound device of instructions.
 
 
 @contextmanager

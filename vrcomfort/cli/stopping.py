@@ -1,4 +1,4 @@
-"""What ends a command from outside: Ctrl-C, a shutdown (SIGTERM), a closed terminal (SIGHUP)."""
+"""Signals that end a command: Ctrl-C, a shutdown (SIGTERM), a closed terminal (SIGHUP)."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ def at_once() -> Iterator[None]:
 
 
 def exit_code() -> int:
-    """Return what shells expect of a program that such a signal has ended: 130 after Ctrl-C."""
+    """Return the exit code of a program that a signal has ended: 130 after Ctrl-C."""
     return 128 + _last[0]
 
 
 def terminal_closed() -> bool:
-    """Return whether the terminal went away with whoever sat there."""
+    """Return whether the terminal was closed (SIGHUP)."""
     return exit_code() == 128 + getattr(signal, "SIGHUP", 0)
 
 

@@ -32,7 +32,7 @@ def status(
     study: StudyArgument,
     as_json: Json = False,
 ) -> None:
-    """Show who is where in a study, what is next for each and for the study, and the disk.
+    """Show the state of a study and of its participants, the next steps, and the disk.
 
     - `vrcomfort status my_study`
     - `vrcomfort status my_study --json`
@@ -194,7 +194,7 @@ def _megabytes(files: Iterable[Path]) -> float:
 
 
 class DateChoice(StrEnum):
-    """What becomes of dates."""
+    """Treatments of dates."""
 
     SHIFT = "shift"
     REMOVE = "remove"
@@ -231,10 +231,10 @@ def anonymise(
     - `vrcomfort anonymise my_study --out shared --key ../keys/my_study.csv`
     - `vrcomfort anonymise my_study --out shared --keep-motion --dates remove`
     """
-    from vrcomfort.exchange.anonymising import RECORD, Wishes
+    from vrcomfort.exchange.anonymising import RECORD, AnonymisingOptions
     from vrcomfort.exchange.anonymising import anonymise as copy
 
-    record = copy(study, out, Wishes(seed, dates.value, keep_motion, keep_gaze, key))
+    record = copy(study, out, AnonymisingOptions(seed, dates.value, keep_motion, keep_gaze, key))
     still = record["still_there"]
     for what in still["people_are_recognised_by"]:
         warn(f"{what} is kept: people can be recognised by it")
@@ -248,7 +248,7 @@ def anonymise(
 
 
 class Format(StrEnum):
-    """What a study can be exported as."""
+    """Formats of an exported study."""
 
     BIDS = "bids"
     PSYCH_DS = "psych-ds"

@@ -36,12 +36,12 @@ _errors = _console(stderr=True, soft_wrap=True)
 
 
 def complain(sentence: str) -> None:
-    """Say on stderr what went wrong."""
+    """Print an error on stderr."""
     _errors.print(Text("error:", style="bold red"), sentence)
 
 
 def warn(sentence: str) -> None:
-    """Say on stderr what the user should know, although the command goes on."""
+    """Print a note on stderr; the command goes on."""
     _errors.print(Text("note:", style="yellow"), sentence)
 
 
@@ -61,13 +61,13 @@ def dialogue() -> Console:
 
 
 def ask_to_type(question: str) -> None:
-    """Tell the experimenter to type what the participant says; lines are read elsewhere."""
+    """Ask the experimenter to type the participant's words; lines are read elsewhere."""
     dialogue().print(question, style="bold")
     dialogue().print("Type what the participant says; an empty line ends it.", style="dim")
 
 
 class _Words(ProgressColumn):
-    """What is done, as text that is nothing but text."""
+    """The progress in words, as text without markup."""
 
     def render(self, task: Task) -> Text:
         """Return the title, and how far it has come."""

@@ -1,4 +1,4 @@
-"""`tradeoff`: what each way of blurring costs, and how wrong it is."""
+"""`tradeoff`: cost and error of each method of blurring."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def tradeoff(
     ] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Measure what each way of blurring costs and how wrong it is.
+    """Measure the cost and the error of each method of blurring.
 
     Writes index.html, tradeoff.json, tradeoff.csv, tradeoff.md, figures/ and sheets/. A run that
     was stopped goes on where it was.

@@ -12,7 +12,7 @@ from itertools import pairwise
 from math import lcm
 
 from vrcomfort.design.groups import margins
-from vrcomfort.design.orders import Combined
+from vrcomfort.design.orders import CombinedOrders
 from vrcomfort.design.pool import Design, Enrolment
 from vrcomfort.protocol import Sequence, Trial
 
@@ -133,7 +133,7 @@ def _remainder(design: Design, used: Counter[str], participants: int) -> str:
     )
 
 
-def _of_parts(parts: Combined, sequences: list[str]) -> str:
+def _of_parts(parts: CombinedOrders, sequences: list[str]) -> str:
     """Say how often the orders of each part are there."""
     counts = "; ".join(
         ", ".join(f"{name} × {count}" for name, count in each.items())
@@ -152,7 +152,7 @@ def _some(names: list[str], shown: int = 6) -> str:
 
 
 @dataclass(frozen=True)
-class Met:
+class AdministeredOrder:
     """What one participant of a study really met.
 
     Parameters
@@ -193,7 +193,7 @@ class StudyAudit:
     mending: str
 
 
-def audit_study(design: Design, met: Iterable[Met]) -> StudyAudit:
+def audit_study(design: Design, met: Iterable[AdministeredOrder]) -> StudyAudit:
     """Audit what was run, and say which orders the next participants should get."""
     everybody = list(met)
     enrolments = [each.enrolment for each in everybody]
@@ -284,7 +284,7 @@ def cannot_balance(design: Design, participants: int) -> str | None:
     )
 
 
-def _orders(parts: Iterable[Combined]) -> str:
+def _orders(parts: Iterable[CombinedOrders]) -> str:
     """Return how many orders there are of each part, of each group that has others."""
     sizes = dict.fromkeys(" and ".join(str(len(pool)) for pool in each.pools) for each in parts)
     return f"{', or '.join(sizes)} orders of the parts"

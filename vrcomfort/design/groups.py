@@ -37,7 +37,7 @@ class Person:
 
 
 @dataclass(frozen=True)
-class Groups:
+class GroupAllocation:
     """The groups of a study and how people come into them.
 
     Parameters
@@ -123,7 +123,9 @@ class Groups:
         return names[int(rng.choice(len(names), p=weights / weights.sum()))]
 
 
-def margins(people: Iterable[Person], groups: Groups) -> dict[str, dict[str, dict[str, int]]]:
+def margins(
+    people: Iterable[Person], groups: GroupAllocation
+) -> dict[str, dict[str, dict[str, int]]]:
     """Count those who take a place: covariate → level → group → people."""
     counting = [each for each in people if each.counts]
     return {

@@ -59,7 +59,7 @@ STEPS = 4_000
 
 
 @dataclass(frozen=True)
-class Limits:
+class OrderConstraints:
     """What an order must keep.
 
     Parameters
@@ -78,7 +78,7 @@ class Limits:
 
 
 def block_random(
-    items: int, blocks: int, limits: Limits, rng: np.random.Generator
+    items: int, blocks: int, limits: OrderConstraints, rng: np.random.Generator
 ) -> list[list[int]]:
     """Return blocks, each a random order of 0 … items−1, that keep the limits across all of them.
 
@@ -102,7 +102,9 @@ def block_random(
 
 
 class _Search:
-    def __init__(self, items: int, blocks: int, limits: Limits, rng: np.random.Generator) -> None:
+    def __init__(
+        self, items: int, blocks: int, limits: OrderConstraints, rng: np.random.Generator
+    ) -> None:
         self._items, self._length, self._rng = items, items * blocks, rng
         self._max_run = [(limits.levels[name], most) for name, most in limits.max_run.items()]
         self._strata = limits.levels[limits.strata] if limits.strata else None
@@ -152,7 +154,7 @@ Rule = Callable[[int, int, int], list[list[int]]]
 
 
 @dataclass(frozen=True)
-class Combined:
+class CombinedOrders:
     """The sequences of a study in parts.
 
     Parameters
@@ -207,7 +209,7 @@ class Combined:
 
 def combined(
     protocol: Protocol, seed: int, rules: dict[str, Rule], group: Group | None = None
-) -> tuple[tuple[TrialSequence, ...], Combined]:
+) -> tuple[tuple[TrialSequence, ...], CombinedOrders]:
     """Return every combination of the orders that a group has of the parts, and how they are dealt.
 
     Without groups, `group` is None.
@@ -224,13 +226,13 @@ def combined(
             named = [trial.model_copy(update={"part": part.name}) for trial in order.trials]
             sessions[part.session - 1] += named * part.repeats
         key = tuple(order.name for order in chosen)
-        name = Combined.name(whose, key)
+        name = CombinedOrders.name(whose, key)
         names[name] = key
         sequences.append(
             TrialSequence(name=name, group=whose or None, sessions=tuple(map(tuple, sessions)))
         )
     pools = tuple(tuple(order.name for order in each) for each in orders)
-    return tuple(sequences), Combined(pools, names, whose, first)
+    return tuple(sequences), CombinedOrders(pools, names, whose, first)
 
 
 def _orders(

@@ -14,10 +14,10 @@ from math import ceil, floor
 
 import numpy as np
 
-from vrcomfort.design.groups import Groups, Person
+from vrcomfort.design.groups import GroupAllocation, Person
 from vrcomfort.design.orders import (
-    Combined,
-    Limits,
+    CombinedOrders,
+    OrderConstraints,
     all_orders,
     block_random,
     combined,
@@ -44,12 +44,12 @@ class Enrolment:
 
 
 @dataclass(frozen=True)
-class OwnOrders:
+class IndividualOrders:
     """What every participant gets an order of their own of: `random` and `block_random`."""
 
     trials: tuple[Trial, ...]
     blocks: int
-    limits: Limits | None
+    limits: OrderConstraints | None
 
 
 @dataclass(frozen=True)
@@ -75,11 +75,11 @@ class Design:
     sessions: int
     seed: int
     sequences: tuple[Sequence, ...]
-    own_orders: Mapping[str, OwnOrders] = field(default_factory=dict)
-    groups: Groups | None = None
+    own_orders: Mapping[str, IndividualOrders] = field(default_factory=dict)
+    groups: GroupAllocation | None = None
     covariates: tuple[Covariate, ...] = ()
     return_places: bool = True
-    parts: Mapping[str, Combined] = field(default_factory=dict)
+    parts: Mapping[str, CombinedOrders] = field(default_factory=dict)
 
     def sequence(self, name: str) -> Sequence:
         """Return a sequence by name.
@@ -129,7 +129,7 @@ class Design:
         Parameters
         ----------
         covariates
-            Of each; without it, they are drawn with the study's seed (`imagined`).
+            Of each; without it, they are drawn with the study's seed (`simulated_covariates`).
         """
         return self.continued([], participants, covariates=covariates)
 
@@ -145,7 +145,7 @@ class Design:
         people = iter(covariates) if covariates is not None else None
         plan: list[Sequence] = []
         for _ in range(participants):
-            known = next(people) if people else self.imagined(len(before) + 1)
+            known = next(people) if people else self.simulated_covariates(len(before) + 1)
             plan.append(self.assign(before, known))
             before.append(Enrolment(plan[-1].name, covariates=known))
         return plan
@@ -172,7 +172,7 @@ class Design:
                 raise InputError(f"covariate `{name}` {fault}, got `{covariates[name]}`")
         return {name: covariates[name] for name in declared}
 
-    def imagined(self, number: int) -> dict[str, str]:
+    def simulated_covariates(self, number: int) -> dict[str, str]:
         """Return covariates of somebody who is not there: all levels, whole numbers alike."""
         return {
             each.name: _imagined(each, generator(self.seed, _IMAGINED, number, index))
@@ -247,17 +247,17 @@ def build_design(protocol: Protocol, *, seed: int = 0) -> Design:
     """
     order = protocol.order
     sequences: tuple[Sequence, ...] = ()
-    own: dict[str, OwnOrders] = {}
-    parts: dict[str, Combined] = {}
+    own: dict[str, IndividualOrders] = {}
+    parts: dict[str, CombinedOrders] = {}
     for number, group in enumerate(protocol.groups or (None,)):
         name, trials = group.name if group else "", trials_of(protocol, group)
         if order.rule == "parts":
             made, parts[name] = combined(protocol, seed, _RULES, group)
             sequences += made
         elif order.rule == "random":
-            own[name] = OwnOrders(trials, 1, None)
+            own[name] = IndividualOrders(trials, 1, None)
         elif order.rule == "block_random":
-            own[name] = OwnOrders(trials, order.blocks, _limits(protocol, trials))
+            own[name] = IndividualOrders(trials, order.blocks, _limits(protocol, trials))
         elif order.rule in _RULES:
             rows = _RULES[order.rule](len(trials), seed, number)
             sequences += tuple(_rows(name, trials, rows, order.sessions))
@@ -297,18 +297,18 @@ def _deal(name: str, group: str, trials: list[Trial], sessions: int) -> Sequence
     return Sequence(name=name, group=group or None, sessions=dealt)
 
 
-def _limits(protocol: Protocol, trials: tuple[Trial, ...]) -> Limits:
+def _limits(protocol: Protocol, trials: tuple[Trial, ...]) -> OrderConstraints:
     order = protocol.order
     words = ["trial", "condition", "scene", *factor_names(protocol)]
     levels = {word: [level_of(protocol, trial, word) for trial in trials] for word in words}
     alone = {} if len(trials) == 1 else {"trial": 1}
-    return Limits(levels, {**alone, **order.max_run}, order.strata)
+    return OrderConstraints(levels, {**alone, **order.max_run}, order.strata)
 
 
-def _groups(protocol: Protocol, seed: int) -> Groups:
+def _groups(protocol: Protocol, seed: int) -> GroupAllocation:
     allocation = protocol.allocation or Allocation()
     covariates = {each.name: each for each in protocol.covariates}
-    return Groups(
+    return GroupAllocation(
         method=allocation.method,
         shares={group.name: group.share for group in protocol.groups},
         bands={name: covariates[name].bands for name in allocation.by},

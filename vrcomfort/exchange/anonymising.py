@@ -19,10 +19,10 @@ import numpy as np
 
 from vrcomfort import __version__
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.room import new_folder, require_whole
+from vrcomfort.exchange.export_checks import new_folder, require_whole
 from vrcomfort.json_text import json_of
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
-from vrcomfort.records.checksums import seal
+from vrcomfort.records.checksums import write_checksums
 from vrcomfort.records.disk import Access, make_folders, replace_text
 from vrcomfort.records.events import EVENTS, shared_detail
 from vrcomfort.records.frame_rows import FrameRow
@@ -41,7 +41,7 @@ _REMOVED = "left out"
 
 
 @dataclass(frozen=True)
-class Moved:
+class DateShift:
     """How a participant's moments are moved.
 
     Parameters
@@ -62,7 +62,7 @@ class Moved:
         return EPOCH.isoformat() if self.all_one else (EPOCH + gone).isoformat(timespec="seconds")
 
 
-def of_manifest(manifest: dict[str, Any], participant: str, moved: Moved) -> dict[str, Any]:
+def of_manifest(manifest: dict[str, Any], participant: str, moved: DateShift) -> dict[str, Any]:
     """Return a session's manifest for another name, without typed texts, dates and eyes."""
     found = _of_run(manifest, moved)
     found["participant"] = participant
@@ -84,7 +84,7 @@ def of_manifest(manifest: dict[str, Any], participant: str, moved: Moved) -> dic
     return found
 
 
-def _of_run(run: dict[str, Any], moved: Moved) -> dict[str, Any]:
+def _of_run(run: dict[str, Any], moved: DateShift) -> dict[str, Any]:
     """Return what every run of a session says of itself."""
     found = dict(run)
     for key in ("started_at", "finished_at"):
@@ -106,7 +106,7 @@ Dates: TypeAlias = Literal["shift", "remove"]
 
 
 @dataclass(frozen=True)
-class Wishes:
+class AnonymisingOptions:
     """What is to become of a study.
 
     Parameters
@@ -135,7 +135,7 @@ class Wishes:
         return motion | (GAZE if self.keep_gaze or not gaze_recorded else ALWAYS)
 
 
-def anonymise(study: Path, out: Path, wishes: Wishes) -> dict[str, Any]:
+def anonymise(study: Path, out: Path, options: AnonymisingOptions) -> dict[str, Any]:
     """Write the anonymous copy; return what was done to it, as its ``anonymised.json`` says.
 
     Raises
@@ -144,17 +144,17 @@ def anonymise(study: Path, out: Path, wishes: Wishes) -> dict[str, Any]:
         If the study is an import or not whole, or `out` or the key cannot be where they should.
     """
     require_whole(study)
-    _require_room_for_key(study, out, wishes.key)
+    _require_room_for_key(study, out, options.key)
     recorded = Study(study)
     rows = recorded.enrolled
-    names = new_names([row.participant for row in rows], wishes.seed)
+    names = new_names([row.participant for row in rows], options.seed)
     access = access_of(study)
     with new_folder(study, out) as draft:
         make_folders(draft, draft, access)
-        record = _write(recorded, draft, names, wishes, access)
-        if wishes.key is not None:
+        record = _write(recorded, draft, names, options, access)
+        if options.key is not None:
             lines = [csv_line(("participant", "anonymous"))]
-            replace_text(wishes.key, "".join(lines + [csv_line(pair) for pair in names.items()]))
+            replace_text(options.key, "".join(lines + [csv_line(pair) for pair in names.items()]))
     return record
 
 
@@ -178,7 +178,11 @@ def _require_room_for_key(study: Path, out: Path, key: Path | None) -> None:
 
 
 def _write(
-    recorded: Study, out: Path, names: Mapping[str, str], wishes: Wishes, access: Access
+    recorded: Study,
+    out: Path,
+    names: Mapping[str, str],
+    options: AnonymisingOptions,
+    access: Access,
 ) -> dict[str, Any]:
     study = recorded.folder
     text = (study / DESCRIPTION).read_text(encoding="utf-8")
@@ -186,15 +190,15 @@ def _write(
     _copy_instruments(study, out, access)
     rows = {row.participant: row for row in recorded.enrolled}
     of_gaze = (name for name, table in TABLES.items() if table.NEEDS == GAZE)
-    kept = wishes.kept(gaze_recorded=any(any(study.rglob(name)) for name in of_gaze))
+    kept = options.kept(gaze_recorded=any(any(study.rglob(name)) for name in of_gaze))
     unknown: set[str] = set()
     for old in sorted(names, key=lambda each: names[each]):
         sessions = recorded.sessions_of(old)
-        moved = _moved(rows[old], sessions, wishes)
+        moved = _moved(rows[old], sessions, options)
         for session in sessions:
             _Copy(session, out, names[old], moved, kept, access, unknown).write()
     _write_participants(out, rows, names, kept, access)
-    record = _record(study, list(rows.values()), wishes, kept, unknown)
+    record = _record(study, list(rows.values()), options, kept, unknown)
     replace_text(out / RECORD, json_of(record) + "\n", access)
     return record
 
@@ -205,7 +209,9 @@ def _copy_instruments(study: Path, out: Path, access: Access) -> None:
         replace_text(out / INSTRUMENTS / file.name, file.read_text(encoding="utf-8"), access)
 
 
-def _moved(row: ParticipantRow, sessions: Sequence[Session], wishes: Wishes) -> Moved:
+def _moved(
+    row: ParticipantRow, sessions: Sequence[Session], options: AnonymisingOptions
+) -> DateShift:
     """Return where a participant's moments go: the first of them to the epoch."""
     texts = [row.enrolled_at]
     for session in sessions:
@@ -218,7 +224,7 @@ def _moved(row: ParticipantRow, sessions: Sequence[Session], wishes: Wishes) -> 
         except ValueError:  # entered by hand
             continue
         moments.append(moment if moment.tzinfo else moment.replace(tzinfo=UTC))
-    return Moved(min(moments, default=EPOCH), all_one=wishes.dates == "remove")
+    return DateShift(min(moments, default=EPOCH), all_one=options.dates == "remove")
 
 
 def _write_participants(
@@ -250,7 +256,7 @@ class _Copy:
     session: Session
     out: Path
     new: str
-    moved: Moved
+    moved: DateShift
     kept: Needs
     access: Access
     unknown: set[str]
@@ -268,7 +274,7 @@ class _Copy:
             if self.session.has(row_type) and not SharedFile.of(row_type).lacking(self.kept):
                 self._rewrite(row_type, folder / row_type.FILE, begin_ns)
         if manifest["status"] != "running":
-            seal(folder, self.access)
+            write_checksums(folder, self.access)
 
     def _rewrite(self, row_type: type[Row], target: Path, begin_ns: int) -> None:
         """Copy a table row by row."""
@@ -316,7 +322,7 @@ def _begin_ns(session: Session) -> int:
 def _record(
     study: Path,
     rows: Sequence[ParticipantRow],
-    wishes: Wishes,
+    options: AnonymisingOptions,
     kept: Needs,
     unknown: Collection[str],
 ) -> dict[str, Any]:
@@ -326,14 +332,14 @@ def _record(
         "shift": f"every participant's first moment is {EPOCH.date()}; times between stay",
         "remove": f"every moment is {EPOCH.date()}",
     }
-    recognised = {"head and hand motion": wishes.keep_motion, "gaze": wishes.keep_gaze}
+    recognised = {"head and hand motion": options.keep_motion, "gaze": options.keep_gaze}
     there = {name: SharedFile.of(t) for name, t in TABLES.items() if any(study.rglob(name))}
     left_out = {name: lacking for name, f in there.items() if (lacking := f.lacking(kept))}
     stays = {name: f for name, f in there.items() if name not in left_out}
     return {
         "made_with": f"vrcomfort {__version__}",
         "participants": "named anew, in random order; the list is in the order of the new names",
-        "dates": dates[wishes.dates],
+        "dates": dates[options.dates],
         "frame_times": "xr_time_ns begins at 0 with each session's first frame",
         "files_left_out": {name: _in_words(traits) for name, traits in left_out.items()},
         "columns_blank": {name: blank for name, f in stays.items() if (blank := f.blank(kept))},

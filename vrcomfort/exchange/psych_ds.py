@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from vrcomfort import __version__
-from vrcomfort.exchange.room import new_folder, require_whole
+from vrcomfort.exchange.export_checks import new_folder, require_whole
 from vrcomfort.json_text import json_of
 from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.reader import Study

@@ -1,4 +1,4 @@
-"""The context, and the few things moderngl does not do: float depth and [0, 1] clip depth.
+"""The context, and the few features that moderngl lacks: float depth and [0, 1] clip depth.
 
 Everything that is drawn into the scene is in reverse-Z: depth 1 on the near plane, 0 at infinity,
 ``GL_GREATER`` wins. Only a 32-bit float depth buffer and a [0, 1] clip range make that precise
@@ -32,7 +32,7 @@ not wait. Nothing that is read back is shown."""
 
 Copied: TypeAlias = Callable[[moderngl.Texture], None]
 copy_observers: list[Copied] = []
-"""Told of each texture that :func:`copier` copies: what is copied is no draw."""
+"""Called with each texture that :func:`copier` copies: a copy is no draw."""
 
 _LOWER_LEFT, _ZERO_TO_ONE = 0x8CA1, 0x935F
 _COLOR = 0x1800

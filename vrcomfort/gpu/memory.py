@@ -1,7 +1,7 @@
 """GPU memory account: every texture and buffer that `gl` made, and its bytes.
 
-Bytes are those of the format that was asked for, all samples and mipmap levels included. What a
-driver adds to it (padding, compression data) is its own, and so are the runtime's swapchains.
+Bytes are those of the format that was asked for, all samples and mipmap levels included. The
+driver's overhead (padding, compression data) and the runtime's swapchains are not counted.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from weakref import WeakKeyDictionary
 import moderngl
 
 Kind = Literal["target", "image", "buffer"]
-"""What is drawn into, what was loaded with the scene, and everything that is no texture."""
+"""Render targets, images of the scene, and everything that is no texture."""
 
 _DTYPE_BYTES = {"f1": 1, "f2": 2, "f4": 4, "u4": 4}
 _KINDS: tuple[Kind, ...] = ("target", "image", "buffer")
@@ -39,11 +39,11 @@ class MemoryAccount:
 
     def add(
         self,
-        thing: moderngl.Texture | moderngl.TextureArray | moderngl.Buffer,
+        made: moderngl.Texture | moderngl.TextureArray | moderngl.Buffer,
         allocation: GpuAllocation,
     ) -> None:
         """Enter a new allocation."""
-        self._made[thing] = self._count, allocation
+        self._made[made] = self._count, allocation
         self._count += 1
 
     def mark(self) -> int:

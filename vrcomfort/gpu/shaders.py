@@ -58,7 +58,7 @@ def program(
     defines
         ``#define`` lines for both files; a boolean feature is a key with the value 1.
     chosen
-        Which file an ``#include`` means that names none: a choice that is left to who compiles.
+        Which file an ``#include`` means that names none: a choice that is left to the caller.
 
     Returns
     -------
@@ -170,7 +170,7 @@ def fullscreen(
 #
 # A read is one call of `texelFetch`, `texture`, `textureLod` and the like, or `imageLoad`, with any
 # filter: a bilinear read of four texels is one, as is a gather. Reads of helper invocations do
-# not count. What is counted is what runs: a loop that is left early adds what it has read.
+# not count. Only reads that run count: a loop that is left early adds those so far.
 
 
 READS_BINDING = 7

@@ -74,8 +74,8 @@ class Stopwatch:
     """Times draws: for benchmarks, also inside a frame that is timed.
 
     Time stamps of the GPU, or where those mean nothing the processor's time that this process has
-    used, all threads together, between two ``finish``: what else runs on the machine hardly changes
-    it. Time stamps are put into the queue with what is drawn between them, and nothing waits before
+    used, all threads together, between two ``finish``: other load on the machine hardly changes
+    it. Time stamps are queued with the draws between them, and nothing waits before
     a time is asked for. Still they tell how fast commands are sent where the GPU is done with them
     sooner.
     """

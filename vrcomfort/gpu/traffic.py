@@ -47,7 +47,7 @@ class Draw:
     shader
         File of its last stage; ``copy`` where a texture is copied.
     targets
-        What it drew into.
+        Colour textures that it drew into.
     fragments
         How many it has drawn.
     bytes
@@ -182,9 +182,9 @@ def _covered(fragments: int, targets: Sequence[TextureLevel]) -> float:
 
 
 _SAMPLERS = {0x8B5E, 0x8B62, 0x8DCA, 0x8DD2, 0x9108, 0x8DC1, 0x8DC4}
-"""GL_SAMPLER_2D and what else reads two dimensions: shadow, integer, multisample, array."""
+"""GL_SAMPLER_2D and other samplers of two dimensions: shadow, integer, multisample, array."""
 _BINDINGS = {0x9108: 0x9104, 0x8DC1: 0x8C1D, 0x8DC4: 0x8C1D}
-"""By type of sampler, what binds its textures, where that is not GL_TEXTURE_BINDING_2D."""
+"""Binding query by type of sampler, where it is not GL_TEXTURE_BINDING_2D."""
 _TEXTURE_BINDING_2D, _ACTIVE_TEXTURE, _TEXTURE0, _SAMPLER_BINDING = 0x8069, 0x84E0, 0x84C0, 0x8919
 _ACTIVE_UNIFORMS, _DRAW_FRAMEBUFFER, _FRAMEBUFFER_BINDING = 0x8B86, 0x8CA9, 0x8CA6
 _COLOR_ATTACHMENT0, _OBJECT_TYPE, _OBJECT_NAME, _LEVEL = 0x8CE0, 0x8CD0, 0x8CD1, 0x8CD2

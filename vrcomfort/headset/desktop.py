@@ -24,7 +24,7 @@ USUAL_HZ = 60.0
 
 STEEPEST_RAD = np.radians(80.0)
 FURTHEST_RAD = np.radians(90.0)
-"""So far the head tilts, and turns on the torso."""
+"""Limits of the head's tilt, and of its turn on the torso."""
 
 QUESTION_SHARE, RATING_SHARE = 0.9, 0.7
 """Share of the image that a panel may take: alone, and before a scene."""

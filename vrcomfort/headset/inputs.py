@@ -114,7 +114,7 @@ POINTER_SIZE_PX = 32, 32
 PANEL_SHARE = 0.02
 """Its diameter, of the panel's width: nearly a degree on a panel 45 degrees wide."""
 LIFT_M = 0.002
-"""So far before the panel, which it never hides behind."""
+"""Distance before the panel, so that the pointer is never hidden by it."""
 
 COLOUR, RIM = (255, 210, 80), (0, 0, 0)
 RIM_SHARE = 0.3

@@ -25,10 +25,10 @@ TURNING_SPEED_RAD_S = np.pi / 3
 """Of the right thumb-stick; not in the paper, where a mouse turns the torso."""
 
 DEAD_ZONE = 0.25
-"""So far a thumb-stick may rest beside its middle. Beyond, speed is always the same."""
+"""Dead zone of a thumb-stick around its middle. Beyond, speed is always the same."""
 
 LONGEST_S = 0.1
-"""A frame that took longer moves nobody further: a hiccup is no leap."""
+"""Longest step of one frame: a hiccup is no leap."""
 
 
 @dataclass(frozen=True)

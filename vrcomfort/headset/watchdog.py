@@ -22,10 +22,10 @@ from typing import Self
 from vrcomfort.stop_signals import TOGETHER_S
 
 NOTICE_S = 5.0
-"""A call that takes so long hangs: runtimes answer within a few refreshes."""
+"""Time after which a call counts as hung: runtimes answer within a few refreshes."""
 
 PATIENCE_S = 600.0
-"""So long a hung runtime is waited for where nobody presses Ctrl-C."""
+"""Time after which the program ends without the runtime and without Ctrl-C."""
 
 EXIT_RUNTIME_LOST = 3
 

@@ -1,6 +1,6 @@
 """Focus by a zone in the middle of the image, where people look: a statistic of its distances.
 
-What `zone_mean_on = "cpu"` computes: the twin of ``shaders/focus/focus_weights.frag``,
+The computation of `zone_mean_on = "cpu"`, and the twin of ``shaders/focus/focus_weights.frag``,
 ``focus_candidates.frag``, ``focus_extreme.frag`` and ``include/zone_depth.glsl``. Source: Hillaire
 et al. 2008, Eq. 2 and 3.
 """
@@ -138,7 +138,7 @@ def reduced(
     depth, half_tangents, centre
         Those of :func:`zone_depth`.
     semantic_weight
-        (h, w) of what is seen there.
+        (h, w) of the visible surfaces.
     """
     z = zone_depth(depth, near_m, settings, half_tangents, centre)
     if settings.zone_statistic == "mean":
@@ -160,7 +160,7 @@ def weighted(
     depth
         (h, w) of :func:`zone_depth`.
     semantic_weight
-        (h, w) of what is seen there, clipped to the settings' limits.
+        (h, w) of the visible surfaces, clipped to the settings' limits.
 
     Notes
     -----

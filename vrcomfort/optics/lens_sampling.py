@@ -110,7 +110,8 @@ FEW = 12
 """Fewer discs than this leave gaps however they lie."""
 
 FEW_RADIUS = 0.97
-"""Radius of a blur over nearly the whole lens: the points show only what a filter cannot know."""
+"""Radius of a blur over nearly the whole lens: the points add only surfaces that a filter cannot
+know."""
 
 _DIRECTIONS = 16
 _PLACES = 64

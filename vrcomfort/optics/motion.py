@@ -48,11 +48,11 @@ class Sampling(NamedTuple):
     cubic: bool
     """Whether each read is sharper across the streak: three reads in place of one."""
     stride_px: int
-    """Between samples that look for what is in front: 1 or 3."""
+    """Between samples that seek a foreground: 1 or 3."""
     most_taps: int
     """Of these, to each side."""
     jump: float
-    """Things pass each other where half velocities differ by this part of the shorter one."""
+    """Part of the shorter half velocity: a larger difference is a velocity discontinuity."""
 
     @property
     def pairs(self) -> int:

@@ -28,10 +28,10 @@ class Slider(Dial):
     instrument: str = "fms"
     """A shipped instrument with one question by name, or a TOML file of one: its range."""
     stick: Literal["place", "rate"] = "place"
-    """What the thumb-stick does. `place`: it is the slider; at rest that is the lowest answer, at
+    """Effect of the thumb-stick. `place`: it is the slider; at rest that is the lowest answer, at
     its upper end the highest. `rate`: it moves the slider up and down, which then stays."""
     sample_hz: Annotated[float, Field(ge=0.1, le=100)] = 2.0
-    """So often its place is kept."""
+    """Rate at which the slider's place is recorded."""
 
 
 Number = Annotated[float, Field(ge=-1e9, le=1e9)]
@@ -65,7 +65,7 @@ LIVE = (
     "vignette.moving.to_m_s",
 )
 """Settings that passes take up between two frames. The others decide which passes, textures and
-shaders there are, and cannot change while somebody looks."""
+shaders there are, and cannot change during an exposure."""
 
 
 class Adjustment(Dial):

@@ -68,7 +68,7 @@ NEEDS: dict[str, dict[str, Needs]] = {
     },
     "motion_blur": {"neck": {"mode": ("rotation_cancelled",)}},
 }
-"""What each setting needs to do anything, by effect; a setting that is not here always does."""
+"""Conditions under which each setting has an effect, by effect; others always have one."""
 
 
 _ADD = {
@@ -76,7 +76,7 @@ _ADD = {
     "peripheral": "write a table depth_of_field.peripheral",
     "vignette": "write a table vignette",
 }
-"""What a condition needs so that it can be centred on the gaze."""
+"""Settings that a condition needs before an effect can be centred on the gaze."""
 
 
 def without_effect(protocol: Protocol) -> Iterator[Problem]:

@@ -31,7 +31,7 @@ class GazeCentre(Settings):
     hold_s: Annotated[float, Field(ge=0, le=60)] = 0.5
     """How long a gaze that is lost counts on: longer than a blink."""
     without_gaze: Literal["stop", "head"] = "stop"
-    """What a headset without an eye tracker does: no session, or the centre is the head's axis."""
+    """Without an eye tracker: no session, or the head's axis is the centre."""
 
 
 Distance = Annotated[float, Field(ge=0.001, le=1e9)]
@@ -90,7 +90,7 @@ class Focus(Settings):
 
     method: FocusRuleName = "nine_ray"
     """`nine_ray`: nine rays ahead, less outliers; `autofocus_zone`: the weighted mean of a zone;
-    `gaze`: under the gaze; `fixed`: nobody moves it; `scripted`: by `script`."""
+    `gaze`: under the gaze; `fixed`: it never moves; `scripted`: by `script`."""
     fixed_m: Distance = 2.0
     """Focus distance of `fixed`."""
     script: tuple[ScriptEntry, ...] = ()
@@ -98,7 +98,7 @@ class Focus(Settings):
     linearly in dioptres; before the first and after the last it rests. Time is that of the scene's
     animations: it begins when the scene is entered, with the training where there is one."""
     script_every_s: Seconds | None = None
-    """`scripted`: the script begins again so often."""
+    """`scripted`: period after which the script begins again."""
     ring_deg: Annotated[float, Field(gt=0, lt=45)] = 2.0
     """Angle of the eight outer rays; the paper says "small regular angular deviations"."""
     mean: Literal["metres", "dioptres"] = "metres"
@@ -114,8 +114,8 @@ class Focus(Settings):
     zone_size_px: tuple[ZoneSide, ZoneSide] = (64, 64)
     """Width and height at which the zone is drawn, whatever the size of the image."""
     zone_statistic: Literal["mean", "minimum", "maximum"] = "mean"
-    """What the zone's distances come to: their weighted mean, or the nearest or farthest of what
-    weighs more than `semantic_min`; where nothing there does, of everything."""
+    """Statistic of the zone's distances: their weighted mean, or the nearest or farthest of those
+    that weigh more than `semantic_min`; of all where none does."""
     zone_mean_on: Literal["gpu", "cpu"] = "gpu"
     """Where the zone is averaged or searched; the CPU waits for the GPU in every frame."""
     semantic_min: Weight = 0.004
@@ -129,7 +129,7 @@ class Focus(Settings):
     gaze_radius_deg: Annotated[float, Field(ge=0, le=20)] = 1.5
     """Neighbourhood of the line of sight whose median distance counts: the tracker's error."""
     without_gaze: Literal["stop", "nine_ray"] = "stop"
-    """What `gaze` does with a headset that has no eye tracker."""
+    """Focus of `gaze` with a headset that has no eye tracker."""
     law: RefocusLawName = "linear"
     """How focus moves to its target: one file of `vrcomfort.optics.refocus` for each."""
     refocus_s: Seconds = 0.5
@@ -182,7 +182,7 @@ class DepthOfField(Settings):
     kernel: Kernel = "vrcomfort"
     """How discs are summed: ours, or the method of a source (docs/sources.md)."""
     slices_m: Annotated[tuple[Distance, ...], Field(min_length=1, max_length=9)] | None = None
-    """Where the billboards of `mip_slices` stand: the k-th covers what is behind it with MIP level
+    """Depths of the billboards of `mip_slices`: the k-th covers everything behind it with MIP level
     k, whatever the focus ("evenly along the Z-axis", Four Tricks). Without it they stand where the
     circle of confusion asks for their level, on either side of the focus."""
     rotate_taps: bool = True
@@ -217,13 +217,13 @@ class DepthOfField(Settings):
     peripheral: Peripheral | None = None
     """Peripheral blur on top; both together stay within the largest diameter."""
     samples: Annotated[int, Field(ge=16, le=256)] = 36
-    """Speed against accuracy of `vrcomfort`: discs that so many pixels fill are summed pixel by
+    """Speed against accuracy of `vrcomfort`: discs of up to this many pixels are summed pixel by
     pixel, wider ones texel by texel on a level of the image on which they have no more. The other
     kernels have the fixed numbers of their sources."""
     views: Annotated[int, Field(ge=1, le=256)] = 1
     """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
     the views are blurred a little and averaged; two err as much as one. The mean has no largest
-    radius: what would reach `max_radius_percent` in one view is blurred more. `vrcomfort passes`
+    radius: blur that would reach `max_radius_percent` in one view is larger. `vrcomfort passes`
     says where that is."""
     over_blur: Annotated[float, Field(ge=0, le=4)] = 1.0
     """Scales the blur of each of K views, whose radius is 2/√K of the lens at 1, at most half,
@@ -307,10 +307,11 @@ class MotionBlur(Settings):
     """Velocity-buffer motion blur, per eye (Chapman 2020; McGuire et al. 2012)."""
 
     method: Literal["reconstruction", "per_pixel"] = "reconstruction"
-    """`reconstruction`: knows who hides whom (McGuire 2012, Guertin 2013); `per_pixel`: a plain
+    """`reconstruction`: respects occlusion (McGuire 2012, Guertin 2013); `per_pixel`: a plain
     gather along each pixel's own velocity (Rosado 2007, which Chapman 2020 cites)."""
     mode: CameraMode = "rotation_cancelled"
-    """Which camera motion blurs; `vrcomfort.render.camera` says what each cancels."""
+    """Camera motion that blurs; `vrcomfort.render.camera` describes the part that each mode
+    cancels."""
     virtual_turning: VirtualTurning = "by_mode"
     """Whether turns by locomotion blur, whatever `mode` does with the tracked head. `by_mode`:
     `rotation_cancelled_eye` and `objects_only` cancel them, the other modes keep them. Snap turns
@@ -320,8 +321,8 @@ class MotionBlur(Settings):
     that the eyes go while the head turns on its neck then leaves no streak either. Without it, the
     head centre."""
     hands: Carried = "with_head"
-    """How far a node that is bound to a hand has moved: in the head's frame, or in the world, where
-    what goes with the head blurs falsely in all modes that cancel the head's motion (Chapman)."""
+    """Motion of a node that is bound to a hand: in the head's frame, or in the world, where nodes
+    that go with the head blur falsely in all modes that cancel the head's motion (Chapman)."""
     shutter_fraction: Annotated[float, Field(ge=0, le=1)] = 0.5
     """Part of the frame period during which the shutter is open, centred on the frame's pose. A
     film camera's shutter angle is 360 degrees times this: 0.5 is 180 degrees."""
@@ -415,7 +416,7 @@ class Vignette(SpeedRamps):
     release_s: Annotated[float, Field(ge=0, le=3600)] = 1.0
     """Time in which it opens again."""
     colour: Literal["black", "scene"] = "black"
-    """Of the cover; `scene` is the mean colour of what the left eye sees, for both eyes."""
+    """Colour of the cover; `scene` is the mean colour of the left eye's image, for both eyes."""
 
     @model_validator(mode="after")
     def _narrows(self) -> Self:
@@ -433,9 +434,9 @@ class EffectTables(Settings):
     """
 
     depth_of_field: DepthOfField | None = None
-    """Blur of what is out of focus; none without it."""
+    """Defocus blur; none without it."""
     motion_blur: MotionBlur | None = None
-    """Streaks of what moves; none without it."""
+    """Motion blur; none without it."""
     speed_blur: SpeedBlur | None = None
     """Blur of the whole image with speed; none without it."""
     relocation_blur: RelocationBlur | None = None
@@ -468,17 +469,18 @@ class ConditionSettings(EffectTables):
     background_blur: BackgroundBlur | None = None
     """Blur of everything but named nodes; none without it."""
     task: Word | None = None
-    """Name of what is done in exposures to it; `none` for nothing."""
+    """Name of the task in exposures to it; `none` for no task."""
     focus: Focus = Focus()
     """How the focus is found."""
     gaze_centre: GazeCentre | None = None
-    """What is centred on the gaze; nothing without it."""
+    """Effects that are centred on the gaze; none without it."""
     effect_order: tuple[EffectName, ...] = EFFECTS
     """Which effect comes first; those that are not named come last, in their usual order."""
 
     @field_validator("effect_order", mode="before")
     @classmethod
     def _name_former_orders(cls, value: Any) -> Any:
+        # Protocols of the first versions, which studies on disk keep, named two orders by a word.
         return _FORMER_ORDERS.get(value, value) if isinstance(value, str) else value
 
     @field_validator("effect_order")
@@ -500,6 +502,7 @@ class Condition(ConditionSettings, ConditionName):
     @model_validator(mode="before")
     @classmethod
     def _take_what_the_level_says(cls, data: Any) -> Any:
+        # Before validation: settings that a level fills in are checked as written ones are.
         return filled(data)
 
     def at_level(self, level: Quality) -> Condition:

@@ -68,7 +68,7 @@ class Protocol(Settings):
     training_s: Annotated[float, Field(ge=0, le=14_400)] = 0.0
     """Time to learn the controls, before the first exposure of each session, in its scene."""
     practice: tuple[Practice, ...] = ()
-    """What is tried before trials of the study."""
+    """Practice before trials of the study."""
     break_s: Rest = 0.0
     """Rest between two exposures of a session."""
     breaks: Breaks | None = None
@@ -79,8 +79,8 @@ class Protocol(Settings):
     max_dropped_percent: Annotated[float, Field(ge=0, le=100)] = 5.0
     """Share of dropped frames, or of frozen time, above which a trial is flagged; its data stay."""
     resumed_questions_within_s: Rest = 600.0
-    """An interrupted session first asks what was open after its last exposure, if that is not
-    longer ago; later, those items are missed."""
+    """Time after the last exposure within which an interrupted session first asks the questions
+    that were open; later, those items are missed."""
     unfocused: Unfocused = "pause"
     """While a menu of the headset's is in front, the participant sees the scene and cannot stop:
     `pause` counts no exposure then, `flag` counts it and flags the trial."""
@@ -93,15 +93,15 @@ class Protocol(Settings):
     factors: tuple[CrossedFactor, ...] = ()
     """Instead of conditions: every level of each with every level of the others."""
     order: Order
-    """Who meets what in which order."""
+    """Rule, sessions and sequences of trials."""
     parts: tuple[Part, ...] = ()
     """Parts with orders of their own, for `rule = "parts"`."""
     groups: tuple[Group, ...] = ()
     """Levels of a between-subject factor."""
     covariates: tuple[Covariate, ...] = ()
-    """What is entered of everybody who is enrolled."""
+    """Facts that are entered on each participant at the enrolment."""
     consent: Consent | None = None
-    """What participants must have consented to; nothing is asked for without it."""
+    """Text that participants must have consented to; no consent is asked for without it."""
     screening: tuple[Screening, ...] = ()
     """Rules on whom the experimenter is told of before they are exposed."""
     allocation: Allocation | None = None
@@ -112,37 +112,37 @@ class Protocol(Settings):
     text: dict[str, LanguageTable] = Field(default_factory=dict)
     """Words of other languages, or other words: `[text.fr]`."""
     instructions: tuple[Instruction, ...] = ()
-    """What participants are told, and when."""
+    """Instructions to participants, and their times."""
     questionnaires: tuple[Ask, ...] = ()
-    """What is asked, and when. A study without any has ratings or tasks."""
+    """Questionnaires, and their times. A study without any has ratings or tasks."""
     free_texts: tuple[FreeText, ...] = ()
-    """Questions that are answered in one's own words; they may tell who answers."""
+    """Questions that are answered in one's own words; answers may identify the participant."""
     ratings: Annotated[tuple[Ratings, ...], Field(json_schema_extra=or_one_table)] = ()
     """Questions that are asked again and again during exposure, one at a time: where two are due,
     the second waits for the answer to the first."""
     tasks: tuple[AnyTask, ...] = ()
-    """What participants do during an exposure (docs/tasks.md)."""
+    """Tasks of participants during an exposure (docs/tasks.md)."""
     gaze_validation: GazeValidation | None = None
     """How the eye tracker is validated; not at all without it."""
     task: Word | None = None
     """Name of the task of every exposure whose trial and condition name none."""
     stop: Stopping = Stopping()
-    """What ends a session, or somebody's study."""
+    """Rules that end a session, or a participant's study."""
     sliders: tuple[Slider, ...] = ()
     """Ratings that are given all the time (docs/ratings.md)."""
     adjustments: tuple[Adjustment, ...] = ()
     """Settings that participants adjust themselves while they look (docs/adjustment.md)."""
     exposure_ends: Literal["time", "task", "adjustment"] = "time"
-    """`task`: an exposure is over when its task is done, `adjustment`: when what is adjusted in it
-    is confirmed; at the latest after its time."""
+    """`task`: an exposure is over when its task is done, `adjustment`: when its adjustment is
+    confirmed; at the latest after its time."""
     headset: HeadsetSettings = HeadsetSettings()
-    """What the study is meant to be seen in."""
+    """Headset that the study is meant for."""
     answering: Answering = Answering()
     """How they answer in it."""
     photodiode: Photodiode | None = None
     """A patch by which a photodiode sees when frames are seen; none without it."""
     visibility: Visibility = Visibility()
-    """What need not be seen or told apart."""
+    """Details that need not be visible or distinguishable."""
     posture: Posture | None = None
     """Seated or standing, with the height of the eyes measured; not at all without it."""
     locomotion: LocomotionSettings = LocomotionSettings()
@@ -156,6 +156,8 @@ class Protocol(Settings):
         """Take the single [ratings] table of earlier protocols."""
         return (value,) if isinstance(value, dict) else value
 
+    # Private, for they are no keys of a protocol: `load.parse_protocol` sets them once all named
+    # files are found, `spoken` and `with_task_code` set them in copies.
     _source: Source | None = PrivateAttr(default=None)
     _file: Path | None = PrivateAttr(default=None)
     _language: str | None = PrivateAttr(default=None)

@@ -33,7 +33,7 @@ class Trial(Settings):
     condition: str
     """Name of a condition."""
     task: Word | None = None
-    """Name of what is done meanwhile; `none` for nothing, whatever the condition names."""
+    """Name of the task meanwhile; `none` for no task, even where the condition names one."""
     part: Word | None = None
     """Part of the study that it belongs to: the column `part`. [[parts]] set it themselves."""
 
@@ -71,8 +71,8 @@ class Order(Settings):
     assignment: Literal["in_turn", "shuffled"] = "in_turn"
     """Among equally filled sequences take the first, or one drawn with the study's seed."""
     return_places: bool = True
-    """Whether the place of somebody who withdrew or was excluded, in a sequence and in a group,
-    goes to the next who is enrolled."""
+    """Whether the place of a withdrawn or excluded participant, in a sequence and in a group, goes
+    to the next who is enrolled."""
     blocks: Annotated[int, Field(ge=1, le=100)] = 1
     """`block_random`: each block has every condition in every scene once."""
     strata: Word | None = None
@@ -96,7 +96,7 @@ class Covariate(Settings):
     name: Word
     """Column of participants.csv."""
     levels: tuple[Name, ...] = ()
-    """What it can be; without it, it is a number."""
+    """Possible values; without them, it is a number."""
     low: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
     """The least number that is taken for possible."""
     high: Annotated[float, Field(ge=-1e6, le=1e6)] = 120.0
@@ -133,6 +133,7 @@ class Covariate(Settings):
         if self.levels:
             return None if value in self.levels else f"must be one of {', '.join(self.levels)}"
         try:
+            # `float` takes the digits of every script, which a report would not read.
             possible = value.isascii() and self.low <= float(value) <= self.high
         except ValueError:
             possible = False
@@ -161,14 +162,14 @@ class Allocation(Settings):
     """
 
     method: Literal["permuted_blocks", "minimisation", "simple"] = "permuted_blocks"
-    """Who comes into which group."""
+    """Method by which participants come into groups."""
     rounds: Annotated[tuple[Limit, ...], Field(min_length=1, max_length=9)] = (2,)
-    """`permuted_blocks`: a block has so many times the groups' shares. Of several numbers one is
-    drawn for each block, so that nobody can guess its end."""
+    """`permuted_blocks`: block size, in multiples of the allocation ratio. Of several numbers one
+    is drawn for each block, so that its end cannot be guessed."""
     by: tuple[str, ...] = ()
     """Covariates: strata of `permuted_blocks`, margins of `minimisation`."""
     p_best: Annotated[float, Field(ge=0.5, le=1)] = 0.9
-    """`minimisation`: chance of the best group; at 1 who comes next can be foretold."""
+    """`minimisation`: chance of the best group; at 1 the next allocation can be foretold."""
 
 
 class PartOrder(Settings):
@@ -177,9 +178,9 @@ class PartOrder(Settings):
     name: Name
     """Within the part; names of sequences are put together from these."""
     group: Name | None = None
-    """Who meets it, where the protocol has [[groups]]; without it, every group."""
+    """Group that has this order, where the protocol has [[groups]]; without it, every group."""
     trials: Annotated[tuple[Trial, ...], Field(min_length=1)]
-    """What is shown, in this order."""
+    """Trials, in this order."""
 
 
 class Part(Settings):
@@ -202,7 +203,7 @@ class Part(Settings):
     orders: tuple[PartOrder, ...] = ()
     """Those of `explicit`."""
     repeats: Annotated[int, Field(ge=1, le=100)] = 1
-    """So many times an order is met, one after the other."""
+    """Repetitions of an order, one after the other."""
 
 
 def orders_of(part: Part, group: str) -> tuple[PartOrder, ...]:

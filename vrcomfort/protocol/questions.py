@@ -33,7 +33,8 @@ class Ask(Settings):
     compares: Literal["pair", "session", "study"] | None = None
     """For instruments whose answers 1, 2, … are the first, the second, … way of rendering (0: no
     preference): `pair`, the two exposures before, asked after every second one of a session;
-    `session` and `study`, the conditions of the session, or of all until then, as first met."""
+    `session` and `study`, the conditions of the session, or of all until then, in the order of
+    their first exposure."""
 
 
 Unfocused: TypeAlias = Literal["pause", "flag"]
@@ -47,15 +48,15 @@ class Ratings(Settings):
     every_s: Seconds = 60.0
     """From one question to the next."""
     jitter_s: Annotated[float, Field(ge=0, le=7200)] = 0.0
-    """Each question comes up to so much sooner or later, drawn from the study's seed."""
+    """Largest shift of each question, sooner or later, drawn from the study's seed."""
     timeout_s: Seconds = 15.0
     """An answer that has not come by then is recorded as missed."""
     missed_code: Annotated[int, Field(ge=1, le=9999)] = 1
-    """What the column `missed` has then; 0 is an answer."""
+    """Code of a missed rating in the column `missed`; 0 is an answer."""
     stop_at: Annotated[int, Field(ge=1, le=1000)] | None = None
-    """The stop rule: answers this high end what `stop_ends` says."""
+    """The stop rule: answers this high end the exposure, session or study (`stop_ends`)."""
     stop_in_a_row: Annotated[int, Field(ge=1, le=100)] = 1
-    """So many of an exposure's answers, one after the other; missed ones do not count."""
+    """Number of such answers in an exposure, one after the other; missed ones do not count."""
     stop_ends: Literal["exposure", "session", "study"] = "study"
     """`exposure`: the session goes on after its questions. `session`: the participant may come back
     for the next. `study`: the participant's study."""
@@ -70,7 +71,7 @@ class FreeText(Settings):
     name: Word
     """As ``texts.csv`` has it."""
     text: Asked
-    """What is asked, in the usual language."""
+    """The question, in the usual language."""
     when: Literal["session_start", "before_trial", "after_trial", "session_end"]
     """After the questionnaires of that moment; `before_trial` and `after_trial`: of every
     exposure."""
@@ -120,13 +121,13 @@ class Screening(Settings):
     scale: str | None = None
     """Of the instrument; without it, the one that is reported first."""
     covariate: str | None = None
-    """Instead of an instrument: what was entered when they were enrolled; a number."""
+    """Instead of an instrument: a number that was entered at the enrolment."""
     above: Bound | None = None
     """Told where the number is more."""
     below: Bound | None = None
     """Told where it is less."""
     ends: Literal["session", "study"] = "study"
-    """What ends where the experimenter stops; after `session` they may come back for the next."""
+    """Scope of a stop by the experimenter; after `session` they may come back for the next."""
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -206,7 +207,8 @@ class ScoreRise(Settings):
     scale: str = "T"
     """Of the instrument."""
     by: Annotated[float, Field(gt=0, le=1e6)]
-    """So much over the first score of the session, after a trial, ends what `ends` says."""
+    """Rise over the first score of the session, after a trial, at which session or study end
+    (`ends`)."""
     ends: Literal["session", "study"] = "session"
     """`session`: the participant may come back for the next. `study`: the participant's study."""
 
@@ -215,7 +217,7 @@ class Stopping(Settings):
     """Rules that end a session, or a participant's study; [[ratings]] have rules of their own."""
 
     participant: Literal["session", "study"] = "study"
-    """What a participant's wish to stop ends; after `session` they may come back for the next."""
+    """Scope of a participant's wish to stop; after `session` they may come back for the next."""
     score_rise: tuple[ScoreRise, ...] = ()
     """Rules on scores of questionnaires."""
 

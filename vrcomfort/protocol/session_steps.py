@@ -78,6 +78,7 @@ class Instruction(Settings):
         """Return it in a language that has a wording of its own."""
         if wording is None:
             return self
+        # A picture may serve all languages; a sound is speech, and is never taken from another one.
         picture = wording.picture or self.picture
         return self.model_copy(
             update={"text": wording.text, "picture": picture, "sound": wording.sound}
@@ -220,9 +221,9 @@ class GazeValidation(Settings):
     limit_deg: Annotated[float, Field(gt=0, le=45)] = 1.5
     """Largest mean error over the points that is good enough."""
     attempts: Annotated[int, Field(ge=1, le=10)] = 2
-    """So often in all, while the error is above the limit."""
+    """Number of attempts in all, while the error is above the limit."""
     above: Literal["end_session", "end_study", "note"] = "end_session"
-    """What an error above the limit in the last attempt does."""
+    """Consequence of an error above the limit in the last attempt."""
     after_breaks: bool = True
     """Again after each break between exposures: the headset may have been off."""
 
@@ -247,9 +248,9 @@ class Practice(Settings):
     sessions: tuple[Annotated[int, Field(ge=1, le=1000)], ...] = ()
     """Numbers of the sessions that have it; without it, all."""
     trials: tuple[Trial, ...] = ()
-    """What is shown, in this order."""
+    """Trials of practice, in this order."""
     draw: Count | None = None
-    """Instead of `trials`: so many of the session's own, drawn with the study's seed."""
+    """Instead of `trials`: a number of the session's own trials, drawn with the study's seed."""
     exposure_s: Seconds | None = None
     """How long each is shown; without it, as long as in the study."""
     score_at_least: Annotated[float, Field(ge=-1e6, le=1e6)] | None = None
@@ -257,7 +258,7 @@ class Practice(Settings):
     hits_at_least: Annotated[int, Field(ge=1, le=100_000)] | None = None
     """The criterion: hits of the block's tasks, added up."""
     at_most: Count = 1
-    """The block is repeated until its criterion is met, so many times in all."""
+    """Repetitions of the block, in all, until its criterion is met."""
     otherwise: Literal["go_on", "session", "study"] = "go_on"
     """Where it is still not met: the trial comes, or the session, or the participant's study,
     ends."""
@@ -296,7 +297,7 @@ class Breaks(Settings):
     """A break is over when the participant, or the experimenter, goes on."""
 
     min_s: Duration = 0.0
-    """Nobody goes on sooner, but for the experimenter, which is recorded."""
+    """Minimum length; only the experimenter can go on sooner, which is recorded."""
     max_s: Duration | None = None
     """After it the experimenter is told, which is recorded; the break goes on."""
     after_trials: tuple[Annotated[int, Field(ge=1, le=1000)], ...] = ()

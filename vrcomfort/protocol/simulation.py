@@ -34,7 +34,7 @@ class SimulatedEyes(Settings):
     error_deg: Annotated[float, Field(ge=0, le=30)] = 0.5
     """Standard deviation, over people and along each axis, of the tracker's offset."""
     eye_error_deg: Annotated[float, Field(ge=0, le=30)] = 0.3
-    """The same of what each eye's own line of sight is off besides."""
+    """The same for the error of each eye's own line of sight, besides."""
     noise_deg: Annotated[float, Field(ge=0, le=10)] = 0.1
     """Standard deviation of a sample around it, along each axis."""
     pupil_mm: Annotated[float, Field(ge=1, le=10)] = 4.0
@@ -55,9 +55,9 @@ class Simulation(Settings):
     recovery_min: PositiveCoefficient = 20.0
     """Time in which sickness decays to 1/e."""
     habituation: PositiveCoefficient = 0.85
-    """What growth is multiplied by from one session to the next."""
+    """Factor of growth from one session to the next."""
     condition_effects: dict[str, Coefficient] = Field(default_factory=dict)
-    """Condition → what growth is multiplied by in it; 1 without it."""
+    """Condition → factor of growth in it; 1 without it."""
     scene_effects: dict[str, Coefficient] = Field(default_factory=dict)
     """Scene → the same."""
     baseline_sd: Coefficient = 0.45
@@ -67,15 +67,15 @@ class Simulation(Settings):
     hazard_per_min: Coefficient = 0.05
     """Withdrawal rate per minute and unit of sickness above `tolerance`."""
     tolerance: Coefficient = 0.8
-    """Sickness up to which nobody withdraws."""
+    """Sickness below which there are no withdrawals."""
     refusal: Probability = 0.5
-    """Chance that somebody who withdrew refuses the questionnaire that follows."""
+    """Chance that a withdrawn participant refuses the questionnaire that follows."""
     question_hazard: Probability = 0.0005
     """Chance of withdrawing at any one question, per unit of sickness."""
     missed_rating: Probability = 0.05
     """Chance that a rating is missed."""
     reaction_s: Annotated[float, Field(ge=0.05, le=60)] = 0.7
-    """Median time in which they point at what a task wants; half of it, where they missed it."""
+    """Median reaction time to a task's target; half of it after a miss."""
     reaction_sigma: Annotated[float, Field(ge=0, le=2)] = 0.25
     """Standard deviation of the logarithm of that time."""
     aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
@@ -89,7 +89,7 @@ class Simulation(Settings):
     indifference: Coefficient = 0.5
     """Two that seem to differ by less are alike to them: no preference, where that may be said."""
     task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
-    """Condition → what reaction times and spread are multiplied by in it; 1 without it."""
+    """Condition → factor of reaction times and spread in it; 1 without it."""
     screened_out: Probability = 0.5
     """Chance that the experimenter stops where a screening rule is broken."""
     adjusts_to: dict[str, Annotated[float, Field(ge=-1e9, le=1e9)]] = Field(default_factory=dict)

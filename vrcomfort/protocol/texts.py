@@ -37,7 +37,7 @@ class Words(Settings):
     hint: Sentence = "Click, or type {answers}, then Enter"
     """Where there is a keyboard."""
     sure: Sentence = "Do you want to stop the study?"
-    """Asked of whoever wants to stop."""
+    """Question to participants who want to stop."""
     go_on: Button = "No, go on"
     """Button: an answer to that."""
     stop_now: Button = "Yes, stop now"
@@ -122,9 +122,9 @@ class LanguageTable(Settings):
     instruments: dict[str, TranslationTable] = Field(default_factory=dict)
     """Instrument → its instruction, labels and items, as in [translations] of an instrument."""
     instructions: dict[str, InstructionWording] = Field(default_factory=dict)
-    """Name of an instruction → what is told in this language."""
+    """Name of an instruction → its text in this language."""
     free_texts: dict[str, Asked] = Field(default_factory=dict)
-    """Name of a free text → what is asked in this language."""
+    """Name of a free text → its question in this language."""
 
 
 def words_of(language: str, tables: Mapping[str, LanguageTable]) -> Words:
@@ -204,6 +204,7 @@ def _of_nothing(
             found.append(Problem((*path, "words", key), f"the panel has no `{key}`; {hint}"))
             continue
         try:
+            # All that any of the panel's words is ever given: a brace beside is a mistake.
             text.format(number=1, count=1, instruction="", answers="", minutes=1)
         except (KeyError, IndexError, ValueError):
             message = f"`{key}` has braces that stand for nothing; the English has"

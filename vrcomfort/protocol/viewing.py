@@ -21,15 +21,15 @@ class HeadsetSettings(Settings):
     name: str = ""
     """Which headset the study is for; `vrcomfort check` tells sizes in its pixels."""
     image_size_px: tuple[PixelCount, PixelCount] = (1832, 1920)
-    """Width and height of one eye's image in that headset, for `vrcomfort check`. What a session
-    was shown in is recorded from the headset itself."""
+    """Width and height of one eye's image in that headset, for `vrcomfort check`. A session records
+    those of the headset itself."""
     refresh_hz: Annotated[float, Field(ge=1, le=1000)] = 90.0
     """Of that headset's display, for `vrcomfort check`: streaks are those of one period."""
     ipd_m: Ipd = MEAN_IPD_M
     """Distance between the eyes, where no headset says it."""
     ipd_range_m: tuple[Ipd, Ipd] | None = None
-    """Least and greatest distance between pupils that the headset can be fitted to. Whoever is
-    outside of it (`run --ipd-mm`) is told to the experimenter before the exposure, who decides."""
+    """Least and greatest distance between pupils that the headset can be fitted to. For a
+    participant outside of it (`run --ipd-mm`) the experimenter decides before the exposure."""
 
     @field_validator("ipd_range_m")
     @classmethod
@@ -43,16 +43,16 @@ class Answering(Settings):
     """How participants answer on the panel in a headset."""
 
     dwell_s: Annotated[float, Field(ge=0.3, le=10)] = 1.2
-    """So long a look must rest on an answer, twice, where there is no button to press."""
+    """Dwell time of a look on an answer, twice, where there is no button to press."""
     head: bool = True
     """Without controllers and an eye tracker, the middle of the head's view points."""
     stop_by_looks: bool = True
     """A look down asks to stop an exposure, with a controller in hand as without; the panel then
     asks whether they are sure."""
     stop_down_deg: Annotated[float, Field(ge=20, le=85)] = 60.0
-    """So far below the horizon, at least, they look then."""
+    """Least angle of that look below the horizon."""
     stop_down_s: Annotated[float, Field(ge=0.5, le=30)] = 2.0
-    """For so long, at least."""
+    """Least duration of that look."""
 
 
 class Visibility(Settings):
@@ -68,9 +68,9 @@ class LocomotionSettings(Settings):
     """How participants move through a scene."""
 
     mode: Literal["walk", "teleport", "off"] = "walk"
-    """`walk`: the left thumb-stick, or keys, move the participant on. `teleport`: each time that
-    they are pushed, by `teleport_m` at once. `off`: controls neither move nor turn anybody. Along
-    the path of a view nobody walks."""
+    """`walk`: the left thumb-stick, or keys, move the participant on. `teleport`: each push moves
+    by `teleport_m` at once. `off`: controls neither move nor turn. Along the path of a view there
+    is no walking."""
     teleport_m: Annotated[float, Field(ge=0.1, le=100)] = 2.0
     """How far a teleport goes; not through walls, and no higher than a step."""
     walking_speed_m_s: Annotated[float, Field(ge=0.001, le=100)] = 1.4
@@ -89,7 +89,7 @@ class Photodiode(Settings):
     """A patch in a corner of both images, for a photodiode: black, and white in some frames."""
 
     corner: Literal["upper_left", "upper_right", "lower_left", "lower_right"] = "lower_left"
-    """Where it is. Lenses may hide the corners: see what the headset shows there."""
+    """Place of the patch. Lenses may hide the corners: check in the headset."""
     size_deg: Annotated[float, Field(ge=0.5, le=45)] = 5.0
     """Width and height as angles from the eye."""
     inset_deg: Annotated[float, Field(ge=0, le=60)] = 0.0
@@ -109,7 +109,7 @@ class SceneView(Settings):
     """
 
     name: Name
-    """What trials call it."""
+    """Name of the view in trials."""
     scene: str
     """A shipped scene by name, or a .glb/.gltf file relative to the protocol file."""
     viewpoint: Word | None = None

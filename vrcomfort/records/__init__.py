@@ -10,12 +10,12 @@ from vrcomfort.records.exposure_rows import (
     TrialRow,
 )
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
-from vrcomfort.records.interrupted import ENDED_THE_STUDY, Interrupted, take_up
+from vrcomfort.records.interrupted import ENDED_THE_STUDY, Interrupted, repair_session
 from vrcomfort.records.manifest import Machine, Manifest, facts_of_run, read_manifest
 from vrcomfort.records.participants import (
-    told_of_the_other_kind,
+    administered_orders,
+    mixed_kinds_notice,
     undo_withdrawal,
-    what_was_met,
 )
 from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.recorder import Recorder, overwriting, session_folder
@@ -76,11 +76,13 @@ __all__ = [
     "TimingRow",
     "TrialRow",
     "access_of",
+    "administered_orders",
     "completed_sessions",
     "enrol",
     "enrolled",
     "entered",
     "facts_of_run",
+    "mixed_kinds_notice",
     "note_end",
     "only_run",
     "open_study",
@@ -88,12 +90,10 @@ __all__ = [
     "read_manifest",
     "read_participants",
     "recorded_sessions",
+    "repair_session",
     "session_folder",
     "set_fact",
     "set_status",
-    "take_up",
-    "told_of_the_other_kind",
     "undo_withdrawal",
     "unfinished_sessions",
-    "what_was_met",
 ]

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from vrcomfort.records.disk import Access, open_new, refused, sync_data, sync_folder
 
 
-class Meddling(NamedTuple):
+class ExternalChange(NamedTuple):
     """What another program has done to an open file.
 
     Parameters
@@ -107,7 +107,7 @@ class AppendedFile:
             raise refused(self._file, error) from error
         self.unsynced_since_s = None
 
-    def guard(self) -> Meddling | None:
+    def guard(self) -> ExternalChange | None:
         """See that the file has what was written, under its name; put it back where it can be.
 
         Raises
@@ -140,7 +140,7 @@ class AppendedFile:
         while content := os.read(self._descriptor, _CHUNK):
             yield content
 
-    def _begin_a_line(self, cut_bytes: int) -> Meddling:
+    def _begin_a_line(self, cut_bytes: int) -> ExternalChange:
         """Leave whole lines in a file that was cut, so that the next row can be read."""
         whole = at = 0
         for content in self._content():
@@ -151,11 +151,11 @@ class AppendedFile:
         if not whole:
             self._waiting[:0] = self._header.encode()
         cut = f"another program has cut off the last {cut_bytes} bytes of this file"
-        return Meddling(
+        return ExternalChange(
             f"{self._file}: {cut} while it was recorded; these rows are lost", lost=True
         )
 
-    def _put_back(self, *, replaced: bool) -> Meddling:
+    def _put_back(self, *, replaced: bool) -> ExternalChange:
         """Write a new file of what the open one still has."""
         done = "removed"
         if replaced:
@@ -179,7 +179,7 @@ class AppendedFile:
         os.close(self._descriptor)
         self._descriptor = descriptor
         message = f"{self._file}: another program has {done} this file while it was recorded"
-        return Meddling(f"{message}; all of its rows were written again")
+        return ExternalChange(f"{message}; all of its rows were written again")
 
     def close(self) -> None:
         """Close the file without writing."""

@@ -26,7 +26,7 @@ class Checksum(NamedTuple):
     line: int
 
 
-def seal(folder: Path, access: Access) -> None:
+def write_checksums(folder: Path, access: Access) -> None:
     """Write down what the files of a session are, now that it has ended.
 
     Parquet files are left out: they are copies that can be made again.
@@ -41,7 +41,7 @@ def seal(folder: Path, access: Access) -> None:
     _write(folder, {name: sha256_of(folder / name) for name in names if name != CHECKSUMS}, access)
 
 
-def seal_again(folder: Path, names: Iterable[str], access: Access) -> None:
+def update_checksums(folder: Path, names: Iterable[str], access: Access) -> None:
     """Write down what some files are after an operator's command changed them; the rest stays.
 
     A list that is damaged stays as it is: `vrcomfort verify` tells of it.
@@ -61,7 +61,7 @@ def seal_again(folder: Path, names: Iterable[str], access: Access) -> None:
     _write(folder, known, access)
 
 
-def unseal(folder: Path) -> None:
+def remove_checksums(folder: Path) -> None:
     """Take the checksums away from a session that goes on: they would not hold."""
     (folder / CHECKSUMS).unlink(missing_ok=True)
 

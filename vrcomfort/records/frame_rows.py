@@ -161,7 +161,7 @@ class ImageRow(Row):
     xr_time_ns: FrameTimeNs
     trial: FrameTrial
     left_hash: Annotated[
-        str, Column("Hash of the left eye's image, 16 hexadecimal digits (`render.image_hash`)")
+        str, Column("Hash of the left eye's image, 16 hexadecimal digits (`render.display`)")
     ]
     right_hash: Annotated[str, Column("Hash of the right eye's image, likewise")]
     resumed: Resumed = 0

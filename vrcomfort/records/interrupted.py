@@ -1,4 +1,4 @@
-"""Takes up the files of a session that was interrupted: mends them, and tells how far it came."""
+"""Repairs the files of an interrupted session, and returns its progress."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.protocol import Trial
 from vrcomfort.records.appended_file import AppendedFile
 from vrcomfort.records.attempts import FramesOfAttempts
-from vrcomfort.records.checksums import unseal
+from vrcomfort.records.checksums import remove_checksums
 from vrcomfort.records.disk import (
     OWNER,
     Access,
@@ -42,7 +42,7 @@ from vrcomfort.records.session_rows import (
 from vrcomfort.records.tables import RecordedRow, split_line, text_rows
 
 
-def mend(folder: Path, row_type: type[Row], access: Access) -> str | None:
+def repair_table(folder: Path, row_type: type[Row], access: Access) -> str | None:
     """Leave the whole rows in a file, or a header where there is not even that.
 
     The half-written last row of a file (NUL bytes, after a power cut) is moved to the end of a
@@ -67,7 +67,7 @@ def mend(folder: Path, row_type: type[Row], access: Access) -> str | None:
             _begin(file, columns, access)
             return None
         written = file.stat()
-        cut = _mended(file, columns, access)
+        cut = _repaired(file, columns, access)
         os.utime(file, ns=(written.st_atime_ns, written.st_mtime_ns))  # when its last row came
     except OSError as error:
         raise refused(file, error) from error
@@ -83,7 +83,7 @@ def _begin(file: Path, columns: tuple[str, ...], access: Access) -> None:
         again.close()
 
 
-def _mended(file: Path, columns: tuple[str, ...], access: Access) -> str | None:
+def _repaired(file: Path, columns: tuple[str, ...], access: Access) -> str | None:
     version, there = _schema_of(file, columns)
     whole, lines = _whole_rows(file, there)
     cut = _cut(file, whole, lines, there, access) if whole < file.stat().st_size else None
@@ -225,7 +225,7 @@ class Interrupted:
     practised: Mapping[str, Practised] = field(default_factory=dict)
 
 
-def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> Interrupted:
+def repair_session(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> Interrupted:
     """Mend the files of an interrupted session and return how far it came.
 
     A half-written last row goes to a file beside (``frames.csv.cut``). An exposure that was under
@@ -248,9 +248,9 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
     begun = manifest.get("under_way")
     if begun:
         _check_begun(folder, begun, planned)
-    unseal(folder)
+    remove_checksums(folder)
     there = [each for each in OPTIONAL_ROWS if (folder / each.FILE).exists()]
-    cuts = [mend(folder, row_type, access) for row_type in (*SESSION_ROWS, *there)]
+    cuts = [repair_table(folder, row_type, access) for row_type in (*SESSION_ROWS, *there)]
     whose = {"participant": manifest["participant"], "session": manifest["session"]}
     trials = list(_checked_trials(session, planned, whose))
     frames = _Frames.read(session, trials, begun)
@@ -312,7 +312,7 @@ def _answered(
     session: Session, whose: Mapping[str, Any]
 ) -> dict[tuple[int | None, str, str], frozenset[str]]:
     found: dict[tuple[int | None, str, str], set[str]] = {}
-    for row in _of(whose, session.rows(QuestionnaireRow, mended=True)):
+    for row in _of(whose, session.rows(QuestionnaireRow, repaired=True)):
         key = (row["trial"], row["timepoint"], row["instrument"])
         found.setdefault(key, set()).add(row["item"])
     return {key: frozenset(items) for key, items in found.items()}
@@ -321,7 +321,7 @@ def _answered(
 def _practised(session: Session, whose: Mapping[str, Any]) -> dict[str, Practised]:
     """Return how far each block of practice came."""
     found: dict[str, Practised] = {}
-    for row in _of(whose, session.rows(PracticeRow, mended=True)):
+    for row in _of(whose, session.rows(PracticeRow, repaired=True)):
         before = found.get(row["practice"], Practised(0, 0, over=False))
         begun = max(before.begun, row["repetition"])
         whole = before.whole + int(row["met"] is not None)
@@ -370,7 +370,7 @@ def _checked_trials(
     """Yield the rows of trials that were planned, each attempt once and none skipped."""
     seen: set[tuple[int, int]] = set()
     done = 0
-    for row in _of(whose, session.rows(TrialRow, mended=True)):
+    for row in _of(whose, session.rows(TrialRow, repaired=True)):
         for column, fault in _unplanned(row, planned):
             raise row.fault(fault, column)
         attempt = row["trial"], row["attempt"]
@@ -410,14 +410,14 @@ class _Frames:
         found = cls()
         under_way = (begun["trial"], begun["attempt"]) if begun else None
         of_attempts = FramesOfAttempts([*trials, *([begun] if begun else [])])
-        for row in session.rows(FrameRow, mended=True):
+        for row in session.rows(FrameRow, repaired=True):
             attempt = of_attempts.add(row)
             if attempt is not None and attempt == under_way:
                 found.shown += 1
                 found.dropped += row["dropped"]
             found._meet(row)
         for row_type in OF_FRAMES:  # a power cut may have left them without their frame
-            for row in session.rows(row_type, mended=True):
+            for row in session.rows(row_type, repaired=True):
                 found._meet(row)
         return found
 
@@ -444,7 +444,7 @@ def _ends(
         ClockRow: ("session_s",),
     }
     for row_type, parts in columns.items():
-        for row in _of(whose, session.rows(row_type, mended=True)):
+        for row in _of(whose, session.rows(row_type, repaired=True)):
             yield sum(row[part] or 0.0 for part in parts)
 
 

@@ -6,14 +6,14 @@ import re
 from pathlib import Path
 from typing import Any
 
-from vrcomfort.design.audit import Met
+from vrcomfort.design.audit import AdministeredOrder
 from vrcomfort.errors import InputError
 from vrcomfort.json_text import json_of
 from vrcomfort.protocol import Sequence, Trial
-from vrcomfort.records.checksums import seal_again
+from vrcomfort.records.checksums import update_checksums
 from vrcomfort.records.disk import Access, replace_text
 from vrcomfort.records.exposure_rows import TrialRow
-from vrcomfort.records.interrupted import ENDED_THE_STUDY, mend
+from vrcomfort.records.interrupted import ENDED_THE_STUDY, repair_table
 from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.records.study import (
@@ -126,8 +126,8 @@ def _withdrawn(study: Path, participant: str) -> ParticipantRow:
 
 def _reopen(session: Session, why: dict[str, Any], access: Access) -> None:
     folder, manifest = session.folder, session.manifest
-    mend(folder, TrialRow, access)
-    trials = list(session.rows(TrialRow, mended=True))
+    repair_table(folder, TrialRow, access)
+    trials = list(session.rows(TrialRow, repaired=True))
     place: dict[str, int | None] = {"trial": None, "attempt": None}
     if trials and trials[-1]["status"] in ENDED_THE_STUDY:
         last = trials[-1]
@@ -136,13 +136,13 @@ def _reopen(session: Session, why: dict[str, Any], access: Access) -> None:
     manifest["withdrawals_undone"] = [*manifest.get("withdrawals_undone", []), why | place]
     text = json_of(manifest)
     replace_text(folder / "manifest.json", text + "\n", access)
-    seal_again(folder, ("manifest.json", TrialRow.FILE, f"{TrialRow.FILE}.cut"), access)
+    update_checksums(folder, ("manifest.json", TrialRow.FILE, f"{TrialRow.FILE}.cut"), access)
 
 
 SIMULATED = "simulated"
 
 
-def told_of_the_other_kind(study: Path, *, simulated: bool) -> str:
+def mixed_kinds_notice(study: Path, *, simulated: bool) -> str:
     """Return a sentence on the participants of the other kind, or nothing where there are none.
 
     Parameters
@@ -173,7 +173,7 @@ def is_simulated(study: Path, participant: str) -> bool | None:
     return None
 
 
-def what_was_met(study: Path) -> list[Met]:
+def administered_orders(study: Path) -> list[AdministeredOrder]:
     """Return what everybody who was enrolled has met: exposures that were shown whole, in order.
 
     Raises
@@ -185,10 +185,10 @@ def what_was_met(study: Path) -> list[Met]:
     return [_met(read, row) for row in read.enrolled]
 
 
-def _met(study: Study, row: ParticipantRow) -> Met:
+def _met(study: Study, row: ParticipantRow) -> AdministeredOrder:
     sessions = tuple(_trials(session) for session in study.sessions_of(row.participant))
     run = Sequence.model_construct(name=row.sequence, group=row.group, sessions=sessions)
-    return Met(row.participant, enrolment_of(row), run)
+    return AdministeredOrder(row.participant, enrolment_of(row), run)
 
 
 def _trials(session: Session) -> tuple[Trial, ...]:

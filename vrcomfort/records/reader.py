@@ -97,12 +97,12 @@ class Session:
         """Return whether the session has a table: some come with their first row."""
         return (self.folder / row_type.FILE).exists()
 
-    def rows(self, row_type: type[Row], *, mended: bool = False) -> Iterator[RecordedRow]:
+    def rows(self, row_type: type[Row], *, repaired: bool = False) -> Iterator[RecordedRow]:
         """Yield the rows of a table as values; none where the session does not have it.
 
         Parameters
         ----------
-        mended
+        repaired
             The session goes on: its files are whole, and have the columns of this version. Else
             the last row may be half-written, and is left out then.
 
@@ -112,8 +112,8 @@ class Session:
             If the manifest or the table is damaged, with its place.
         """
         if self.has(row_type):
-            version = SCHEMA_VERSION if mended else self.schema_version
-            yield from read_rows(self.folder, row_type, version=version, cut=not mended)
+            version = SCHEMA_VERSION if repaired else self.schema_version
+            yield from read_rows(self.folder, row_type, version=version, cut=not repaired)
 
     def table(self, row_type: type[Row]) -> CsvTable:
         """Return a table as text; an empty one where the session does not have it.

@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Self
 
 from vrcomfort.errors import InputError
-from vrcomfort.records.appended_file import Meddling
+from vrcomfort.records.appended_file import ExternalChange
 from vrcomfort.records.disk import OWNER, Access, make_folders, refused
 from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.frame_rows import FrameRow
@@ -147,7 +147,7 @@ class Recorder:
     Parameters
     ----------
     resumed
-        Append to the files of a session that was interrupted (see `take_up`), and mark the rows.
+        Append to the files of an interrupted session (see `repair_session`), and mark the rows.
     durability
         "session_end" syncs at the end alone, for sessions that can be simulated again: until
         then rows survive the end of the program, and not of the machine. Nobody waits for a row
@@ -159,8 +159,8 @@ class Recorder:
     ----------
     frames_not_recorded
         Frames that were left out.
-    meddling
-        What other programs have done to the files, as far as `take_meddling` has told.
+    external_changes
+        What other programs have done to the files, as far as `take_external_changes` has told.
 
     Raises
     ------
@@ -183,7 +183,7 @@ class Recorder:
         self.folder = session_folder(study, participant, session)
         self.access = access
         self.frames_not_recorded = 0
-        self.meddling: list[Meddling] = []
+        self.external_changes: list[ExternalChange] = []
         self.durability = durability
         self._gap: _Gap | None = None
         self._closed = False
@@ -238,10 +238,12 @@ class Recorder:
                 self._background.put(row)
         self._background.check()  # not before: no row may be lost to the fault of another
 
-    def take_meddling(self) -> list[Meddling]:
+    def take_external_changes(self) -> list[ExternalChange]:
         """Return what other programs have done to the files since the last call."""
-        found = [self._files.meddling.popleft() for _ in range(len(self._files.meddling))]
-        self.meddling.extend(found)
+        found = [
+            self._files.external_changes.popleft() for _ in range(len(self._files.external_changes))
+        ]
+        self.external_changes.extend(found)
         return found
 
     @uninterrupted()

@@ -10,7 +10,7 @@ from pathlib import Path
 from threading import RLock
 from typing import Literal, TypeAlias
 
-from vrcomfort.records.appended_file import AppendedFile, Meddling
+from vrcomfort.records.appended_file import AppendedFile, ExternalChange
 from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
 from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
@@ -57,7 +57,7 @@ class RowFiles:
         self._files: dict[str, AppendedFile] = {}
         self._lock = RLock()
         self._fault: Exception | None = None
-        self.meddling: deque[Meddling] = deque()
+        self.external_changes: deque[ExternalChange] = deque()
         """What other programs have done to the files, and has not been told."""
         self._told: set[str] = set()
         """Files whose refusal has been told, and that no row has come for since."""
@@ -211,7 +211,7 @@ class RowFiles:
 
     def _guard(self, file: AppendedFile) -> None:
         if found := file.guard():
-            self.meddling.append(found)
+            self.external_changes.append(found)
 
     def _in_order(self) -> Iterator[tuple[str, AppendedFile]]:
         """Yield the open files, but for those that rely on one that the disk has refused."""

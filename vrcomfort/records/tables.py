@@ -111,7 +111,7 @@ def read_rows(
         Of the schema that it was written in; columns that came later are None.
     cut
         The last row may be half-written, by a program that was killed; it is left out then. Else
-        the file has been mended.
+        the file has been repaired.
     told
         Is called with every fault, and the other rows are yielded; the columns have to be those of
         the version then, in their order. Without it the first fault is raised, and columns that

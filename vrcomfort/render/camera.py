@@ -33,7 +33,7 @@ class Lens:
     position
         (x, y) in the unit disc; (0, 0) is the pinhole.
     focus_m
-        Distance of what is sharp, from the head centre along the head's forward axis.
+        Focus distance, from the head centre along the head's forward axis.
     infinity_m
         Distance taken for the sky.
     px_per_defocus
@@ -66,7 +66,7 @@ class EyeCamera:
     lens
         A point of the lens other than the pinhole. A renderer built for lenses needs one.
     peripheral_axis, vignette_axis
-        (3,) in the head's frame: what peripheral blur and the vignette are centred on, where that
+        (3,) in the head's frame: centre of peripheral blur and of the vignette, where that
         is not the head's forward axis.
     """
 
@@ -102,7 +102,7 @@ class EyeCamera:
 class PreviousCamera:
     """Where the eye counts as having been one frame ago, and the scene's time then.
 
-    `render.camera_motion.previous_eye_pose` makes it; head-locked nodes do not use the pose.
+    `previous_eye_pose` makes it; head-locked nodes do not use the pose.
     """
 
     world_from_eye: Pose
@@ -244,7 +244,8 @@ def hand_poses(
     Notes
     -----
     - ``with_head``: a hand has moved as far as it has in the head's frame; the pose before is given
-      as if the head had been where it is now. What rests before the head is sharp in every mode.
+      as if the head had been where it is now. An object held still before the head is sharp in
+      every mode.
     - ``in_world``: the hand where it was in the world. In a mode that cancels the head's motion,
       the hand that goes with the head blurs ("objects which are moving with the head ... blur
       incorrectly", Chapman 2020).

@@ -43,7 +43,7 @@ class EyeImages(NamedTuple):
     """The textures of the eye that was just drawn; the next eye overwrites all but `encoded`.
 
     `pinhole` and `linear` are linear HDR light before and after the effects, `depth` is reverse-Z
-    with `near_m`, `velocity` is px per frame, `encoded` is what the display gets. `previous` is
+    with `near_m`, `velocity` is px per frame, `encoded` is the display's image. `previous` is
     where the eye counts as having been, None where motion blur needs none.
     """
 
@@ -57,7 +57,7 @@ class EyeImages(NamedTuple):
 
 
 Renderable: TypeAlias = EffectPass | LensViews | ScenePass | ResolvePass | ToneMapPass | FocusPass
-"""What has a `render`."""
+"""Parts of a frame that can be measured: they have a `render`."""
 
 NO_EYE_TRACKER = (
     "effects are centred on the gaze (gaze_centre), and this headset has no eye tracker; use one "

@@ -1,7 +1,7 @@
 """Draw list as tables: one row per node, level of detail and primitive.
 
-Choosing among thousands of things per frame is then a few array operations, and the answer is
-what the GPU reads: rows of ``DrawElementsIndirectCommand``.
+Choosing among thousands of instances per frame is then a few array operations, and the result is
+in the format that the GPU reads: rows of ``DrawElementsIndirectCommand``.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class DrawList:
     Parameters
     ----------
     keys, depth_keys
-        What draws share, for colour and where only depth is drawn.
+        State that draws share, for colour and for depth alone.
     key, depth_key
         Of each row, by index into them.
     material
@@ -66,7 +66,7 @@ class DrawList:
     first_joint
         Where in the list of all joints those of a row's skin begin, 0 without one.
     skin_boxes
-        Around what joints bend.
+        Around skinned meshes.
     """
 
     keys: tuple[BatchKey, ...]
@@ -131,7 +131,7 @@ class DrawList:
         Parameters
         ----------
         distance_m
-            (items,) of what `node_centers` gives a row's node.
+            (items,) from the viewpoint to the `node_centers` of a row's node.
         """
         return (distance_m >= self.from_m) & (distance_m < self.until_m)
 
@@ -172,7 +172,7 @@ def batches(keys: NDArray[np.intp]) -> list[Batch]:
 def front_to_back(key: NDArray[np.intp], distance_m: Array) -> NDArray[np.intp]:
     """Return the order of rows: keys by their nearest row, and the rows of a key by distance.
 
-    Near things first: the depth test then spares most of the shading behind them.
+    Near instances first: the depth test then spares most of the shading behind them.
     """
     nearest = np.full(int(key.max(initial=0)) + 1, np.inf)
     np.minimum.at(nearest, key, distance_m)

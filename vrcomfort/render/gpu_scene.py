@@ -86,7 +86,7 @@ class GpuScene:
     Parameters
     ----------
     defines
-        What the colour programs are compiled for besides the scene: VELOCITY, LENS, LAW_DIOPTRE.
+        Defines of the colour programs besides those of the scene: VELOCITY, LENS, LAW_DIOPTRE.
     foreground
         (nodes,) which are drawn apart from the others; none without it.
 
@@ -201,8 +201,7 @@ class GpuScene:
     def _order(self, seen: Rows) -> Rows:
         """Order places in `SceneRows.in_use` by their distance from the head: alike in both eyes.
 
-        Blended instances come last, and from back to front; what is in the foreground comes after
-        what is not.
+        Blended instances come last, and from back to front; the foreground comes after the rest.
         """
         rows, distance = self._rows.in_use[seen], self._rows.distance_m[seen]
         order = seen[front_to_back(self._list.key[rows], distance)]
@@ -224,7 +223,7 @@ class GpuScene:
         blended
             False: opaque and masked surfaces. True: blended ones.
         foreground
-            Whether what is drawn apart is drawn, or all else.
+            Draw the foreground, or all else.
         """
         layer = self._layers[_LAYERS * view + _OF_FOREGROUND * foreground + blended]
         self._begin()
@@ -251,10 +250,10 @@ class GpuScene:
         origin_m
             (3,) world metres: the viewpoint.
         shadow
-            Draw for a shadow map: what casts one only, back faces too, levels of detail by the
+            Draw for a shadow map: casters only, back faces too, levels of detail by the
             distance from `origin_m`, no near plane (the target must clamp depth).
         movement
-            Leave out of a shadow map what moves (or what does not).
+            Leave moving (or static) casters out of a shadow map.
         """
         planes = culling.planes(clip_from_relative, near=not shadow)
         rows = (

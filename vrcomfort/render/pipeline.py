@@ -71,11 +71,11 @@ class RenderedFrame:
     image_hashes
         Those of earlier frames that have arrived, where images are hashed.
     seeks_gaze
-        Whether it is being found out what the gaze of this frame meets.
+        Whether the gaze hit of this frame is being sought.
     gaze_hits
-        Of earlier frames that have arrived, what their gaze meets.
+        Those of earlier frames that have arrived.
     effect_centre
-        What effects that are centred on the gaze are centred on: ``gaze``, ``held`` or ``head``;
+        Centre of gaze-contingent effects: ``gaze``, ``held`` or ``head``;
         None where the condition has none.
     """
 
@@ -126,7 +126,7 @@ class StereoRenderer:
     photodiode
         The patch that frames with a `Frame.patch` have.
     finds_hits
-        Find out what the gaze of frames meets, where they have one.
+        Find the hit of each frame's gaze, where it has one.
     """
 
     def __init__(
@@ -452,7 +452,7 @@ WIDE = Fov(-1.2, 1.2, 1.2, -1.2)
 """Radians: two frames back to back see nearly everything around."""
 
 LATEST_NS = 2**63 - 1
-"""After it every frame goes back in time, which resets what remembers frames before."""
+"""After it every frame goes back in time, which resets all state from earlier frames."""
 
 
 def looks_around(spawn: Pose) -> tuple[Frame, ...]:

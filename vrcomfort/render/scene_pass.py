@@ -374,7 +374,7 @@ class EyeBlocks:
         self._light.look_from(
             camera.world_from_eye.position, None if shadow is None else shadow.uniforms
         )
-        self._buffer.orphan()  # what the other eye is being drawn with stays as it is
+        self._buffer.orphan()  # draws of the other eye that are under way keep their storage
         self._buffer.write(self._bytes)
         if lens_focus is not None and camera.lens is not None:
             # From texture to block on the GPU: the focus of this frame is not known here.

@@ -4,7 +4,7 @@ r"""The sun's shadow map: one D32F image of the surroundings, seen along the sun
 
       sun  \   \   \        The map follows the head in steps of whole texels, so its
             \ ___\___\       texels stay on the same points of the world and shadows
-             |  head  |     do not crawl. Steps are large: what does not move is drawn
+             |  head  |     do not crawl. Steps are large: static casters are drawn
              |___x____|     again only when the head leaves the middle of the map.
 """
 

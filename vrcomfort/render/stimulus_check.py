@@ -201,7 +201,7 @@ def _joined(parts: list[Float32]) -> Float32 | None:
 
 
 LEAST_PX = 1.0
-"""What is smaller cannot be seen on the display: no pixel changes place."""
+"""Smaller blur cannot be seen on the display: no pixel changes place."""
 QUANTILE = 0.9
 """Share of the image that may be below."""
 
@@ -292,7 +292,7 @@ def faults(protocol: Protocol, sizes: Mapping[str, Mapping[str, StimulusSize]]) 
     Parameters
     ----------
     sizes
-        Scene → condition → what it does, in the headset's pixels.
+        By scene and condition, in the headset's pixels.
     """
     unseen = {
         each.name: [name for name in sizes if _p90(sizes[name][each.name]) < LEAST_PX]

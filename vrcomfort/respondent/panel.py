@@ -40,9 +40,9 @@ from vrcomfort.respondent.panel_picture import (
 )
 
 _AWAY_S = 60.0
-"""So long, from each frame on, nobody need look into the headset."""
+"""Time that the headset may be unworn, from each frame on."""
 UNABLE_S = 2.0
-"""So long nothing to point with may be out of sight before the panel says so."""
+"""Time without any pointing device before the panel says so."""
 
 
 class PanelRespondent:

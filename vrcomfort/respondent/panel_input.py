@@ -76,7 +76,7 @@ class Screen(Protocol):
 
 
 DWELL_S = 1.2
-"""So long a look rests without another wish of the protocol."""
+"""Dwell time without another wish of the protocol."""
 DOWN_DEG, DOWN_S = 60.0, 2.0
 """A look down that asks to stop, without another wish of the protocol."""
 AWAY_S = 0.25

@@ -41,14 +41,14 @@ LARGE_PX, MIDDLE_PX, SMALL_PX = 60, 38, 32
 QUESTION_TOP_PX, QUESTION_PX = 190, (LARGE_PX, 52, 44, MIDDLE_PX, SMALL_PX)
 """Where a question begins, and the sizes that it may have: a long one is smaller."""
 
-TELLING_TOP_PX, TELLING_BOTTOM_PX, LEADING_PX = MARGIN_PX, FOOT_TOP_PX - 60, 12
-"""Between which what is told stands: above the line of hints."""
-TELLING_PX = (46, MIDDLE_PX, SMALL_PX)
+INSTRUCTION_TOP_PX, INSTRUCTION_BOTTOM_PX, LEADING_PX = MARGIN_PX, FOOT_TOP_PX - 60, 12
+"""Vertical limits of an instruction: above the line of hints."""
+INSTRUCTION_PX = (46, MIDDLE_PX, SMALL_PX)
 
 Picture = NDArray[np.uint8]
 
 STEPS = 8
-"""In so many steps the progress of a look is drawn."""
+"""Steps in which the progress of a look is drawn."""
 
 
 @dataclass(frozen=True)
@@ -224,7 +224,7 @@ def _draw_question(canvas: TextCanvas, question: str, width: float) -> None:
 
 def _draw_instruction(image: Image.Image, canvas: TextCanvas, content: InstructionContent) -> None:
     """Draw words from the top, and a picture in the middle of the room below them."""
-    top = TELLING_TOP_PX
+    top = INSTRUCTION_TOP_PX
     if content.text:
         size, height = _instruction_size(canvas, content)
         text = _paragraphs(canvas, content.text, size)
@@ -233,16 +233,16 @@ def _draw_instruction(image: Image.Image, canvas: TextCanvas, content: Instructi
     if content.picture is not None:
         drawn = Image.fromarray(content.picture)
         left = (SIZE_PX[0] - drawn.width) // 2
-        above = top + max(TELLING_BOTTOM_PX - top - drawn.height, 0) // 2
+        above = top + max(INSTRUCTION_BOTTOM_PX - top - drawn.height, 0) // 2
         image.alpha_composite(drawn, (left, above))
 
 
 def _instruction_size(canvas: TextCanvas, content: InstructionContent) -> tuple[int, int]:
     """Return the largest size in which words leave room for their picture, and their height."""
-    room = TELLING_BOTTOM_PX - TELLING_TOP_PX
+    room = INSTRUCTION_BOTTOM_PX - INSTRUCTION_TOP_PX
     if content.picture is not None:
         room -= content.picture.shape[0] + MARGIN_PX
-    for size in TELLING_PX:
+    for size in INSTRUCTION_PX:
         text = _paragraphs(canvas, content.text, size)
         height = canvas.height_px(text, size, leading_px=LEADING_PX)
         if height <= room:
@@ -260,7 +260,7 @@ def room_for_picture(text: str) -> tuple[int, int]:
 
     The height is negative where not even the text has room.
     """
-    height = TELLING_BOTTOM_PX - TELLING_TOP_PX
+    height = INSTRUCTION_BOTTOM_PX - INSTRUCTION_TOP_PX
     if text:
         page = instruction_page(InstructionContent("", text), ready=True)
         canvas = TextCanvas(Image.new("RGBA", (1, 1)), page.font)

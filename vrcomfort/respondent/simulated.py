@@ -69,14 +69,14 @@ _HANDS = 4
 _EYES, _BREAKS = 5, 6
 """The same of the eyes, and of how long breaks are."""
 _DIAL = 6
-"""The same of what turns a dial."""
+"""The random stream of adjustments."""
 _SLIDER = 8
 """The same of a slider."""
 _WORDS = 9
-"""The same of what they say in their own words."""
+"""The random stream of free texts."""
 
 _DECISION = 10
-"""The same of what an experimenter decides."""
+"""The random stream of the experimenter's decisions."""
 
 SAID = (
     ("", "Nothing in particular.", "It looked good."),
@@ -84,7 +84,7 @@ SAID = (
     ("My eyes are tired.\nThe near things were hard to look at.", "Warm."),
     ('I felt "seasick".', "Too much; I'd have stopped soon."),
 )
-"""What simulated participants say, by their sickness in whole units."""
+"""Free texts of simulated participants, by their sickness in whole units."""
 
 
 class SimulatedRespondent:

@@ -74,11 +74,11 @@ _SPREAD_OF_LOG = 0.5
 _SACCADE_S, _SACCADE_S_PER_DEG = 0.021, 0.0022
 """Duration of a saccade: 21 ms and 2.2 ms per degree (Carpenter 1988, from the main sequence)."""
 _JUMP_DEG = 2.0
-"""What moves further from one frame to the next is another thing to look at."""
+"""A target that moves further from one frame to the next is another target."""
 _WANDER_DEG = 0.15
-"""How far, along each axis, a fixation misses what is looked at."""
+"""Spread of a fixation around its target, along each axis."""
 _MADE_UP_S = 1.0
-"""What the eyes did in a longer gap between frames is not made up."""
+"""Eye movements in a longer gap between frames are not simulated."""
 _FAR_M = 2.0
 """Where both eyes' lines of sight meet while nothing is to be looked at."""
 

@@ -59,7 +59,7 @@ class SimulatedHands:
 SETTLING_S = 0.3
 """Time constant with which simulated participants come to the value that they want."""
 WORTHWHILE = 0.03
-"""Change of what they feel, in parts of the range, for which they move a slider."""
+"""Least change of sickness, in parts of the range, after which they move a slider."""
 _CLOSE = 0.005
 """So near to it, in parts of the range, they stop turning."""
 

@@ -18,7 +18,7 @@ _KEYS = f"number = answer, {keyboard.HELP}"
 _STOP = f"{keyboard.STOP} + Enter = withdraw"
 _YES_OR_NO = {keyboard.YES: True, "yes": True, keyboard.NO: False, "no": False}
 _LOOKS_EVERY_S = 0.05
-"""So often what is typed is looked at while something is told."""
+"""Interval at which typed lines are read during an instruction."""
 
 
 class TerminalRespondent:

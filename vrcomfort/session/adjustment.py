@@ -29,7 +29,7 @@ KEY_STEPS = 100
 LEAST_PUSH = 0.15
 """A thumb-stick that is pushed less rests: no stick comes back to its middle exactly."""
 LONGEST_S = 0.1
-"""Nobody turns for longer in one frame: the picture stood still."""
+"""Longest turn in one frame: in a longer one the picture stood still."""
 _STREAM = 7
 """Which of a trial's random streams is the dial's."""
 SLIDER_KEY_STEPS = 20

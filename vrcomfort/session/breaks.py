@@ -11,7 +11,7 @@ from vrcomfort.session.instructor import Instructor
 from vrcomfort.session.operator_control import Skipped
 
 SLICE_S = 0.2
-"""So often a rest looks up."""
+"""Interval at which a rest handles commands and progress."""
 
 
 class BreakRunner:

@@ -72,7 +72,7 @@ def dry_run(protocol: Protocol, folder: Path) -> list[SessionLength]:
     while wanted:
         number += 1
         name = f"P{number:02d}"
-        sequence = _run(protocol, study, name, design.imagined(number))
+        sequence = _run(protocol, study, name, design.simulated_covariates(number))
         group = design.group_of(sequence)
         if group in wanted:
             wanted.remove(group)

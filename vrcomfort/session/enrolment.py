@@ -23,8 +23,8 @@ from vrcomfort.records import (
     overwriting,
     read_manifest,
     recorded_sessions,
+    repair_session,
     session_folder,
-    take_up,
     unfinished_sessions,
 )
 from vrcomfort.records.consents import Given, required_consent
@@ -170,11 +170,11 @@ class InterruptedSessions:
                 file = self._folders[number] / "manifest.json"
                 raise InputError(error.message, file=file) from error
 
-    def take_up(self, sequence: Sequence) -> dict[int, Interrupted]:
+    def repair_session(self, sequence: Sequence) -> dict[int, Interrupted]:
         """Mend the files; return session → how far it came."""
         access = access_of(self._study)
         return {
-            number: take_up(folder, sequence.sessions[number - 1], access)
+            number: repair_session(folder, sequence.sessions[number - 1], access)
             for number, folder in self._folders.items()
         }
 

@@ -22,7 +22,7 @@ from vrcomfort.tasks import Demand
 
 NAME = "eye_height"
 STEADY_M = 0.05
-"""Whoever moves up or down by more is measured again."""
+"""A larger movement up or down is measured again."""
 ATTEMPTS = 3
 POSSIBLE_M = 0.5, 2.3
 """Of eyes over the floor: outside of it the headset does not know where the floor is."""

@@ -207,7 +207,7 @@ def timing_row(trial: TrialRow, timing: TrialTiming, flags: Sequence[str]) -> Ti
 
 
 _LATEST_FRAMES = 16
-"""What has not come after so many frames does not come: the row is written without."""
+"""Frames after which a row is written without the values that have not arrived."""
 
 
 class _Waiting(NamedTuple):

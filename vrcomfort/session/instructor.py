@@ -25,7 +25,7 @@ from vrcomfort.session.context import EventLog, SessionContext
 from vrcomfort.session.operator_control import Redone, Skipped
 
 SLICE_S = 0.1
-"""So often is looked up while something is told."""
+"""Interval at which commands are handled during an instruction."""
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ class Renderer(Protocol):
 
 
 LoadScene: TypeAlias = Callable[[str], Any]
-"""Takes a scene's name or file (`Protocol.scene_source`), returns what the renderer draws."""
+"""Takes a scene's name or file (`Protocol.scene_source`), returns the renderer's scene."""
 
 HeadsetFor: TypeAlias = Callable[[str, Any], Headset]
 """Takes a scene's name and the loaded scene; returns the headset standing in it.

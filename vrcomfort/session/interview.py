@@ -266,7 +266,7 @@ class FreeTexts:
 
     def __init__(self, context: SessionContext, events: EventLog) -> None:
         self._context, self._events = context, events
-        rows = Session(events.recorder.folder).rows(TextRow, mended=True)
+        rows = Session(events.recorder.folder).rows(TextRow, repaired=True)
         self._answered = {(row["trial"], row["question"]) for row in rows}
 
     def ask(self, step: FreeTextStep) -> None:
@@ -320,10 +320,10 @@ class ScreeningRunner:
 
     def __init__(self, context: SessionContext, events: EventLog) -> None:
         self._context, self._events = context, events
-        rows = Session(events.recorder.folder).rows(ScreeningRow, mended=True)
+        rows = Session(events.recorder.folder).rows(ScreeningRow, repaired=True)
         self._decided = {row["rule"] for row in rows}
 
-    def look_at_covariates(self) -> None:
+    def check_covariates(self) -> None:
         """Apply the rules on covariates of the enrolment, before the first session, once.
 
         Raises

@@ -99,7 +99,9 @@ class ManifestWriter:
             self._write()
 
     def _write(self) -> None:
-        self._manifest.changed_while_recorded = [each.sentence for each in self._recorder.meddling]
+        self._manifest.changed_while_recorded = [
+            each.sentence for each in self._recorder.external_changes
+        ]
         self._manifest.clock_set_back += self._clock.set_back()
         running = self._manifest.status == "running"
         sync = self._recorder.durability == "each_row" or not running

@@ -31,7 +31,7 @@ from vrcomfort.session.start_pose import without_meshes
 from vrcomfort.stop_signals import interruptible
 
 STEPS_HZ = 20.0
-"""So often something happens in tasks and in validations of the gaze, which go step by step."""
+"""Rate of steps in tasks and in validations of the gaze, which pass step by step."""
 
 
 class EventLoop(FrameLoop):

@@ -19,9 +19,9 @@ from vrcomfort.respondent import Withdrew
 from vrcomfort.session.panel_screen import PanelScreen
 
 _BELIEVED_S = 60.0
-"""So much planned time of a kind of step is believed as much as what its steps have taken."""
+"""Weight of the plan: this much planned time of a kind of step counts as measured."""
 IDLE_S = 0.02
-"""So long a moment is in which nothing is to be done."""
+"""Length of an idle moment."""
 
 
 class Skipped(Exception):  # noqa: N818 - a decision of the operator, not an error

@@ -25,7 +25,7 @@ WIDTH_M = 1.04
 DROP_M = 0.1
 """A little below the eyes, where reading tires less."""
 LOADING_FRAMES = 10
-"""So many at most, where nobody sees them."""
+"""Limit of frames for loading, while nothing is shown."""
 
 
 class Panel(Protocol):

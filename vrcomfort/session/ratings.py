@@ -17,7 +17,7 @@ from vrcomfort.respondent import Respondent, Withdrew
 Ends: TypeAlias = Literal["exposure", "session", "study"]
 
 OF_THE_SESSION = "_session"
-"""After the code of what ended a trial: it ended the session alone."""
+"""Suffix of the code of a trial's end that ended the session alone."""
 
 
 class StopRule(Exception):  # noqa: N818 - the protocol's decision, not an error
@@ -87,7 +87,8 @@ class ScoreWatch:
 
 
 LATE_S = 0.001
-"""So much after its time a question is missed, where no frame says when that is seen."""
+"""Grace period after which an unanswered question counts as missed, where no frame marks its
+end."""
 
 
 @dataclass(frozen=True)

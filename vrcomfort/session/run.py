@@ -18,7 +18,7 @@ from vrcomfort.records import (
     facts_of_run,
     set_status,
 )
-from vrcomfort.records.checksums import seal
+from vrcomfort.records.checksums import write_checksums
 from vrcomfort.records.consents import note_consent
 from vrcomfort.records.study import now
 from vrcomfort.records.wall_clock import set_back_before
@@ -131,9 +131,9 @@ class ParticipantSessions:
                 with self._guarded(number, flow, writer, recorder):
                     status, note = _kept(flow, writer, events)
             finally:
-                self.lost.extend(each.sentence for each in recorder.meddling if each.lost)
+                self.lost.extend(each.sentence for each in recorder.external_changes if each.lost)
                 self._look_at(number, manifest, before)
-        self._seal(number, recorder)
+        self._write_checksums(number, recorder)
         context.progress(SessionProgress("end", context.participant, number, text=status))
         return status, note
 
@@ -156,14 +156,14 @@ class ParticipantSessions:
                 recorder.close()
             finally:
                 writer.close("aborted")
-                self._seal(number, recorder)
+                self._write_checksums(number, recorder)
                 note = f"session {number} aborted: the headset's runtime hung"
                 set_status(self.context.study, self.context.participant, "enrolled", note)
 
-    def _seal(self, number: int, recorder: Recorder) -> None:
+    def _write_checksums(self, number: int, recorder: Recorder) -> None:
         """Write the checksums; a session without them is whole, so nothing fails with them."""
         try:
-            seal(recorder.folder, recorder.access)
+            write_checksums(recorder.folder, recorder.access)
         except (InputError, OSError) as error:
             self.notices.append(f"session {number} has no checksums: {error}")
 
@@ -225,7 +225,7 @@ def _kept(flow: SessionFlow, writer: ManifestWriter, events: EventLog) -> tuple[
     try:
         events.recorder.sync()
     finally:
-        events.look_at_files()
+        events.report_file_changes()
         writer.close(status)
     return status, note
 
@@ -263,5 +263,5 @@ def run(enrolment: OpenEnrolment, settings: SessionSettings) -> RunOutcome:
         exposure_s=enrolment.exposure_s,
     )
     enrolment.interrupted.check_memory(settings.respondent)  # before anything is written
-    interrupted = enrolment.interrupted.take_up(context.sequence)
+    interrupted = enrolment.interrupted.repair_session(context.sequence)
     return ParticipantSessions(context, interrupted).run(enrolment.numbers)

@@ -59,7 +59,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
 
 _RENAMED = {"rings": "samples", "taps": "samples"}
-"""Settings of earlier versions, and what says the same now."""
+"""Settings of earlier versions → their present names."""
 
 
 def renamed(key: str, known: Iterable[str]) -> str | None:

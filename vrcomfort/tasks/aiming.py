@@ -30,20 +30,20 @@ from vrcomfort.tasks.base import (
 
 Metres = Annotated[float, Field(ge=0.2, le=1000)]
 _BEFORE_WALLS = 0.9
-"""So much of the way to what is seen behind it, so that no ball is inside of a wall."""
+"""Share of the distance to the scene behind a target, so that no ball is inside of a wall."""
 
 
 class Aiming(Pointed):
     """Shoot targets: hits, precision in degrees, reaction times (Hillaire et al. 2008)."""
 
     kind: Literal["aiming"]
-    """What is done."""
+    """The kind of task."""
     every_s: Annotated[float, Field(ge=0.2, le=3600)] = 4.0
     """From one target to the next."""
     shown_s: Annotated[float, Field(ge=0.1, le=3600)] = 3.0
-    """A target goes when it is hit, or after so long."""
+    """A target disappears when it is hit, or after this time."""
     jitter_s: Annotated[float, Field(ge=0, le=600)] = 0.5
-    """Targets come so much later at most, evenly drawn, so that nobody can count along."""
+    """Largest random delay of a target, evenly drawn, so that its time cannot be predicted."""
     diameter_deg: Annotated[float, Field(ge=0.1, le=30)] = 2.0
     """Angle at which a target is seen when it appears."""
     field_deg: Annotated[float, Field(ge=0, le=170)] = 40.0

@@ -200,7 +200,7 @@ class TaskSettings(Settings):
     """Settings that all tasks have."""
 
     name: Word
-    """What `task` calls it, and `tasks.csv`."""
+    """Name of the task in `task`, and in `tasks.csv`."""
 
     def start(self, surroundings: Surroundings) -> Task:
         """Return the task at the beginning of an exposure."""
@@ -211,8 +211,8 @@ class Pointed(TaskSettings):
     """Settings of tasks in which people point."""
 
     aim_with: Literal["hand", "head", "gaze"] = "hand"
-    """What points when a button goes down: the hand that presses (a window: the mouse), the middle
-    of the head's view, or the eyes. Where a hand or the eyes are not known, the head."""
+    """Origin of the ray when a button goes down: the hand that presses (a window: the mouse), the
+    middle of the head's view, or the eyes. Where a hand or the eyes are not known, the head."""
 
     def rays(self, frame: TaskFrame) -> list[Pose]:
         """Return world-from-ray of each press of a moment."""

@@ -16,7 +16,7 @@ class Exploration(TaskSettings):
     """Go and look wherever one likes: the way that was gone, seen from above."""
 
     kind: Literal["exploration"]
-    """What is done."""
+    """The kind of task."""
     sample_s: Annotated[float, Field(ge=0.1, le=600)] = 1.0
     """From one row with the place to the next; the way is the sum between them."""
 

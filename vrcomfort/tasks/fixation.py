@@ -29,7 +29,7 @@ class Fixation(TaskSettings):
     """Look at points that appear one after the other, at angles from the view's middle."""
 
     kind: Literal["fixation"]
-    """What is done."""
+    """The kind of task."""
     points: tuple[tuple[Angle, Angle, Metres], ...] = (
         (0.0, 0.0, 1.0),
         (-10.0, 0.0, 1.0),
@@ -50,7 +50,7 @@ class Fixation(TaskSettings):
     diameter_deg: Annotated[float, Field(ge=0.1, le=10)] = 0.5
     """Angle at which a point is seen."""
     look_with: Literal["gaze", "head"] = "gaze"
-    """What is measured."""
+    """The measure."""
 
     def start(self, surroundings: Surroundings) -> Task:
         """Return the task at the beginning of an exposure."""

@@ -26,7 +26,7 @@ class FollowPath(TaskSettings):
     """Walk along a path behind a ball: the distance from the path, seen from above."""
 
     kind: Literal["follow_path"]
-    """What is done."""
+    """The kind of task."""
     path_m: Annotated[tuple[Point, ...], Field(min_length=2)]
     """Points of the scene, at the height at which the ball goes."""
     speed_m_s: Annotated[float, Field(ge=0.01, le=20)] = 1.0

@@ -104,7 +104,7 @@ AnyTask: TypeAlias = Annotated[
     | Annotated[OwnTask, Tag(union_tag("own"))],
     Discriminator(_tag),
 ]
-"""What an entry of [[tasks]] may be, by its `kind`: a shipped task is a file and a line here."""
+"""An entry of [[tasks]], by its `kind`: a shipped task is a file and a line here."""
 
 SHIPPED = {
     choice

@@ -25,16 +25,16 @@ class VisualSearch(Pointed):
     """Find a named thing, point at it and press: hits and search times."""
 
     kind: Literal["search"]
-    """What is done."""
+    """The kind of task."""
     things: Annotated[tuple[str, ...], Field(min_length=1)]
     """Names of nodes of the scene. The experimenter says which is looked for: the event
     `task_target` names it."""
     order: Literal["as_written", "shuffled"] = "shuffled"
     """In which order they are looked for; shuffled with the seed."""
     within_s: Annotated[float, Field(ge=0.5, le=3600)] = 30.0
-    """What has not been found by then is missed, and the next is looked for."""
+    """Time after which a thing is missed, and the next is looked for."""
     slack_deg: Annotated[float, Field(ge=0, le=30)] = 1.0
-    """So far beside a thing may be pointed."""
+    """Tolerance of pointing beside a thing."""
 
     def start(self, surroundings: Surroundings) -> Task:
         """Return the task at the beginning of an exposure."""

@@ -54,7 +54,7 @@ def context() -> moderngl.Context:
     return found
 
 
-def capture(
+def capture_views(
     scene: Scene,
     condition: Condition,
     pair: tuple[Frame, Frame],
@@ -79,7 +79,7 @@ def capture(
     return tuple(found)
 
 
-def radius_px(shot: Capture, condition: Condition) -> Array:
+def radius_px(capture: Capture, condition: Condition) -> Array:
     """Return the (h, w) signed circle-of-confusion radii of an eye; zeros without depth of field.
 
     These are those that the shaders compute, in float64, for laws in dioptres, which all that is
@@ -87,25 +87,25 @@ def radius_px(shot: Capture, condition: Condition) -> Array:
     """
     settings = condition.depth_of_field
     if settings is None:
-        return np.zeros(shot.depth.shape)
-    height, width = shot.depth.shape
+        return np.zeros(capture.depth.shape)
+    height, width = capture.depth.shape
     row, column = np.mgrid[:height, :width]
     uv = np.stack([(column + 0.5) / width, (row + 0.5) / height], axis=-1)
-    focal_px = focal_length_px(shot.camera.fov, (width, height))[0]
+    focal_px = focal_length_px(capture.camera.fov, (width, height))[0]
     focus_m = condition.focus.fixed_m
     limit_px = lens_radius.radius_limit_px(settings, (width, height))
     px = lens_radius.px_per_dioptre(
         settings, focal_px=focal_px, size_px=(width, height), focus_m=focus_m
     )
-    uniforms = eye_uniforms(shot.camera.fov, shot.camera.near_m, shot.head_from_eye)
+    uniforms = eye_uniforms(capture.camera.fov, capture.camera.near_m, capture.head_from_eye)
     return coc.signed_radius_px(
-        shot.depth,
+        capture.depth,
         law="dioptre",
         focus_m=focus_m,
-        near_m=shot.camera.near_m,
+        near_m=capture.camera.near_m,
         radius_limit_px=limit_px,
         full_blur=limit_px / px,
-        slope=coc.head_depth_slope(shot.camera.fov, uniforms.head_forward_in_view, uv),
+        slope=coc.head_depth_slope(capture.camera.fov, uniforms.head_forward_in_view, uv),
         offset_m=uniforms.offset_m,
         infinity_m=condition.focus.infinity_m,
     )

@@ -43,9 +43,9 @@ class ImageWindow:
     Parameters
     ----------
     name
-        What is to be seen there.
+        Named by its content.
     left_px, bottom_px, width_px, height_px
-        What is judged.
+        The judged part.
     """
 
     name: str
@@ -91,7 +91,7 @@ WINDOWS: dict[tuple[str, int], tuple[ImageWindow, ...]] = {
     ("mountain", 1): (),
 }
 """By scene and place on its walk, parts of the left eye's image of :data:`HEADSET_PX`: blurred
-fronts over what is behind, far edges up to the image's border, lamps, thin things."""
+foreground over background, far edges up to the image's border, lamps, thin objects."""
 
 
 def through(frame: Frame, window: ImageWindow, whole_px: tuple[int, int]) -> Frame:
@@ -135,7 +135,7 @@ class Scope:
     scenes, effects
         Which, in this order.
     motions
-        With what moves during an exposure; without motion blur every scene is at rest.
+        Motion during an exposure; without motion blur every scene is at rest.
     poses
         Places on each scene's walk.
     pose

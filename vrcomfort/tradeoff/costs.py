@@ -35,7 +35,7 @@ from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 
 NO_EFFECT = ("focus", "scene", "tone_map")
 """Parts that no effect has added, or (the focus search) that blurs of all methods share. So is
-`RESOLVE` but for the circles of confusion, which are what it costs more than in a plain frame."""
+`RESOLVE` but for the circles of confusion, which are its cost beyond a plain frame's."""
 
 SLOW_S = 12.0
 """A method whose first frame takes longer is not timed again."""
@@ -53,7 +53,7 @@ Timed: TypeAlias = dict[str, tuple[float, int]]
 """Seconds and calls of each part in one frame."""
 
 Laps: TypeAlias = dict[str, list[Lap]]
-"""What tells the seconds of each part in one frame, call by call."""
+"""Laps of each part in one frame, call by call."""
 
 Pair: TypeAlias = tuple[Frame | None, Frame]
 """The frame before (None where nothing moves: it would be the same one) and the one to time."""
@@ -99,7 +99,7 @@ def rounds_of(scope: Scope, ctx: moderngl.Context) -> int:
 def time_case(case: Case, scope: Scope, advance: Callable[[], None]) -> CaseTime:
     """Time all methods of a case, one after the other, each in turn with plain frames.
 
-    Of a case with a window, the whole image is timed. What a GPU draws for a method is queued as a
+    Of a case with a window, the whole image is timed. A GPU gets the draws of a method queued as a
     whole, and its time stamps are read afterwards.
     """
     whole, todo = replace(case, window=None), methods(case.effect, quick=scope.quick)
@@ -200,7 +200,7 @@ def whole_s(timed: Timed) -> float:
 def effect_s(timed: Timed, plain_resolve_s: float = 0.0) -> float:
     """Return the seconds that a frame's effects cost: all that no plain frame has.
 
-    `plain_resolve_s` is what `RESOLVE` would cost without them. Several views through the lens draw
+    `plain_resolve_s` is the cost of `RESOLVE` without them. Several views through the lens draw
     the scene within their own part; one drawing of it for each eye is outside.
     """
     return sum(s for name, (s, _) in timed.items() if name not in NO_EFFECT) - plain_resolve_s
@@ -387,7 +387,7 @@ def _sorted_by_pass(
 
 
 Around = Callable[[str, Callable[[], None]], None]
-"""Called with the name of a part and what draws it."""
+"""Called with the name of a part and the function that draws it."""
 
 
 def leave_out_records(parts: Sequence[tuple[str, Any]]) -> None:

@@ -171,7 +171,7 @@ def region_errors(error: Array, masks: dict[str, Mask], known: Mask) -> dict[str
     Parameters
     ----------
     masks
-        (h, w) by name, those of :data:`regions.REGIONS`.
+        (h, w) by name, those of :data:`REGIONS`.
     known
         (h, w): where the reference is sure; the others do not count.
     """
@@ -189,7 +189,7 @@ def _rms(values: Array) -> float | None:
 
 
 HIGH_PASS_PX = 1.0
-"""Standard deviation of the Gaussian that is taken away: what is left is finer than blur."""
+"""Standard deviation of the Gaussian that is subtracted: the rest is finer than blur."""
 
 WIDE_PX, WIDE_SIDE_PX = 10.0, 41
 """Where the radius is above the first over a square of the second, nothing fine can be right."""
@@ -229,7 +229,7 @@ def off_median(
     Parameters
     ----------
     judged
-        Slices of rows and columns in which pixels are counted; what lies around is looked at only.
+        Slices of rows and columns in which pixels are counted; others only serve as neighbours.
     """
     wide = minimum_filter(np.abs(radius_px), WIDE_SIDE_PX, mode="nearest")[judged] > WIDE_PX
     light = np.asarray(shown, dtype=np.float32) @ LUMINANCE.astype(np.float32)
@@ -296,7 +296,7 @@ class Binocular(NamedTuple):
     """Binocular errors of a pair of images."""
 
     rivalry: float
-    """Mean of \\|e_L(x) − e_R(x + d)\\| over what both eyes see."""
+    """Mean of \\|e_L(x) − e_R(x + d)\\| over surfaces that both eyes see."""
     shower_door: float
     """corr(e_L(x), e_R(x)) − corr(e_L(x), e_R(x + d)): +1 sticks to the screen, −1 to surfaces."""
 

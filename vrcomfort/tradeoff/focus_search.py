@@ -1,9 +1,9 @@
 """Cost of searching the focus, and error of a small zone against a fine one.
 
-Hillaire et al. 2008, Table 1: frame rates without blur and with it, by zone ratio, by who averages
-the zone, and by resolution. Beside them stand a focus that is never searched for (what is left is
-the blur) and the nine rays, and what the paper does not tell: how far the focus is, in dioptres,
-from that of a zone drawn with `REFERENCE_SIDE_PX` pixels a side.
+Hillaire et al. 2008, Table 1: frame rates without blur and with it, by zone ratio, by where the
+zone is averaged, and by resolution. Beside them stand a focus that is never searched for (the rest
+is the blur) and the nine rays, and a figure that the paper does not give: how far the focus is, in
+dioptres, from that of a zone drawn with `REFERENCE_SIDE_PX` pixels a side.
 """
 
 from __future__ import annotations

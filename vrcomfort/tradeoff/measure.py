@@ -24,7 +24,7 @@ from vrcomfort.render.image_error import (
     sure,
 )
 from vrcomfort.scene.data import Scene
-from vrcomfort.tradeoff.captures import Capture, capture, context, radius_px
+from vrcomfort.tradeoff.captures import Capture, capture_views, context, radius_px
 from vrcomfort.tradeoff.cases import (
     Case,
     ImageWindow,
@@ -66,7 +66,7 @@ class MeasuredCase(NamedTuple):
     pictures: dict[str, NDArray[np.float32]]
     """Left eye: (h, w, 3) linear light, top row first, of the reference and of each method."""
     counted: Mask
-    """(h, w, 1) top row first: what of the pictures is judged."""
+    """(h, w, 1) top row first: the judged part of the pictures."""
     reused: int
     """How many rows were there from an earlier run."""
 
@@ -167,15 +167,17 @@ def images_of(
     """Draw a method's images for the judged eyes."""
     condition = condition_of(case, scope, method.condition)
     eyes = eyes_of(case, scope)
-    shots = capture(scene, condition, frames(case, scope), drawn_px(case, scope), eyes=eyes)
-    return tuple(shot.blurred for shot in shots)
+    captures = capture_views(
+        scene, condition, frames(case, scope), drawn_px(case, scope), eyes=eyes
+    )
+    return tuple(capture.blurred for capture in captures)
 
 
 def _reference_facts(view: _View) -> dict[str, NDArray[Any]]:
-    left = view.eyes[0].truth
+    left = view.eyes[0].references
     row = {"method": SCATTER, "family": "none", "step": None}
-    later = tuple(each.truth.scatter for each in view.next_frame)
-    errors = _errors(tuple(each.truth.scatter for each in view.eyes), view, later)
+    later = tuple(each.references.scatter for each in view.next_frame)
+    errors = _errors(tuple(each.references.scatter for each in view.eyes), view, later)
     mean = (left.halves[0] + left.halves[1]) / 2
     return {
         "row": np.array(json.dumps({**row, **errors})),
@@ -200,7 +202,7 @@ def _errors(
         "psnr_db": decibels(row["rms"] or 0.0),
         "filter_psnr_db": decibels(row["filter_rms"] or 0.0),
         "counts": (row["reference_rms"] or 0.0) <= 0.1 * (row["rms"] or 0.0),
-        "samples": view.eyes[0].truth.samples,
+        "samples": view.eyes[0].references.samples,
         **_binocular(images, view),
     }
 
@@ -240,10 +242,10 @@ def eye_errors(image: NDArray[Any], view: EyeView) -> dict[str, float | None]:
     ``REGION_px``; ``seams`` (RMS of the high-pass error beside far edges); ``off_median_2_px`` and
     ``off_median_4_px`` and those of R1, of ``wide_px`` pixels.
     """
-    truth, exposure, area = view.truth, view.exposure, view.area
+    references, exposure, area = view.references, view.exposure, view.area
     test, first, second, scatter = (
         judged(pixels, view.sure, exposure, area)
-        for pixels in (image, *truth.halves, truth.scatter)
+        for pixels in (image, *references.halves, references.scatter)
     )
     reference = (first + second) / 2
     ppd = view.pixels_per_degree
@@ -261,7 +263,7 @@ def eye_errors(image: NDArray[Any], view: EyeView) -> dict[str, float | None]:
 
 
 def _off_median(image: NDArray[Any], view: EyeView) -> dict[str, float | None]:
-    reference = np.mean(view.truth.halves, axis=0)
+    reference = np.mean(view.references.halves, axis=0)
     shown, ideal = (
         np.clip(tone_mapped(pixels, exposure=view.exposure), 0, 1) for pixels in (image, reference)
     )
@@ -288,7 +290,7 @@ def decibels(error: float) -> float | None:
 class EyeView(NamedTuple):
     """References, regions and mask of an eye's image, of the drawn size, bottom row first."""
 
-    truth: EyeReference
+    references: EyeReference
     sure: Mask
     area: tuple[slice, slice]
     """Rows and columns that are judged."""
@@ -299,7 +301,7 @@ class EyeView(NamedTuple):
 
     def error(self, image: NDArray[np.floating]) -> Array:
         """Return (h, w, 3): the image less R1, exposed; 0 where R1 is not sure."""
-        reference = np.mean(self.truth.halves, axis=0)
+        reference = np.mean(self.references.halves, axis=0)
         return np.where(self.sure, (image - reference) * self.exposure, 0.0)
 
 
@@ -308,23 +310,23 @@ def view_of(case: Case, scope: Scope, store: Store) -> tuple[EyeView, ...]:
 
     References are drawn as far as the store has not got them.
     """
-    shots = base_captures(case, scope)
-    truth = references_of(case, scope, shots, store)
-    return tuple(_eye_view(case, scope, *each) for each in zip(shots, truth, strict=True))
+    captures = base_captures(case, scope)
+    references = references_of(case, scope, captures, store)
+    return tuple(_eye_view(case, scope, *each) for each in zip(captures, references, strict=True))
 
 
-def _eye_view(case: Case, scope: Scope, shot: Capture, truth: EyeReference) -> EyeView:
+def _eye_view(case: Case, scope: Scope, capture: Capture, references: EyeReference) -> EyeView:
     scene, _ = scene_and_hash(case.scene)
     exposure = scene.environment.exposure
-    radius = radius_px(shot, reference_condition(case, scope))
-    seen = PinholeView(shot.depth, radius, shot.sharp * exposure, scope.size_px[0])
+    radius = radius_px(capture, reference_condition(case, scope))
+    seen = PinholeView(capture.depth, radius, capture.sharp * exposure, scope.size_px[0])
     area, edges = judged_area(case, scope), _border(case, scope, radius)
     inside = np.zeros(radius.shape, dtype=bool)
     inside[area] = True
     masks = {name: mask & inside for name, mask in regions(seen).items()}
-    ppd = pixels_per_degree(shot.camera.fov, drawn_px(case, scope))
-    known = sure(truth.halves, exposure=exposure)
-    return EyeView(truth, known, area, radius, {**masks, "image_border": edges}, exposure, ppd)
+    ppd = pixels_per_degree(capture.camera.fov, drawn_px(case, scope))
+    known = sure(references.halves, exposure=exposure)
+    return EyeView(references, known, area, radius, {**masks, "image_border": edges}, exposure, ppd)
 
 
 def judged_area(case: Case, scope: Scope) -> tuple[slice, slice]:

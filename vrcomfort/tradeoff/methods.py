@@ -39,7 +39,7 @@ LENS = LENSES["3.5"]
 SHUTTER: dict[str, Any] = {"mode": "full", "shutter_fraction": 1.0, "max_radius_percent": 20.0}
 
 PER_PIXEL_SAMPLES = 8
-"""Samples along every streak of the method that does not know who hides whom."""
+"""Samples along every streak of the method without occlusion."""
 
 SAMPLES = (16, 20, 36, 72, 96)
 STREAK_SAMPLES = (8, 16, 32)

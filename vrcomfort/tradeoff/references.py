@@ -19,7 +19,7 @@ from vrcomfort.optics.lens_sampling import lens_and_shutter
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.image_error import HIGHLIGHT, rms
 from vrcomfort.render.reference import Accumulator, Reference
-from vrcomfort.tradeoff.captures import Capture, capture, context, radius_px
+from vrcomfort.tradeoff.captures import Capture, capture_views, context, radius_px
 from vrcomfort.tradeoff.cases import (
     Case,
     Scope,
@@ -64,10 +64,10 @@ def draw_reference(case: Case, scope: Scope, eye: int, store: Store) -> DrawnSam
 
 
 def references_of(
-    case: Case, scope: Scope, shots: tuple[Capture, ...], store: Store
+    case: Case, scope: Scope, captures: tuple[Capture, ...], store: Store
 ) -> tuple[EyeReference, ...]:
     """Return the references of the eyes; their captures are the input of a post-process."""
-    return tuple(_reference_of(case, scope, shot, store) for shot in shots)
+    return tuple(_reference_of(case, scope, capture, store) for capture in captures)
 
 
 @lru_cache(maxsize=2)
@@ -75,52 +75,52 @@ def base_captures(case: Case, scope: Scope) -> tuple[Capture, ...]:
     """Capture the views of a case's references."""
     scene, _ = scene_and_hash(case.scene)
     condition, size_px = reference_condition(case, scope), drawn_px(case, scope)
-    return capture(scene, condition, frames(case, scope), size_px, eyes=eyes_of(case, scope))
+    return capture_views(scene, condition, frames(case, scope), size_px, eyes=eyes_of(case, scope))
 
 
-def _reference_of(case: Case, scope: Scope, shot: Capture, store: Store) -> EyeReference:
-    sums, _ = _accumulated(case, scope, shot, store)
-    scatter = _scattered(shot, reference_condition(case, scope), samples_of(case, scope))
+def _reference_of(case: Case, scope: Scope, capture: Capture, store: Store) -> EyeReference:
+    sums, _ = _accumulated(case, scope, capture, store)
+    scatter = _scattered(capture, reference_condition(case, scope), samples_of(case, scope))
     return EyeReference(sums.halves, scatter, sums.samples)
 
 
-def _scattered(shot: Capture, condition: Condition, samples: int) -> Array:
+def _scattered(capture: Capture, condition: Condition, samples: int) -> Array:
     points = lens_and_shutter(
         min(samples, MOST_SCATTER_SAMPLES),
         lens=condition.depth_of_field is not None,
         shutter=condition.motion_blur is not None,
         seed=0,
     )
-    return ideal_scatter(pinhole(shot, condition), points)
+    return ideal_scatter(pinhole(capture, condition), points)
 
 
-def pinhole(shot: Capture, condition: Condition) -> Pinhole:
+def pinhole(capture: Capture, condition: Condition) -> Pinhole:
     """Return the input of a post-process: an eye's image, depth, radii and streaks."""
-    height, width = shot.depth.shape
-    focal_x, focal_y = focal_length_px(shot.camera.fov, (width, height))
+    height, width = capture.depth.shape
+    focal_x, focal_y = focal_length_px(capture.camera.fov, (width, height))
     streak = np.zeros((height, width, 2))
-    if condition.motion_blur is not None and shot.velocity_px is not None:
-        streak = shot.velocity_px.astype(np.float64) * condition.motion_blur.shutter_fraction
-    radius = radius_px(shot, condition)
-    return Pinhole(shot.sharp, shot.depth, radius, streak, focal_y / focal_x)
+    if condition.motion_blur is not None and capture.velocity_px is not None:
+        streak = capture.velocity_px.astype(np.float64) * condition.motion_blur.shutter_fraction
+    radius = radius_px(capture, condition)
+    return Pinhole(capture.sharp, capture.depth, radius, streak, focal_y / focal_x)
 
 
 def _accumulated(
-    case: Case, scope: Scope, shot: Capture, store: Store
+    case: Case, scope: Scope, capture: Capture, store: Store
 ) -> tuple[Accumulator, DrawnSamples]:
     scene, _ = scene_and_hash(case.scene)
     condition = reference_condition(case, scope)
     focus_m = condition.focus.fixed_m
     reference = Reference(context(), scene, condition, drawn_px(case, scope))
-    view = shot.camera, time_s(frames(case, scope)[1]), shot.previous
+    view = capture.camera, time_s(frames(case, scope)[1]), capture.previous
     facts = reference.identity(*view, focus_m=focus_m)
     device = str(context().info["GL_RENDERER"])
     key = key_of("reference", case.scene, facts, device)
     wanted = samples_of(case, scope)
-    sums = _read(store, key, drawn_px(case, scope), wanted, shot.sharp)
+    sums = _read(store, key, drawn_px(case, scope), wanted, capture.sharp)
     reused = sums.samples
     if reused < wanted:
-        keeper = _Keeper(store, f"{key}-{wanted}", shot.sharp)
+        keeper = _Keeper(store, f"{key}-{wanted}", capture.sharp)
         try:
             reference.render(*view, focus_m=focus_m, samples=wanted, start=sums, on_sample=keeper)
         finally:
@@ -133,7 +133,7 @@ def _read(
 ) -> Accumulator:
     """Return where to go on: the most samples that are kept, and no more than are wanted.
 
-    Each number of samples has a file of its own, so that what a run finds does not depend on the
+    Each number of samples has a file of its own, so that the result of a run does not depend on the
     runs before it. A reference of another picture than the present one, for the scene or the code
     that draws it has changed, is none: the pinhole image that is kept beside it tells.
     """
@@ -214,7 +214,7 @@ def ideal_scatter(pinhole: Pinhole, samples: ArrayLike, /) -> Array:
     Parameters
     ----------
     samples
-        (n, 3), as of `optics.sampling.lens_and_shutter`.
+        (n, 3), as of `optics.lens_sampling.lens_and_shutter`.
     """
     height, width, _ = pinhole.image.shape
     order = np.argsort(pinhole.depth, axis=None, kind="stable")

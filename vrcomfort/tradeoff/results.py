@@ -45,12 +45,13 @@ COUNTS = (
 TRAFFIC = ("reads_per_pixel", "bytes_per_pixel", "passes", "draws")
 COSTS = ("cost", "frame_ms", "effect_ms", *TRAFFIC)
 PRICES = ("cost", "reads_per_pixel", "bytes_per_pixel")
-"""What methods are compared at: processor time (or a GPU's), and what travels between machines."""
+"""Costs at which methods are compared: processor time (or a GPU's), and counts that hold on any
+machine."""
 JUDGED = ("rms", "flip", "near_rims_rms", "far_edges_rms")
 """Errors that have verdicts."""
 PERCENTILES = ("effect_p95_ms", "effect_p99_ms")
 SAME_COST = 1.1
-"""What draws the same picture is on the front together up to this ratio of cost, or noise's."""
+"""Methods with the same picture are on the front together up to this ratio of cost, or noise's."""
 
 
 def results(

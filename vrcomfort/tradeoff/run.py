@@ -34,7 +34,7 @@ class Summary(NamedTuple):
     page: Path | None
     """None where only references were drawn."""
     reused: str
-    """What was there already, in words."""
+    """Work kept from earlier runs, in words."""
     doubts: list[str]
     """Why the costs are not to be believed; empty where they are."""
 

@@ -57,7 +57,7 @@ REGION_COLUMNS: tuple[Column, ...] = (
     ("R1's > 2/255", "reference_off_median_2_px", _count),
     ("flicker", "flicker", _thousandths),
 )
-"""RMS error · 10³ by region, and what eyes find at once."""
+"""RMS error · 10³ by region, and errors that catch the eye."""
 
 
 AT_THIS_SIZE = (
@@ -66,7 +66,7 @@ AT_THIS_SIZE = (
 )
 
 FLAT = 1e-9
-"""Slopes nearer to 0 are what rounding makes of equal errors."""
+"""Slopes nearer to 0 come from rounding of equal errors."""
 
 
 WIDEST_AGAIN = 0.10

@@ -25,7 +25,7 @@ Motion: TypeAlias = Literal["still", "walk", "turn"]
 MOTIONS: tuple[Motion, ...] = get_args(Motion)
 TURN_DEG_PER_S = 90.0
 SLOW_M_PER_S = 0.3
-"""A slow step to the side: what is 1.5 m away moves by less than a pixel of 640 in a frame."""
+"""A slow step to the side: a surface 1.5 m away moves by less than a pixel of 640 in a frame."""
 
 
 def pairs(scene: Scene, size_px: tuple[int, int], count: int) -> Iterator[tuple[Frame, Frame]]:

@@ -23,7 +23,7 @@ from vrcomfort.exchange.bids.runs import (
     write_motion,
     write_tsv,
 )
-from vrcomfort.exchange.room import new_folder, require_whole
+from vrcomfort.exchange.export_checks import new_folder, require_whole
 from vrcomfort.questionnaire import Instrument, instruments_in, shipped_instruments
 from vrcomfort.records.events import EVENTS, shared_detail
 from vrcomfort.records.exposure_rows import PracticeRow

@@ -22,7 +22,7 @@ from vrcomfort.headset.openxr.settings import OpenXrSettings
 from vrcomfort.headset.timing import Timing, TimingTest, time_frames
 
 WAKE_S = 10.0
-"""So long a headset may take to begin."""
+"""Time that a headset may take to begin."""
 
 
 @dataclass(frozen=True)

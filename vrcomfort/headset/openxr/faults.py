@@ -21,7 +21,7 @@ REFUSED = {
     exception.PoseInvalidError: "it found the pose of a frame invalid",
     exception.TimeInvalidError: "it found the display time of a frame invalid",
 }
-"""What else ends a session, each with what happened."""
+"""Other exceptions that end a session, each with its cause in words."""
 
 CANNOT_START = {
     exception.RuntimeUnavailableError: (

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 SECOND_NS = 1_000_000_000
 EXIT_FRAMES = 100
 EXIT_S = 10.0
-"""So many empty frames, and so long at most, until the runtime lets a session go."""
+"""Empty frames, and time, at most until the runtime lets a session go."""
 
 
 class OpenXrHeadset:

@@ -110,7 +110,7 @@ MakeCanvas = Callable[[tuple[int, int]], Canvas]
 TakeEyeImage = Callable[[int, moderngl.Framebuffer], None]
 
 MOST_LAYERS = 16
-"""Every runtime takes so many."""
+"""Number that every runtime takes."""
 
 _LayerPointer = ctypes.POINTER(xr.CompositionLayerBaseHeader)
 

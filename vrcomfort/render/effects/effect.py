@@ -50,10 +50,10 @@ class EffectInputs:
     settings
         The effect's own table of the condition.
     resolve
-        What makes `colour`, where it is the scene's own.
+        Resolve that makes `colour`, where it is the scene's own.
     reads
-        Those of the kind: `velocity` is RG16F (px per frame, +x right, +y up), `focus` a 1×1
-        texture whose x is the focus distance in metres, the same one for both eyes.
+        Those that the effect asks for: `velocity` is RG16F (px per frame, +x right, +y up), `focus`
+        a 1×1 texture with the focus distance of both eyes in metres as x.
     """
 
     ctx: moderngl.Context
@@ -121,7 +121,7 @@ class RegisteredEffect:
     plan
         Say whether it is there in a scene, and why; no OpenGL.
     build
-        Make it, where it is there; None where what is left of it needs no pass.
+        Make it, where it is there; None where it needs no pass of its own.
     reads
         Textures besides colour and depth, which are made for nothing else.
     """

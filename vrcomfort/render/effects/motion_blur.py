@@ -4,11 +4,11 @@
 
     velocity ─► TileMaxPass ─► FrameStreaks     longest streak of the frame, in one texel
                     │              │
-                dilation ◄─────────┤            tiles that streaks reach; who may pass whom
+                dilation ◄─────────┤            tiles that streaks reach, and their class
                     │              ▼
                     │          averages         along each pixel's own streak, in one step or two
                     ▼              ▼
-                complex tiles ─► target         who hides whom, where things pass each other
+                complex tiles ─► target         occlusion at velocity discontinuities
 
 The CPU never learns how long a frame's streaks are: the vertex shaders of passes that a frame does
 not need give triangles without area. ``docs/motion_blur.md`` tells more.
@@ -179,7 +179,7 @@ class _Limit(NamedTuple):
 
 
 class Reconstruction:
-    """Averages along each pixel's own streak; compares depth where things pass each other.
+    """Averages along each pixel's own streak; compares depth at velocity discontinuities.
 
     Parameters
     ----------
@@ -282,7 +282,7 @@ class Reconstruction:
     def tiles(self) -> tuple[moderngl.Texture, moderngl.Texture]:
         """Return the streaks that reach each tile with its class, and those that cross it.
 
-        Of the last frame in which things may have passed each other.
+        Of the last frame that may have had velocity discontinuities.
         """
         longest, crossing = self._dilate.targets
         return longest, crossing
@@ -344,7 +344,7 @@ class TileMaxPass:
     limit_px
         No half velocity counts for more.
     jump
-        Things pass each other where half velocities differ by this part of the shorter one.
+        Part of the shorter half velocity: a larger difference is a velocity discontinuity.
 
     Attributes
     ----------
@@ -428,7 +428,7 @@ _LONGEST_BINDING = 0
 class PerPixel:
     """Averages `samples` along each pixel's own streak into `target`: one pass (Rosado 2007).
 
-    For comparison with ours: streaks end at the silhouette edges of what moves.
+    For comparison with ours: streaks end at the silhouette edges of moving objects.
     """
 
     def __init__(

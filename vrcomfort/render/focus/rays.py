@@ -208,7 +208,7 @@ class GazeRays:
         Raises
         ------
         InputError
-            Without an eye tracker, unless the settings say what else to do.
+            Without an eye tracker, unless the settings name a rule to use instead.
         """
         if view.gaze is None:
             if self._settings.without_gaze == "stop":

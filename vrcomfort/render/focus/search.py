@@ -105,7 +105,7 @@ class FocusRule:
     Parameters
     ----------
     name
-        What `method` of a protocol calls it.
+        Value of `method` in a protocol.
     plan
         Say whether it draws anything, and why; no OpenGL.
     build

@@ -158,7 +158,7 @@ class DepthToCoc:
     ) -> Uniforms:
         """Return the uniforms of an eye; `focal_px` is the focal length of its image.
 
-        `peripheral_axis`: what peripheral blur is centred on, in view; None: the head's axis.
+        `peripheral_axis`: centre of peripheral blur, in view; None: the head's axis.
         """
         limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
         used = eye if self._along_ray else ForwardUniforms(*eye[:-1])
@@ -185,7 +185,7 @@ class CocPasses:
     infinity_m
         Distance taken for the sky.
     resolve
-        What makes `colour`, where it can write radii beside it.
+        Resolve that makes `colour`, where it can write radii beside it.
     """
 
     def __init__(
@@ -212,7 +212,7 @@ class CocPasses:
             depth=depth, focus=focus, settings=settings, infinity_m=infinity_m
         )
         self.now: Uniforms = UniformGroup()
-        """What :meth:`DepthToCoc.of_eye` says of the last eye; nothing before the first."""
+        """Uniforms of the last eye (:meth:`DepthToCoc.of_eye`); empty before the first."""
         self.eye: ForwardUniforms | None = None
         """The last eye; None before the first."""
         self._is_rendered = False
@@ -223,7 +223,7 @@ class CocPasses:
             "LEVELS": blur_kernels.gather_mips(self.limit_px, settings.samples),
             "FADED": blur_kernels.CROSS_FADE_FROM,
         }
-        """What ``include/levels.glsl`` needs."""
+        """Defines of ``include/levels.glsl``."""
         self._tile_min_max = CocTileMinMax(
             ctx,
             self.depth_to_coc,
@@ -233,7 +233,7 @@ class CocPasses:
         )
         self._tiles_are_read = False
         self.tells_clamps = True
-        """False draws nothing for :meth:`clamps` alone: for measurements of what a kernel costs."""
+        """False draws nothing for :meth:`clamps` alone: for measurements of a kernel's cost."""
         self.widest = None if settings.peripheral else self._tile_min_max.widest
         """1×1, px: no radius of the last eye is wider. None with peripheral blur: tiles only sample
         it."""
@@ -324,7 +324,7 @@ class CocTileMinMax:
     tile_px
         Side of the tiles, even.
     defines
-        What ``include/levels.glsl`` needs.
+        Those of ``include/levels.glsl``.
     """
 
     def __init__(

@@ -81,7 +81,7 @@ class DepthOfFieldPass:
     infinity_m
         Distance taken for the sky.
     resolve
-        What makes `colour`, where it can write radii beside it.
+        Resolve that makes `colour`, where it can write radii beside it.
     """
 
     def __init__(

@@ -42,7 +42,7 @@ class LayeredGatherKernel:
 
     Notes
     -----
-    Where no disc can be wider than what is summed over pixels, there are no levels.
+    Where no disc can be too wide to be summed over pixels, there are no coarser mips.
     """
 
     def __init__(

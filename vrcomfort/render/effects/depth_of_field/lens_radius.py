@@ -94,8 +94,8 @@ def lens(
 
 
 FOCAL_PER_WIDTH = 0.5
-"""Focal length of an image 90° wide, in parts of its width: what is taken before a headset has said
-how wide its images are. Most are wider, so that their radii are less by up to a third."""
+"""Focal length of an image 90° wide, in parts of its width: assumed until a headset has told how
+wide its images are. Most are wider, so that their radii are less by up to a third."""
 
 EXAMPLES_M = (0.5, 1.0, 3.0)
 """Focus distances that are told of where focus moves."""
