@@ -35,12 +35,15 @@ from vrcomfort.report.study_data import trial_s
 from vrcomfort.report.symptoms import recovery_course
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
 
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.residuals import Residuals
     from vrcomfort.report.sections import Section
     from vrcomfort.report.study_data import StudyData
+    from vrcomfort.report.symptoms import SymptomRow
     from vrcomfort.report.vocabulary import Vocabulary
 
 
@@ -66,8 +69,8 @@ def draw_figures(
         if _wanted(results, "paired"):
             drawn[f"comparison_{place}"] = group_figure(scored, row, words)
     drawn["flow"] = flow_figure(results["flow"])
-    for instrument in dict.fromkeys(row["instrument"] for row in results["symptoms"]):
-        rows = [row for row in results["symptoms"] if row["instrument"] == instrument]
+    for instrument in dict.fromkeys(row.instrument for row in results["symptoms"]):
+        rows = [row for row in results["symptoms"] if row.instrument == instrument]
         drawn[f"symptoms_{instrument}"] = symptom_figure(rows, instrument, words)
     drawn["recovery"] = recovery_figure(scored, results, words)
     drawn["exposures"] = exposure_figure(list(study.trials), results, words)
@@ -92,12 +95,12 @@ def _wanted(results: dict[str, Any], name: str) -> bool:
 
 
 def symptom_figure(
-    symptoms: list[dict[str, Any]], instrument: str, words: Vocabulary
+    symptoms: Sequence[SymptomRow], instrument: str, words: Vocabulary
 ) -> Drawing | None:
     """Draw the mean answer of each symptom by condition, the largest first."""
     means: dict[str, dict[str, float]] = {}
     for row in symptoms:
-        means.setdefault(row["item"], {})[row["condition"]] = row["mean"]
+        means.setdefault(row.item, {})[row.condition] = row.mean
     if not means:
         return None
     ranked = sorted(means, key=lambda item: max(means[item].values()))
@@ -130,7 +133,7 @@ def recovery_figure(
     """Draw scores after a session's last exposure and after recovery; a line is a session."""
     if not results["recovery_course"]:
         return None
-    outcome = results["recovery_course"][0]["outcome"]
+    outcome = results["recovery_course"][0].outcome
     scores = np.column_stack(recovery_course(scored, outcome))
     with canvas("recovery", 3.4, 3.2) as (figure, drawing):
         axes = figure.add_subplot()

@@ -12,7 +12,7 @@ from vrcomfort.report import methods, palette, words
 from vrcomfort.report.analyses import page_analyses
 from vrcomfort.report.analyses.comparisons import DIGITS, NAMES
 from vrcomfort.report.answers import answers
-from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT
+from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT, DescribedRow
 from vrcomfort.report.families import disagreement
 from vrcomfort.report.references import entries
 from vrcomfort.report.sections import section_names
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.sections import Section
+    from vrcomfort.report.symptoms import SymptomRow
     from vrcomfort.report.vocabulary import Vocabulary
 
 TEMPLATE = "report.html.j2"
@@ -130,35 +131,35 @@ def _disagreements(results: dict[str, Any]) -> int:
     )
 
 
-def _described(results: dict[str, Any]) -> list[dict[str, Any]]:
+def _described(results: dict[str, Any]) -> list[DescribedRow]:
     """Return the rows of who is tested under each condition; differences if one pair is."""
     tests, order = results["tests"], [each["name"] for each in results["outcomes"]]
-    rows = [row for row in results["descriptives"] if row["by"] == PRIMARY]
+    rows = [row for row in results["descriptives"] if row.by == PRIMARY]
     if len({(test.a, test.b) for test in tests}) == 1:
         rows += [
-            {"outcome": test.outcome, "condition": None, **test.found.descriptives["difference"]}
+            DescribedRow(test.outcome, PRIMARY, "", None, test.found.descriptives["difference"])
             for test in tests
             if test.found
         ]
-    return sorted(rows, key=lambda row: order.index(row["outcome"]))
+    return sorted(rows, key=lambda row: order.index(row.outcome))
 
 
-def _moments(results: dict[str, Any]) -> list[dict[str, Any]]:
+def _moments(results: dict[str, Any]) -> list[DescribedRow]:
     """Return the raw scores by timepoint where timepoints are compared, or nothing is."""
     sides = [side for test in results["tests"] for side in test.sides]
     if sides and not any(side.timepoint for side in sides):
         return []
-    return [row for row in results["descriptives"] if row["by"] == TIMEPOINT]
+    return [row for row in results["descriptives"] if row.by == TIMEPOINT]
 
 
-def _by_instrument(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _by_instrument(rows: Sequence[SymptomRow]) -> list[dict[str, Any]]:
     """Return the answers by instrument: its conditions, and a line for each item."""
     found = []
-    for instrument in dict.fromkeys(row["instrument"] for row in rows):
-        mine = [row for row in rows if row["instrument"] == instrument]
-        conditions = list(dict.fromkeys(row["condition"] for row in mine))
-        cells = {(row["item"], row["condition"]): row for row in mine}
-        items = dict.fromkeys(row["item"] for row in mine)
+    for instrument in dict.fromkeys(row.instrument for row in rows):
+        mine = [row for row in rows if row.instrument == instrument]
+        conditions = list(dict.fromkeys(row.condition for row in mine))
+        cells = {(row.item, row.condition): row for row in mine}
+        items = dict.fromkeys(row.item for row in mine)
         lines = [(item, [cells.get((item, name)) for name in conditions]) for item in items]
         found.append({"instrument": instrument, "conditions": conditions, "lines": lines})
     return found

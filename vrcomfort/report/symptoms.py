@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vrcomfort.report.descriptives import describe, of_the_tested
+from vrcomfort.report.descriptives import Description, describe, of_the_tested
 from vrcomfort.report.pairs import in_a_test
 
 if TYPE_CHECKING:
@@ -20,7 +21,37 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-Row = dict[str, Any]
+
+@dataclass(frozen=True)
+class SymptomRow:
+    """The answers to an item under a condition.
+
+    Parameters
+    ----------
+    above
+        Exposures with an answer above the lowest that there is (with a baseline: above that of the
+        baseline).
+    """
+
+    instrument: str
+    item: str
+    condition: str
+    n: int
+    mean: float
+    sd: float | None
+    above: int
+
+
+@dataclass(frozen=True)
+class RecoveryRow:
+    """Scores of sessions after their last exposure and after recovery."""
+
+    outcome: str
+    sessions: int
+    exposed: Description
+    recovered: Description
+    fell: int
+    no_higher_than_baseline: int
 
 
 def symptom_rows(
@@ -28,15 +59,8 @@ def symptom_rows(
     conditions: Iterable[str],
     tests: Sequence[Tested],
     instruments: Mapping[str, Instrument],
-) -> list[Row]:
-    """Describe the answers by item and condition, of those tested (of all, if nobody is).
-
-    Returns
-    -------
-    list of dict
-        By instrument and item: `n` exposures, `mean`, `sd`, and `above` of them with an answer
-        above the lowest that there is (with a baseline: above that of the baseline).
-    """
+) -> list[SymptomRow]:
+    """Describe the answers by item and condition, of those tested, or of all."""
     raw = {o.instrument for o in scored.outcomes if scored.bases[o.name] == "raw_post"}
     lowest = {
         (name, item.name): float(item.answers.low)
@@ -56,33 +80,29 @@ def symptom_rows(
             if not values.size:
                 continue
             deviation = float(np.std(values, ddof=1)) if values.size > 1 else None
-            found.append({
-                "instrument": instrument, "item": item, "condition": condition,
-                "n": int(values.size), "mean": float(values.mean()), "sd": deviation,
-                "above": int((values > lowest.get((instrument, item), 0.0)).sum()),
-            })  # fmt: skip
+            above = int((values > lowest.get((instrument, item), 0.0)).sum())
+            size, mean = int(values.size), float(values.mean())
+            found.append(SymptomRow(instrument, item, condition, size, mean, deviation, above))
     return found
 
 
-def recovery_rows(scored: Exposures) -> list[Row]:
-    """Describe scores after the session's exposures and after recovery, of the same sessions.
-
-    Returns
-    -------
-    list of dict
-        `sessions` with both; `exposed`, the last score after an exposure of the session;
-        `recovered`; and in how many sessions the score `fell`, was `no_higher_than_baseline`.
-    """
+def recovery_rows(scored: Exposures) -> list[RecoveryRow]:
+    """Describe scores after the session's exposures and after recovery, of the same sessions."""
     found = []
     for outcome in scored.units:
         one, two = recovery_course(scored, outcome)
         if not one.size:
             continue
-        found.append({
-            "outcome": outcome, "sessions": int(one.size), "exposed": describe(one),
-            "recovered": describe(two), "fell": int((two < one).sum()),
-            "no_higher_than_baseline": int((two <= 0).sum()),
-        })  # fmt: skip
+        found.append(
+            RecoveryRow(
+                outcome,
+                int(one.size),
+                describe(one),
+                describe(two),
+                int((two < one).sum()),
+                int((two <= 0).sum()),
+            )
+        )
     return found
 
 

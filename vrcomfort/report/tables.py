@@ -14,6 +14,7 @@ from vrcomfort.report.analyses import csv_tables
 from vrcomfort.report.exposures import Exposures, column_of
 from vrcomfort.report.rows import Cells, cells
 from vrcomfort.report.sections import Section, section_tables
+from vrcomfort.report.symptoms import RecoveryRow
 
 Row = dict[str, Any]
 
@@ -43,8 +44,8 @@ def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> 
         **csv_tables(results),
         "sensitivity": list(map(cells, results["sensitivity"])),
         "smallest_effects": list(map(cells, results["smallest_effects"])),
-        "descriptives": results["descriptives"],
-        "symptoms": results["symptoms"],
+        "descriptives": list(map(cells, results["descriptives"])),
+        "symptoms": list(map(cells, results["symptoms"])),
         "recovery": [_flat_recovery(row) for row in results["recovery_course"]],
         "flow": _flat_flow(results["flow"]),
         "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
@@ -133,11 +134,16 @@ def inert(cell: Any) -> Any:
     return f"'{cell}"
 
 
-def _flat_recovery(row: Row) -> Row:
-    flat = {key: value for key, value in row.items() if not isinstance(value, dict)}
-    for when in ("exposed", "recovered"):
-        flat |= {f"{stat}_{when}": row[when][stat] for stat in ("mean", "sd", "median")}
-    return flat
+def _flat_recovery(row: RecoveryRow) -> Cells:
+    return {
+        "outcome": row.outcome, "sessions": row.sessions, "fell": row.fell,
+        "no_higher_than_baseline": row.no_higher_than_baseline,
+        **{
+            f"{stat}_{when}": getattr(described, stat)
+            for when, described in (("exposed", row.exposed), ("recovered", row.recovered))
+            for stat in ("mean", "sd", "median")
+        },
+    }  # fmt: skip
 
 
 def _flat_flow(flow: list[Row]) -> list[Row]:
