@@ -60,7 +60,7 @@ STEPS = 4_000
 
 @dataclass(frozen=True)
 class OrderConstraints:
-    """What an order must keep.
+    """Constraints on a random order.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ class _Search:
         return self._order if len(self._order) == self._length else None
 
     def _next(self) -> list[int]:
-        """Return what may come next, in random order."""
+        """Return the items that may come next, in random order."""
         there = len(self._order)
         in_block = self._order[there - there % self._items :]
         left = set(range(self._items)) - set(in_block)
