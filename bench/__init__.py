@@ -1,1 +1,1 @@
-"""What each effect costs and how wrong it is; `python -m bench` writes the tables."""
+"""Benchmarks of cost and error; `python -m bench` writes the tables."""

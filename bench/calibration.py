@@ -44,7 +44,7 @@ def kinds() -> list[str]:
 def run(
     counts: Counts, studies: int, save: Callable[[], None], wanted: list[str] | None = None
 ) -> None:
-    """Add studies, in turns of 100 of every kind, until each kind has so many."""
+    """Add studies, in turns of 100 of every kind, until each kind has `studies`."""
     for enough in range(STEP, studies + STEP, STEP):
         for kind in wanted or kinds():
             generator, n, effect = kind.split()
@@ -59,7 +59,7 @@ def run(
 def misses(
     counts: Counts, slack: float = SLACK, *, certain: bool = False
 ) -> dict[tuple[str, str], float]:
-    """Return the shares that are beyond their limits, by kind and what was counted.
+    """Return the shares that are beyond their limits, by kind and count.
 
     Coverage misses where it may be too small, or, with `certain`, where chance is no explanation.
     """
@@ -93,7 +93,7 @@ def _missed(kind: str, what: str, share: float, doubt: float, *, certain: bool) 
 
 
 def table(counts: Counts, three: bool) -> str:
-    """Return Markdown of the tests of two conditions or of three; what misses a limit is bold."""
+    """Return Markdown of the tests of two conditions or of three; missed limits are bold."""
     missed = misses(counts)
     found = {kind: _of_three(_shares(mine), three) for kind, mine in counts.items()}
     found = {kind: shares for kind, shares in found.items() if shares}

@@ -1,4 +1,4 @@
-"""Simulated studies of known truth, and what the default tests make of each.
+"""Simulated studies of known truth, and the default tests' results on each.
 
 A study has n participants under three conditions A, B and C, whole raw points, and an effect of δ
 in A and δ/2 in C. Half of them had A before B. Generators:
@@ -83,7 +83,7 @@ GENERATORS: dict[str, Callable[[Random, int, float], Integers]] = {
 
 @dataclass(frozen=True)
 class Estimands:
-    """What the intervals are to cover."""
+    """Values that the intervals are to cover."""
 
     shift: float
     rank_biserial: float
@@ -100,7 +100,7 @@ class Estimands:
 
 @cache
 def estimands(generator: str, effect: float) -> Estimands:
-    """Return what a generator's studies are to find."""
+    """Return the estimands of a generator's studies."""
     random = np.random.default_rng([SEED, 1])
     draw = GENERATORS[generator]
     scores = np.concatenate([draw(random, BLOCK, effect) for _ in range(DRAWS // BLOCK)])
@@ -119,7 +119,7 @@ def estimands(generator: str, effect: float) -> Estimands:
 
 
 class Interval(Protocol):
-    """What has two ends; None: no bound."""
+    """An interval; None: no bound."""
 
     @property
     def low(self) -> float | None:
@@ -146,7 +146,7 @@ def _shift_holds(test: SignedRank, value: float) -> bool:
 
 
 def study(generator: str, n: int, effect: float, number: int) -> dict[str, bool]:
-    """Simulate one study and say what came out."""
+    """Simulate one study and return its outcomes."""
     place = [list(GENERATORS).index(generator), n, int(10 * effect), number]
     scores = GENERATORS[generator](np.random.default_rng([SEED, 0, *place]), n, effect)
     truth = estimands(generator, effect)

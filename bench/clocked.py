@@ -1,4 +1,4 @@
-"""Clocks the CPU time of one thread, by whose code it is spent in."""
+"""Clocks the CPU time of one thread, by the code that spends it."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class Clock:
         return call
 
     def lap(self) -> Lap:
-        """Return what was spent since the last lap, and begin the next."""
+        """Return the time since the last lap, and begin the next."""
         now_s = time.thread_time()
         opengl_s, runtime_s, rig_s = (self._spent_s[place] for place in self._spent_s)
         python_s = now_s - self._since_s - opengl_s - runtime_s - rig_s
@@ -124,7 +124,7 @@ def replaced(owner: Any, name: str, value: Any) -> Iterator[None]:
 
 @contextmanager
 def clocked_opengl(clock: Clock, gl: Any) -> Iterator[None]:
-    """Count as OpenGL what moderngl does, and functions that `gl.function` finds in here."""
+    """Count as OpenGL the calls of moderngl, and functions that `gl.function` finds in here."""
     find = gl.function
 
     def find_clocked(ctx: Any, name: str, *types: Any, **options: Any) -> Callable[..., Any]:
@@ -141,7 +141,7 @@ def clocked_opengl(clock: Clock, gl: Any) -> Iterator[None]:
 
 
 def _clocked_member(clock: Clock, member: Any, name: str) -> Any:
-    """Return a method or a property whose time is counted as OpenGL's, None for anything else."""
+    """Return a method or a property clocked as OpenGL's, None for anything else."""
     if isinstance(member, property):
         get, put = member.fget, member.fset
         return property(

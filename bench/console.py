@@ -1,4 +1,4 @@
-"""What the operator's console costs the thread that shows frames, with nobody and 50 pages open.
+"""Cost of the operator's console for the thread that shows frames, without and with 50 pages.
 
 Run with ``python -m bench.console``.
 """
@@ -201,7 +201,7 @@ def _desk_us(frame: Frame, *, shows: bool) -> float:
 
 @contextmanager
 def _console(pages: int) -> Iterator[OperatorControl]:
-    """Start a console, and so many pages in another process."""
+    """Start a console, and its pages in another process."""
     addresses: list[str] = []
     with ServerProcess(print, addresses.append) as server:
         _wait(lambda: bool(addresses))

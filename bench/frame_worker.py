@@ -36,7 +36,7 @@ DRAWS = ("VertexArray.render", "VertexArray.render_indirect", "glMultiDrawElemen
 
 
 def found(name: str, *modules: str) -> Any:
-    """Return what one of these modules holds: modules have moved."""
+    """Return a name from the first of these modules that has it: modules have moved."""
     for module in modules:
         try:
             return getattr(import_module(f"vrcomfort.{module}"), name)
@@ -94,14 +94,14 @@ def _condition(*, effects: bool) -> Any:
 
 
 def recorder_clock() -> Any:
-    """Return what tells the CPU seconds of the thread that writes rows."""
+    """Return the clock of the thread that writes rows."""
     (writer,) = (each for each in threading.enumerate() if each.name == "recorder")
     clock = time.pthread_getcpuclockid(writer.ident)
     return lambda: time.clock_gettime(clock)
 
 
 def timed(loop: Loop, clock: Clock, frames: int, recorder_s: Any) -> list[dict[str, float]]:
-    """Return what each of the next frames took."""
+    """Return the times of the next frames."""
     laps = []
     for _ in range(frames):
         before_s = recorder_s()
@@ -115,7 +115,7 @@ def timed(loop: Loop, clock: Clock, frames: int, recorder_s: Any) -> list[dict[s
 
 
 def counted(loop: Loop, clock: Clock) -> dict[str, int]:
-    """Count what one frame calls: Python functions of any kind, and draws.
+    """Count the calls of one frame: Python functions of any kind, and draws.
 
     The calls of OpenGL are not among them: a method of moderngl makes several, which no wrapper
     around it sees.

@@ -1,4 +1,4 @@
-"""What it costs to find out, in each frame, what the gaze meets: drawn, and beside drawing."""
+"""Cost of finding the gaze hit in each frame: drawn, and beside drawing."""
 
 from __future__ import annotations
 

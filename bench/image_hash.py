@@ -1,4 +1,4 @@
-"""What hashing the images of a frame costs beside drawing it, in processor time on a rasteriser."""
+"""Cost of hashing a frame's images beside drawing it, in processor time on a rasteriser."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a report of many answers costs: `python -m bench.many_answers [--people 1000]`.
+"""Cost of a report of many answers: `python -m bench.many_answers [--people 1000]`.
 
 Makes a study of 16 questionnaires for each participant (four conditions in two scenes, a baseline
 before each; 256,000 answers of 1,000 people), reports it, and prints the processor time of each
@@ -73,7 +73,7 @@ def write_study(file: Path, people: int) -> int:
 
 
 def measure(people: int) -> Result:
-    """Report a study of so many people, and smaller ones; return what each part cost."""
+    """Report a study of `people`, and smaller ones; return the cost of each part."""
     rows = [_in_a_program(max(people // share, 2)) for share in SHARES]
     for row in rows:
         row["all s"] = sum(value for name, value in row.items() if name.endswith(" s"))

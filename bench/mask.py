@@ -1,4 +1,4 @@
-"""What leaving out the pixels that no lens shows would save; the renderer does not do it."""
+"""Savings from masking pixels that no lens shows; the renderer does not do it."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ def rss_kib() -> float:
 
 
 def watch(show: Callable[[], object], frames: int) -> Growth:
-    """Show so many frames, and look at memory a hundred times meanwhile."""
+    """Show frames, and sample memory a hundred times meanwhile."""
     every = max(frames // SAMPLES, 1)
     seen = []
     for frame in range(frames):
@@ -108,7 +108,7 @@ def playback() -> PlaybackHeadset:
 
 @contextmanager
 def frame_loop(ctx: moderngl.Context, headset: Any) -> Iterator[Callable[[], object]]:
-    """Yield what draws, shows and records the next frame, as `session.exposure.FrameLoop` does."""
+    """Yield functions that draw, show and record a frame, as `session.exposure.FrameLoop` does."""
     renderer = StereoRenderer(ctx, SIZE_PX)
     renderer.begin(load_scene(SCENE), CONDITION)
     with tempfile.TemporaryDirectory() as folder, Recorder(Path(folder), "P1", 1) as recorder:

@@ -1,4 +1,4 @@
-"""What the operator's mirror costs beside the frames it shows; needs a display (or xvfb-run)."""
+"""Cost of the operator's mirror beside the frames it shows; needs a display (or xvfb-run)."""
 
 from __future__ import annotations
 

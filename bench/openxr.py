@@ -204,7 +204,7 @@ class Bench:
         respondent: PanelRespondent | None,
         frames: int,
     ) -> list[Lap]:
-        """Do what `session.exposure.FrameLoop` does with each frame."""
+        """Draw, show and record each frame as `session.exposure.FrameLoop` does."""
         laps = []
         self.yardsticks_s.append([])
         for frame in islice(headset.frames(), WARM_UP + frames):

@@ -1,4 +1,4 @@
-"""What exact, Monte-Carlo and asymptotic p cost, and how far the last two are off, by n.
+"""Cost of exact, Monte-Carlo and asymptotic p, and the error of the last two, by n.
 
 `OPENBLAS_NUM_THREADS=1 python -m bench.p_values`: a row per test and number of people. Scores are
 like raw sums of the SSQ, with ties, and differ so that p lies between .005 and .2. The limits of

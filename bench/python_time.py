@@ -55,7 +55,7 @@ class Worker:
         self.counts: dict[str, int] = self._answer()
 
     def run(self, frames: int) -> list[dict[str, float]]:
-        """Draw the next frames; return what each of them took."""
+        """Draw the next frames; return their times."""
         assert self._process.stdin is not None  # noqa: S101 - it is a pipe
         print(frames, file=self._process.stdin, flush=True)
         answer: list[dict[str, float]] = self._answer()

@@ -1,4 +1,4 @@
-"""What each level of the setting `quality` costs and gets wrong; writes the shipped table.
+"""Cost and error of each level of the setting `quality`; writes the shipped table.
 
 ``python -m bench.quality`` measures and puts the figures into ``analysis/measured/quality.toml``.
 """

@@ -1,4 +1,4 @@
-"""What sums over frames cost: `python -m bench.recordings [--rows 10000000]`.
+"""Cost of sums over frames: `python -m bench.recordings [--rows 10000000]`.
 
 Makes recordings of one session with a sixteenth, a quarter and all of the rows, in Parquet, and
 sums their frames by exposure: with `frame_measures`, and with the same aggregates written by hand
@@ -46,7 +46,7 @@ _FRAMES = f"""
 
 
 def make_recording(folder: Path, rows: int) -> Path:
-    """Write a session of so many frames, as CSV and packed; return its ``frames.csv``."""
+    """Write a session of `rows` frames, as CSV and packed; return its ``frames.csv``."""
     session = folder / "sub-P01" / "ses-1"
     session.mkdir(parents=True)
     file = session / "frames.csv"
@@ -123,7 +123,7 @@ def once(way: str, file: Path) -> dict[str, float]:
 
 
 def peak_mb() -> float:
-    """Return the most memory that this program had (of Linux; not what began it, as rusage may)."""
+    """Return the peak memory of this program (Linux; rusage may give its parent's)."""
     said = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
     (line,) = (each for each in said if each.startswith("VmHWM"))
     return int(line.split()[1]) * 1024 / 1e6

@@ -1,4 +1,4 @@
-"""What is not needed costs nothing: the same frame with effects that blur nothing, against none."""
+"""Cost of effects that blur nothing, against the same frame without them: none."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ WITHIN, LESS, MORE = "within A/A", "less than plain", "early-outs"
 
 
 class Case(NamedTuple):
-    """A condition; what its cost is expected to be; whether the scene has a sun, the head moves."""
+    """A condition, its expected cost, whether the scene has a sun and the head moves."""
 
     name: str
     condition: Condition

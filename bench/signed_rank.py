@@ -1,4 +1,4 @@
-"""What exact signed-rank tests and their intervals cost, and what the asymptotic form gets wrong.
+"""Cost of exact signed-rank tests and intervals, and the error of the asymptotic form.
 
 `python -m bench.signed_rank`: a row per number of pairs; the limit of the exact test
 (`vrcomfort.stats.signed_rank.EXACT_UP_TO`) is read off this table.

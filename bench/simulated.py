@@ -1,4 +1,4 @@
-"""What simulated participants cost where nothing is drawn."""
+"""Cost of simulated participants where nothing is drawn."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MAIN = "from vrcomfort.cli import main; main()"
 
 
 def measure(participants: int = 200) -> Result:
-    """Take so many through whole protocols, each in a process of its own, and count its CPU time.
+    """Take participants through whole protocols, each in a process, and count its CPU time.
 
     Parameters
     ----------

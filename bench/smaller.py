@@ -1,4 +1,4 @@
-"""What drawing at half size where all is blurred would save, and get wrong; it is not done."""
+"""Savings and error of drawing at half size where all is blurred; it is not done."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PLAIN = Condition(name="plain")
 
 
 def measure(ctx: moderngl.Context, *, rounds: int) -> Result:
-    """Draw the same frames at full and at half size, in turn, and compare what MIP levels show."""
+    """Draw the same frames at full and at half size, in turn, and compare MIP levels."""
     rows = [row for name in SCENES for row in _rows(ctx, load_scene(name), rounds)]
     notes = [
         f"{SIZE_PX[0]}×{SIZE_PX[1]} per eye and half of it, {rounds} frames of the walk, CPU time "

@@ -1,4 +1,4 @@
-"""How often intervals of the fast–slow model hold what was put into simulated courses."""
+"""Coverage of intervals of the fast–slow model on simulated courses."""
 
 from __future__ import annotations
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import inspect
 import re
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import vrcomfort
 from vrcomfort import stats
 from vrcomfort.api.views import RenderedEye, RenderedViews
+from vrcomfort.records import Study
 
 PAGE = Path(__file__).parent.parent / "docs" / "python_api.md"
 HEADING = re.compile(r"^([A-Z][a-z]+)\n-+\n", re.MULTILINE)
@@ -37,8 +39,10 @@ def page() -> str:
     functions = [name for name in root if inspect.isfunction(getattr(vrcomfort, name))]
     parts = [INTRODUCTION, "## Studies, reports, views\n"]
     parts += [_entry(f"vrcomfort.{name}", getattr(vrcomfort, name)) for name in functions]
+    parts += ["## Study\n", _entry("Study", Study), _properties(Study)]
+    parts.append(_entry("Study.scores", Study.scores))
     parts += [
-        "## Results\n",
+        "## Views\n",
         *(_entry(each.__name__, each) for each in (RenderedViews, RenderedEye)),
     ]
     parts.append(
@@ -59,8 +63,19 @@ def _entry(name: str, what: Any) -> str:
     return text
 
 
+def _properties(kind: type) -> str:
+    """Return a table of the public properties of a class, with the first line of each."""
+    rows = [
+        f"| `{name}` | {(inspect.getdoc(value) or '').splitlines()[0].removeprefix('Return ')} |"
+        for name, value in vars(kind).items()
+        if isinstance(value, property | cached_property) and not name.startswith("_")
+    ]
+    return "\n".join(["| property | |", "|---|---|", *rows, ""])
+
+
 def _signature(name: str, what: Any) -> str:
-    parameters = list(inspect.signature(what).parameters.values())
+    named = inspect.signature(what).parameters
+    parameters = [each for each in named.values() if each.name != "self"]
     lines, named_only = [], False
     for each in parameters:
         if each.kind is each.KEYWORD_ONLY and not named_only:

@@ -2,9 +2,10 @@
 """Shows that a change of the code changes no output: the same bytes as those of another revision.
 
 Runs the shipped protocols (simulated sessions with their reports, plans, designs, pictures of every
-condition, played traces) with the code of a revision and with that of the working tree, and
-compares every file. What differs by nature is left out: clock times, timings, hashes of the code,
-and columns that only the newer code writes. Exit code 1 where anything else differs.
+condition, played traces, imports of the tests' layouts) with the code of a revision and with that
+of the working tree, and compares every file. Differences by nature are left out: clock times,
+timings, hashes of the code, and columns that only the newer code writes. Exit code 1 where
+anything else differs.
 
     .venv/bin/python scripts/same_outputs.py 05fae2d --out out/same
 """
@@ -28,9 +29,10 @@ ROOT = Path(__file__).resolve().parent.parent
 TIMES = re.compile(r"_ms$|^asked_s$|^answered_s$|^latency_s$|^enrolled_at$")
 BY_NATURE = {
     "started_at", "finished_at", "exposure_ended", "version", "versions", "shaders", "machine",
-    "python", "platform",
+    "python", "platform", "imported_at", "vrcomfort",
     "under_way", "git", "schema", "schema_version", "source", "date", "path", "study",
 }  # fmt: skip
+MAPPING = "map.toml"
 POSES = {
     "temple": ("-1,1.6,-4.3,47,-4,0", "-1.03,1.6,-4.3,44,-4,0"),
     "mountain": ("1.2,1.5,-1.9,-32,-8,0", "1.25,1.5,-1.9,-30,-8,0"),
@@ -46,8 +48,13 @@ def protocols() -> dict[str, list[str]]:
     }
 
 
-def commands() -> Iterator[tuple[str, list[str]]]:
+def commands(inputs: Path) -> Iterator[tuple[str, list[str]]]:
     """Yield the name of an output and the command that makes it."""
+    for folder in sorted(inputs.iterdir()):
+        name, files = f"imports/{folder.name}", sorted(map(str, folder.iterdir()))
+        yield f"{name}/mapping", ["import", *files, "--suggest", "--out", f"@{name}/{MAPPING}"]
+        made = ["--mapping", f"@{name}/{MAPPING}", "--out", f"@{name}/study"]
+        yield f"{name}/study", ["import", *files, *made]
     small, few = ["--size", "160x200"], ["--exposure-s", "0.1", "--refresh-hz", "40"]
     gaze = {"mantiuk_2011"}
     for protocol, conditions in protocols().items():
@@ -72,12 +79,32 @@ def commands() -> Iterator[tuple[str, list[str]]]:
         yield out, ["play", trace, "--scene", scene, "--frames", "12", *small, "--out", "@" + out]
 
 
+def write_layouts(folder: Path) -> None:
+    """Write the other labs' files of the tests, each layout in a folder of its own."""
+    sys.path.insert(0, str(ROOT))
+    from tests.support.layouts import LAYOUTS  # noqa: PLC0415 - found through the line above
+    from tests.support.odd_layouts import ODD_LAYOUTS  # noqa: PLC0415
+
+    shutil.rmtree(folder, ignore_errors=True)
+    for name, write in {**LAYOUTS, **ODD_LAYOUTS}.items():
+        (folder / name).mkdir(parents=True)
+        write(folder / name)
+
+
+def answer_doubts(mapping: Path) -> None:
+    """Answer every doubt of a suggested mapping, so that it can be used."""
+    if mapping.is_file():
+        text = mapping.read_text(encoding="utf-8")
+        mapping.write_text(text.replace('answer = ""', 'answer = "yes"'), encoding="utf-8")
+
+
 def run(checkout: Path, out: Path, only: str) -> None:
-    """Run commands with the code of a checkout; keep what they print, too."""
+    """Run commands with the code of a checkout; keep their prints, too."""
     shutil.rmtree(out, ignore_errors=True)
+    inputs = out.parent / "inputs"  # the same for both: workbooks have the time in them
     environment = {**os.environ, "PYTHONPATH": str(checkout), "COLUMNS": "100"}
     program = "import sys; from vrcomfort.cli import main; sys.argv[0] = 'vrcomfort'; main()"
-    for name, words in commands():
+    for name, words in commands(inputs):
         if not name.startswith(only):
             continue
         log = out / f"{name}.txt"
@@ -89,6 +116,7 @@ def run(checkout: Path, out: Path, only: str) -> None:
         )  # fmt: skip
         said = (ended.stdout + ended.stderr).replace(str(out), "OUT").replace(str(checkout), "")
         log.write_text(re.sub(r"\s+", " ", f"{said}\nexit code {ended.returncode}\n"))
+        answer_doubts(out / Path(name).parent / MAPPING)
         print(f"{name}: exit code {ended.returncode}", flush=True)
 
 
@@ -150,6 +178,7 @@ def main() -> int:
     out = options.out.resolve()
     before, checkout = out / "before", out / "checkout"
     if not (options.keep and before.is_dir()):
+        write_layouts(out / "inputs")
         subprocess.run(["git", "worktree", "prune"], cwd=ROOT, check=True)
         shutil.rmtree(checkout, ignore_errors=True)
         subprocess.run(

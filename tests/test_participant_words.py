@@ -88,7 +88,7 @@ def test_no_module_shows_participants_words_that_no_language_has():
         relative = file.relative_to(package).as_posix()
         if not {relative, relative.split("/")[0]} & ELSEWHERE:
             found[relative] = own_words(file.read_text(encoding="utf-8"))
-    assert len(found) > 300
+    assert len(found) > 200  # the walk finds the package; its modules become fewer as they join
     assert {name: words for name, words in found.items() if words} == {}
 
 

@@ -29,8 +29,8 @@ from vrcomfort.stats.power import (
     paired_t_p,
     smallest_effect,
     t_test_power,
-    wilson,
 )
+from vrcomfort.stats.proportions import wilson_bounds
 from vrcomfort.stats.signed_rank import signed_rank
 
 
@@ -54,12 +54,12 @@ def test_p_of_the_t_test_is_scipys(alternative):
 
 
 def test_wilsons_interval_is_that_of_his_quadratic():
-    low, high = wilson(17, 20)
+    low, high = wilson_bounds(17, 20)
     for bound in (low, high):
         z = (17 / 20 - bound) / math.sqrt(bound * (1 - bound) / 20)
         assert abs(z) == pytest.approx(1.959963985)
-    assert wilson(0, 20)[0] == 0
-    assert wilson(20, 20)[1] == 1
+    assert wilson_bounds(0, 20)[0] == 0
+    assert wilson_bounds(20, 20)[1] == 1
 
 
 @pytest.mark.slow

@@ -24,6 +24,7 @@ from vrcomfort.report.measures import (
 from vrcomfort.report.measures.model import in_steps
 from vrcomfort.report.plan_files import load_plan
 from vrcomfort.report.results import analyse
+from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import read_study, with_frames
 
 PEOPLE = tuple(f"P{i:02d}" for i in range(1, 9))
@@ -74,7 +75,8 @@ def report(tmp_path: Path, study: Path, *lines: str) -> dict:
 
 
 def analysed(tmp_path: Path, study: Path, *lines: str) -> tuple[dict, Exposures]:
-    return analyse(read_study(study), load_plan(plan_of(tmp_path, *lines)))
+    results, scored = analyse(read_study(study), load_plan(plan_of(tmp_path, *lines)))
+    return as_json(results), scored
 
 
 def test_ratings_are_summed_up_over_those_that_were_answered(tmp_path: Path) -> None:

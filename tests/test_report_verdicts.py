@@ -9,12 +9,12 @@ import pytest
 
 from tests.support.report import Study, answers, build_report, foreign, write_csv
 from tests.test_report_study import report
-from vrcomfort.report.analyses import sentences
-from vrcomfort.report.answers import answer
+from vrcomfort.report.analyses import outcome_sentences, sentences
 from vrcomfort.report.derived_plan import plan_of
-from vrcomfort.report.families import disagreement, holds, is_shown, reported
+from vrcomfort.report.families import disagreement, holds, is_shown
 from vrcomfort.report.plan_files import load_plan
 from vrcomfort.report.results import analyse
+from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import read_study
 from vrcomfort.report.vocabulary import Vocabulary
 from vrcomfort.report.words import interval, p_value
@@ -107,8 +107,7 @@ def test_no_sentence_contradicts_an_interval_beside_it(tmp_path, seed):
         choices = choices.replace('alternative = "less"\n', "")
     results = analysed(random_study(tmp_path, seed), PLAN.format(choices=choices) + design)
     words = Vocabulary.of(results)
-    tests = [*results["tests"], *results["comparisons"]]
-    said = [answer(test, words) for test in tests] + sentences(results, words)
+    said = [line for _, line in outcome_sentences(results, words)] + sentences(results, words)
     assert said
     for line in said:
         if "could not be" in line.claim or "nobody" in line.claim:
@@ -123,23 +122,25 @@ def test_the_default_intervals_agree_with_the_decision_by_construction(tmp_path,
     design = DESIGNS[seed % 3]
     results = analysed(random_study(tmp_path, seed), PLAN.format(choices="") + design)
     for row in (*results["tests"], *results["comparisons"]):
-        if row["not_tested"]:
-            assert row["verdict"] is None
+        decision = row.decision
+        if row.not_tested:
+            assert decision.verdict is None
             continue
-        p = row["p"] if row["p_holm"] is None else row["p_holm"]
-        assert is_shown(row) == (p <= 0.05) == (row["p"] <= row["level"])
-        found = reported(row, "shift" if "shift" in row else "difference")
-        if found and (found["low"], found["high"]) != (None, None):
-            assert is_shown(row) != holds(found, 0.0)
-            assert not disagreement(row, found)
-        assert (row["simultaneous"] is None) == (row["level"] >= 1 - 0.95)
+        p = row.p if decision.p_holm is None else decision.p_holm
+        assert is_shown(decision.verdict) == (p <= 0.05) == (row.p <= decision.level)
+        said = row.reported
+        found = said.shift if hasattr(said, "shift") else said.difference and said.difference.of
+        if found and (found.low, found.high) != (None, None):
+            assert is_shown(decision.verdict) != holds(found, 0.0)
+            assert not disagreement(decision.verdict, found)
+        assert (decision.simultaneous is None) == (decision.level >= 1 - 0.95)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_a_mean_difference_has_one_interval(tmp_path, seed):
     """In the table of means, of t tests, and where the plan asks for a t test of the pairs."""
     plan = PLAN.partition("[[families]]")[0] + "families = []\n" + DESIGNS[1]
-    results = analysed(random_study(tmp_path, seed), plan.format(choices=""))
+    results = as_json(analysed(random_study(tmp_path, seed), plan.format(choices="")))
     ends: dict[tuple[str, ...], set[tuple[float | None, ...]]] = {}
     for test in results["tests"]:
         pair = test["outcome"], test["a"], test["b"]
@@ -270,5 +271,5 @@ def test_the_derived_plan_of_many_conditions_has_no_contradiction_either(tmp_pat
     study = read_study(foreign(tmp_path / "q.csv", scores))
     results = analyse(study, plan_of(study))[0]
     words = Vocabulary.of(results)
-    for line in (answer(test, words) for test in results["tests"]):
+    for _, line in outcome_sentences(results, words):
         assert not contradictions(line.text, line.claim), line.text

@@ -3,7 +3,7 @@
 //
 // Input:  source, whose texels are TEXEL px wide: the image (1), or a level of the pyramid.
 // Output: rgb. Size / (2 TEXEL), rounded up; texel t covers pixels [2 TEXEL t, 2 TEXEL (t + 1)), and
-//         at the rim of an odd image only those that exist, so every texel is the mean of its pixels.
+//         at the border of an odd image only those that exist, so every texel is the mean of its pixels.
 // NumPy twin: tests/oracles/pyramid.py. "Four Tricks for Fast Blurring in
 // Software and Hardware" (Gamasutra 2001), trick three.
 uniform sampler2D source;

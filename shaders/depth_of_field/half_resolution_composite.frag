@@ -2,12 +2,12 @@
 // Puts what was blurred at half resolution over the sharp image.
 //
 // Input:  colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width, negative in
-//         front of the focus), half_image (a = opacity of what is in front; read bilinearly).
+//         front of the focus), half_image (a = opacity of the foreground; read bilinearly).
 // Output: the blurred image, linear HDR, full resolution.
 //
 // FAR_FROM_PX, FAR_TO_PX: between these radii of its own a pixel goes from sharp to blurred.
 // OWN_RADIUS: on either side of the focus, and no opacity counts.
-// FRONT: what is in front is an image of its own, half_front, with its opacity in a.
+// FRONT: the foreground is an image of its own, half_front, with its opacity in a.
 // NumPy twin: tests/oracles/half_resolution.py.
 uniform sampler2D colour_and_coc;
 uniform sampler2D half_image;

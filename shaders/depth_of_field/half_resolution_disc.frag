@@ -3,7 +3,7 @@
 //
 // Input:  half_image of half_resolution.frag (signed CoC RADIUS, px of the whole image, negative in
 //         front of the focus), read bilinearly.
-// Output: rgb = what is behind under what is in front, a = opacity of what is in front.
+// Output: rgb = background under foreground, a = opacity of the foreground.
 //
 //      radius_limit_px
 //    |<------------>|      every pixel looks as far as the widest disc goes, however small its own:

@@ -1,11 +1,11 @@
 #version 450 core
-// Rings of samples at half resolution, once for what is behind and once for what is in front.
+// Rings of samples at half resolution, once for the background and once for the foreground.
 //
 // Input:  half_image of half_resolution.frag (signed CoC RADIUS, px of the whole image, negative in
 //         front of the focus), levels of mip_downsample.frag above it (read bilinearly), tiles of
 //         half_resolution_tiles.frag, dilated.
 // Output: background: rgb of what is at the focus or behind it, in the pixel's own disc;
-//         foreground: rgb of what is in front, in the tile's widest disc, a = its opacity.
+//         foreground: rgb of the foreground, in the tile's widest disc, a = its opacity.
 //
 //      . . . .          8 k samples on ring k; each is read from the level whose texels are about as
 //     . . . . .         wide as the gaps between samples

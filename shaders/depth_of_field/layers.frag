@@ -5,7 +5,7 @@
 //         (signed CoC RADIUS, px of image width, negative in front of the focus).
 // Output: texel t holds texels 2t and 2t + 1 of the input (include/layers.glsl).
 //
-// What is nearer than the farthest surface by the margin that tells surfaces apart is the front.
+// What is nearer than the farthest surface by the margin that tells surfaces apart is the foreground.
 #include "coc.glsl"
 #include "layers.glsl"
 

@@ -12,7 +12,7 @@
 // SLICES: no cross-fade. A billboard with level k stands where the radius is 2^(k - 1/2), on either
 // side of the focus, and covers what is blurred more: a hard edge where a surface meets it.
 // AT_DISTANCES: the billboard with level k stands at slices_m[k - 1] and covers what is behind it.
-// The levels hold whatever was in the image: sharp things have halos in blurred surroundings.
+// The levels hold whatever was in the image: sharp objects have halos in blurred surroundings.
 // NumPy twin: tests/oracles/pyramid.py. "Four Tricks for Fast Blurring in Software and Hardware"
 // (Gamasutra 2001), trick three, and "Depth of Field: Help from the Z-buffer".
 uniform sampler2D colour_and_coc;

@@ -32,7 +32,7 @@ void main() {
         vec2 away_px = diameter_px * (turned_from_offset * offsets[i]) * vec2(1.0, pixel_aspect);
         vec2 tap = gl_FragCoord.xy + away_px;
         float q = texelFetch(colour_and_coc, clamp(ivec2(floor(tap)), ivec2(0), last), 0).a;
-        // What is nearer counts as far as it is blurred: a sharp front does not leak.
+        // What is nearer counts as far as it is blurred: a sharp foreground does not leak.
         float weight = q > p.a ? 1.0 : min(abs(q) / max(radius_limit_px, 1e-6), 1.0);
         sum += weight * vec4(textureLod(colour_and_coc, tap / vec2(last + 1), 0.0).rgb, 1.0);
     }

@@ -1,5 +1,5 @@
 #version 450 core
-// Fifteen taps in a circle of confusion that a blurred front widens beyond its own outline.
+// Fifteen taps in a circle of confusion that a blurred foreground widens beyond its own silhouette edge.
 //
 // Input:  colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width, negative in
 //         front of the
@@ -10,8 +10,8 @@
 //           |                  ''..                                ''..
 //           |___                   ''..                                ''.   joins at the outline
 //
-// The far circle is as it is; the wider of the two counts. Every tap weighs the same: sharp fronts
-// leak, and a background beside a blurred front is blurred with it (the paper says so of both).
+// The far circle is as it is; the wider of the two counts. Every tap weighs the same: a sharp foreground
+// leaks, and a background beside a blurred foreground is blurred with it (the paper says so of both).
 // NumPy twin: tests/oracles/poisson_taps.py. Mantiuk et al. 2011, Eq. 2 and section 4.
 uniform sampler2D colour_and_coc;
 uniform sampler2D near_mean;

@@ -2,8 +2,8 @@
 // How blurred a cell of CELL x CELL pixels is by what lies in front of the focus.
 //
 // Input:  colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width, negative in front).
-// Output: r = mean of the front's radii, positive; 0 where nothing is in front. Size / CELL, rounded
-//         up: cells at the rim average the pixels that exist.
+// Output: r = mean of the foreground's radii, positive; 0 where nothing is in front. Size / CELL, rounded
+//         up: cells at the border average the pixels that exist.
 // NumPy twin: tests/oracles/poisson_taps.py. Mantiuk et al. 2011, section 4: "down-sampled to 1/8th
 // of its size in every dimension".
 uniform sampler2D colour_and_coc;

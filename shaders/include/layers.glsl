@@ -1,4 +1,4 @@
-// Two surfaces in one texel of 2^L pixels: what is in front, how much of the texel it covers, and what
+// Two surfaces in one texel of 2^L pixels: the foreground, how much of the texel it covers, and what
 // is behind it. Eight numbers in the 128 bits of a texel.
 //
 // Radii are those of circles of confusion in pixels of image width, negative in front of the focus. Twin:
@@ -7,10 +7,10 @@
 struct Layers {
     vec4 front;      // rgb, signed radius (px); nothing where coverage is 0
     vec4 back;       // the same
-    float coverage;  // of the front, 0 to 1
+    float coverage;  // of the foreground, 0 to 1
 };
 
-// Coverage is in sixteenths: the low bits of the front's radius, whose step is then 1/64 of it.
+// Coverage is in sixteenths: the low bits of the foreground's radius, whose step is then 1/64 of it.
 uvec4 pack_layers(Layers texel) {
     uint sixteenths = uint(clamp(texel.coverage * 16.0 + 0.5, 0.0, 15.0));
     uint last = (packHalf2x16(vec2(texel.front.b, texel.front.a)) & 0xFFF0FFFFu) | (sixteenths << 16);

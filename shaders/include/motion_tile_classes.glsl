@@ -11,7 +11,7 @@ float tolerance_px(float half_velocity_px) {
     return 0.25 + 0.1 * half_velocity_px;
 }
 
-// Half velocities of two pixels side by side that differ by more are of things that pass each other:
+// Half velocities of two pixels side by side that differ by more are of objects that pass each other:
 // by JUMP of the shorter one, and half a pixel.
 #ifndef JUMP
 #define JUMP 0.1
@@ -53,7 +53,7 @@ float share_along(vec2 u, vec2 line, vec2 other) {
 
 // around: the longest half velocity that comes here; shortest: of the tile; steepness: see
 // tile_max.frag. Where streaks change slowly, samples move along with the pixel; only where they
-// jump can one thing be seen to pass before another.
+// jump can one object be seen to pass before another.
 float class_of(vec2 around, float shortest, float steepness) {
     if (length(around) < LEAST_PX)
         return EARLY_OUT;

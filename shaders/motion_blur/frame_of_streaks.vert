@@ -2,7 +2,7 @@
 // A triangle that covers the image, in frames of one kind.
 //
 // Input:  gl_VertexID 0, 1, 2; frame (frame_streaks.vert). Which frames: with PASSING those in which
-//         things may pass each other, with LONG those whose longest half velocity is above
+//         there may be velocity discontinuities, with LONG those whose longest half velocity is above
 //         ONE_STEP_PX, otherwise those where it is not.
 // Output: gl_Position; the triangle has no area where it is not to be drawn.
 #include "velocity.glsl"

@@ -13,11 +13,11 @@
 //                 of the time, step / (2 |u_q|), to an opacity; it goes over the background.
 //
 // Foregrounds are looked for along the longest streak around and, where another one crosses it, along
-// that as well: a thing that goes up before a faster back that goes sideways sweeps over no pixel
+// that as well: an object that goes up before a faster background that goes sideways sweeps over no pixel
 // beside it. Where one of them is p's own streak as well, one walk serves both. What does not move
 // does not bleed: its streak reaches no other pixel.
 //
-//          ^            A front q has the half velocity u. By how far u lies along and beside the
+//          ^            A foreground q has the half velocity u. By how far u lies along and beside the
 //          |            two lines, one share of its opacity counts in the walk along the first
 //    <---- p ----> 1    line, the rest in the walk along the second (share_along). The shares
 //          |            make 1, so that no foreground counts twice; one that goes along a line counts
@@ -29,8 +29,8 @@
 // paths are straight, and highlights go with the surface, though they stay where the light is.
 // Two directions for each tile: a foreground that goes a third way is found as far as it lies along
 // these, and one that goes within 12 degrees of the longest streak is taken to go along it. Fronts
-// that sweep over p at the same time add up, whichever hides the other. Where p is on the front
-// itself, what is seen behind its rim is blurred along the front's streak, not along its own.
+// that sweep over p at the same time add up, whichever hides the other. Where p is on the foreground
+// itself, the background beside its silhouette edge is blurred along the foreground's streak, not along its own.
 // No noise, so the same scene point blurs alike in both eyes; samples grow with the streak instead.
 // McGuire et al. 2012, "A reconstruction filter for plausible motion blur"; p's own direction and
 // the neighbourhood's as in Guertin et al. 2013, "A fast and stable feature-aware motion blur
@@ -160,7 +160,7 @@ void main() {
     vec2 around = tile.xy, across = texelFetch(crossing, pixel / TILE, 0).xy;
     float reach = length(around);
     bool moves = length(p.xy) >= LEAST_PX;
-    // Where sharp and moving things meet, a filtered tap would carry half a sharp pixel along.
+    // Where sharp and moving objects meet, a filtered tap would carry half a sharp pixel along.
     bool whole_pixels = tile.w > 0.75 * reach;
     // Odd, so that there is a middle.
     int stride = max(whole_pixels ? 1 : STRIDE, int(ceil(reach / float(MOST_TAPS))) | 1);

@@ -7,8 +7,8 @@
 //         of a float, which are in the order of numbers.
 // Half velocities are RADII, px: a point spreads from -u to +u around where it is drawn.
 //
-// It does not know who hides whom: a still pixel beside a moving thing stays as it is (hard
-// silhouettes), and a moving background takes colour from the still thing before it (halos). Here
+// It does not know who hides whom: a still pixel beside a moving object stays as it is (hard
+// silhouettes), and a moving background takes colour from the still object before it (halos). Here
 // for comparison with motion_blur.frag. The source samples back along the velocity only; the
 // samples lie around the pixel here, as the shutter is centred on the frame's pose.
 // Rosado 2007, "Motion blur as a post-processing effect", GPU Gems 3, ch. 27; Chapman 2020,

@@ -8,7 +8,7 @@
 //         shortest; w = steepness: the most by which half velocities of two pixels that touch at a
 //         corner differ.
 //         crossing = the half velocity whose end lies farthest beside the longest one's line, px,
-//         without the limit; rows where streaks nowhere jump are not asked. A slow thing before a
+//         without the limit; rows where streaks nowhere jump are not asked. A slow object before a
 //         faster back may have no tile of its own in which it is the longest.
 //
 // Every second pixel is read, as on a chessboard: no line is so thin that it is missed, only what is

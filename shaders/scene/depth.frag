@@ -2,7 +2,7 @@
 // ALPHA_MASK cuts out what an alpha mask leaves open; SEMANTIC writes semantic weights.
 // Compiled where at least one of both is needed.
 //
-// Input:  base colour alpha = factor * image * vertex colour; semantic weight of the thing.
+// Input:  base colour alpha = factor * image * vertex colour; semantic weight of the instance.
 // Output: depth, or nothing; SEMANTIC: the weight.
 #ifdef ALPHA_MASK
 #include "material.glsl"

@@ -1,7 +1,7 @@
 #version 450 core
 // Places a vertex in the view, and where it was a frame ago.
 //
-// Input:  vertices; one row per drawn thing: relative_from_node (three rows of a 3x4 matrix).
+// Input:  vertices; one row per instance: relative_from_node (three rows of a 3x4 matrix).
 //         VELOCITY: also previous_relative_from_node, with the PRESENT eye as origin.
 //         LENS: one point of the lens (include/lens.glsl). SKIN: joints (include/skin.glsl).
 // Output: reverse-Z clip position; world-space (relative) position and normal.
@@ -78,7 +78,7 @@ void main() {
     before_x = then * before_x, before_y = then * before_y, before_z = then * before_z;
 #endif
     vec3 before = vec3(dot(before_x, position), dot(before_y, position), dot(before_z, position));
-    // A head-locked thing is seen by the present eye at both times: its motion in head space.
+    // A head-locked instance is seen by the present eye at both times: its motion in head space.
     bool locked = in_thing.y > 0.5;
     mat3 rotation = locked ? mat3(view_from_relative) : mat3(previous_view_from_relative);
     vec3 from_previous_eye = before + (locked ? vec3(0.0) : eye_delta_m.xyz);

@@ -2,7 +2,7 @@
 // One axis of a Gaussian blur; two make a round one.
 //
 // Input:  image (linear HDR). sigma_px is the standard deviation along this axis, in px, above 0.
-// Output: the image blurred along AXIS (0: x, 1: y); beyond the image its rim goes on.
+// Output: the image blurred along AXIS (0: x, 1: y); beyond the image its border goes on.
 // NumPy twin: tests/oracles/gaussian.py.
 uniform sampler2D image;
 uniform float sigma_px;

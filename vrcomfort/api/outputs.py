@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from vrcomfort.errors import InputError, spare
 
@@ -20,13 +20,9 @@ def as_warning(sentence: str) -> None:
     warnings.warn(sentence, stacklevel=3)
 
 
-class Progress(Protocol):
-    """Shows how far work has come; the command line has a bar for it."""
-
-    def __call__(
-        self, title: str, total: float | None, *, unit: str = ""
-    ) -> AbstractContextManager[Callable[..., None]]:
-        """Return a context that yields a counter of steps: ``advance(steps=1, title=None)``."""
+Progress = Callable[..., AbstractContextManager[Callable[..., None]]]
+"""Shows the progress of work: called as ``progress(title, total, unit="")``, it returns a context
+that yields a counter of steps, called as ``advance(steps=1, title=None)``."""
 
 
 @contextmanager

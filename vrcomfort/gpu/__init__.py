@@ -1,1 +1,1 @@
-"""OpenGL without a study: context, shaders, full-screen pass, timer, memory account."""
+"""OpenGL without a study: context, textures, shaders, passes, timers, traffic, memory account."""

@@ -1,4 +1,4 @@
-"""The context, and the few things moderngl does not do: float depth and [0, 1] clip depth.
+"""The context, and the few features that moderngl lacks: float depth and [0, 1] clip depth.
 
 Everything that is drawn into the scene is in reverse-Z: depth 1 on the near plane, 0 at infinity,
 ``GL_GREATER`` wins. Only a 32-bit float depth buffer and a [0, 1] clip range make that precise

@@ -39,11 +39,11 @@ class MemoryAccount:
 
     def add(
         self,
-        thing: moderngl.Texture | moderngl.TextureArray | moderngl.Buffer,
+        made: moderngl.Texture | moderngl.TextureArray | moderngl.Buffer,
         allocation: GpuAllocation,
     ) -> None:
         """Enter a new allocation."""
-        self._made[thing] = self._count, allocation
+        self._made[made] = self._count, allocation
         self._count += 1
 
     def mark(self) -> int:

@@ -52,7 +52,7 @@ class Sampling(NamedTuple):
     most_taps: int
     """Of these, to each side."""
     jump: float
-    """Things pass each other where half velocities differ by this part of the shorter one."""
+    """Part of the shorter half velocity: a larger difference is a velocity discontinuity."""
 
     @property
     def pairs(self) -> int:

@@ -31,7 +31,7 @@ class Slider(Dial):
     """Effect of the thumb-stick. `place`: it is the slider; at rest that is the lowest answer, at
     its upper end the highest. `rate`: it moves the slider up and down, which then stays."""
     sample_hz: Annotated[float, Field(ge=0.1, le=100)] = 2.0
-    """Interval at which the slider's place is recorded."""
+    """Rate at which the slider's place is recorded."""
 
 
 Number = Annotated[float, Field(ge=-1e9, le=1e9)]

@@ -480,6 +480,7 @@ class ConditionSettings(EffectTables):
     @field_validator("effect_order", mode="before")
     @classmethod
     def _name_former_orders(cls, value: Any) -> Any:
+        # Protocols of the first versions, which studies on disk keep, named two orders by a word.
         return _FORMER_ORDERS.get(value, value) if isinstance(value, str) else value
 
     @field_validator("effect_order")
@@ -501,6 +502,7 @@ class Condition(ConditionSettings, ConditionName):
     @model_validator(mode="before")
     @classmethod
     def _take_what_the_level_says(cls, data: Any) -> Any:
+        # Before validation: settings that a level fills in are checked as written ones are.
         return filled(data)
 
     def at_level(self, level: Quality) -> Condition:

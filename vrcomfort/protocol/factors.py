@@ -11,7 +11,7 @@ from pydantic import Field
 from vrcomfort.protocol.conditions import Condition, ConditionSettings
 from vrcomfort.settings import KeyPath, Name, Problem, Settings, Word
 
-MOST_CONDITIONS = 64
+MOST_CONDITIONS = 64  # as many as a Latin square may have (`order_check.MOST_TREATMENTS`)
 
 
 class LevelName(Settings):
@@ -72,6 +72,7 @@ def factor_problems(factors: tuple[CrossedFactor, ...]) -> Iterator[Problem]:
     owners: dict[KeyPath, str] = {}
     for index, factor in enumerate(factors):
         for number, level in enumerate(factor.levels):
+            # Merging would let the factor that comes last win, without a word.
             for key in _set_by(level):
                 owner = owners.setdefault(key, factor.name)
                 if owner != factor.name:

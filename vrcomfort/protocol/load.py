@@ -31,7 +31,7 @@ from vrcomfort.tasks import OwnTask, TaskSettings, own_task_file, run_task_file
 
 MOST_ITEMS = 16
 """Room of the list of all answers, on the panel in the headset."""
-MOST_ANSWERS = 101
+MOST_ANSWERS = 101  # 0 to 100, a visual analogue scale
 MOST_LETTERS, MOST_OF_INSTRUCTION = 200, 110
 """Of a question and of an instruction, which are then as small as can be read in a headset."""
 

@@ -156,6 +156,8 @@ class Protocol(Settings):
         """Take the single [ratings] table of earlier protocols."""
         return (value,) if isinstance(value, dict) else value
 
+    # Private, for they are no keys of a protocol: `load.parse_protocol` sets them once all named
+    # files are found, `spoken` and `with_task_code` set them in copies.
     _source: Source | None = PrivateAttr(default=None)
     _file: Path | None = PrivateAttr(default=None)
     _language: str | None = PrivateAttr(default=None)

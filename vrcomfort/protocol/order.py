@@ -133,6 +133,7 @@ class Covariate(Settings):
         if self.levels:
             return None if value in self.levels else f"must be one of {', '.join(self.levels)}"
         try:
+            # `float` takes the digits of every script, which a report would not read.
             possible = value.isascii() and self.low <= float(value) <= self.high
         except ValueError:
             possible = False

@@ -14,6 +14,8 @@ from vrcomfort.protocol.order import NO_TASK, Group, Part, Trial, orders_of
 from vrcomfort.protocol.session_steps import Practice
 from vrcomfort.settings import KeyPath, Problem, did_you_mean, repeated, reserved
 
+# Sequences are made whole: n! of all orders are 720 with 6 treatments, more than studies have
+# participants, and a square of 64 has 64 rows of 64 trials.
 MOST_TREATMENTS = {
     "latin_square": 64,
     "williams": 26,
@@ -234,6 +236,7 @@ def unknown_name(path: KeyPath, kind: str, name: str, known: Iterable[str]) -> I
         yield Problem((*path, kind), f"this study has no {kind} `{name}`; {hint}")
 
 
+# Each part's orders are combined with those of all others, and every combination is a sequence.
 MOST_COMBINATIONS = 10_000
 
 

@@ -78,6 +78,7 @@ class Instruction(Settings):
         """Return it in a language that has a wording of its own."""
         if wording is None:
             return self
+        # A picture may serve all languages; a sound is speech, and is never taken from another one.
         picture = wording.picture or self.picture
         return self.model_copy(
             update={"text": wording.text, "picture": picture, "sound": wording.sound}

@@ -12,6 +12,7 @@ from vrcomfort.protocol.questions import Asked
 from vrcomfort.protocol.session_steps import Instruction, InstructionWording, wording_problems
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.questionnaire.instrument_file import TranslationTable
+from vrcomfort.questionnaire.instruments import Translation
 from vrcomfort.settings import KeyPath, Problem, Settings, did_you_mean, repeated
 
 Button = Annotated[str, Field(min_length=1, max_length=30)]
@@ -140,9 +141,9 @@ def translated(
     given = table.instruments.get(instrument.name) if table else None
     if table is None or given is None:
         return instrument
-    return instrument.with_translation(
-        language, given.model_copy(update={"source": given.source or table.source})
-    )
+    whole = Translation(given.instruction, given.labels, given.source or table.source)
+    texts = {item: worded.text for item, worded in given.items.items()}
+    return instrument.with_translation(language, whole, texts)
 
 
 def text_problems(
@@ -203,6 +204,7 @@ def _of_nothing(
             found.append(Problem((*path, "words", key), f"the panel has no `{key}`; {hint}"))
             continue
         try:
+            # All that any of the panel's words is ever given: a brace beside is a mistake.
             text.format(number=1, count=1, instruction="", answers="", minutes=1)
         except (KeyError, IndexError, ValueError):
             message = f"`{key}` has braces that stand for nothing; the English has"

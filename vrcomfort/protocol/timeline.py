@@ -23,6 +23,7 @@ from vrcomfort.protocol.session_steps import (
     When,
 )
 
+# First guesses: `SessionTime` corrects each kind of step by the steps of the session so far.
 ITEM_S = 4.0
 """Planned for each item of a questionnaire."""
 FREE_TEXT_S = 30.0
@@ -329,7 +330,7 @@ class SessionPlan:
         protocol, trial = self.protocol, place.trial or 0
         if trial > 1 and protocol.breaks is not None and protocol.breaks.is_due(trial - 1):
             if first and self.resumption is not None and trial in self.resumption.begun:
-                return None
+                return None  # it was over before the interruption: its exposure had begun
             words = f"break after trial {trial - 1}"
             planned = PlannedStep("rest", words, protocol.breaks.min_s)
             return BreakStep("before_trial", place, (planned,), protocol.breaks, first)

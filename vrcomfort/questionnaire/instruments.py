@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
-from typing import Literal, Protocol
+from typing import Literal
 
 from vrcomfort.questionnaire.answers import Answer, Answers
 from vrcomfort.questionnaire.scales import Scale
@@ -29,34 +29,6 @@ class Translation:
     instruction: str | None = None
     labels: tuple[str, ...] = ()
     source: str = ""
-
-
-class Worded(Protocol):
-    """An item's text, as a file gives it."""
-
-    @property
-    def text(self) -> str:
-        """Return it."""
-
-
-class Translated(Protocol):
-    """A translation, as a file gives it."""
-
-    @property
-    def instruction(self) -> str | None:
-        """Return the instruction."""
-
-    @property
-    def labels(self) -> tuple[str, ...]:
-        """Return the names of the answers, or of the two ends."""
-
-    @property
-    def items(self) -> Mapping[str, Worded]:
-        """Return item → its text."""
-
-    @property
-    def source(self) -> str:
-        """Return the source of the wording."""
 
 
 @dataclass(frozen=True)
@@ -297,8 +269,16 @@ class Instrument:
             if all(wording.language != language for wording in item.wordings)
         ]
 
-    def with_translation(self, language: str, given: Translated) -> Instrument:
-        """Return the instrument with texts of a language; they replace its own."""
+    def with_translation(
+        self, language: str, given: Translation, items: Mapping[str, str]
+    ) -> Instrument:
+        """Return the instrument with texts of a language; they replace its own.
+
+        Parameters
+        ----------
+        items
+            Item → its text.
+        """
         before = self.translations.get(language, Translation())
         whole = Translation(
             given.instruction or before.instruction,
@@ -306,27 +286,32 @@ class Instrument:
             given.source or before.source,
         )
         if language == self.language:
-            return self._reworded(given, {**self.translations, language: whole})
+            return self._reworded(given, items, {**self.translations, language: whole})
 
         def worded(item: Item) -> Item:
-            if item.name not in given.items:
+            if item.name not in items:
                 return item
             others = tuple(each for each in item.wordings if each.language != language)
-            new = Wording(language, given.items[item.name].text)
+            new = Wording(language, items[item.name])
             return replace(item, wordings=(*others, new))
 
-        items = tuple(worded(item) for item in self.items)
-        return replace(self, items=items, translations={**self.translations, language: whole})
+        asked = tuple(worded(item) for item in self.items)
+        return replace(self, items=asked, translations={**self.translations, language: whole})
 
-    def _reworded(self, given: Translated, translations: Mapping[str, Translation]) -> Instrument:
+    def _reworded(
+        self,
+        given: Translation,
+        items: Mapping[str, str],
+        translations: Mapping[str, Translation],
+    ) -> Instrument:
         """Return the instrument with other words of its own language."""
         answers = replace(self.answers, labels=given.labels or self.labels)
 
         def reworded(item: Item) -> Item:
             answered = answers if item.answers == self.answers else item.answers
-            if item.name not in given.items:
+            if item.name not in items:
                 return replace(item, answers=answered)
-            return replace(item, text=given.items[item.name].text, worded=True, answers=answered)
+            return replace(item, text=items[item.name], worded=True, answers=answered)
 
         return replace(
             self,

@@ -1,1 +1,20 @@
-"""See the modules."""
+"""Renderer: from the poses of a frame to two images, by the passes that a condition needs.
+
+To read from the outside in:
+
+========================= ==========================================================================
+`pipeline`                a frame of both eyes; what a session, a replay and the tests call
+`plan`                    the list of passes in their order, with reasons; the registered effects
+`condition_passes`        the passes of a condition, wired by their textures
+`scene_pass`              an eye's scene: colour, depth and velocity, multisampled, then resolved
+`focus`                   one focus distance for both eyes
+`effects`                 depth of field, motion blur, vignette and others, each a step of the image
+`display`                 tone map, photodiode patch, hash of images
+`camera`                  where an eye is and was, how the head moved: no OpenGL
+`gpu_scene`               a scene on the GPU: `draw_list`, `culling`, `scene_buffers`, `materials`
+`lighting`, `shadow`      the sun, lamps, sky and shadow map
+`reference`               the oracle: the scene drawn for every sample of lens and shutter
+`image_error`, `output`   errors against a reference; files of images, numbers and video
+`stimulus_check`          how large blur is in a protocol's conditions, before a study
+========================= ==========================================================================
+"""

@@ -101,16 +101,16 @@ def transformed_boxes(
 
 @dataclass(frozen=True, eq=False)
 class SkinBoxes:
-    """The vertices of each joint of each drawn thing, boxed as they are in the file.
+    """The vertices of each joint of each instance, boxed as they are in the file.
 
     Parameters
     ----------
     rows
-        (k,) drawn things that have a skin.
+        (k,) instances that have a skin.
     starts
         (k,) where the boxes of each begin; the arrays below are (boxes,) or (boxes, 3).
     node, joint
-        Node of a box's thing, and joint in the list of all.
+        Node of a box's instance, and joint in the list of all.
     """
 
     rows: NDArray[np.intp]

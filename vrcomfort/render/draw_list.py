@@ -172,7 +172,7 @@ def batches(keys: NDArray[np.intp]) -> list[Batch]:
 def front_to_back(key: NDArray[np.intp], distance_m: Array) -> NDArray[np.intp]:
     """Return the order of rows: keys by their nearest row, and the rows of a key by distance.
 
-    Near things first: the depth test then spares most of the shading behind them.
+    Near instances first: the depth test then spares most of the shading behind them.
     """
     nearest = np.full(int(key.max(initial=0)) + 1, np.inf)
     np.minimum.at(nearest, key, distance_m)

@@ -24,8 +24,8 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 SSIM_REACH_PX = 5
 
 MARGIN = 0.125
-"""Part of the image's width left out at its rims: what blurs in from outside the image is in no
-post-process's input."""
+"""Part of the image's width left out at its borders: light that blurs in from outside the image is
+in no post-process's input."""
 
 HIGHLIGHT = 8.0
 """Radiance (display white is 1) above which a pixel is left out: the sun's disc is smaller than a

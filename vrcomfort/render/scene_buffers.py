@@ -130,7 +130,7 @@ class RowBuffers:
         commands: NDArray[np.uint32],
         previous: NDArray[np.float32] | None = None,
     ) -> None:
-        """Put things in drawing order; row i belongs to command i."""
+        """Write instances in drawing order; row i belongs to command i."""
         # Instanced attributes are read from `base_instance` on: each command has its own row.
         commands[:, _BASE_INSTANCE] = np.arange(len(commands))
         _replace(self.rows, rows)
@@ -145,7 +145,7 @@ def _replace(buffer: moderngl.Buffer, data: NDArray[np.generic]) -> None:
 
 
 class SceneRows:
-    """One row (a 3 × 4 matrix and a few numbers) and one indirect command per thing.
+    """One row (a 3 × 4 matrix and a few numbers) and one indirect command per instance.
 
     Parameters
     ----------
@@ -267,11 +267,11 @@ class SceneRows:
         return centers, halves
 
     def _level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
-        """Return (rows,) whether a thing is at the level of detail for this viewpoint."""
+        """Return (rows,) whether an instance is at the level of detail for this viewpoint."""
         return self._list.level_in_use(culling.lengths(self._level_centers - viewpoint_m[:, None]))
 
     def seen(self, planes: Array, origins_m: Array) -> NDArray[np.bool_]:
-        """Return (views, rows in use) whether a thing's box is within the planes of each view.
+        """Return (views, rows in use) whether an instance's box is within the planes of each view.
 
         Parameters
         ----------
@@ -293,12 +293,12 @@ class SceneRows:
     def write(
         self, buffers: RowBuffers, order: Rows, origin_m: Array, *, numbered: bool = False
     ) -> None:
-        """Write things in drawing order.
+        """Write instances in drawing order.
 
         Parameters
         ----------
         order
-            Rows; a thing that is drawn in several views is there several times.
+            Rows; an instance that is drawn in several views is there several times.
         origin_m
             (3,), or (len(order), 3): the viewpoint that each is drawn from.
         numbered

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import spare
-from vrcomfort.report.analyses import sentences
+from vrcomfort.report.analyses import outcome_sentences, sentences
 from vrcomfort.report.analyses.contract import SectionData
-from vrcomfort.report.answers import answer
 from vrcomfort.report.derived_plan import plan_of
 from vrcomfort.report.figures import draw_figures
 from vrcomfort.report.page import render_page
@@ -264,7 +263,7 @@ def _summary(out: Path, results: dict[str, Any], words: Vocabulary) -> ReportSum
 def _headlines(results: dict[str, Any], words: Vocabulary) -> Iterator[str]:
     """Yield the answers, called secondary where the planned primary outcome is not in the data."""
     called = "Secondary: " if results["without_primary"] else ""
-    answered = [answer(test, words) for test in (*results["tests"], *results["comparisons"])]
+    answered = [sentence for _, sentence in outcome_sentences(results, words)]
     for line in (*answered, *sentences(results, words)):
         yield f"{called}{line.text}"
 

@@ -12,10 +12,13 @@ from vrcomfort.report.pairs import in_a_test
 from vrcomfort.stats.means import mean_interval
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import pandas as pd
     from numpy.typing import NDArray
 
     from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.pairs import Tested
     from vrcomfort.report.plan import Plan
 
 PRIMARY, ALL, TIMEPOINT = "primary", "all", "timepoint"
@@ -45,7 +48,7 @@ def describe_with_interval(
 
 
 def describe_all(
-    scored: Exposures, plan: Plan, conditions: list[str], tests: list[dict[str, Any]]
+    scored: Exposures, plan: Plan, conditions: list[str], tests: Sequence[Tested]
 ) -> list[dict[str, Any]]:
     """Describe the scores of each condition, in points.
 
@@ -75,7 +78,7 @@ def _primary(
     plan: Plan,
     outcome: str,
     conditions: list[str],
-    tests: list[dict[str, Any]],
+    tests: Sequence[Tested],
 ) -> _Described:
     found: _Described = []
     for condition in conditions:
@@ -131,7 +134,7 @@ def _cells(table: pd.DataFrame, conditions: list[str]) -> _Cells:
 
 
 def of_the_tested(
-    table: pd.DataFrame, tests: list[dict[str, Any]], condition: str, outcome: str | None = None
+    table: pd.DataFrame, tests: Sequence[Tested], condition: str, outcome: str | None = None
 ) -> pd.DataFrame:
     """Return a condition's exposures of those who are in any test of it."""
     people = in_a_test(tests, condition, outcome)

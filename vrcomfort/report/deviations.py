@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort.report.notices import names
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import short_forms
 from vrcomfort.report.withdrawals import everybody
 from vrcomfort.settings import did_you_mean
@@ -15,9 +14,13 @@ from vrcomfort.stats.signed_rank import EXACT_UP_TO
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from vrcomfort.report.analyses.comparisons import ComparisonRow
+    from vrcomfort.report.analyses.equivalence import EquivalenceRow
+    from vrcomfort.report.analyses.signed_rank import SignedRankRow
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
+
 
 Deviation = dict[str, Any]
 
@@ -109,28 +112,27 @@ def _titles(results: dict[str, Any]) -> dict[str, str]:
 def _tests(results: dict[str, Any], plan: Plan) -> Iterator[Deviation]:
     tests = results["tests"]
     yield from _not_compared(results)
-    for reason in dict.fromkeys(test["not_tested"] for test in tests if test["not_tested"]):
-        untested = [_in_words(t, results) for t in tests if t["not_tested"] == reason]
+    for reason in dict.fromkeys(test.not_tested for test in tests if test.not_tested):
+        untested = [_in_words(t, results) for t in tests if t.not_tested == reason]
         yield _deviation("not_tested", f"no test of {'; '.join(untested)}: {reason}")
-    fallen = [t for t in tests if not t["not_tested"] and t["method"] != plan.p_value]
+    fallen = [t for t in tests if t.found and t.found.method != plan.p_value]
     if fallen:
         what = "; ".join(_in_words(test, results) for test in fallen)
-        text = f"p is {fallen[0]['method']} with more than {EXACT_UP_TO} pairs: {what}"
+        text = f"p is {fallen[0].found.method} with more than {EXACT_UP_TO} pairs: {what}"
         yield _deviation("other_method", text)
 
 
 def _not_compared(results: dict[str, Any]) -> Iterator[Deviation]:
     """Yield why a comparison by another test, or an equivalence, could not be made."""
-    rows = [*results["comparisons"], *map(as_json, results["equivalence"])]
-    untested = [row for row in rows if row["not_tested"]]
-    for reason in dict.fromkeys(row["not_tested"] for row in untested):
-        which = [_in_words(row, results) for row in untested if row["not_tested"] == reason]
+    untested = [row for row in (*results["comparisons"], *results["equivalence"]) if row.not_tested]
+    for reason in dict.fromkeys(row.not_tested for row in untested):
+        which = [_in_words(row, results) for row in untested if row.not_tested == reason]
         yield _deviation("not_tested", f"no test of {'; '.join(which)}: {reason}")
 
 
-def _in_words(test: dict[str, Any], results: dict[str, Any]) -> str:
-    labels, name = results["labels"], _titles(results)[test["outcome"]]
-    a, b = (labels.get(test[side], test[side]) for side in ("a", "b"))
+def _in_words(test: SignedRankRow | ComparisonRow | EquivalenceRow, results: dict[str, Any]) -> str:
+    labels, name = results["labels"], _titles(results)[test.outcome]
+    a, b = (labels.get(side, side) for side in (test.a, test.b))
     return f"{name}, {a} minus {b}"
 
 

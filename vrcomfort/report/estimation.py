@@ -5,7 +5,7 @@ After Gardner & Altman (1986) and Ho et al. (2019); the difference shown is the 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from vrcomfort.report.canvas import (
     spread,
     threads,
 )
-from vrcomfort.report.families import reported
 from vrcomfort.report.pairs import Side, groups_of, in_a_test, pair_up
 from vrcomfort.report.palette import colour_of, marker_of
 
@@ -30,12 +29,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+    from vrcomfort.report.analyses.comparisons import ComparisonRow
+    from vrcomfort.report.analyses.signed_rank import SignedRankRow
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.vocabulary import Vocabulary
 
     Floats = NDArray[np.float64]
-    Test = dict[str, Any]
-    Row = dict[str, Any]
 
 MOST_DRAWN = 1000
 """People who are drawn; of more, as many evenly spaced ones. Means and tests are of everybody."""
@@ -97,7 +96,9 @@ MOST_BESIDE = 2
 """Comparisons that fit beside the scores; more go below them, one in a row."""
 
 
-def estimation_figure(scored: Exposures, tests: list[Test], words: Vocabulary) -> Drawing | None:
+def estimation_figure(
+    scored: Exposures, tests: list[SignedRankRow], words: Vocabulary
+) -> Drawing | None:
     """Draw one outcome: scores by condition (a line is a participant), then the differences.
 
     Parameters
@@ -110,11 +111,11 @@ def estimation_figure(scored: Exposures, tests: list[Test], words: Vocabulary) -
     Drawing or None
         None without a test.
     """
-    made = [test for test in tests if not test["not_tested"]]
+    made = [test for test in tests if test.found]
     if not made:
         return None
-    outcome = made[0]["outcome"]
-    sides = {s.name: s for t in made for s in (Side(**side) for side in t["sides"])}
+    outcome = made[0].outcome
+    sides = {s.name: s for t in made for s in t.sides}
     shown = [name for name in words.labels if name in sides]
     scores = _scores(scored, made, [sides[name] for name in shown])
     beside = len(made) <= MOST_BESIDE
@@ -134,9 +135,9 @@ def estimation_figure(scored: Exposures, tests: list[Test], words: Vocabulary) -
     return drawing
 
 
-def _scores(scored: Exposures, tests: list[Test], sides: list[Side]) -> Floats:
+def _scores(scored: Exposures, tests: list[SignedRankRow], sides: list[Side]) -> Floats:
     """Return the mean score per exposure, people × sides; NaN for people in no test."""
-    outcome = tests[0]["outcome"]
+    outcome = tests[0].outcome
     columns = []
     for side in sides:
         rows = side.rows(scored).dropna(subset=[outcome])
@@ -146,11 +147,10 @@ def _scores(scored: Exposures, tests: list[Test], sides: list[Side]) -> Floats:
     return np.column_stack([column.reindex(people).to_numpy(dtype=float) for column in columns])
 
 
-def differences(scored: Exposures, test: Test) -> Floats:
+def differences(scored: Exposures, test: SignedRankRow) -> Floats:
     """Return the differences of a test in points, of people with scores."""
-    sides = (Side(**side) for side in test["sides"])
-    found = pair_up(scored, test["outcome"], *sides, complete=False)
-    tested = set(test["participants"])
+    found = pair_up(scored, test.outcome, *test.sides, complete=False)
+    tested = set(test.participants)
     chosen = [place for place, who in enumerate(found.participants) if who in tested]
     return np.asarray(found.differences[chosen] * found.unit, dtype=float)
 
@@ -167,31 +167,31 @@ def _draw_scores(axes: Axes, scores: Floats, shown: list[str], words: Vocabulary
     draw_zero(axes)
 
 
-def _draw_beside(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary) -> None:
+def _draw_beside(axes: Axes, found: list[tuple[SignedRankRow, Floats]], words: Vocabulary) -> None:
     for place, (test, each) in enumerate(found):
         across = place - 0.22 + spread(len(each), 0.1)
         dots(axes, thinned(across), thinned(each), FAINT, size=dot_size(len(each), 3.6), alpha=0.6,
              zorder=2)  # fmt: skip
-        estimate = test["shift"]["estimate"] if test["shift"] else None
+        estimate = test.found.shift.estimate if test.found and test.found.shift else None
         draw_difference(axes, place + 0.12, estimate, *_ends(test, each))
     names = [_difference_of(test, words, 16) for test, _ in found]
     axes.set_xticks(range(len(found)), names)
     axes.set_xlim(-0.55, len(found) - 0.4)
-    axes.set_ylabel(difference_label(found[0][0]["outcome"], words))
+    axes.set_ylabel(difference_label(found[0][0].outcome, words))
     draw_zero(axes)
 
 
-def _draw_below(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary) -> None:
+def _draw_below(axes: Axes, found: list[tuple[SignedRankRow, Floats]], words: Vocabulary) -> None:
     for place, (test, each) in enumerate(found):
         axes.plot(_ends(test, each), (place, place), "-", color=INK, lw=2.2, zorder=4)
-        if test["shift"]:
-            axes.plot(test["shift"]["estimate"], place, "D", color=INK, ms=5.5, mec=PAPER, mew=0.8)
+        if test.found and test.found.shift:
+            axes.plot(test.found.shift.estimate, place, "D", color=INK, ms=5.5, mec=PAPER, mew=0.8)
     axes.set_yticks(range(len(found)), [_difference_of(test, words, 40) for test, _ in found])
     axes.set_ylim(len(found) - 0.4, -0.6)
     axes.tick_params(axis="y", length=0)
     axes.grid(axis="x", color=GRID)
     axes.set_axisbelow(True)
-    axes.set_xlabel(difference_label(found[0][0]["outcome"], words))
+    axes.set_xlabel(difference_label(found[0][0].outcome, words))
     draw_zero(axes, upright=True)
 
 
@@ -201,25 +201,23 @@ def difference_label(outcome: str, words: Vocabulary) -> str:
     return f"difference ({unit})" if unit else "difference"
 
 
-def _difference_of(test: Test, words: Vocabulary, width: int) -> str:
-    return (
-        f"{lines(words.condition(test['a']), width)}\n− {lines(words.condition(test['b']), width)}"
-    )
+def _difference_of(test: SignedRankRow, words: Vocabulary, width: int) -> str:
+    return f"{lines(words.condition(test.a), width)}\n− {lines(words.condition(test.b), width)}"
 
 
-def _ends(test: Test, differences: Floats) -> tuple[float, float]:
+def _ends(test: SignedRankRow, differences: Floats) -> tuple[float, float]:
     """Return the ends of the interval; one that is not bounded is the farthest difference."""
-    shift = reported(test, "shift") or {}
-    low, high = shift.get("low"), shift.get("high")
-    if low is None and high is None:
+    shift = test.reported.shift if test.reported else None
+    if shift is None or (shift.low is None and shift.high is None):
         return np.nan, np.nan
+    low, high = shift.low, shift.high
     return (
         float(differences.min()) if low is None else low,
         float(differences.max()) if high is None else high,
     )
 
 
-def group_figure(scored: Exposures, row: Row, words: Vocabulary) -> Drawing | None:
+def group_figure(scored: Exposures, row: ComparisonRow, words: Vocabulary) -> Drawing | None:
     """Draw one comparison: the scores of both sides, then the difference with its interval.
 
     Returns
@@ -227,33 +225,33 @@ def group_figure(scored: Exposures, row: Row, words: Vocabulary) -> Drawing | No
     Drawing or None
         None where there was no test.
     """
-    if row["not_tested"]:
+    if row.found is None:
         return None
-    name = f"comparison-{row['outcome']}-{row['a']}-{row['b']}-{row['test']}"
+    name = f"comparison-{row.outcome}-{row.a}-{row.b}-{row.test}"
     a, b = values_of(scored, row)
     with canvas(name, 5.2, 3.7) as (figure, drawing):
         raw, effect = figure.subplots(1, 2, width_ratios=[2.4, 1.3])
-        if row["design"] == "paired":
+        if row.design == "paired":
             draw_people(raw, np.array([0.0, 1.0]), np.column_stack([a, b]))
-        for place, (side, values) in enumerate((("a", a), ("b", b))):
-            half = 0.0 if row["design"] == "paired" else 0.09
-            draw_side(raw, place, values, words.place(row[side]), half)
-        raw.set_xticks([0, 1], [lines(words.condition(row[side]), 14) for side in ("a", "b")])
+        for place, (side, values) in enumerate(((row.a, a), (row.b, b))):
+            half = 0.0 if row.design == "paired" else 0.09
+            draw_side(raw, place, values, words.place(side), half)
+        raw.set_xticks([0, 1], [lines(words.condition(name), 14) for name in (row.a, row.b)])
         raw.set_xlim(-0.45, 1.6)
-        raw.set_ylabel(lines(words.axis(row["outcome"]), 40))
+        raw.set_ylabel(lines(words.axis(row.outcome), 40))
         _draw_difference(effect, row, words)
     return drawing
 
 
-def values_of(scored: Exposures, row: Row) -> tuple[Floats, Floats]:
+def values_of(scored: Exposures, row: ComparisonRow) -> tuple[Floats, Floats]:
     """Return the scores of the people in a comparison, in points."""
-    one, two = (Side(**side) for side in row["sides"])
-    tested = set(row["participants"])
-    if row["design"] == "paired":
-        pairs = pair_up(scored, row["outcome"], one, two, complete=False)
+    one, two = row.sides
+    tested = set(row.participants)
+    if row.design == "paired":
+        pairs = pair_up(scored, row.outcome, one, two, complete=False)
         kept = [place for place, who in enumerate(pairs.participants) if who in tested]
         return _in_points(pairs.a[kept], pairs.unit), _in_points(pairs.b[kept], pairs.unit)
-    groups = groups_of(scored, row["outcome"], one, two, complete=False)
+    groups = groups_of(scored, row.outcome, one, two, complete=False)
     sides = ((groups.people_a, groups.a), (groups.people_b, groups.b))
     a, b = (
         np.array([value for who, value in zip(people, values, strict=True) if who in tested])
@@ -266,12 +264,14 @@ def _in_points(steps: NDArray[np.int64], unit: float) -> Floats:
     return np.asarray(steps * unit, dtype=np.float64)
 
 
-def _draw_difference(axes: Axes, row: Row, words: Vocabulary) -> None:
-    found = reported(row, "difference")
-    ends = [found["estimate"] if found[end] is None else found[end] for end in ("low", "high")]
-    draw_difference(axes, 0, found["estimate"], *ends)
+def _draw_difference(axes: Axes, row: ComparisonRow, words: Vocabulary) -> None:
+    named = row.reported.difference if row.reported else None
+    if named is not None:
+        found = named.of
+        ends = [found.estimate if end is None else end for end in (found.low, found.high)]
+        draw_difference(axes, 0, found.estimate, *ends)
     draw_zero(axes)
-    a, b = (lines(words.condition(row[side]), 16) for side in ("a", "b"))
+    a, b = (lines(words.condition(name), 16) for name in (row.a, row.b))
     axes.set_xticks([0], [f"{a}\n− {b}"])
     axes.set_xlim(-0.6, 0.6)
-    axes.set_ylabel(difference_label(row["outcome"], words))
+    axes.set_ylabel(difference_label(row.outcome, words))

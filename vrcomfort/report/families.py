@@ -1,4 +1,4 @@
-"""What a test decides, alone or in a family, and the intervals that say the same.
+"""Decisions of tests, alone or in a family, and the intervals and words that say the same.
 
 One rule for whatever a report says of a test. The p that decides is the adjusted one where there is
 a family. The intervals beside it are those of the level at which Holm's method decides on the test,
@@ -7,55 +7,59 @@ so that they hold no difference exactly where none was shown.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
-from vrcomfort.report.words import value_of
+from vrcomfort.report.words import number, p_equals, p_value
 from vrcomfort.stats.multiplicity import holm_levels
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Mapping, Sequence
 
-
-Row = dict[str, Any]
 Verdict = Literal["higher", "lower", "not_shown", "not_possible"]
 """Of the first side; `not_possible`: so few people cannot give a p at which a difference is shown,
 whatever they answer."""
-UNDECIDED: Row = {
-    "family": None, "p_holm": None, "level": None, "verdict": None, "smallest_p": None,
-    "higher": None, "simultaneous": None,
-}  # fmt: skip
-"""What is decided of a test once all are made; it stays so where there is no test."""
-INTERVALS = ("shift", "difference", "effect")
+Intervals = TypeVar("Intervals")
 
 
-def decide(row: Row, level: float, p_values: list[float | None], place: int) -> None:
-    """Set the level at which a test decides among others, and its verdict."""
-    row["level"] = holm_levels(p_values, level)[place]
-    if row["p"] <= row["level"]:
-        row["verdict"] = "higher" if row["higher"] else "lower"
-        return
-    best = [*p_values]
-    best[place] = smallest = row["smallest_p"]
-    own = holm_levels(best, level)[place]
-    row["verdict"] = "not_shown" if own is not None and smallest <= own else "not_possible"
-
-
-def add_intervals(row: Row, level: float, again: Callable[[float], Row]) -> None:
-    """Set `simultaneous`, the intervals of a test in a family; None where it decides at `level`.
+@dataclass(frozen=True)
+class Decision(Generic[Intervals]):
+    """The decision of a test, made once all are; all is None where there is no test.
 
     Parameters
     ----------
-    again
-        Confidence → the test with its intervals.
+    level
+        At which the test decides among those of its family.
+    smallest_p
+        That so many people can give, whatever they answer.
+    higher
+        Whether the first side is.
+    simultaneous
+        The intervals at `level`, where that is smaller than the plan's.
     """
-    if row["level"] is not None and row["level"] < level:
-        found = again(1 - row["level"])
-        row["simultaneous"] = {name: found[name] for name in INTERVALS if name in found}
+
+    family: str | None = None
+    p_holm: float | None = None
+    level: float | None = None
+    verdict: Verdict | None = None
+    smallest_p: float | None = None
+    higher: bool | None = None
+    simultaneous: Intervals | None = None
 
 
-def reported(row: Row, name: str) -> Any:
-    """Return the estimate with the interval that belongs to the p that decides."""
-    return (row["simultaneous"] or row)[name]
+def decided(
+    p: float, smallest_p: float, level: float, p_values: Sequence[float | None], place: int, *,
+    higher: bool,
+) -> tuple[float | None, Verdict]:  # fmt: skip
+    """Return the level at which a test decides among others, and its verdict."""
+    own_level = holm_levels(list(p_values), level)[place]
+    if own_level is not None and p <= own_level:
+        return own_level, "higher" if higher else "lower"
+    best = [*p_values]
+    best[place] = smallest_p
+    reachable = holm_levels(best, level)[place]
+    possible = reachable is not None and smallest_p <= reachable
+    return own_level, "not_shown" if possible else "not_possible"
 
 
 def verdict_alone(
@@ -64,38 +68,73 @@ def verdict_alone(
     """Return the verdict of a test that is in no family; None where there is no p."""
     if p is None:
         return None
-    row: Row = {"p": p, "smallest_p": smallest_p, "higher": higher}
-    decide(row, 1 - confidence, [p], 0)
-    found: Verdict = row["verdict"]
-    return found
+    return decided(p, smallest_p, 1 - confidence, [p], 0, higher=higher)[1]
 
 
-def is_shown(row: Any) -> bool:
+def is_shown(verdict: Verdict | None) -> bool:
     """Return whether a test has shown what it looked for."""
-    return value_of(row, "verdict") not in {None, "not_shown", "not_possible"}
+    return verdict not in {None, "not_shown", "not_possible"}
 
 
-def disagreement(row: Any, found: Any, null: float = 0.0) -> str:
+def disagreement(verdict: Verdict | None, found: Any, null: float = 0.0) -> str:
     """Say that an interval and the verdict of its test differ about the null value; or nothing.
 
     Those of the default methods do not, but for rank-biserials and correlations, whose intervals
     are not inversions of the printed test; nor is that of a plan that asks for order statistics.
     """
-    if not found or (value_of(found, "low") is None and value_of(found, "high") is None):
+    if found is None or (found.low is None and found.high is None):
         return ""
-    if holds(found, null) != is_shown(row):
+    if holds(found, null) != is_shown(verdict):
         return ""
     value = f"{null:g}".removeprefix("0") or "0"
-    if is_shown(row):
+    if is_shown(verdict):
         return f" (which includes {value}, though the test rejects it)"
     return f" (which excludes {value}, though the test does not reject it)"
 
 
 def holds(found: Any, value: float) -> bool:
     """Return whether a value is in an interval, whose ends may be open or missing."""
-    low, high = value_of(found, "low"), value_of(found, "high")
-    if value_of(found, "holds_rejected_zero") and value == 0:
+    low, high = found.low, found.high
+    if getattr(found, "holds_rejected_zero", False) and value == 0:
         return False
-    above = low is None or low < value or (low == value and value_of(found, "low_closed", True))
-    below = high is None or high > value or (high == value and value_of(found, "high_closed", True))
+    above = low is None or low < value or (low == value and getattr(found, "low_closed", True))
+    below = high is None or high > value or (high == value and getattr(found, "high_closed", True))
     return bool(above and below)
+
+
+def difference_in_words(
+    decision: Decision[Any], of_a: str, of_b: str, within: str, few: str
+) -> str:
+    """Say what a test decides on two sides; `few`: of whom or what there are too few to show it."""
+    if decision.verdict == "not_possible":
+        return f"with {few}, no difference could be shown between {of_a} and {of_b}"
+    if not is_shown(decision.verdict):
+        return f"no difference was shown between {of_a} and {of_b}"
+    return f"{decision.verdict} {within} {of_a} than {within} {of_b}"
+
+
+def too_few_in_words(decision: Decision[Any], confidence: float, zeros: int | None = None) -> str:
+    """Return of what a test has too few, where so few cannot show a difference."""
+    if decision.smallest_p is not None and decision.smallest_p <= 1 - confidence:
+        return "so few people for so many tests"
+    return "so few people whose scores differ" if zeros else "so few people"
+
+
+def interval_title(decision: Decision[Any], confidence: float) -> str:
+    """Return the name of the interval beside a verdict: its level is that of the verdict."""
+    percent = f"{100 * confidence:g}\u00a0% CI"
+    return f"Holm-adjusted {percent}" if decision.simultaneous else percent
+
+
+def p_in_words(p: float | None, decision: Decision[Any]) -> str:
+    """Return p, adjusted p, and how small p can be where no difference could be shown."""
+    holm = "" if decision.p_holm is None else f", Holm-adjusted {p_equals(decision.p_holm)}"
+    least = ""
+    if decision.verdict == "not_possible":
+        least = f" (of so few at least {p_value(decision.smallest_p)})"
+    return f"{p_equals(p)}{least}{holm}"
+
+
+def mean_and_sd(found: Mapping[str, float | None]) -> str:
+    """Return mean and standard deviation as a sentence has them."""
+    return f"M\u00a0=\u00a0{number(found['mean'])}, SD\u00a0=\u00a0{number(found['sd'])}"

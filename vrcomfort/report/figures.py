@@ -60,7 +60,7 @@ def draw_figures(
     drawn: dict[str, Drawing | None] = {}
     for place, outcome in enumerate(words.outcomes):
         if _wanted(results, "subscales" if place else "paired"):
-            tests = [test for test in results["tests"] if test["outcome"] == outcome]
+            tests = [test for test in results["tests"] if test.outcome == outcome]
             drawn[f"estimation_{outcome}"] = estimation_figure(scored, tests, words)
     for place, row in enumerate(results["comparisons"]):
         if _wanted(results, "paired"):

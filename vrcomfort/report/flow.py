@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort.report.withdrawals import AFTER, everybody, screened_out
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.pairs import Tested
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.withdrawals import Withdrawal
@@ -27,7 +30,7 @@ def participant_flow(
     scored: Exposures,
     plan: Plan,
     found: list[Withdrawal],
-    tests: list[Row],
+    tests: Sequence[Tested],
     analysed: list[str],
 ) -> list[Row]:
     """Return the stages: name, n, and the reasons of those who did not reach the next one.
@@ -51,7 +54,7 @@ def participant_flow(
     completed = [name for name in exposed if name not in left]
     tested = set(analysed)
     why = _reasons(scored)
-    every = set(analysed).intersection(*(t["participants"] for t in tests if t["participants"]))
+    every = set(analysed).intersection(*(t.participants for t in tests if t.participants))
     absent = {p: left.get(p, NO_EXPOSURE) for p in enrolled if p not in met}
     return [
         _stage("Enrolled", enrolled, absent),

@@ -34,14 +34,13 @@ def methods(
 ) -> list[MethodsParagraph]:
     """Return the paragraphs on everything that this report holds; `drawn`: figures, too."""
     plan = results["plan"]
-    made = any(not test["not_tested"] for test in results["tests"])
+    made = any(test.found for test in results["tests"])
     return [
         method
         for method in (
             _scoring(results, words),
             _people(results),
             *((_testing(results, words), _shift(plan), _rank_biserial(plan)) if made else ()),
-            *_comparisons(results),
             *methods_paragraphs(results, "tests"),
             _describing(),
             _t_tests(results),
@@ -62,7 +61,7 @@ def basis_sentence(results: Results) -> str:
     if results["score_basis"] == "measured":
         return ""
     if results["score_basis"] == "difference_from_baseline":
-        sides = [side["timepoint"] for test in results["tests"] for side in test["sides"]]
+        sides = [side.timepoint for test in results["tests"] for side in test.sides]
         moments = "Comparisons of timepoints are of raw scores. " if any(sides) else ""
         other = "Other scores" if moments else "Scores"
         return (
@@ -152,7 +151,7 @@ def _testing(results: Results, words: Vocabulary) -> MethodsParagraph:
         if pratt
         else "pairs without a difference were dropped before ranking (Wilcoxon, 1945)"
     )
-    asked = dict.fromkeys(test["alternative"] for test in results["tests"])
+    asked = dict.fromkeys(test.alternative for test in results["tests"])
     sides = _SIDES[next(iter(asked))] if len(asked) == 1 else "two-sided or one-sided as marked"
     text = (
         f"Conditions were compared with Wilcoxon signed-rank tests, {sides}. Ranks were taken on "
@@ -183,7 +182,7 @@ def _families(plan: Mapping[str, Any], words: Vocabulary) -> str:
 
 def _exactness(results: Results) -> str:
     """Say how p was found in the tests that were made."""
-    made = {test["method"] for test in results["tests"] if not test["not_tested"]}
+    made = {test.found.method for test in results["tests"] if test.found}
     exact = "from the exact permutation distribution given the ties"
     normal = f"from the normal approximation above {EXACT_UP_TO} pairs"
     if made == {"asymptotic"}:
@@ -264,43 +263,6 @@ def _rank_biserial(plan: Mapping[str, Any]) -> MethodsParagraph:
     return MethodsParagraph("Effect sizes", f"{what} {how}", ("kerby_2014", "effectsize"))
 
 
-def _comparisons(results: Results) -> list[MethodsParagraph]:
-    made = {row["test"] for row in results["comparisons"] if not row["not_tested"]}
-    said = []
-    if "mann_whitney" in made:
-        said.append(MethodsParagraph(
-            "Mann–Whitney tests",
-            "Groups were compared with the test of Mann & Whitney (1947) on integer sums, exact "
-            "given the ties (Streitberg & Röhmel, 1986) where p is not marked; two-sided, p is the "
-            "probability of a rank sum at least as far from its expectation. The difference is the "
-            "Hodges–Lehmann (1963) shift, the median of all differences between two people of "
-            "different groups; its interval is the hull of the shifts that the same test does not "
-            "reject. The rank-biserial r is 2 P − 1 with P the probability that somebody of the "
-            "first group is higher, its interval that of Newcombe (2006, method 5).",
-            ("mann_1947", "streitberg_1986", "hodges_1963", "newcombe_2006"),
-        ))  # fmt: skip
-    if made & {"welch_t", "student_t", "paired_t"}:
-        said.append(MethodsParagraph(
-            "Tests of means",
-            "Means were compared with t tests"
-            + (", without the assumption of equal variances (Welch, 1947)" * ("welch_t" in made))
-            + ". Hedges’ (1981) g is the difference over the standard deviation (of the "
-            "differences in pairs; the pooled one of groups) without its bias; its interval is "
-            "that of the noncentral t distribution. BF₁₀ is the Bayes factor of Rouder et al. "
-            "(2009), prior scale √½, two-sided.",
-            ("hedges_1981", "rouder_2009", *(("welch_1947",) if "welch_t" in made else ())),
-        ))  # fmt: skip
-    if "sign" in made:
-        said.append(MethodsParagraph(
-            "Sign tests",
-            "The sign test is exact and leaves out differences of zero; the interval of the share "
-            "of positive differences is that of Clopper & Pearson (1934), that of the median lies "
-            "between two of the differences (Hollander et al., 2014).",
-            ("clopper_1934", "hollander_2014"),
-        ))  # fmt: skip
-    return said
-
-
 def _describing() -> MethodsParagraph:
     return MethodsParagraph(
         "Descriptives",
@@ -314,7 +276,7 @@ def _describing() -> MethodsParagraph:
 
 
 def _t_tests(results: Results) -> MethodsParagraph | None:
-    if not any(test.get("t_test") for test in results["tests"]):
+    if not any(test.found and test.found.t_test for test in results["tests"]):
         return None
     return MethodsParagraph(
         "Means",
@@ -359,7 +321,7 @@ def _withdrawals(results: Results) -> MethodsParagraph | None:
 
 
 def _figures(results: Results) -> MethodsParagraph | None:
-    if all(test["not_tested"] for test in (*results["tests"], *results["comparisons"])):
+    if all(test.not_tested for test in (*results["tests"], *results["comparisons"])):
         return None
     return MethodsParagraph(
         "Figures",

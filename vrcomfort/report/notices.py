@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vrcomfort.importing.rows import alike
 from vrcomfort.questionnaire import never_zero
@@ -13,10 +13,13 @@ from vrcomfort.report.study_data import short_forms
 from vrcomfort.report.withdrawals import early_endings, everybody, find_withdrawals
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Sequence
 
     from vrcomfort.questionnaire import Answer
+    from vrcomfort.report.analyses.signed_rank import SignedRankRow
     from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.orders import OneOrder
+    from vrcomfort.report.pairs import Side
     from vrcomfort.report.study_data import StudyData
 
 TOLERATED_LOSS = 0.1
@@ -30,7 +33,7 @@ ONE_SIDED = 0.75
 def notices(
     study: StudyData,
     scored: Exposures,
-    tests: list[dict[str, Any]],
+    tests: Sequence[SignedRankRow],
     exclusions: list[dict[str, str]],
     of_choices: Collection[str] = (),
 ) -> list[str]:
@@ -93,22 +96,22 @@ def _short_forms(study: StudyData) -> list[str]:
 
 
 def _losses(
-    study: StudyData, tests: list[dict[str, Any]], exclusions: list[dict[str, str]]
+    study: StudyData, tests: Sequence[SignedRankRow], exclusions: list[dict[str, str]]
 ) -> list[str]:
     """Say where more than a tenth of those who met either side are not in the test."""
     found = []
     excluded = {p["participant"] for p in study.participants if p["status"] == "excluded"}
     excluded |= {row["participant"] for row in exclusions if row["what"] == "participant"}
-    primary = {(test["a"], test["b"]): test for test in reversed(tests)}
+    primary = {(test.a, test.b): test for test in reversed(tests)}
     for test in reversed(primary.values()):
-        people = _of_both(study, [_met(study, side) for side in test["sides"]]) - excluded
-        lost = sorted(people.difference(test["participants"]), key=natural)
+        people = _of_both(study, [_met(study, side) for side in test.sides]) - excluded
+        lost = sorted(people.difference(test.participants), key=natural)
         if len(lost) > TOLERATED_LOSS * len(people):
-            needed = test["exposures_per_condition"]
+            needed = test.exposures_per_condition
             label = study.labels
             several = ", ".join(f"{n} of {label.get(c, c)}" for c, n in needed.items() if n > 1)
             of_each = f" ({several})" if several else ""
-            pair = " and ".join(label.get(name, name) for name in (test["a"], test["b"]))
+            pair = " and ".join(label.get(name, name) for name in (test.a, test.b))
             found.append(
                 f"{len(lost)} of {len(people)} participants are not in the tests of {pair}, for "
                 f"which a score of every planned exposure{of_each} is needed: {names(lost)}"
@@ -116,7 +119,7 @@ def _losses(
     return found
 
 
-def _left_under_one(study: StudyData, tests: list[dict[str, Any]]) -> list[str]:
+def _left_under_one(study: StudyData, tests: Sequence[SignedRankRow]) -> list[str]:
     """Say that all or most who left did so under one condition: who stayed is a choice of it."""
     left = find_withdrawals(study)
     conditions = {trial["condition"] for trial in study.trials} - {""}
@@ -128,7 +131,7 @@ def _left_under_one(study: StudyData, tests: list[dict[str, Any]]) -> list[str]:
         return []
     share = f"all {count}" if count == len(left) else f"{count} of {len(left)}"
     label = study.labels.get(condition, condition)
-    ranked = any(test["ranked_worst"] for test in tests)
+    ranked = any(test.ranked_worst for test in tests)
     of_whom = "they are ranked as worst" if ranked else "the comparison is of those who stayed"
     return [f"{share} participants who left, left under {label}: {of_whom}"]
 
@@ -180,9 +183,9 @@ def _ended_early(study: StudyData) -> list[str]:
     return [f"ended before their time: {', '.join(parts)}"] if parts else []
 
 
-def _met(study: StudyData, side: dict[str, str]) -> set[str]:
+def _met(study: StudyData, side: Side) -> set[str]:
     """Return who met a side of a contrast, or was asked at its timepoint, answered or not."""
-    condition, timepoint = side["condition"], side["timepoint"]
+    condition, timepoint = side.condition, side.timepoint
     if not timepoint:
         met = {s.participant for s in study.sheets if s.condition == condition}
         return met | {t["participant"] for t in study.trials if t["condition"] == condition}
@@ -236,11 +239,11 @@ def _coded_from_one(study: StudyData, of_choices: Collection[str]) -> list[str]:
     return found
 
 
-def _confounded(study: StudyData, tests: list[dict[str, Any]]) -> list[str]:
+def _confounded(study: StudyData, tests: Sequence[SignedRankRow]) -> list[str]:
     """Say which conditions were met in one order, of the first score of each pair."""
-    orders: dict[tuple[str, str], dict[str, Any]] = {}
+    orders: dict[tuple[str, str], OneOrder] = {}
     for test in tests:
-        order = test.get("confounded")
+        order = test.confounded
         if order:
-            orders.setdefault((test["a"], test["b"]), order)
+            orders.setdefault((test.a, test.b), order)
     return [in_words(each, lambda name: study.labels.get(name, name)) for each in orders.values()]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from vrcomfort.report.ordering import natural
 from vrcomfort.stats.proportions import sign_test
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping
+    from collections.abc import Callable, Collection
 
     import pandas as pd
 
@@ -31,8 +31,8 @@ class OneOrder:
 
 def one_order(
     table: pd.DataFrame, a: str, b: str, participants: Collection[str]
-) -> dict[str, Any] | None:
-    """Return the order in which people met two conditions, as `OneOrder` has it, if it is one.
+) -> OneOrder | None:
+    """Return the order in which people met two conditions, if it is one.
 
     A person met a before b if their first exposure to a was before their first to b. Who met both
     in the same mean place of their exposures (a, b, b, a) is counted for neither order, for a
@@ -52,7 +52,7 @@ def one_order(
     if len(signs) < FEWEST or (people < len(signs) and test.p >= ALPHA):
         return None
     first, second = (a, b) if test.positive > test.negative else (b, a)
-    return asdict(OneOrder(first, second, people, len(signs)))
+    return OneOrder(first, second, people, len(signs))
 
 
 def _first_of(table: pd.DataFrame, a: str, b: str, participants: Collection[str]) -> list[int]:
@@ -72,16 +72,10 @@ def _first_of(table: pd.DataFrame, a: str, b: str, participants: Collection[str]
     return list(ahead.where(places["mean", a] != places["mean", b], 0).astype(int))
 
 
-def in_words(order: Mapping[str, Any], name: Callable[[str], str]) -> str:
-    """Say that the order of two conditions may be their difference; `name` is what each is called.
-
-    Parameters
-    ----------
-    order
-        The fields of `OneOrder`, as `one_order` returns them.
-    """
-    people, of = order["people"], order["of"]
-    first, second = name(order["first"]), name(order["second"])
+def in_words(order: OneOrder, name: Callable[[str], str]) -> str:
+    """Say that the order of two conditions may be their difference; `name` returns their labels."""
+    people, of = order.people, order.of
+    first, second = name(order.first), name(order.second)
     if people < of:
         return (
             f"{people} of {of} participants met {first} before {second}, so that their difference "

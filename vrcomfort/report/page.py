@@ -10,9 +10,10 @@ from markupsafe import Markup
 
 from vrcomfort.report import methods, palette, words
 from vrcomfort.report.analyses import page_analyses
-from vrcomfort.report.answers import DIGITS, TESTS, answers
+from vrcomfort.report.analyses.comparisons import DIGITS, NAMES
+from vrcomfort.report.answers import answers
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT
-from vrcomfort.report.families import disagreement, reported
+from vrcomfort.report.families import disagreement
 from vrcomfort.report.references import entries
 from vrcomfort.report.sections import section_names
 from vrcomfort.report.withdrawals import with_labels
@@ -62,7 +63,7 @@ def render_page(
             labelled=partial(with_labels, labels=vocabulary.labels),
             forms=[form.upper() for form in forms],
             words=vocabulary,
-            tests=TESTS,
+            tests=NAMES,
             shown_above="" if results["without_primary"] else _shown_above(results, figures),
             digits=DIGITS,
             analyses=list(page_analyses(results, vocabulary, results["plan"]["confidence"])),
@@ -92,7 +93,6 @@ def _templates() -> Environment:
     """Return the templates, compiled once: that takes longer than to fill them."""
     environment = page_templates()
     environment.filters |= {
-        "reported": reported,
         "number": words.number,
         "fraction": words.fraction,
         "p": words.p_value,
@@ -106,7 +106,7 @@ def _templates() -> Environment:
 def _shown_above(results: dict[str, Any], figures: dict[str, Drawing]) -> str:
     """Return the figure of the primary comparison, where no signed-rank test has one."""
     primary = next((each["name"] for each in results["outcomes"]), "")
-    of_it = [i for i, row in enumerate(results["comparisons"]) if row["outcome"] == primary]
+    of_it = [i for i, row in enumerate(results["comparisons"]) if row.outcome == primary]
     named = [f"comparison_{place}" for place in of_it if f"comparison_{place}" in figures]
     return named[0] if named and f"estimation_{primary}" not in figures else ""
 
@@ -124,9 +124,9 @@ def _variable(colour: re.Match[str]) -> str:
 def _disagreements(results: dict[str, Any]) -> int:
     """Count the tests whose p and whose interval of r say different things of 0."""
     return sum(
-        bool(disagreement(test, reported(test, "effect")))
+        bool(disagreement(test.decision.verdict, test.reported.effect))
         for test in results["tests"]
-        if not test["not_tested"]
+        if test.reported
     )
 
 
@@ -134,19 +134,19 @@ def _described(results: dict[str, Any]) -> list[dict[str, Any]]:
     """Return the rows of who is tested under each condition; differences if one pair is."""
     tests, order = results["tests"], [each["name"] for each in results["outcomes"]]
     rows = [row for row in results["descriptives"] if row["by"] == PRIMARY]
-    if len({(test["a"], test["b"]) for test in tests}) == 1:
+    if len({(test.a, test.b) for test in tests}) == 1:
         rows += [
-            {"outcome": test["outcome"], "condition": None, **test["descriptives"]["difference"]}
+            {"outcome": test.outcome, "condition": None, **test.found.descriptives["difference"]}
             for test in tests
-            if not test["not_tested"]
+            if test.found
         ]
     return sorted(rows, key=lambda row: order.index(row["outcome"]))
 
 
 def _moments(results: dict[str, Any]) -> list[dict[str, Any]]:
     """Return the raw scores by timepoint where timepoints are compared, or nothing is."""
-    sides = [side for test in results["tests"] for side in test["sides"]]
-    if sides and not any(side["timepoint"] for side in sides):
+    sides = [side for test in results["tests"] for side in test.sides]
+    if sides and not any(side.timepoint for side in sides):
         return []
     return [row for row in results["descriptives"] if row["by"] == TIMEPOINT]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from math import lcm
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import pandas as pd
@@ -85,13 +85,33 @@ class Pairs:
         return self.a - self.b
 
 
-def in_a_test(tests: list[dict[str, Any]], condition: str, outcome: str | None = None) -> set[str]:
+class Tested(Protocol):
+    """A row of a test or a comparison: its sides, its outcome, its participants."""
+
+    @property
+    def a(self) -> str:
+        """Name of the first side."""
+
+    @property
+    def b(self) -> str:
+        """Name of the second side."""
+
+    @property
+    def outcome(self) -> str:
+        """Name of the outcome."""
+
+    @property
+    def participants(self) -> tuple[str, ...]:
+        """The participants in the test."""
+
+
+def in_a_test(tests: Sequence[Tested], condition: str, outcome: str | None = None) -> set[str]:
     """Return who is in any test of a condition (of one outcome), whomever it compares with."""
     return {
         person
         for test in tests
-        if condition in (test["a"], test["b"]) and outcome in (None, test["outcome"])
-        for person in test["participants"]
+        if condition in (test.a, test.b) and outcome in (None, test.outcome)
+        for person in test.participants
     }
 
 
@@ -168,6 +188,21 @@ def groups_of(scored: Exposures, outcome: str, a: Side, b: Side, *, complete: bo
     people = _people(scored)
     names = [tuple(people[place] for place in each) for each in (*places, np.flatnonzero(both))]
     return Groups(names[0], names[1], sums[0], sums[1], scored.units[outcome] / common, names[2])
+
+
+NO_VARIANCE = "nothing varies, so that there is no t"
+
+
+def too_few(samples: Pairs | Groups) -> str | None:
+    """Say why samples cannot be compared; None where they can."""
+    if isinstance(samples, Pairs):
+        n = len(samples.participants)
+        return f"{n} complete pairs: too few for a test" if n < 2 else None
+    if samples.in_both and min(samples.a.size, samples.b.size) < 2:
+        return "the same people are on both sides: leave `between` away to compare pairs"
+    if min(samples.a.size, samples.b.size) < 2:
+        return f"{samples.a.size} and {samples.b.size} people: too few for a test"
+    return None
 
 
 def _people(scored: Exposures) -> list[str]:

@@ -12,11 +12,12 @@ from vrcomfort.report.canvas import INK, SOFT, Drawing, canvas, dots, lines
 from vrcomfort.report.estimation import differences
 
 if TYPE_CHECKING:
-    from typing import Any
+    from collections.abc import Sequence
 
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+    from vrcomfort.report.analyses.signed_rank import SignedRankRow
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.vocabulary import Vocabulary
@@ -47,14 +48,14 @@ class Residuals:
 
 
 def residuals_of(
-    scored: Exposures, plan: Plan, tests: list[dict[str, Any]], outcome: str
+    scored: Exposures, plan: Plan, tests: Sequence[SignedRankRow], outcome: str
 ) -> Residuals:
     """Return the residuals of a score: without the means of participants and cells."""
     fitted, left = _of_cells(scored, plan, outcome)
-    test = next((t for t in tests if t["outcome"] == outcome and not t["not_tested"]), None)
+    test = next((t for t in tests if t.outcome == outcome and t.found), None)
     if test is None:
         return Residuals(outcome, fitted, left, "", "", np.empty(0))
-    return Residuals(outcome, fitted, left, test["a"], test["b"], differences(scored, test))
+    return Residuals(outcome, fitted, left, test.a, test.b, differences(scored, test))
 
 
 def _of_cells(scored: Exposures, plan: Plan, outcome: str) -> tuple[Floats, Floats]:

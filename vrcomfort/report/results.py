@@ -8,15 +8,9 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort import __version__
 from vrcomfort.json_text import json_of
 from vrcomfort.report.analyses import AnalysisData, analysed_people, run_analyses
-from vrcomfort.report.analyses.adjustment import adjust
 from vrcomfort.report.asked import unused_timepoints
-from vrcomfort.report.comparisons import add_intervals_of_comparisons, check_groups, run_comparisons
-from vrcomfort.report.contrasts import (
-    add_intervals_of_tests,
-    conditions_of,
-    contrasts_of,
-    run_tests,
-)
+from vrcomfort.report.contrasts import check_groups, conditions_of, contrasts_of
+from vrcomfort.report.decisions import decide_all
 from vrcomfort.report.derived_plan import with_outcomes
 from vrcomfort.report.descriptives import describe_all, describe_recovery
 from vrcomfort.report.deviations import deviations
@@ -37,7 +31,6 @@ from vrcomfort.report.withdrawals import (
     count_withdrawals,
     everybody,
     find_withdrawals,
-    lost_signs,
     sequences,
     why_not,
 )
@@ -53,7 +46,6 @@ if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
-    from vrcomfort.report.withdrawals import Withdrawal
 
 SOFTWARE = ("numpy", "scipy", "pandas", "pingouin")
 SCHEMA = 2
@@ -76,23 +68,14 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     there = list(dict.fromkeys([*conditions, *study.labels, *asked]))
     check_groups(plan, scored)
     every = contrasts_of(plan, conditions, there)
-    contrasts = [each for each in every if each.test == "signed_rank"]
-    others = [each for each in every if each.test != "signed_rank"]
     check_columns(plan, scored)
     check_levels(plan, scored, study.labels)
     found = find_withdrawals(study)
-    tests = run_tests(scored, plan, contrasts, lambda a, b: lost_signs(found, a, b))
-    comparisons = run_comparisons(scored, plan, others)
-    data = AnalysisData(
-        study, scored, plan, conditions, _reference(contrasts, conditions), every, complete=False
-    )
-    more = run_analyses(data, "tests")
-    models = run_analyses(data, "models", "order")
-    compared = [*tests, *comparisons]
-    families, models["anova"] = adjust(plan, compared, models["anova"])
-    add_intervals_of_tests(scored, plan, contrasts, tests)
-    add_intervals_of_comparisons(scored, plan, others, comparisons)
-    tested = [row["participants"] for row in compared] or analysed_people(more)
+    reference = _reference([each for each in every if each.test == "signed_rank"], conditions)
+    data = AnalysisData(study, scored, plan, conditions, reference, every, found, complete=False)
+    made = decide_all(data, run_analyses(data))
+    tests, compared = made.rows["tests"], [*made.rows["tests"], *made.rows["comparisons"]]
+    tested = analysed_people(made.rows)
     analysed = _analysed(tested, scored.table)
     reasons = why_not(
         study,
@@ -127,15 +110,13 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "exclusion_rules": rules_in_words(plan, scored, exclusions),
         "exclusions": exclusions,
         "notices": notices(study, scored, tests, exclusions, plan.of_choices),
-        "families": families,
-        "tests": tests,
-        "comparisons": comparisons,
-        **more,
-        "sensitivity": _sensitivity(scored, plan, tests, contrasts, found),
+        "families": made.families,
+        **made.of("tests"),
+        "sensitivity": sensitivity(data, tests),
         "smallest_effects": smallest_effects(plan, tests),
         "descriptives": describe_all(scored, plan, conditions, compared),
         "recovery": describe_recovery(scored),
-        **models,
+        **made.of("models", "order"),
         "withdrawals": count_withdrawals(study, found),
         "quality": quality(study, scored, plan, unused_timepoints(study, plan)),
     }
@@ -192,27 +173,6 @@ def _labels(named: list[str], contrasts: list[Compared], labels: dict[str, str])
         parts = [part for part in (side.level, condition, side.timepoint) if part]
         found.setdefault(side.name, ", ".join(parts))
     return found
-
-
-def _sensitivity(
-    scored: Exposures,
-    plan: Plan,
-    tests: list[dict[str, Any]],
-    contrasts: list[Compared],
-    found: list[Withdrawal],
-) -> list[dict[str, Any]]:
-    compared = {(each.a.name, each.b.name): each for each in contrasts}
-    return [
-        line
-        for test in tests
-        for line in sensitivity(
-            scored,
-            plan,
-            test,
-            compared[test["a"], test["b"]],
-            lost_signs(found, test["a"], test["b"]),
-        )
-    ]
 
 
 def _unfinished(contrasts: list[Compared], conditions: list[str]) -> list[str]:

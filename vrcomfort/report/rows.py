@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 Cells = Mapping[str, object]
 """Column → cell of one line of a CSV table."""
+HIDDEN = {"hidden": True}
+"""Metadata of a dataclass field that renderings need and results.json does not have."""
 Value = TypeVar("Value")
 INLINE = {"inline": True}
 """Metadata of a dataclass field whose own fields stand in its place in JSON, or none for None."""
@@ -22,6 +24,8 @@ def as_json(value: object) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
         found: dict[str, Any] = {}
         for each, inner in _fields(value):
+            if each.metadata == HIDDEN:
+                continue
             if each.metadata == INLINE:
                 found |= {} if inner is None else as_json(inner)
             else:

@@ -1,20 +1,22 @@
-"""What the tests of a plan become with other people in them."""
+"""Sensitivity analyses: the planned tests on other analysis sets."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypedDict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypedDict
 
 from vrcomfort.report.pairs import pair_up
+from vrcomfort.report.withdrawals import lost_signs
 from vrcomfort.stats.signed_rank import signed_rank, worst_rank
 
 if TYPE_CHECKING:
-    from vrcomfort.report.contrasts import Compared
-    from vrcomfort.report.exposures import Exposures
+    from collections.abc import Sequence
+
+    from vrcomfort.report.analyses import AnalysisData
+    from vrcomfort.report.analyses.signed_rank import SignedRankRow
     from vrcomfort.report.plan import Plan
     from vrcomfort.stats.ranks import Alternative
-    from vrcomfort.stats.signed_rank import PValue, SignedRank, Zeros
-
-    Test = dict[str, Any]
+    from vrcomfort.stats.signed_rank import PValue, Zeros
 
 AVAILABLE = "all with a score in both conditions (means of unequal numbers)"
 COMPLETE = "only those with a score of every planned exposure"
@@ -22,35 +24,49 @@ WORST_RANK = "withdrawal ranked as the worst outcome of its condition"
 WORST_CASE = "worst case: every withdrawal counted against the observed direction"
 
 
-def sensitivity(
-    scored: Exposures, plan: Plan, test: Test, contrast: Compared, lost: dict[str, int]
-) -> list[dict[str, Any]]:
-    """Repeat one test on other sets of people.
+@dataclass(frozen=True)
+class RepeatedTest:
+    """A test, repeated on another analysis set."""
 
-    Parameters
-    ----------
-    lost
-        Participants without a pair who withdrew: 1 if under a, −1 if under b, 0 if unknown.
-    """
-    if test["not_tested"]:
+    a: str
+    b: str
+    outcome: str
+    analysis: str
+    n: int
+    z: float | None
+    p: float
+
+
+def sensitivity(data: AnalysisData, tests: Sequence[SignedRankRow]) -> list[RepeatedTest]:
+    """Repeat the tests on other analysis sets."""
+    return [line for test in tests for line in _of_test(data, test)]
+
+
+def _of_test(data: AnalysisData, test: SignedRankRow) -> list[RepeatedTest]:
+    if test.found is None:
         return []
-    a, b, outcome, chosen = contrast.a, contrast.b, test["outcome"], _options(plan, test)
+    plan, chosen = data.plan, _options(data.plan, test)
     whole, any_number = (
-        pair_up(scored, outcome, a, b, complete=complete) for complete in (True, False)
+        pair_up(data.scored, test.outcome, *test.sides, complete=complete)
+        for complete in (True, False)
     )
     primary, other, what = (
         (whole, any_number, AVAILABLE) if plan.needs_every_score else (any_number, whole, COMPLETE)
     )
     found = {what: signed_rank(other.differences, **chosen, intervals=False)}
+    lost = lost_signs(data.withdrawals, test.a, test.b)
     gone = [sign for person, sign in lost.items() if person not in primary.participants]
     if gone:
-        against = -1 if test["w_plus"] >= test["w_minus"] else 1
+        against = -1 if test.found.w_plus >= test.found.w_minus else 1
         assumed = {WORST_RANK: gone, WORST_CASE: [against] * len(gone)}
         found |= {
             name: worst_rank(primary.differences, signs, **chosen)
             for name, signs in assumed.items()
         }
-    return [_line(name, result, test) for name, result in found.items()]
+    return [
+        RepeatedTest(test.a, test.b, test.outcome, name, result.n, result.z, result.p)
+        for name, result in found.items()
+    ]
 
 
 class _Options(TypedDict):
@@ -59,10 +75,5 @@ class _Options(TypedDict):
     p_value: PValue
 
 
-def _options(plan: Plan, test: Test) -> _Options:
-    return {"zeros": plan.zeros, "alternative": test["alternative"], "p_value": plan.p_value}
-
-
-def _line(what: str, result: SignedRank, test: Test) -> dict[str, Any]:
-    same = {key: test[key] for key in ("a", "b", "outcome")}
-    return {**same, "analysis": what, "n": result.n, "z": result.z, "p": result.p}
+def _options(plan: Plan, test: SignedRankRow) -> _Options:
+    return {"zeros": plan.zeros, "alternative": test.alternative, "p_value": plan.p_value}

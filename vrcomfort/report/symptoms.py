@@ -10,12 +10,13 @@ from vrcomfort.report.descriptives import describe, of_the_tested
 from vrcomfort.report.pairs import in_a_test
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from vrcomfort.questionnaire import Instrument
     from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.pairs import Tested
 
     Floats = NDArray[np.float64]
 
@@ -25,7 +26,7 @@ Row = dict[str, Any]
 def symptom_rows(
     scored: Exposures,
     conditions: Iterable[str],
-    tests: list[Row],
+    tests: Sequence[Tested],
     instruments: Mapping[str, Instrument],
 ) -> list[Row]:
     """Describe the answers by item and condition, of those tested (of all, if nobody is).

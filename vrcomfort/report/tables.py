@@ -12,12 +12,11 @@ import pandas as pd
 
 from vrcomfort.report.analyses import csv_tables
 from vrcomfort.report.exposures import Exposures, column_of
-from vrcomfort.report.rows import Cells
+from vrcomfort.report.rows import Cells, cells
 from vrcomfort.report.sections import Section, section_tables
 
 Row = dict[str, Any]
 
-DESCRIBED = ("mean", "mean_low", "mean_high", "sd", "median", "q1", "q3")
 _FORMULA = re.compile(r"'*[=+\-@\t\r\n]")
 """How a text begins that a spreadsheet would compute, or might once it has cut the blank off; and,
 so that one apostrophe can be taken off again, a text that begins with apostrophes before that."""
@@ -41,11 +40,9 @@ def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> 
     ]
     tables: dict[str, Sequence[Cells]] = {
         "scores": exposures,
-        "tests": [_flat_test(test, results["plan"]) for test in results["tests"]],
-        "comparisons": [_comparison(row) for row in results["comparisons"]],
         **csv_tables(results),
-        "sensitivity": results["sensitivity"],
-        "smallest_effects": results["smallest_effects"],
+        "sensitivity": list(map(cells, results["sensitivity"])),
+        "smallest_effects": list(map(cells, results["smallest_effects"])),
         "descriptives": results["descriptives"],
         "symptoms": results["symptoms"],
         "recovery": [_flat_recovery(row) for row in results["recovery_course"]],
@@ -59,11 +56,6 @@ def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> 
         "early_endings": results["withdrawals"]["early_endings"],
         "left_out": results["participants"]["left_out"],
         "in_some_tests": results["participants"]["in_some_tests"],
-        "t_tests": [
-            {**{key: test[key] for key in ("a", "b", "outcome")}, **test["t_test"]}
-            for test in results["tests"]
-            if not test["not_tested"] and test["t_test"]
-        ],
         "exclusions": results["exclusions"],
         "deviations": [
             row | {"participants": " ".join(row["participants"])} for row in results["deviations"]
@@ -72,26 +64,6 @@ def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> 
         **section_tables(sections),
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
-
-
-def _comparison(row: Row) -> Row:
-    inner = {"participants", "sides", "difference", "effect", "descriptives", "simultaneous"}
-    flat = {key: value for key, value in row.items() if key not in inner}
-    n = row["n_a"]
-    sides = (row["participants"][:n], row["participants"][-row["n_b"] :] if row["n_b"] else [])
-    for side, people, where in zip("ab", sides, row["sides"], strict=True):
-        flat |= {f"people_{side}": people}
-        flat |= {f"{key}_{side}": where[key] for key in ("condition", "timepoint")}
-    for side in ("a", "b"):
-        described = row.get("descriptives", {}).get(side, {})
-        flat |= {f"{key}_{side}": described.get(key) for key in ("mean", "sd", "median")}
-    for part in ("difference", "effect"):
-        found = row.get(part) or {}
-        flat |= {f"{part}_{key}": found.get(key) for key in ("what", "estimate", "low", "high")}
-        holm = (row["simultaneous"] or {}).get(part) or {}
-        flat |= {f"{part}_holm_{key}": holm.get(key) for key in ("low", "high")}
-    flat["confidence"] = (row.get("difference") or {}).get("confidence")
-    return flat
 
 
 def model_columns(results: Row, scored: Exposures) -> dict[str, list[Any]]:
@@ -174,42 +146,3 @@ def _flat_flow(flow: list[Row]) -> list[Row]:
         for stage in flow
         for gone in [{"left": r["n"], "reason": r["reason"]} for r in stage["left"]] or [{}]
     ]
-
-
-def _flat_test(test: Row, plan: Row) -> Row:
-    keys = ("a", "b", "outcome", "n", "zeros", "ties", "zero_method", "alternative", "w_plus",
-            "w_minus", "z", "p_exact", "p_asymptotic", "p", "method", "p_holm")  # fmt: skip
-    row = {key: test.get(key) for key in keys}
-    row |= _interval("hodges_lehmann", test.get("shift"))
-    ends = ("low_closed", "high_closed", "holds_rejected_zero")
-    row |= {f"hodges_lehmann_{end}": (test.get("shift") or {}).get(end) for end in ends}
-    row |= _interval("rank_biserial", test.get("effect"))
-    row |= {key: test[key] for key in ("verdict", "smallest_p", "level")}
-    holm = test["simultaneous"] or {}
-    row |= _ends("hodges_lehmann_holm", holm.get("shift"))
-    row |= _ends("rank_biserial_holm", holm.get("effect"))
-    for name, found in (test.get("descriptives") or {}).items():
-        row |= {f"{stat}_{name}": found[stat] for stat in DESCRIBED if stat in found}
-    planned = test["exposures_per_condition"]
-    any_number = plan["withdrawals"] == "available_pairs"
-    return {
-        **row,
-        "planned_a": 1 if any_number else planned[test["a"]],
-        "planned_b": 1 if any_number else planned[test["b"]],
-        "timepoint_a": test["sides"][0]["timepoint"] or None,
-        "timepoint_b": test["sides"][1]["timepoint"] or None,
-        "ranked_worst": len(test["ranked_worst"]),
-        "confidence": plan["confidence"],
-        "shift_interval": plan["shift_interval"],
-        "family": test["family"],
-        "not_tested": test["not_tested"],
-    }
-
-
-def _interval(name: str, found: Row | None) -> Row:
-    return {name: (found or {}).get("estimate"), **_ends(name, found)}
-
-
-def _ends(name: str, found: Row | None) -> Row:
-    found = found or {}
-    return {f"{name}_low": found.get("low"), f"{name}_high": found.get("high")}

@@ -12,7 +12,7 @@ from vrcomfort.report.study_data import people_of, trial_s
 from vrcomfort.stats.proportions import fisher_exact
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.study_data import StudyData
@@ -188,7 +188,7 @@ def _by_first(first: dict[str, str], gone: set[str]) -> dict[str, Any]:
     }
 
 
-def lost_signs(found: list[Withdrawal], a: str, b: str) -> dict[str, int]:
+def lost_signs(found: Sequence[Withdrawal], a: str, b: str) -> dict[str, int]:
     """Return for each who withdrew: 1 under condition a, −1 under b, 0 if neither is known."""
     return {each.participant: {a: 1, b: -1}.get(each.condition, 0) for each in found}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 MINUS = "−"
@@ -39,25 +40,22 @@ def p_equals(value: float | None) -> str:
     return f"p\u00a0{text}" if text.startswith("<") else f"p\u00a0=\u00a0{text}"
 
 
-def value_of(row: Any, name: str, otherwise: Any = None) -> Any:
-    """Return a row's value: of a typed row its field, of a table's row its key."""
-    return row.get(name, otherwise) if isinstance(row, dict) else getattr(row, name, otherwise)
-
-
 def interval(found: Any, digits: int = 2, *, bounded: bool = False, null: float = 0.0) -> str:
     """Write [low, high], with a round bracket where the end itself is not in the interval.
 
     An end beside the value of no difference, `null`, is not rounded to it.
     """
-    low, high = value_of(found, "low"), value_of(found, "high")
-    if low is None and high is None:
+    if isinstance(found, dict):  # the rows of time courses and gaze
+        found = SimpleNamespace(**found)
+    if found is None or (found.low is None and found.high is None):
         return NONE
+    low, high = found.low, found.high
     write = fraction if bounded else number
     first = "−∞" if low is None else write(low, _digits(low, digits, null))
     last = "∞" if high is None else write(high, _digits(high, digits, null))
-    left = "[" if low is not None and value_of(found, "low_closed", True) else "("
-    right = "]" if high is not None and value_of(found, "high_closed", True) else ")"
-    hole = " without 0" if value_of(found, "holds_rejected_zero") else ""
+    left = "[" if low is not None and getattr(found, "low_closed", True) else "("
+    right = "]" if high is not None and getattr(found, "high_closed", True) else ")"
+    hole = " without 0" if getattr(found, "holds_rejected_zero", False) else ""
     return f"{left}{first},\u00a0{last}{right}{hole}"
 
 

@@ -132,7 +132,7 @@ class EventLog:
 
     def event(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
         """Write an event that ends now; without a start it is a moment."""
-        self.look_at_files()
+        self.report_file_changes()
         row = self._event(name, start_s, detail)
         self.context.outlet.mark(row)
         self.recorder.write(row)
@@ -149,7 +149,7 @@ class EventLog:
         self.context.outlet.mark(row)
         self.recorder.write_soon(row)
 
-    def look_at_files(self) -> None:
+    def report_file_changes(self) -> None:
         """Write, and report at once, changes of the session's files by other programs."""
         for each in self.recorder.take_external_changes():
             name = "rows_lost" if each.lost else "file_put_back"

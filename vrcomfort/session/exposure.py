@@ -195,9 +195,9 @@ class FrameLoop:
         finally:  # a disk that refuses a frame may yet take a rating
             self._close_rating()
             self._finish_task()
-            self._end_relay(stimulus)
+            self._end_outlet(stimulus)
 
-    def _end_relay(self, stimulus: Stimulus) -> None:
+    def _end_outlet(self, stimulus: Stimulus) -> None:
         outlet = self.context.outlet
         outlet.end_exposure(stimulus.trial)
         if left_out := outlet.take_left_out():
@@ -227,9 +227,9 @@ class FrameLoop:
         progress: Callable[[float], None],
     ) -> Ending:
         shown_ns, before = 0, None
-        for unsteered in interruptible(self._frames):
+        for headset_frame in interruptible(self._frames):
             self._note_events()
-            frame = self._steered(unsteered)
+            frame = self._commanded(headset_frame)
             if not self._counts(frame, stimulus):
                 shown_ns += 0 if before is None else frame.period_ns  # the last one that counted
                 before = None
@@ -273,7 +273,7 @@ class FrameLoop:
             return False
         return True
 
-    def _steered(self, frame: Frame) -> Frame:
+    def _commanded(self, frame: Frame) -> Frame:
         """Carry out operators' commands; return the frame, hidden while the session is paused."""
         operators, period_s = self.context.operators, frame.period_ns / 1e9
         try:
@@ -293,7 +293,7 @@ class FrameLoop:
     def _note_events(self) -> None:
         for event in self.headset.take_events():
             self.events.note(event)
-        self.events.look_at_files()
+        self.events.report_file_changes()
 
     def _scene_time_s(self, frame: Frame) -> float:
         """Return the time of the scene's animations, which begins with its first frame."""

@@ -81,9 +81,9 @@ class SessionFlow:
         last_ns = interrupted.xr_time_ns if interrupted else None
         self._log = FrameLog(events.recorder, last_ns=last_ns)
         self._instructor = Instructor(context, events)
-        self._rests = BreakRunner(context, events, self._instructor, interrupted)
+        self._breaks = BreakRunner(context, events, self._instructor, interrupted)
         self._open = (
-            OpenQuestions(context, events, interrupted, self._rests.rest) if interrupted else None
+            OpenQuestions(context, events, interrupted, self._breaks.rest) if interrupted else None
         )
         self._scores = ScoreWatch(context.protocol)
         self._texts = FreeTexts(context, events)
@@ -181,13 +181,13 @@ class SessionFlow:
             case ScreeningStep(of="ipd"):
                 self._screener.look_at_ipd()
             case ScreeningStep():
-                self._screener.look_at_covariates()
+                self._screener.check_covariates()
             case InstructionStep():
                 self._instructor.tell(step)
             case RestStep():
-                self._rests.rest(step.duration_s)
+                self._breaks.rest(step.duration_s)
             case BreakStep():
-                self._rests.hold_break(step)
+                self._breaks.hold_break(step)
             case QuestionnaireStep():
                 self._ask(step, after_withdrawal=after_withdrawal)
             case FreeTextStep():
@@ -213,8 +213,8 @@ class SessionFlow:
     def _validate_gaze(self, step: GazeValidationStep) -> None:
         if self._validation is None:  # one for all: it counts them
             self._validation = Validation(self._context, self._events, self._log, step.validation)
-        headset, standing = self._trials.start_pose_of(step.place)
-        spawn = standing.scene.spawn if isinstance(standing.scene, Scene) else Pose()
+        headset, start = self._trials.start_pose_of(step.place)
+        spawn = start.scene.spawn if isinstance(start.scene, Scene) else Pose()
         resumed = self._interrupted is not None
         if sentence := self._validation.hold(step, headset, spawn, resumed=resumed):
             self._manifest.miss(sentence)

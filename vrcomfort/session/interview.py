@@ -323,7 +323,7 @@ class ScreeningRunner:
         rows = Session(events.recorder.folder).rows(ScreeningRow, repaired=True)
         self._decided = {row["rule"] for row in rows}
 
-    def look_at_covariates(self) -> None:
+    def check_covariates(self) -> None:
         """Apply the rules on covariates of the enrolment, before the first session, once.
 
         Raises

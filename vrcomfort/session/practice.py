@@ -167,7 +167,7 @@ class PracticeRunner:
         context = self._context
         protocol, practice = context.protocol, block.step.practice
         place = TrialPlace(condition=trial.condition, scene=trial.scene)
-        headset, standing = self._trials.start_pose_of(place)
+        headset, start = self._trials.start_pose_of(place)
         full_s = practice.exposure_s or protocol.length_s(trial.scene)
         shown_s = full_s / context.time_scale
         condition = protocol.condition(trial.condition)
@@ -180,7 +180,7 @@ class PracticeRunner:
                 self._events,
                 place,
                 settings,
-                standing.scene,
+                start.scene,
                 attempt=block.repetition,
                 resumed=self._resumed,
                 duration_s=shown_s,
@@ -188,9 +188,9 @@ class PracticeRunner:
                 keep=results.extend,
             )
         )
-        context.renderer.begin(task.drawn if task else standing.scene, condition)
+        context.renderer.begin(task.drawn if task else start.scene, condition)
         kind = EventLoop if context.jumps else FrameLoop
-        loop = kind(context, headset, self._events, self._log, standing.path)
+        loop = kind(context, headset, self._events, self._log, start.path)
         words = f"{block.step.words}, repetition {block.repetition}: {_named(trial)}"
         context.operators.begin("training", words)
         tell = partial(self._events.tell, "training", place, total=shown_s)

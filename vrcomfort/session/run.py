@@ -225,7 +225,7 @@ def _kept(flow: SessionFlow, writer: ManifestWriter, events: EventLog) -> tuple[
     try:
         events.recorder.sync()
     finally:
-        events.look_at_files()
+        events.report_file_changes()
         writer.close(status)
     return status, note
 

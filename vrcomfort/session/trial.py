@@ -159,16 +159,16 @@ class TrialRunner:
 
     def _enter(self, place: TrialPlace) -> FrameLoop:
         context, protocol = self._context, self._context.protocol
-        headset, standing = self.start_pose_of(place)
+        headset, start = self.start_pose_of(place)
         condition = protocol.condition(place.condition or "")
-        self._task = self._task_in(place, standing.scene)
+        self._task = self._task_in(place, start.scene)
         self._adjustment = adjusting = self._adjustment_in(place)
-        scene = self._task.drawn if self._task else standing.scene
+        scene = self._task.drawn if self._task else start.scene
         context.renderer.begin(scene, adjusting.built_for if adjusting else condition)
         if adjusting:
             adjusting.show_start()
         loop = EventLoop if context.jumps else FrameLoop
-        return loop(context, headset, self._events, self._log, standing.path)
+        return loop(context, headset, self._events, self._log, start.path)
 
     def start_pose_of(self, place: TrialPlace) -> tuple[Headset, StartPose]:
         """Load a trial's scene, and lead the participant into it."""
@@ -177,11 +177,11 @@ class TrialRunner:
             context.screen.show_loading()
         scene = context.load_scene(protocol.scene_source(place.scene))
         view = protocol.view(place.scene)
-        standing = start_pose_of(scene, view, walks=protocol.locomotion.mode != "off")
-        headset = context.headset_for(view.scene, standing.scene)
+        start = start_pose_of(scene, view, walks=protocol.locomotion.mode != "off")
+        headset = context.headset_for(view.scene, start.scene)
         self._manifest.note_headset(headset)
         self._operators.use(headset)
-        return headset, standing
+        return headset, start
 
     def _task_in(self, place: TrialPlace, scene: Any) -> TaskRun | None:
         """Return the task of a trial, ready to begin."""
@@ -218,7 +218,7 @@ class TrialRunner:
             "resumed": bool(known["resumed"]),
         }
 
-    def _doing(self, place: TrialPlace) -> Activity | None:
+    def _activity(self, place: TrialPlace) -> Activity | None:
         """Return all that is done in a trial, and rated all through it."""
         slider = self._context.protocol.slider_in(place.condition or "")
         sliding = None if slider is None else SliderRun(**self._of_dial(place), dial=slider)
@@ -266,7 +266,7 @@ class TrialRunner:
             return loop.show(
                 Stimulus(number, condition, shown_s, full_s / shown_s),
                 schedule=schedule,
-                task=self._doing(place),
+                task=self._activity(place),
                 progress=self._watch("exposure", place, shown_s),
             )
         finally:

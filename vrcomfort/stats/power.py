@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
-from scipy.stats import norm
 
 from vrcomfort.stats.packages import quiet
+from vrcomfort.stats.proportions import wilson_bounds
 from vrcomfort.stats.signed_rank import signed_rank
 from vrcomfort.stats.t_tests import p_of_t
 
@@ -133,17 +133,7 @@ def p_values(
 def power_of(p: Floats, alpha: float, confidence: float = 0.95) -> Power:
     """Return the share of p values at or below a level, shape (studies,)."""
     found = int(np.count_nonzero(p <= alpha))
-    low, high = wilson(found, len(p), confidence)
-    return Power(found, len(p), low, high)
-
-
-def wilson(found: int, of: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Return the interval of a share (Wilson 1927): never outside 0 and 1, and good near both."""
-    z = float(norm.isf((1 - confidence) / 2))
-    share, shrink = found / of, 1 + z * z / of
-    middle = (share + z * z / (2 * of)) / shrink
-    half = z * math.sqrt(share * (1 - share) / of + z * z / (4 * of * of)) / shrink
-    return max(0.0, middle - half), min(1.0, middle + half)
+    return Power(found, len(p), *wilson_bounds(found, len(p), confidence))
 
 
 def paired_t_p(differences: Floats, alternative: Alternative) -> float:

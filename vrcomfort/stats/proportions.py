@@ -125,16 +125,21 @@ def _median(
 
 
 def wilson(count: int, n: int, confidence: float = 0.95) -> EffectSize | None:
-    """Return a share with Wilson's (1927) interval; None of nothing."""
+    """Return a share with Wilson's interval; None of nothing."""
     if n == 0:
         return None
+    return EffectSize(count / n, *wilson_bounds(count, n, confidence), confidence)
+
+
+def wilson_bounds(count: int, n: int, confidence: float = 0.95) -> tuple[float, float]:
+    """Return the interval of a share (Wilson 1927): never outside 0 and 1, and good near both."""
     z = float(norm.isf((1 - confidence) / 2))
     share, spread = count / n, z * z / n
     centre = (share + spread / 2) / (1 + spread)
     half = z / (1 + spread) * math.sqrt(share * (1 - share) / n + spread / (4 * n))
     low = 0.0 if count == 0 else max(0.0, centre - half)
     high = 1.0 if count == n else min(1.0, centre + half)
-    return EffectSize(share, low, high, confidence)
+    return low, high
 
 
 @dataclass(frozen=True)

@@ -179,7 +179,7 @@ class _Limit(NamedTuple):
 
 
 class Reconstruction:
-    """Averages along each pixel's own streak; compares depth where things pass each other.
+    """Averages along each pixel's own streak; compares depth at velocity discontinuities.
 
     Parameters
     ----------
@@ -282,7 +282,7 @@ class Reconstruction:
     def tiles(self) -> tuple[moderngl.Texture, moderngl.Texture]:
         """Return the streaks that reach each tile with its class, and those that cross it.
 
-        Of the last frame in which things may have passed each other.
+        Of the last frame that may have had velocity discontinuities.
         """
         longest, crossing = self._dilate.targets
         return longest, crossing
@@ -344,7 +344,7 @@ class TileMaxPass:
     limit_px
         No half velocity counts for more.
     jump
-        Things pass each other where half velocities differ by this part of the shorter one.
+        Part of the shorter half velocity: a larger difference is a velocity discontinuity.
 
     Attributes
     ----------

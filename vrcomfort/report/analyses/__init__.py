@@ -1,4 +1,4 @@
-"""The analyses of a report beside its comparisons: one module and one line for each.
+"""The analyses of a report: one module and one line for each.
 
 To add an analysis:
 
@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort.report.analyses.agreement import AGREEMENT
 from vrcomfort.report.analyses.anova import ANOVA
+from vrcomfort.report.analyses.comparisons import COMPARISONS
 from vrcomfort.report.analyses.contract import (
     Analysis,
     AnalysisData,
@@ -38,6 +39,7 @@ from vrcomfort.report.analyses.kruskal_wallis import KRUSKAL_WALLIS
 from vrcomfort.report.analyses.mixed import MIXED_MODELS
 from vrcomfort.report.analyses.ordinal import ORDINAL
 from vrcomfort.report.analyses.preference import PREFERENCES
+from vrcomfort.report.analyses.signed_rank import TESTS
 from vrcomfort.report.analyses.z_scores import Z_SCORES
 
 if TYPE_CHECKING:
@@ -54,6 +56,7 @@ __all__ = [
     "analysis_figures",
     "csv_tables",
     "methods_paragraphs",
+    "outcome_sentences",
     "page_analyses",
     "r_sections",
     "references",
@@ -62,6 +65,8 @@ __all__ = [
 ]
 
 ANALYSES: tuple[Analysis[Any], ...] = (
+    TESTS,
+    COMPARISONS,
     CORRELATIONS,
     EQUIVALENCE,
     PREFERENCES,
@@ -86,21 +91,29 @@ def on_page(*sections: Section) -> list[Analysis[Any]]:
     return sorted(found, key=lambda each: each.place)
 
 
-def run_analyses(data: AnalysisData, *sections: Section) -> dict[str, Sequence[Any]]:
-    """Make the analyses of a plan that stand in some sections, each of its own analysis set."""
+def run_analyses(data: AnalysisData) -> dict[str, Sequence[Any]]:
+    """Make the analyses of a plan, each of its own analysis set."""
     return {
         each.key: each.compute(
             replace(data, complete=each.people.needs_every_score(data.plan)),
             data.plan.entries(each.key),
         )
         for each in ANALYSES
-        if each.section in sections
     }
 
 
 def analysed_people(rows: Rows) -> list[Sequence[str]]:
-    """Return the participants of each row that answers a question by itself."""
-    return [each.analysed(row) for each in ANALYSES if each.analysed for row in rows[each.key]]
+    """Return the participants of each test; without any, of the rows that answer by themselves."""
+    of_outcomes, others = (
+        [
+            each.analysed(row)
+            for each in ANALYSES
+            if each.analysed and each.by_outcome == by_outcome
+            for row in rows[each.key]
+        ]
+        for by_outcome in (True, False)
+    )
+    return of_outcomes or others
 
 
 def sentences(rows: Rows, words: Vocabulary) -> list[Sentence]:
@@ -108,6 +121,18 @@ def sentences(rows: Rows, words: Vocabulary) -> list[Sentence]:
     return [
         sentence
         for each in on_page(*SECTIONS)
+        if not each.by_outcome
+        for row in rows[each.key]
+        for sentence in each.sentences(row, words)
+    ]
+
+
+def outcome_sentences(rows: Rows, words: Vocabulary) -> list[tuple[str, Sentence]]:
+    """Return outcome and answer of the rows whose answers stand with their outcome."""
+    return [
+        (row.outcome, sentence)
+        for each in on_page(*SECTIONS)
+        if each.by_outcome
         for row in rows[each.key]
         for sentence in each.sentences(row, words)
     ]

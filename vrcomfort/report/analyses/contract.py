@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.vocabulary import Vocabulary
+    from vrcomfort.report.withdrawals import Withdrawal
 
 Row = TypeVar("Row")
 Line = TypeVar("Line")
@@ -63,6 +64,8 @@ class AnalysisData:
         The condition that models compare with.
     contrasts
         The comparisons of the plan.
+    withdrawals
+        The participants who left, and under which condition.
     complete
         Whether participants without a planned score are left out; see `AnalysisSet`.
     """
@@ -73,6 +76,7 @@ class AnalysisData:
     conditions: Sequence[str]
     reference: str
     contrasts: Sequence[Compared]
+    withdrawals: Sequence[Withdrawal]
     complete: bool
 
     def has(self, *outcomes: str) -> bool:
@@ -239,6 +243,8 @@ class Analysis(Generic[Row]):
         On the page in this order; CSV files.
     section, place
         Place on the page: of a section's analyses the smallest first.
+    by_outcome
+        Whether its answers stand with their outcome, those of the primary one first.
     sentences
         The answers of a row.
     methods
@@ -261,6 +267,7 @@ class Analysis(Generic[Row]):
     figure: AnalysisFigure[Row] | None = None
     section: Section = "tests"
     place: int = 99
+    by_outcome: bool = False
     sentences: Callable[[Row, Vocabulary], Iterable[Sentence]] = lambda _row, _words: ()
     methods: Callable[[Sequence[Row]], Iterable[MethodsParagraph]] = lambda _: ()
     references: Mapping[str, str] = field(default_factory=dict)

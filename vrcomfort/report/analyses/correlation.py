@@ -144,7 +144,7 @@ def _sentences(row: CorrelationRow, words: Vocabulary) -> Iterator[Sentence]:
     title, symbol = NAMES[found.method]
     if row.verdict == "not_possible":
         said = "with so few values, no correlation could be shown"
-    elif not is_shown(row):
+    elif not is_shown(row.verdict):
         said = "no correlation was shown"
     else:
         more = "more" if row.verdict == "higher" else "less"
@@ -152,7 +152,7 @@ def _sentences(row: CorrelationRow, words: Vocabulary) -> Iterator[Sentence]:
     ends = ""
     if found.low is not None:
         ends = f", {100 * found.confidence:g}\u00a0% CI {interval(found, bounded=True)}"
-        ends += disagreement(row, found)
+        ends += disagreement(row.verdict, found)
     n = f"n\u00a0=\u00a0{found.n}"
     if found.method == "repeated_measures":
         n = f"{found.n} exposures of {found.people} people"

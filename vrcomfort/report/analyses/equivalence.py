@@ -21,9 +21,18 @@ from vrcomfort.report.analyses.contract import (
     interval_heading,
     unknown_outcome,
 )
-from vrcomfort.report.comparisons import NO_VARIANCE, check_group, too_few
+from vrcomfort.report.contrasts import check_group
 from vrcomfort.report.measures import Limit
-from vrcomfort.report.pairs import Groups, Pairs, Side, groups_of, pair_up, sides_of
+from vrcomfort.report.pairs import (
+    NO_VARIANCE,
+    Groups,
+    Pairs,
+    Side,
+    groups_of,
+    pair_up,
+    sides_of,
+    too_few,
+)
 from vrcomfort.report.plan import Entry
 from vrcomfort.report.rows import INLINE, cells
 from vrcomfort.report.words import degrees, interval, number, p_equals, p_value

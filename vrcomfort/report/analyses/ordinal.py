@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 from pydantic import Field
 
@@ -133,6 +133,11 @@ def _levels(scored: Exposures, rows: pd.DataFrame, name: str) -> pd.Series:
     return column_of(scored, rows, name).map(str, na_action="ignore")
 
 
+class _Ends(NamedTuple):
+    low: float
+    high: float
+
+
 def _sentences(row: OrdinalRow, words: Vocabulary) -> Iterator[Sentence]:
     """Yield a sentence for each odds ratio."""
     title = row.title(words)
@@ -146,7 +151,7 @@ def _sentences(row: OrdinalRow, words: Vocabulary) -> Iterator[Sentence]:
     for term, odds in fit.terms.items():
         shown = odds.p <= 1 - confidence
         said = ("higher" if odds.estimate > 0 else "lower") if shown else "no difference shown"
-        ends = interval({"low": odds.odds_low, "high": odds.odds_high}, null=1.0)
+        ends = interval(_Ends(odds.odds_low, odds.odds_high), null=1.0)
         yield Sentence(
             f"{title}, {words.term(term)}: {said}; odds ratio of a higher answer\u00a0=\u00a0"
             f"{number(odds.odds_ratio)}, {100 * confidence:g}\u00a0% CI {ends}, {n}.",

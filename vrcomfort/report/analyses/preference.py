@@ -228,7 +228,7 @@ def _sentences(row: PreferenceRow, _: Vocabulary) -> Iterator[Sentence]:
         return
     if row.verdict == "not_possible":
         said = f"with so few who preferred either, no preference for {a} or {b} could be shown"
-    elif not is_shown(row):
+    elif not is_shown(row.verdict):
         said = f"no preference for {a} or {b} was shown"
     else:
         said = f"more preferred {a if row.verdict == 'higher' else b}"
@@ -236,7 +236,7 @@ def _sentences(row: PreferenceRow, _: Vocabulary) -> Iterator[Sentence]:
         f"{row.label}: {said} ({counts}).",
         f"Sign test without those who had none: {p_equals(found.p)}; share of {a}\u00a0=\u00a0"
         f"{fraction(share.estimate)}, {100 * row.confidence:g}\u00a0% CI "
-        f"{interval(share, bounded=True, null=0.5)}{disagreement(row, share, 0.5)}.",
+        f"{interval(share, bounded=True, null=0.5)}{disagreement(row.verdict, share, 0.5)}.",
     )
 
 

@@ -1,13 +1,12 @@
 """Gaze and head motion during exposures, from gaze.csv and frames.csv."""
 
 from vrcomfort.report.analyses.contract import SectionAnalysis
-from vrcomfort.report.gaze_and_head.analysis import (
-    GazeAndHeadAnalysis,
-    analyse_gaze_and_head,
+from vrcomfort.report.gaze_and_head.analysis import GazeAndHeadAnalysis, analyse_gaze_and_head
+from vrcomfort.report.gaze_and_head.renderings import (
+    gaze_and_head_figures,
     gaze_and_head_tables,
     gaze_paragraphs,
 )
-from vrcomfort.report.gaze_and_head.figures import gaze_and_head_figures
 
 __all__ = ["GAZE_AND_HEAD", "GazeAndHeadAnalysis", "analyse_gaze_and_head"]
 

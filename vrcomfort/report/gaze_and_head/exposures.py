@@ -124,6 +124,7 @@ def read_motion(
 
 def _aligned(time_ns: Floats, gaze: dict[str, Floats]) -> NDArray[np.int64]:
     """Return (n,) the row of the gaze at each frame's time; −1 where none is valid."""
+    # Frames and gaze samples have the same display times where they belong together.
     found = np.full(len(time_ns), -1)
     known = np.flatnonzero(gaze["valid"] == 1)
     place = np.searchsorted(time_ns, gaze["xr_time_ns"][known])
@@ -139,6 +140,7 @@ def _motion(
     start, end = float(trial["start_s"]) - _ROUNDING_S, float(trial["end_s"]) + _ROUNDING_S
     at = table["session_s"]
     mine = (table["trial"] == int(trial["trial"])) & (at >= start) & (at <= end)
+    # Counted over all frames, so that the cut of a left-out frame stays with the next one kept.
     cuts_so_far = np.cumsum(np.asarray(table["discontinuity"] == CUT))
     known = np.isfinite(np.column_stack([table[name] for name in _HEAD])).all(axis=1)
     mine = mine & known & (table["head_valid"] != 0)
@@ -151,7 +153,7 @@ def _motion(
     yaw, pitch = angles_deg(forward)
     carried, carrying = _avatar(part)
     directions = None if gaze is None else gaze[mine]
-    back = turns * [-1.0, -1.0, -1.0, 1.0]
+    back = turns * [-1.0, -1.0, -1.0, 1.0]  # the conjugate: from the stage to the head
     return Motion(
         time_s=part["xr_time_ns"] / 1e9,
         session_s=part["session_s"],
@@ -183,7 +185,10 @@ def _avatar(part: dict[str, Floats]) -> tuple[Floats, Floats]:
 
 
 def _half_widths(part: dict[str, Floats]) -> Floats:
-    """Return half of an eye's image in tangents, the mean of both eyes: their frusta are askew."""
+    """Return the half width and height of an eye's image in tangents, the mean of both eyes.
+
+    The frusta of eyes are asymmetric: half of left and right together is the half width.
+    """
     tangents = {name: np.tan(part[name]) for name in _FOV}
     half = [
         sum(tangents[f"{eye}_fov_{high}_rad"] - tangents[f"{eye}_fov_{low}_rad"]

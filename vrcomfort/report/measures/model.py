@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -13,7 +13,7 @@ from vrcomfort.csv_table import number_in
 from vrcomfort.settings import Name, Settings
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable, Mapping
 
     from vrcomfort.report.study_data import StudyData
 
@@ -50,17 +50,17 @@ class Measure:
     Parameters
     ----------
     name
-        As plans and tables call it.
+        In plans and tables.
     title
-        As readers know it.
+        In sentences and figures.
     source, quantity
         File of the study (a key of `measures.SOURCES`), and quantity in it.
     unit_label
         Unit, such as s; blank for a pure number.
     better
-        Which direction is the good one; blank where that is not said.
+        The good direction; blank where it is not known.
     instrument
-        Of ratings: the instrument that is meant; blank where there is one.
+        Of ratings; blank where only one was rated.
     threshold
         Of a time to a threshold: the rating.
     """
@@ -74,6 +74,7 @@ class Measure:
     instrument: str = ""
     threshold: float | None = None
 
+    # A measure's steps are its values: tables multiply steps by units, of scores as of measures.
     unit = 1.0
     parts: tuple[str, ...] = ()
 
@@ -101,23 +102,26 @@ class Quantity(NamedTuple):
     """A clause for the methods section."""
 
 
-class MeasureSource(Protocol):
-    """A file of the study, and its measures."""
+@dataclass(frozen=True)
+class MeasureSource:
+    """A file of the study, and its measures.
 
-    quantities: ClassVar[dict[str, Quantity]]
-    """The quantities with a name; empty where any column may be named."""
-    of_whole_exposures: ClassVar[bool]
-    """Whether an exposure that was cut short has no value: there was less time for it."""
+    Parameters
+    ----------
+    values
+        Returns the values of a study; raises an `InputError` for one without the measure's data.
+    quantities
+        Those with a name of their own.
+    other_names
+        Whether any column with numbers, or any dial, may be named as well.
+    whole_exposures
+        Whether an exposure that was cut short has no value: there was less time for it.
+    """
 
-    def values(self, study: StudyData, measure: Measure) -> Iterable[MeasuredValue]:
-        """Return the values of a study.
-
-        Raises
-        ------
-        InputError
-            If the study does not have what is measured.
-        """
-        ...
+    values: Callable[[StudyData, Measure], Iterable[MeasuredValue]]
+    quantities: Mapping[str, Quantity]
+    other_names: bool = False
+    whole_exposures: bool = False
 
 
 def number_of(text: str) -> Fraction | None:
@@ -128,6 +132,7 @@ def number_of(text: str) -> Fraction | None:
     ValueError
         If it is no finite number.
     """
+    # Of the text, not of its float: 0.1 + 0.2 ties with 0.3, as in the file.
     return None if number_in(text, words=True) is None else Fraction(text.strip())
 
 

@@ -1,11 +1,11 @@
-"""Sources of measures: one class for each file of a study."""
+"""Sources of measures: the values that each file of a study holds, and their quantities."""
 
 from __future__ import annotations
 
 import math
 from collections import defaultdict
 from fractions import Fraction
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.measures.model import (
@@ -30,6 +30,14 @@ if TYPE_CHECKING:
     Exposure = tuple[str, str, str]
 
 NOT_RECORDED = "not recorded"
+_KEYS = ("participant", "session", "trial", "condition")
+
+
+def _trials_of(study: StudyData) -> dict[Exposure, dict[str, str]]:
+    """Return the trial of each exposure: participant, session, trial."""
+    return {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
+
+
 TRIAL_QUANTITIES = {
     "frames": Quantity("Frames", "", "", "the frames that were drawn in an exposure"),
     "dropped": Quantity("Dropped frames", "", "lower", "the frames that were late"),
@@ -43,25 +51,20 @@ TRIAL_QUANTITIES = {
 }
 
 
-class TrialMeasures:
-    """``trials.csv``: the columns of every trial, and any other with numbers."""
-
-    quantities: ClassVar[dict[str, Quantity]] = TRIAL_QUANTITIES
-    of_whole_exposures: ClassVar[bool] = False
-
-    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
-        """Yield the value of each exposure."""
-        derived = {"length_s", "dropped_percent"}
-        if measure.quantity not in derived:
-            _check_column(study.trials, measure.quantity, "trials.csv")
-        for trial in study.trials:
-            key = trial["participant"], trial["session"], trial["trial"], trial["condition"]
-            found = _of_trial(trial, measure.quantity)
-            yield MeasuredValue(*key, found, "" if found is not None else NOT_RECORDED)
+def trial_values(study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
+    """Yield the value of each exposure: a column of trials.csv, or one of `TRIAL_QUANTITIES`."""
+    derived = {"length_s", "dropped_percent"}
+    if measure.quantity not in derived:
+        _check_column(study.trials, measure.quantity, "trials.csv")
+    for trial in study.trials:
+        key = trial["participant"], trial["session"], trial["trial"], trial["condition"]
+        found = _of_trial(trial, measure.quantity)
+        yield MeasuredValue(*key, found, "" if found is not None else NOT_RECORDED)
 
 
 def _of_trial(trial: dict[str, str], name: str) -> Fraction | None:
     if name == "length_s":
+        # Without live time, a trial's length is that from its start to its end.
         length = trial_s({**trial, "live_s": ""})
         return None if length is None else exactly(length)
     if name == "dropped_percent":
@@ -80,48 +83,36 @@ _SHARES = {"targets_hit_percent": "target", "shots_hit_percent": "shot"}
 """Measure → the kind of the rows whose `hit` it averages."""
 
 
-class TaskMeasures:
-    """``tasks.csv``: participant, trial or condition, and columns with numbers.
+def task_values(study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
+    """Yield the value of each exposure, or of each person under each condition, of tasks.csv.
 
     Several rows of one exposure, such as shots, are averaged.
     """
-
-    quantities: ClassVar[dict[str, Quantity]] = TASK_QUANTITIES
-    of_whole_exposures: ClassVar[bool] = True
-
-    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
-        """Yield the value of each exposure, or of each person under each condition."""
-        kind = _SHARES.get(measure.quantity)
-        column, factor = ("hit", 100) if kind else (measure.quantity, 1)
-        for each in (column, "kind") if kind else (column,):
-            _check_column(study.tasks, each, "tasks.csv")
-        found: dict[tuple[str, ...], list[Fraction]] = defaultdict(list)
-        for row in study.tasks:
-            key = tuple(row.get(n, "") for n in ("participant", "session", "trial", "condition"))
-            counts = kind is None or row.get("kind") == kind
-            number = _cell(row, column, "tasks.csv") if counts else None
-            found[key] += [] if number is None else [factor * number]
-        conditions = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
-        for (who, session, trial, condition), numbers in found.items():
-            said = condition or conditions.get((who, session, trial), {}).get("condition", "")
-            mean = sum(numbers, Fraction(0)) / len(numbers) if numbers else None
-            reason = "" if numbers else "blank in tasks.csv"
-            yield MeasuredValue(who, session, trial, said, mean, reason)
+    kind = _SHARES.get(measure.quantity)
+    column, factor = ("hit", 100) if kind else (measure.quantity, 1)
+    for each in (column, "kind") if kind else (column,):
+        _check_column(study.tasks, each, "tasks.csv")
+    found: dict[tuple[str, ...], list[Fraction]] = defaultdict(list)
+    for row in study.tasks:
+        key = tuple(row.get(name, "") for name in _KEYS)
+        counts = kind is None or row.get("kind") == kind
+        number = _cell(row, column, "tasks.csv") if counts else None
+        found[key] += [] if number is None else [factor * number]
+    trials = _trials_of(study)
+    for (who, session, trial, condition), numbers in found.items():
+        said = condition or trials.get((who, session, trial), {}).get("condition", "")
+        mean = sum(numbers, Fraction(0)) / len(numbers) if numbers else None
+        reason = "" if numbers else "blank in tasks.csv"
+        yield MeasuredValue(who, session, trial, said, mean, reason)
 
 
-class ParticipantMeasures:
-    """``participants.csv``: any column with numbers, such as age or a score of susceptibility."""
-
-    quantities: ClassVar[dict[str, Quantity]] = {}
-    of_whole_exposures: ClassVar[bool] = False
-
-    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
-        """Yield the value of each person."""
-        _check_column(study.participants, measure.quantity, "participants.csv")
-        for person in study.participants:
-            number = _cell(person, measure.quantity, "participants.csv")
-            reason = "" if number is not None else "blank in participants.csv"
-            yield MeasuredValue(person["participant"], "", "", "", number, reason)
+def participant_values(study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
+    """Yield the value of each person: a column of participants.csv, such as age."""
+    _check_column(study.participants, measure.quantity, "participants.csv")
+    for person in study.participants:
+        number = _cell(person, measure.quantity, "participants.csv")
+        reason = "" if number is not None else "blank in participants.csv"
+        yield MeasuredValue(person["participant"], "", "", "", number, reason)
 
 
 def _check_column(rows: tuple[dict[str, str], ...], column: str, file: str) -> None:
@@ -166,38 +157,31 @@ RATING_QUANTITIES = {
         "below it have no value",
     ),
 }  # fmt: skip
-"""What is measured; ratings that were missed, because nobody answered or the picture stood still,
-count in none of them."""
+"""Missed ratings, without an answer or during a frozen picture, count in none of them."""
 
 
-class RatingMeasures:
-    """``ratings.csv``."""
-
-    quantities: ClassVar[dict[str, Quantity]] = RATING_QUANTITIES
-    of_whole_exposures: ClassVar[bool] = False
-
-    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
-        """Yield the value of each exposure that was rated, or was to be."""
-        courses = courses_of(study, measure.instrument)
-        trials = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
-        longest = _longest_s(trials, courses)
-        for key in dict.fromkeys([*trials, *courses]):
-            trial, course = trials.get(key, {}), courses.get(key)
-            condition = course.condition if course else trial.get("condition", "")
-            if course is None or course.ratings.peak() is None:
-                reason = "no rating was answered" if course else "nothing was rated"
-                yield MeasuredValue(*key, condition, None, reason)
-                continue
-            if measure.quantity == "time_to":
-                finished = trial.get("status", "completed") == "completed"
-                otherwise = longest if finished else None
-                found = _time_to(course.ratings, measure.threshold, otherwise)
-                reason = "left below the threshold"
-            else:
-                summary = _SUMMARIES[measure.quantity](course.ratings)
-                found = None if summary is None else exactly(summary)
-                reason = "only one rating was answered"
-            yield MeasuredValue(*key, condition, found, "" if found is not None else reason)
+def rating_values(study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
+    """Yield the value of each exposure of trials.csv or ratings.csv."""
+    courses = courses_of(study, measure.instrument)
+    trials = _trials_of(study)
+    longest = _longest_s(trials, courses)
+    for key in dict.fromkeys([*trials, *courses]):
+        trial, course = trials.get(key, {}), courses.get(key)
+        condition = course.condition if course else trial.get("condition", "")
+        if course is None or course.ratings.peak() is None:
+            reason = "no rating was answered" if course else "nothing was rated"
+            yield MeasuredValue(*key, condition, None, reason)
+            continue
+        if measure.quantity == "time_to":
+            finished = trial.get("status", "completed") == "completed"
+            otherwise = longest if finished else None
+            found = _time_to(course.ratings, measure.threshold, otherwise)
+            reason = "left below the threshold"
+        else:
+            summary = _SUMMARIES[measure.quantity](course.ratings)
+            found = None if summary is None else exactly(summary)
+            reason = "only one rating was answered"
+        yield MeasuredValue(*key, condition, found, "" if found is not None else reason)
 
 
 class ExposureRatings(NamedTuple):
@@ -229,7 +213,7 @@ def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, Exposur
         raise InputError(f"ratings are of {', '.join(asked)}; name the instrument that is meant")
     if instrument and instrument not in asked:
         raise InputError(f"nothing was rated with {instrument}; ratings are of {', '.join(asked)}")
-    trials = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
+    trials = _trials_of(study)
     due: dict[Exposure, list[tuple[float, float]]] = defaultdict(list)
     conditions: dict[Exposure, str] = {}
     for row in study.ratings:
@@ -250,7 +234,7 @@ def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, Exposur
 
 
 def _at_s(row: dict[str, str], trial: dict[str, str]) -> float | None:
-    """Return when a rating fell due, from the start of the exposure; None of an earlier attempt."""
+    """Return the onset of a rating, from the start of the exposure; None in an earlier attempt."""
     onset = _number(row.get("onset_s", ""), row) or 0.0
     start, end = (_number(trial.get(name, ""), trial) for name in ("start_s", "end_s"))
     if start is None or end is None:
@@ -288,7 +272,7 @@ def _time_to(
 
 
 def _mean(course: RatingCourse) -> Fraction | None:
-    """Return the mean of ratings as they were given, without rounding."""
+    """Return the exact mean of the answered ratings."""
     given = course.answered.ratings.tolist()
     return sum(map(Fraction, given), Fraction(0)) / len(given) if given else None
 
@@ -306,37 +290,26 @@ _SUMMARIES: dict[str, Callable[[RatingCourse], float | Fraction | None]] = {
 }
 
 
-class DialMeasures:
-    """``dials.csv``: any dial by its name."""
-
-    quantities: ClassVar[dict[str, Quantity]] = {}
-    of_whole_exposures: ClassVar[bool] = False
-
-    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
-        """Yield the confirmed value of each exposure that had the dial."""
-        names = {row["dial"] for row in study.dials}
-        if not names:
-            raise InputError(f"the study has no dials.csv, of which `{measure.quantity}` is a dial")
-        if measure.quantity not in names:
-            hint = did_you_mean(measure.quantity, names)
-            raise InputError(f"no dial of dials.csv is called `{measure.quantity}`; {hint}")
-        found: dict[tuple[str, ...], dict[str, str] | None] = {}
-        for row in study.dials:
-            if row["dial"] == measure.quantity:
-                key = tuple(row.get(n, "") for n in _KEYS)
-                found[key] = row if row["kind"] == "confirmed" else found.get(key)
-        conditions = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
-        for (who, session, trial, condition), last in found.items():
-            known = conditions.get((who, session, trial), {}).get("condition", "")
-            number = None if last is None else _confirmed(last)
-            reason = "it was not confirmed" if last is None else "its value is blank"
-            said = condition or known
-            yield MeasuredValue(
-                who, session, trial, said, number, "" if number is not None else reason
-            )
-
-
-_KEYS = ("participant", "session", "trial", "condition")
+def dial_values(study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
+    """Yield the confirmed value of each exposure that had the dial of that name."""
+    names = {row["dial"] for row in study.dials}
+    if not names:
+        raise InputError(f"the study has no dials.csv, of which `{measure.quantity}` is a dial")
+    if measure.quantity not in names:
+        hint = did_you_mean(measure.quantity, names)
+        raise InputError(f"no dial of dials.csv is called `{measure.quantity}`; {hint}")
+    found: dict[tuple[str, ...], dict[str, str] | None] = {}
+    for row in study.dials:
+        if row["dial"] == measure.quantity:
+            key = tuple(row.get(name, "") for name in _KEYS)
+            found[key] = row if row["kind"] == "confirmed" else found.get(key)
+    trials = _trials_of(study)
+    for (who, session, trial, condition), last in found.items():
+        known = trials.get((who, session, trial), {}).get("condition", "")
+        number = None if last is None else _confirmed(last)
+        reason = "it was not confirmed" if last is None else "its value is blank"
+        said = condition or known
+        yield MeasuredValue(who, session, trial, said, number, "" if number is not None else reason)
 
 
 def _confirmed(row: dict[str, str]) -> Fraction | None:
@@ -370,41 +343,33 @@ FRAME_QUANTITIES = {
 }  # fmt: skip
 
 
-class FrameMeasures:
-    """``frames.csv``, as `study_data.with_frames` has summed it."""
-
-    quantities: ClassVar[dict[str, Quantity]] = FRAME_QUANTITIES
-    of_whole_exposures: ClassVar[bool] = True
-
-    def values(self, study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
-        """Yield the value of each exposure of which there are frames."""
-        if not study.frames:
-            raise InputError(f"the study has no frames.csv, of which {measure.name} is measured")
-        found = {
-            (each.participant, each.session, str(each.trial), each.attempt): each
-            for each in study.frames
-        }
-        for trial in study.trials:
-            key = (trial["participant"], trial["session"], trial["trial"])
-            frames = found.get((*key, int(trial.get("attempt") or 1)))
-            value = None if frames is None else getattr(frames, measure.quantity)
-            number = None if value is None else exactly(value)
-            reason = "" if number is not None else "no frames say it"
-            yield MeasuredValue(*key, trial["condition"], number, reason)
+def frame_values(study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
+    """Yield the value of each exposure with frames, as `study_data.with_frames` has summed them."""
+    if not study.frames:
+        raise InputError(f"the study has no frames.csv, of which {measure.name} is measured")
+    found = {
+        (each.participant, each.session, str(each.trial), each.attempt): each
+        for each in study.frames
+    }
+    for trial in study.trials:
+        key = (trial["participant"], trial["session"], trial["trial"])
+        frames = found.get((*key, int(trial.get("attempt") or 1)))
+        value = None if frames is None else getattr(frames, measure.quantity)
+        number = None if value is None else exactly(value)
+        reason = "" if number is not None else "no frames say it"
+        yield MeasuredValue(*key, trial["condition"], number, reason)
 
 
-SOURCES: dict[str, MeasureSource] = {
-    "ratings": RatingMeasures(),
-    "trials": TrialMeasures(),
-    "tasks": TaskMeasures(),
-    "dials": DialMeasures(),
-    "participants": ParticipantMeasures(),
-    "frames": FrameMeasures(),
+SOURCES = {
+    "ratings": MeasureSource(rating_values, RATING_QUANTITIES),
+    "trials": MeasureSource(trial_values, TRIAL_QUANTITIES, other_names=True),
+    "tasks": MeasureSource(task_values, TASK_QUANTITIES, other_names=True, whole_exposures=True),
+    "dials": MeasureSource(dial_values, {}, other_names=True),
+    "participants": MeasureSource(participant_values, {}, other_names=True),
+    "frames": MeasureSource(frame_values, FRAME_QUANTITIES, whole_exposures=True),
 }
-"""Name → where measures are read from. A further kind of measure is one more entry."""
+"""Name → source. A further kind of measure is a function of values and one more entry."""
 CUT_SHORT = "the exposure was cut short"
-_OPEN = ("trials", "tasks", "dials", "participants")
-"""Sources of which any column with numbers, or any dial, may be named."""
 
 
 def fault_of(measure: str) -> str | None:
@@ -413,8 +378,10 @@ def fault_of(measure: str) -> str | None:
     if not dot or source not in SOURCES:
         known = ", ".join(f"{name}.…" for name in SOURCES)
         return f"`{measure}` is no measure: measures are called {known}"
-    if not quantity or (source not in _OPEN and quantity not in SOURCES[source].quantities):
-        names = [f"{source}.{each}" for each in SOURCES[source].quantities]
+    known_source = SOURCES[source]
+    named = known_source.other_names or quantity in known_source.quantities
+    if not quantity or not named:
+        names = [f"{source}.{each}" for each in known_source.quantities]
         return f"`{measure}` is no measure; {did_you_mean(measure, names)}"
     return None
 
@@ -444,11 +411,11 @@ def measure_of(name: str, said: MeasureSettings | None = None) -> Measure:
 def definition_of(measure: Measure) -> str:
     """Return the definition of a measure, as a clause of a methods section."""
     source = SOURCES[measure.source]
-    known: Quantity | None = source.quantities.get(measure.quantity)
+    known = source.quantities.get(measure.quantity)
     if known is None and measure.source == "dials":
         return f"the value of the dial {measure.quantity} that was confirmed"
     found = known.definition if known else f"column {measure.quantity} of {measure.source}.csv"
-    return f"{found}, of exposures that were not cut short" if source.of_whole_exposures else found
+    return f"{found}, of exposures that were not cut short" if source.whole_exposures else found
 
 
 def values_of(study: StudyData, measure: Measure) -> list[MeasuredValue]:
@@ -463,7 +430,7 @@ def values_of(study: StudyData, measure: Measure) -> list[MeasuredValue]:
     """
     source = SOURCES[measure.source]
     values = list(source.values(study, measure))
-    if source.of_whole_exposures:
+    if source.whole_exposures:
         short = {(t["participant"], t["session"], t["trial"]) for t in study.trials if cut_short(t)}
         values = [
             each._replace(number=None, reason=CUT_SHORT) if each[:3] in short else each

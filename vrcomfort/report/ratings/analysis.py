@@ -182,8 +182,8 @@ def _conditions(exposures: list[RatedExposure], labels: list[str]) -> list[str]:
 
 def _pairs(results: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the pairs of conditions that are compared."""
-    tests = [t for t in results["tests"] if not any(side["timepoint"] for side in t["sides"])]
-    return list(dict.fromkeys((t["a"], t["b"]) for t in tests))
+    tests = [t for t in results["tests"] if not any(side.timepoint for side in t.sides)]
+    return list(dict.fromkeys((t.a, t.b) for t in tests))
 
 
 def reference_of(results: Mapping[str, Any], conditions: list[str]) -> str:

@@ -22,8 +22,6 @@ _OF_CORNER = 3 + 3 + 2 + 2 + 4 + 4 + 4
 weights."""
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 _WRAPS: dict[int, Wrap] = {10497: "repeat", 33071: "clamp_to_edge", 33648: "mirrored_repeat"}
-_USED_ATTRIBUTES = {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0",
-                    "JOINTS_0", "WEIGHTS_0"}  # fmt: skip
 #: Material extensions that are honoured here; any other is named as unsupported.
 _MATERIAL_EXTENSIONS = {"KHR_materials_emissive_strength", "KHR_materials_unlit"}
 _TRANSFORM = "KHR_texture_transform"

@@ -284,10 +284,10 @@ class Poisson12Kernel:
 
     Notes
     -----
-    A sharp front does not leak, for a nearer tap weighs as much as it is blurred. A blurred front
-    keeps its outline: sharp pixels beside it look at themselves only. The angles belong to the
-    screen: the grain that replaces ghosts is the same in both eyes, and stays when the head turns.
-    Without `rotate_taps` all angles are 0, and ghosts stay.
+    A sharp foreground does not leak, for a nearer tap weighs as much as it is blurred. A blurred
+    foreground keeps its silhouette edge: sharp pixels beside it look at themselves only. The angles
+    belong to the screen: the grain that replaces ghosts is the same in both eyes, and stays when
+    the head turns. Without `rotate_taps` all angles are 0, and ghosts stay.
     """
 
     def __init__(
@@ -324,8 +324,8 @@ class Poisson15NearKernel:
     Notes
     -----
     A blurred foreground gets soft edges because its surroundings are blurred too, sharp background
-    included ("the drawback of this method"). Taps are not compared in depth: a sharp front leaks
-    into a blurred back, as the paper says of methods of this kind.
+    included ("the drawback of this method"). Taps are not compared in depth: a sharp foreground
+    leaks into a blurred background, as the paper says of methods of this kind.
     """
 
     def __init__(
@@ -381,8 +381,8 @@ class MipKernel:
     Notes
     -----
     The pyramid knows no depth: sharp pixels have a halo in blurred surroundings, and a blurred
-    front ends at its outline. Slices show a hard edge wherever a surface meets a billboard.
-    Blur is square and round in pixels, even where pixels are not.
+    foreground ends at its silhouette edge. Slices show a hard edge wherever a surface meets a
+    billboard. Blur is square and round in pixels, even where pixels are not.
     """
 
     def __init__(
@@ -436,12 +436,13 @@ class ScatterKernel:
 
     Notes
     -----
-    The algorithm asks no depth: every disc is blended into the output, hidden or not. Blending
-    is addition here, so that the order of the pixels does not matter, and what arrived is divided
-    by how much arrived, so that a constant image stays constant. At an edge where the discs of the
+    The algorithm asks no depth: every disc is blended into the output, hidden or not. Blending is
+    addition here, so that the order of the pixels does not matter, and what arrived is divided by
+    how much arrived, so that a constant image stays constant. At an edge where the discs of the
     blurred side add up to A, a sharp pixel of weight 1 on the other side keeps 1 / (1 + A) of its
-    colour: a blurred front spreads over a sharp back with opacity A / (1 + A) instead of A, and a
-    blurred back leaks over a sharp front just as much. Sharp pixels never spread.
+    colour: a blurred foreground spreads over a sharp background with opacity A / (1 + A) instead of
+    A, and a blurred background leaks over a sharp foreground just as much. Sharp pixels never
+    spread.
 
     The cost is the sum of the areas of all discs, each at most that of `CocPasses.limit_px`.
     """

@@ -1,4 +1,4 @@
-"""Figures of gaze and head motion."""
+"""Figures, CSV tables and methods paragraphs of gaze and head motion."""
 
 from __future__ import annotations
 
@@ -7,15 +7,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.ticker import FuncFormatter
 
+from vrcomfort.report.analyses.contract import MethodsParagraph
 from vrcomfort.report.canvas import INK, Drawing, canvas, lines
 from vrcomfort.report.gaze_and_head.analysis import EVERYBODY
 from vrcomfort.report.gaze_and_head.exposures import WHOLE
 from vrcomfort.report.palette import colour_of, marker_of
+from vrcomfort.report.rows import Cells, as_json
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from matplotlib.axes import Axes
 
     from vrcomfort.report.gaze_and_head.analysis import GazeAndHeadAnalysis
+    from vrcomfort.report.plan.gaze_and_head import GazeAndHead
     from vrcomfort.report.vocabulary import Vocabulary
     from vrcomfort.stats.gaze_and_head import Map
 
@@ -125,3 +130,61 @@ def _power_of_ten(value: float, _: int) -> str:
     """Return a tick's label; the style of the report has no formulae."""
     power = str(round(np.log10(value))) if value > 0 else ""
     return f"10{power.translate(_SUPERSCRIPTS)}" if power else ""
+
+
+def gaze_and_head_tables(found: GazeAndHeadAnalysis) -> dict[str, list[Cells]]:
+    """Return name → lines of the CSV tables."""
+    return {
+        "gaze_and_head": as_json(found.exposures),
+        "gaze_zones": as_json(found.zones),
+        "gaze_nodes": as_json(found.nodes),
+        "fixations": as_json(found.fixations),
+        "head_spectra": as_json(found.spectra),
+    }
+
+
+def gaze_paragraphs(found: GazeAndHeadAnalysis) -> Iterator[MethodsParagraph]:
+    """Yield the paragraphs of the methods section."""
+    asked = found.asked
+    if asked is None or not found.exposures:
+        return
+    if any(row.gaze_valid_share for row in found.exposures):
+        yield _gaze_paragraph(asked, found)
+    yield _head_paragraph(asked)
+
+
+def _gaze_paragraph(asked: GazeAndHead, found: GazeAndHeadAnalysis) -> MethodsParagraph:
+    rule = (
+        f"slower than {asked.velocity_deg_s:g}° per second from sample to sample (I-VT"
+        if asked.fixations == "i_vt"
+        else f"within a dispersion of {asked.dispersion_deg:g}° (I-DT"
+    )
+    text = (
+        "The gaze is the headset’s, in the frames in which it was valid, and counts for each "
+        "frame’s period. A centred zone of ratio r has r times the height and width of an eye’s "
+        "image (Hillaire et al., 2008). Fixations are stretches of the line of sight in the world "
+        f"{rule}; Salvucci & Goldberg, 2000), of at least {asked.shortest_fixation_s:g} s. "
+    )
+    cited = ["hillaire_2008", "salvucci_2000"]
+    if found.viewpoints:
+        text += (
+            "Fixation maps are those of exposures that were seen from one place (Mantiuk et al., "
+            "2011); each fixation counts for its length. "
+        )
+        cited.append("mantiuk_2011")
+    if found.shown:
+        text += (
+            "What was looked at is the node of the scene that the line of sight meets first; a "
+            "node’s share is of the time in which the gaze was known and the scene drawn. "
+        )
+    return MethodsParagraph("Gaze", f"{text}Every person counts alike.", tuple(cited))
+
+
+def _head_paragraph(asked: GazeAndHead) -> MethodsParagraph:
+    text = (
+        "Spectra of the head’s position and orientation in the stage are Welch’s (1967), with Hann "
+        f"windows of {asked.spectrum_window_s:g} s that overlap by half and are without their "
+        "means. Dropped frames are filled by linear interpolation; a gap of more than four "
+        "refreshes, or a jump, ends a stretch."
+    )
+    return MethodsParagraph("Head motion", text, ("welch_1967",))
