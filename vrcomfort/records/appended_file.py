@@ -76,7 +76,7 @@ class AppendedFile:
             self.unsynced_since_s = time.monotonic()
 
     def flush(self) -> None:
-        """Write the waiting text: other programs can read it, and the end of this one loses nothing.
+        """Write the waiting text: other programs can read it, and it outlives this one.
 
         Raises
         ------
