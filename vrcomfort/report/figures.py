@@ -179,7 +179,7 @@ def exposure_figure(
     return drawing
 
 
-def _legend_of_exposures(axes: Any, words: Vocabulary) -> None:
+def _legend_of_exposures(axes: Axes, words: Vocabulary) -> None:
     for place, label in enumerate(words.conditions.values()):
         axes.barh(0, 0, color=colour_of(place), alpha=0.8, label=lines(label, LEGEND))
     axes.plot([], [], "X", color=INK, ms=7, ls="", label="withdrew here")
@@ -188,7 +188,7 @@ def _legend_of_exposures(axes: Any, words: Vocabulary) -> None:
 
 
 def _exposures_of(
-    axes: Any, row: int, trials: list[dict[str, str]], words: Vocabulary, scale: float, *,
+    axes: Axes, row: int, trials: list[dict[str, str]], words: Vocabulary, scale: float, *,
     withdrew: bool,
 ) -> None:  # fmt: skip
     start = 0.0
