@@ -16,7 +16,7 @@ from vrcomfort.design import Audit, Design, FactorAudit, StudyAudit, audit, buil
 from vrcomfort.protocol import Protocol, Sequence, load_protocol
 
 if TYPE_CHECKING:
-    from vrcomfort.report.power import Question, Row
+    from vrcomfort.report.power import PowerRow, Question
 
 
 def register(app: typer.Typer) -> None:
@@ -253,7 +253,7 @@ def power(
         _print(question, rows, seed, quiet=quiet)
 
 
-def _facts(question: Question, rows: list[Row], seed: int, studies: int) -> dict[str, Any]:
+def _facts(question: Question, rows: list[PowerRow], seed: int, studies: int) -> dict[str, Any]:
     from vrcomfort.report.power import cells
 
     return {
@@ -271,7 +271,7 @@ def _facts(question: Question, rows: list[Row], seed: int, studies: int) -> dict
     }
 
 
-def _write(folder: Path, question: Question, rows: list[Row], facts: dict[str, Any]) -> None:
+def _write(folder: Path, question: Question, rows: list[PowerRow], facts: dict[str, Any]) -> None:
     from vrcomfort.report.power import cells, draw_power
     from vrcomfort.report.results import to_json
     from vrcomfort.report.tables import to_csv
@@ -283,7 +283,7 @@ def _write(folder: Path, question: Question, rows: list[Row], facts: dict[str, A
     (folder / "power.png").write_bytes(drawing.png())
 
 
-def _print(question: Question, rows: list[Row], seed: int, *, quiet: bool) -> None:
+def _print(question: Question, rows: list[PowerRow], seed: int, *, quiet: bool) -> None:
     from vrcomfort.report.power import TITLES
 
     test = question.test

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
+from vrcomfort.records.names import natural
 from vrcomfort.report import palette
 from vrcomfort.report.analyses import analysis_figures
 from vrcomfort.report.canvas import (
@@ -27,7 +28,6 @@ from vrcomfort.report.canvas import (
     time_unit,
 )
 from vrcomfort.report.estimation import estimation_figure, group_figure
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.palette import colour_of, marker_of
 from vrcomfort.report.residuals import residual_figure
 from vrcomfort.report.sections import section_figures

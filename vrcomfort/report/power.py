@@ -103,7 +103,7 @@ class Question:
     """None where the differences are a pilot's, without another effect."""
 
 
-class Row(NamedTuple):
+class PowerRow(NamedTuple):
     """The power of a study of n people."""
 
     n: int
@@ -255,7 +255,7 @@ class _Piece(NamedTuple):
 
 def simulate_power(
     question: Question, participants: Iterable[int], *, studies: int, seed: int, work: Work = map
-) -> list[Row]:
+) -> list[PowerRow]:
     """Simulate so many studies of each size.
 
     Parameters
@@ -280,13 +280,13 @@ def _simulated(piece: _Piece) -> tuple[int, np.ndarray[Any, Any]]:
     return piece.n, p_values(tests, piece.question.generator, piece.n, piece.seed, piece.studies)
 
 
-def _row(question: Question, n: int, p: np.ndarray[Any, Any]) -> Row:
+def _row(question: Question, n: int, p: np.ndarray[Any, Any]) -> PowerRow:
     alpha, many = question.test.alpha, question.holm_tests
     formula = None
     if isinstance(question.generator, NormalDifferences):
         effect = question.generator.effect_sd
         formula = t_test_power(effect, n, alpha, question.test.alternative)
-    return Row(
+    return PowerRow(
         n=n,
         power=power_of(p[:, 0], alpha),
         adjusted=power_of(p[:, 0], alpha / many) if many > 1 else None,
@@ -295,7 +295,7 @@ def _row(question: Question, n: int, p: np.ndarray[Any, Any]) -> Row:
     )
 
 
-def cells(row: Row) -> dict[str, Any]:
+def cells(row: PowerRow) -> dict[str, Any]:
     """Return a row of ``power.csv``."""
     found: dict[str, Any] = {"participants": row.n, "studies": row.power.studies}
     for name, power in (("", row.power), ("holm_", row.adjusted), ("t_test_", row.t_test)):
@@ -307,7 +307,7 @@ def cells(row: Row) -> dict[str, Any]:
     return found
 
 
-def draw_power(question: Question, rows: list[Row]) -> Drawing:
+def draw_power(question: Question, rows: list[PowerRow]) -> Drawing:
     """Draw power over the number of participants, with its intervals."""
     with canvas("power", 5.0, 3.4) as (figure, drawing):
         axes = figure.add_subplot()

@@ -25,7 +25,7 @@ WORST_CASE = "worst case: every withdrawal counted against the observed directio
 
 
 @dataclass(frozen=True)
-class SensitivityRow:
+class RepeatedTest:
     """A test, repeated on another analysis set."""
 
     a: str
@@ -37,12 +37,12 @@ class SensitivityRow:
     p: float
 
 
-def sensitivity(data: AnalysisData, tests: Sequence[SignedRankRow]) -> list[SensitivityRow]:
+def sensitivity(data: AnalysisData, tests: Sequence[SignedRankRow]) -> list[RepeatedTest]:
     """Repeat the tests on other analysis sets."""
     return [line for test in tests for line in _of_test(data, test)]
 
 
-def _of_test(data: AnalysisData, test: SignedRankRow) -> list[SensitivityRow]:
+def _of_test(data: AnalysisData, test: SignedRankRow) -> list[RepeatedTest]:
     if test.found is None:
         return []
     plan, chosen = data.plan, _options(data.plan, test)
@@ -64,7 +64,7 @@ def _of_test(data: AnalysisData, test: SignedRankRow) -> list[SensitivityRow]:
             for name, signs in assumed.items()
         }
     return [
-        SensitivityRow(test.a, test.b, test.outcome, name, result.n, result.z, result.p)
+        RepeatedTest(test.a, test.b, test.outcome, name, result.n, result.z, result.p)
         for name, result in found.items()
     ]
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import MethodsParagraph
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.ratings.exposures import (
     ALL,
     COMPLETERS,
