@@ -8,7 +8,7 @@ import pytest
 from tests.support.report import Study, answers, build_report, foreign, manifest, write_csv
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import score_file, shipped_instruments
-from vrcomfort.report.ordering import natural
+from vrcomfort.records.names import natural
 from vrcomfort.report.plan_files import load_plan
 from vrcomfort.report.study_data import read_study
 from vrcomfort.resources import data_folder

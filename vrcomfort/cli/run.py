@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import ExitStack
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -63,14 +63,78 @@ class HeadsetKind(StrEnum):
 
 PLAYBACK, OPENXR, DESKTOP = HeadsetKind
 MEANT_FOR: Mapping[str, tuple[HeadsetKind, ...]] = {
-    "--trace": (PLAYBACK,),
-    "--refresh-hz": (PLAYBACK, OPENXR),
-    "--monado-trace": (OPENXR,),
-    "--monado-answers": (OPENXR,),
-    "--mirror": (OPENXR,),
-    "--one-eye": (DESKTOP,),
-    "--respondent panel": (OPENXR, DESKTOP),
+    "trace": (PLAYBACK,),
+    "refresh_hz": (PLAYBACK, OPENXR),
+    "monado_trace": (OPENXR,),
+    "monado_answers": (OPENXR,),
+    "mirror": (OPENXR,),
+    "one_eye": (DESKTOP,),
 }
+"""Option of `HeadsetOptions` → headsets that it has a meaning for; others have one for all."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeadsetOptions:
+    """The headset of a session and its options, as they were typed."""
+
+    kind: HeadsetKind
+    size_px: tuple[int, int] | None
+    trace: Path | None
+    refresh_hz: float | None
+    monado_trace: Path | None
+    monado_answers: Path | None
+    mirror: bool
+    one_eye: bool
+
+    def require_meaning(self, respondent: RespondentKind | None) -> None:
+        """Refuse options, and a respondent, that mean nothing for the headset.
+
+        Raises
+        ------
+        InputError
+            Names the first of them, and the headsets that it is for.
+        """
+        for name, headsets in MEANT_FOR.items():
+            if getattr(self, name) not in {None, False}:
+                self._require(f"--{name.replace('_', '-')}", headsets)
+        if respondent is RespondentKind.PANEL:
+            self._require("--respondent panel", (OPENXR, DESKTOP))
+
+    def _require(self, option: str, headsets: tuple[HeadsetKind, ...]) -> None:
+        if self.kind not in headsets:
+            places = " or ".join(f"--headset {each}" for each in headsets)
+            raise InputError(f"{option} is for {places}; leave it out with --headset {self.kind}")
+
+    def playback(self, protocol: Protocol, *, real_time: bool) -> PlaybackSetup:
+        """Return the playback headset, which stands in where there is no live one."""
+        return PlaybackSetup(
+            self.size_px or (640, 800),
+            protocol.headset.ipd_m,
+            open_trace(self.trace, note=warn) if self.trace else None,
+            self.refresh_hz,
+            real_time=real_time,
+        )
+
+    @contextmanager
+    def connect(
+        self, protocol: Protocol, rehearsal: Rehearsal | None, watchdog: Watchdog | None
+    ) -> Iterator[HeadsetSetup | None]:
+        """Connect to the live headset, or open its window; None of the playback headset."""
+        if self.kind is OPENXR:
+            with openxr_setup(
+                protocol,
+                size_px=self.size_px,
+                refresh_hz=self.refresh_hz,
+                rehearsal=rehearsal,
+                mirror=self.mirror,
+                watchdog=watchdog,
+            ) as setup:
+                yield setup
+        elif self.kind is DESKTOP:
+            with desktop_setup(protocol, size_px=self.size_px, one_eye=self.one_eye) as setup:
+                yield setup
+        else:
+            yield None
 
 
 def usual_respondent(headset: HeadsetKind, *, with_console: bool = False) -> RespondentKind:
@@ -78,31 +142,6 @@ def usual_respondent(headset: HeadsetKind, *, with_console: bool = False) -> Res
     if headset is not PLAYBACK:
         return RespondentKind.PANEL
     return RespondentKind.CONSOLE if with_console else RespondentKind.TERMINAL
-
-
-def require_meaning(
-    headset: HeadsetKind, respondent: RespondentKind | None, options: Mapping[str, object]
-) -> None:
-    """Refuse options that mean nothing for a headset.
-
-    Parameters
-    ----------
-    options
-        Option → what was given; None or False where it was not.
-
-    Raises
-    ------
-    InputError
-        Names the first of them, and the headsets that it is for.
-    """
-    given = [name for name, value in options.items() if value not in {None, False}]
-    if respondent is not None:
-        given.append(f"--respondent {respondent}")
-    for name in given:
-        headsets = MEANT_FOR.get(name, tuple(HeadsetKind))
-        if headset not in headsets:
-            places = " or ".join(f"--headset {each}" for each in headsets)
-            raise InputError(f"{name} is for {places}; leave it out with --headset {headset}")
 
 
 def require_console(kind: RespondentKind, *, with_console: bool) -> None:
@@ -230,23 +269,18 @@ def run(
     """
     study = load_protocol(protocol)
     study = study.spoken(language or _language_of(study, out, participant))
-    options = {
-        "--trace": trace,
-        "--refresh-hz": refresh_hz,
-        "--monado-trace": monado_trace,
-        "--monado-answers": monado_answers,
-        "--mirror": mirror,
-        "--one-eye": one_eye,
-    }
-    require_meaning(headset, respondent, options)
-    size_px = parse_size(size) if size else None
-    playback = PlaybackSetup(
-        size_px or (640, 800),
-        study.headset.ipd_m,
-        open_trace(trace, note=warn) if trace else None,
-        refresh_hz,
-        real_time=respondent is not RespondentKind.SIMULATED,
+    options = HeadsetOptions(
+        kind=headset,
+        size_px=parse_size(size) if size else None,
+        trace=trace,
+        refresh_hz=refresh_hz,
+        monado_trace=monado_trace,
+        monado_answers=monado_answers,
+        mirror=mirror,
+        one_eye=one_eye,
     )
+    options.require_meaning(respondent)
+    playback = options.playback(study, real_time=respondent is not RespondentKind.SIMULATED)
     study_setup = StudySetup(
         study, out, playback, seed, exposure_s, group_readable=group_readable, note=warn
     )
@@ -270,7 +304,7 @@ def run(
             )
         )
         _tell_of_the_other_kind(out, kind)
-        headset_setup = _connect(owned, headset, study, size_px, options, rehearsal, watchdog)
+        headset_setup = owned.enter_context(options.connect(study, rehearsal, watchdog))
         simulated = kind is RespondentKind.SIMULATED
         outlets = open_outlets(study.name, participant, lsl=lsl, ttl=ttl, simulated=simulated)
         outlet = owned.enter_context(outlets)
@@ -344,31 +378,6 @@ def _require_dial(headset: HeadsetKind, protocol: Protocol, kind: RespondentKind
         name = dials[0].name
         message = f"participants turn the dial `{name}`, and the playback headset has none"
         raise InputError(f"{message}; give --headset openxr or desktop, or --respondent simulated")
-
-
-def _connect(
-    owned: ExitStack,
-    headset: HeadsetKind,
-    protocol: Protocol,
-    size_px: tuple[int, int] | None,
-    options: dict[str, Any],
-    rehearsal: Rehearsal | None,
-    watchdog: Watchdog | None,
-) -> HeadsetSetup | None:
-    if headset is HeadsetKind.OPENXR:
-        setup = openxr_setup(
-            protocol,
-            size_px=size_px,
-            refresh_hz=options["--refresh-hz"],
-            rehearsal=rehearsal,
-            mirror=options["--mirror"],
-            watchdog=watchdog,
-        )
-        return owned.enter_context(setup)
-    if headset is HeadsetKind.DESKTOP:
-        one_eye = options["--one-eye"]
-        return owned.enter_context(desktop_setup(protocol, size_px=size_px, one_eye=one_eye))
-    return None
 
 
 def _respondent(

@@ -122,7 +122,7 @@ class OperatorConsole:
         self._publish()
 
     def see(self, frame: Frame, rendered: RenderResult | None, trial: TrialSoFar) -> None:
-        """Look at a frame that was shown, if there is time and anybody to look."""
+        """Send a shown frame to the page, if there is time and a page is open."""
         if rendered is not None:
             for sample in rendered.focus_samples:
                 self._focus_m = _metres(sample)

@@ -43,7 +43,7 @@ ACTIONS_PER_S = 20
 
 
 def read_command(message: str) -> Command | str:
-    """Return what a page has sent, or the sentence that refuses it."""
+    """Return the command that a page has sent, or the sentence that refuses it."""
     if len(message) > LONGEST_CHARACTERS:
         found, most = len(message), LONGEST_CHARACTERS
         return f"a message of {found} characters is too long; {most} is the most: shorten the text"

@@ -1,4 +1,4 @@
-"""Who meets what in which order and in which group: squares, allocation, and their audit."""
+"""Orders of conditions and allocation to groups: squares, allocation, and their audit."""
 
 from vrcomfort.design.audit import (
     AdministeredOrder,

@@ -153,7 +153,7 @@ def _some(names: list[str], shown: int = 6) -> str:
 
 @dataclass(frozen=True)
 class AdministeredOrder:
-    """What one participant of a study really met.
+    """The exposures that one participant was really given.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ class StudyAudit:
 
 
 def audit_study(design: Design, met: Iterable[AdministeredOrder]) -> StudyAudit:
-    """Audit what was run, and say which orders the next participants should get."""
+    """Audit a study as it was run, and return orders for its next participants."""
     everybody = list(met)
     enrolments = [each.enrolment for each in everybody]
     counting = [each for each in everybody if design.counts(each.enrolment)]
@@ -262,7 +262,7 @@ def _listed(names: list[str]) -> str:
 
 
 def cannot_balance(design: Design, participants: int) -> str | None:
-    """Say why so many people cannot fill all sequences of each group alike; None if they can."""
+    """Return why a number of participants cannot balance a design; None if it can."""
     sizes = {name: lcm(*map(len, each.pools)) for name, each in design.parts.items()}
     pools = sizes or Counter(sequence.group or "" for sequence in design.sequences)
     shares = dict(design.groups.shares) if design.groups else {"": 1}
@@ -291,7 +291,7 @@ def _orders(parts: Iterable[CombinedOrders]) -> str:
 
 
 def _least_number(pools: Mapping[str, int], shares: dict[str, int]) -> int:
-    """Return the least number of people who fill all sequences alike."""
+    """Return the least number of participants that fills all sequences alike."""
     total, people = sum(shares.values()), 0
     while True:
         people += total

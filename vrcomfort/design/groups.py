@@ -19,7 +19,7 @@ _BLOCKS, _MINIMISATION, _SIMPLE = 2, 3, 4
 
 @dataclass(frozen=True)
 class Person:
-    """What allocation needs to know of somebody.
+    """One participant's group and strata, for allocation.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class GroupAllocation:
     seed: int
 
     def assign(self, before: Iterable[Person], bands: Mapping[str, str]) -> str:
-        """Return the group of the next participant, given all who were enrolled before."""
+        """Return the group of the next participant, given all earlier ones."""
         people = list(before)
         if self.method == "permuted_blocks":
             return self._next_in_blocks(people, bands)
@@ -72,7 +72,7 @@ class GroupAllocation:
         return number
 
     def _next_in_blocks(self, people: list[Person], bands: Mapping[str, str]) -> str:
-        """Return the first place of the stratum's list that nobody has."""
+        """Return the first free place of the stratum's list."""
         stratum = self.stratum(bands)
         filled = Counter(
             each.group for each in people if each.counts and self.stratum(each.bands) == stratum
@@ -126,7 +126,7 @@ class GroupAllocation:
 def margins(
     people: Iterable[Person], groups: GroupAllocation
 ) -> dict[str, dict[str, dict[str, int]]]:
-    """Count those who take a place: covariate → level → group → people."""
+    """Count the participants that take a place: covariate → level → group → count."""
     counting = [each for each in people if each.counts]
     return {
         name: {

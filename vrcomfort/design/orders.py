@@ -11,7 +11,7 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, Trial
 from vrcomfort.protocol import Sequence as TrialSequence
-from vrcomfort.protocol.levels import part_trials
+from vrcomfort.protocol.model import part_trials
 from vrcomfort.protocol.order import Group, Part, PartOrder, orders_of
 
 _DESIGN_STREAM = 1  # first spawn key of every random choice made here
@@ -60,7 +60,7 @@ STEPS = 4_000
 
 @dataclass(frozen=True)
 class OrderConstraints:
-    """What an order must keep.
+    """Constraints on a random order.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ class _Search:
         return self._order if len(self._order) == self._length else None
 
     def _next(self) -> list[int]:
-        """Return what may come next, in random order."""
+        """Return the items that may come next, in random order."""
         there = len(self._order)
         in_block = self._order[there - there % self._items :]
         left = set(range(self._items)) - set(in_block)

@@ -27,7 +27,7 @@ from vrcomfort.design.orders import (
 )
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Allocation, Covariate, Protocol, Sequence, Trial
-from vrcomfort.protocol.levels import factor_names, level_of, trials_of
+from vrcomfort.protocol.model import factor_names, level_of, trials_of
 from vrcomfort.settings import did_you_mean
 
 COUNTING_STATUSES = frozenset({"enrolled", "completed"})
@@ -36,7 +36,7 @@ _LATIN, _BLOCK_RANDOM, _IMAGINED = 5, 6, 7
 
 @dataclass(frozen=True)
 class Enrolment:
-    """What the assignment needs to know of a participant who is already there."""
+    """An enrolled participant's sequence, status and covariates, for the assignment."""
 
     sequence: str
     status: str = "enrolled"
@@ -45,7 +45,7 @@ class Enrolment:
 
 @dataclass(frozen=True)
 class IndividualOrders:
-    """What every participant gets an order of their own of: `random` and `block_random`."""
+    """Individual randomisation: an order for each participant, by `random` or `block_random`."""
 
     trials: tuple[Trial, ...]
     blocks: int
@@ -100,7 +100,7 @@ class Design:
     def assign(
         self, enrolments: Iterable[Enrolment], covariates: Mapping[str, str] | None = None
     ) -> Sequence:
-        """Return the sequence of the next participant, given all who were enrolled before.
+        """Return the sequence of the next participant, given all earlier ones.
 
         Parameters
         ----------
@@ -124,7 +124,7 @@ class Design:
     def plan(
         self, participants: int, *, covariates: Iterable[Mapping[str, str]] | None = None
     ) -> list[Sequence]:
-        """Return the sequences of the first `participants` people if nobody withdraws.
+        """Return the sequences of the first participants, without withdrawals.
 
         Parameters
         ----------
@@ -140,7 +140,7 @@ class Design:
         *,
         covariates: Iterable[Mapping[str, str]] | None = None,
     ) -> list[Sequence]:
-        """Return the sequences of the next `participants` people after those who are there."""
+        """Return the sequences of the next participants after the enrolled ones."""
         before = list(enrolments)
         people = iter(covariates) if covariates is not None else None
         plan: list[Sequence] = []
@@ -173,18 +173,18 @@ class Design:
         return {name: covariates[name] for name in declared}
 
     def simulated_covariates(self, number: int) -> dict[str, str]:
-        """Return covariates of somebody who is not there: all levels, whole numbers alike."""
+        """Return simulated covariates: levels, and whole numbers, with equal probability."""
         return {
             each.name: _imagined(each, generator(self.seed, _IMAGINED, number, index))
             for index, each in enumerate(self.covariates)
         }
 
     def people(self, enrolments: Iterable[Enrolment]) -> list[Person]:
-        """Return those of whom all covariates that count are known, for allocation."""
+        """Return enrolled participants with their strata, for allocation."""
         return [self._person(each) for each in enrolments]
 
     def counts(self, each: Enrolment) -> bool:
-        """Return whether somebody takes a place."""
+        """Return whether a participant takes a place."""
         return not self.return_places or each.status in COUNTING_STATUSES
 
     def group_of(self, sequence: str) -> str:

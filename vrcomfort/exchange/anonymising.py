@@ -1,4 +1,4 @@
-"""Copies a study without what tells who its participants are; the original stays as it is.
+"""Copies a study without the identity of its participants; the original stays as it is.
 
 People are recognised by how they move their head and hands (Miller et al. 2020, Sci. Rep. 10:17404;
 Nair et al. 2023, USENIX Security), and by their gaze. So both are left out unless they are asked
@@ -85,7 +85,7 @@ def of_manifest(manifest: dict[str, Any], participant: str, moved: DateShift) ->
 
 
 def _of_run(run: dict[str, Any], moved: DateShift) -> dict[str, Any]:
-    """Return what every run of a session says of itself."""
+    """Return the facts of one run, with shifted dates and without free text."""
     found = dict(run)
     for key in ("started_at", "finished_at"):
         if found.get(key):
@@ -107,7 +107,7 @@ Dates: TypeAlias = Literal["shift", "remove"]
 
 @dataclass(frozen=True)
 class AnonymisingOptions:
-    """What is to become of a study.
+    """Options of the anonymous copy of a study.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ class AnonymisingOptions:
 
 
 def anonymise(study: Path, out: Path, options: AnonymisingOptions) -> dict[str, Any]:
-    """Write the anonymous copy; return what was done to it, as its ``anonymised.json`` says.
+    """Write the anonymous copy; return the content of its ``anonymised.json``.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What every export asks first: a whole study, and a new folder, which is there whole or not."""
+"""Checks before every export: the study is whole, and the folder is new."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ _UNITS = {"x": "meters", "y": "meters", "z": "meters"}
 
 
 class LslOutlet:
-    """Sends what happens in a session to LabStreamingLayer, from a thread of its own.
+    """Sends a session's markers to LabStreamingLayer, from a thread of its own.
 
     Markers are JSON: ``{"name": "exposure_begins", "trial": 1, …}``. Head, gaze and that an
     exposure begins carry the time at which their frame is to be seen, where the headset tells it
@@ -94,7 +94,7 @@ class LslOutlet:
         return self._queue.take_left_out()
 
     def close(self) -> None:
-        """Send what waits, and close the streams."""
+        """Send the waiting markers, and close the streams."""
         self._queue.close()
         self._outlets.clear()
 

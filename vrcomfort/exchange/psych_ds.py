@@ -59,7 +59,7 @@ class _Table:
 
 
 def export_psych_ds(study: Path, out: Path) -> list[str]:
-    """Write a study as a Psych-DS dataset into a new folder; return what was left out.
+    """Write a study as a Psych-DS dataset into a new folder; return its omissions.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Hands work to a thread of its own, so that whoever gives it never waits."""
+"""Hands work to a thread of its own, so that the caller never waits."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Queued:
         return count
 
     def close(self, timeout_s: float = 2.0) -> None:
-        """Do what waits, for so long at most."""
+        """Do the waiting work, for a limited time."""
         self._closing.set()
         self._thread.join(timeout_s)
 

@@ -1,4 +1,4 @@
-"""Where a study stands: who has done what, what is next, what it takes on the disk."""
+"""The status of a study: its participants, their next sessions, its size on the disk."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def status_of(study: Path) -> StudyState:
 
 
 def _manifest(session: Session) -> Content | InputError:
-    """Return a session's manifest, or what is wrong with it."""
+    """Return a session's manifest, or the error of a damaged one."""
     try:
         return session.manifest
     except InputError as error:
@@ -167,7 +167,7 @@ def _design(last: Mapping[str, Any] | None) -> tuple[Design | None, str]:
 
 
 def _next_participant(state: StudyState, rows: Sequence[ParticipantRow], design: Design) -> None:
-    """Enter what the next new participant gets."""
+    """Enter the order and group of the next new participant."""
     enrolments = [enrolment_of(row) for row in rows]
     state.places = sum(design.counts(each) for each in enrolments)
     if design.groups is not None and design.groups.bands:
@@ -236,7 +236,7 @@ def _exposures(session: Session) -> int:
 def _next_step(
     row: ParticipantRow, sessions: Sequence[SessionState], total: int | None
 ) -> tuple[str, list[str] | None]:
-    """Return what is next for somebody, and the options of `run`; None: nothing to run."""
+    """Return a participant's next step, and the options of `run`; None: nothing to run."""
     damaged = [each.number for each in sessions if each.status == "damaged"]
     if damaged:
         return f"session {damaged[0]} is damaged: vrcomfort verify says what to do", None

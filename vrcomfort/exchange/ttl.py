@@ -69,7 +69,7 @@ class TtlOutlet:
         return self._queue.take_left_out()
 
     def close(self) -> None:
-        """Write what waits, and close the port."""
+        """Write the waiting bytes, and close the port."""
         self._queue.close()
         self._port.close()
 
@@ -84,7 +84,7 @@ class TtlOutlet:
 
 
 def byte_of(trial: int) -> int:
-    """Return what is written when a trial begins.
+    """Return the byte that is written when a trial begins.
 
     >>> byte_of(0), byte_of(3), byte_of(400)
     (1, 4, 127)

@@ -43,7 +43,7 @@ _BEFORE = ("session_s", "xr_time_ns", "period_ns", "trial", *_HEAD, "should_rend
 
 @dataclass(frozen=True)
 class ExposureFrames:
-    """What the frames of one attempt at an exposure say; None where it was not recorded.
+    """Sums over the frames of one attempt at an exposure; None where it was not recorded.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ class ExposureFrames:
 
 @dataclass(frozen=True)
 class MeasuredSession:
-    """The exposures of one session; notes are sentences about what was not read."""
+    """The exposures of one session, with a sentence for each file that was not read."""
 
     exposures: tuple[ExposureFrames, ...]
     notes: tuple[str, ...] = ()
@@ -132,7 +132,7 @@ def frame_measures(
 
 
 def measure(memory: Memory, csv: Path) -> MeasuredSession:
-    """Sum the frames of the exposures of one session; what is damaged is told in a note.
+    """Sum the frames of the exposures of one session, with a note on a damaged recording.
 
     Raises
     ------

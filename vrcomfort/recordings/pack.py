@@ -36,7 +36,7 @@ ROWS_IN_A_GROUP = 30_720
 
 @dataclass(frozen=True)
 class Packed:
-    """What became of one recording.
+    """The result of packing one recording.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def pack(study: Path, memory: Memory, csv: Path) -> Packed:
 
 @contextmanager
 def _nobody_writes(csv: Path) -> Iterator[None]:
-    """Hold the lock of the participant whose recording it is, where there is one."""
+    """Hold the lock of the recording's participant, where there is one."""
     lock = csv.parent.parent / "lock"
     who = csv.parent.parent.name.removeprefix("sub-")
     held = only_program(lock, OWNER, doing=f"{who} is being run")
@@ -119,7 +119,7 @@ def _nobody_writes(csv: Path) -> Iterator[None]:
 
 
 def _write(csv: Path, draft: Path, fingerprint: Fingerprint, memory: Memory) -> None:
-    """Write all rows and check that they are what a recorder writes.
+    """Write all rows, and check that numbers are finite and times rise.
 
     Raises
     ------

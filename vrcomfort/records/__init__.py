@@ -1,4 +1,4 @@
-"""What a study leaves on disk: row types (their fields are the CSV columns), recorder."""
+"""The files of a study: row types (their fields are the CSV columns), recorder, reader."""
 
 from vrcomfort.records.exposure_rows import (
     BallRow,

@@ -13,7 +13,7 @@ from vrcomfort.records.disk import Access, open_new, refused, sync_data, sync_fo
 
 
 class ExternalChange(NamedTuple):
-    """What another program has done to an open file.
+    """A change that another program has made to an open file.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class ExternalChange(NamedTuple):
 
 
 class AppendedFile:
-    """One open file; what the disk has refused comes before what is appended later.
+    """One open file; text that the disk has refused is written before later text.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class AppendedFile:
             self.unsynced_since_s = time.monotonic()
 
     def flush(self) -> None:
-        """Write what waits: another program can read it, and the end of this one loses nothing.
+        """Write the waiting text: other programs can read it, and it outlives this one.
 
         Raises
         ------
@@ -92,7 +92,7 @@ class AppendedFile:
             raise refused(self._file, error) from error
 
     def sync(self) -> None:
-        """Write what waits, and wait until it is on the disk: not even a power cut loses it.
+        """Write the waiting text and sync it to the disk: not even a power cut loses it.
 
         Raises
         ------
@@ -108,7 +108,7 @@ class AppendedFile:
         self.unsynced_since_s = None
 
     def guard(self) -> ExternalChange | None:
-        """See that the file has what was written, under its name; put it back where it can be.
+        """Check that the file has the written text, under its name; restore it where possible.
 
         Raises
         ------
@@ -156,7 +156,7 @@ class AppendedFile:
         )
 
     def _put_back(self, *, replaced: bool) -> ExternalChange:
-        """Write a new file of what the open one still has."""
+        """Write a new file with the content of the open one."""
         done = "removed"
         if replaced:
             aside = _free_name(self._file)
@@ -198,6 +198,6 @@ def _is_same(ours: os.stat_result, there: os.stat_result) -> bool:
 
 
 def _free_name(file: Path) -> Path:
-    """Return a name for what stands in a file's place."""
+    """Return an unused name for the file that stands in another's place."""
     names = (file.with_name(f"{file.name}.replaced{number}") for number in range(1, 10**6))
     return next(each for each in names if not each.exists())

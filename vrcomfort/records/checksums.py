@@ -1,4 +1,4 @@
-"""``checksums.sha256`` of a session: what its files were when it ended.
+"""``checksums.sha256`` of a session: its files at its end.
 
 It has the form of the program ``sha256sum``, so ``sha256sum --check checksums.sha256`` reads it.
 """
@@ -27,7 +27,7 @@ class Checksum(NamedTuple):
 
 
 def write_checksums(folder: Path, access: Access) -> None:
-    """Write down what the files of a session are, now that it has ended.
+    """Write the checksums of a session's files after its end.
 
     Parquet files are left out: they are copies that can be made again.
 
@@ -42,7 +42,7 @@ def write_checksums(folder: Path, access: Access) -> None:
 
 
 def update_checksums(folder: Path, names: Iterable[str], access: Access) -> None:
-    """Write down what some files are after an operator's command changed them; the rest stays.
+    """Write the checksums of some files after an operator's command; the others stay.
 
     A list that is damaged stays as it is: `vrcomfort verify` tells of it.
 

@@ -1,4 +1,4 @@
-"""Who has consented when, and in which version of the text: ``consents.csv`` of a study."""
+"""Consents of participants, each with its date and version of the text: ``consents.csv``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files and folders of a study: who may read them, when they are safe, who holds their lock."""
+"""Files and folders of a study: their permissions, syncs and locks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from vrcomfort.json_text import parse_json
 
 
 class Access(NamedTuple):
-    """Who may read what is written: permission bits, which Windows does not have."""
+    """Permission bits of files and folders; Windows does not have them."""
 
     file_mode: int
     folder_mode: int
@@ -64,7 +64,7 @@ def refuse_links(study: Path, path: Path) -> None:
 
 
 def open_new(file: Path, access: Access, flags: int) -> int:
-    """Open a file, made for those who may read it where it is not there; return its descriptor.
+    """Open a file, making it with its permissions where it is missing; return its descriptor.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def replace_text(file: Path, text: str, access: Access = OWNER, *, sync: bool = 
 
 
 def refused(file: Path, error: OSError) -> InputError:
-    """Return the error for a disk that does not take what is written."""
+    """Return the error for a disk that refuses a write."""
     reason = error.strerror or type(error).__name__
     return InputError(f"cannot write: {reason}; what was written before is kept", file=file)
 
@@ -200,7 +200,7 @@ def only_program(file: Path, access: Access, *, doing: str) -> Iterator[None]:
 
 @contextmanager
 def in_turn(file: Path, access: Access) -> Iterator[None]:
-    """Hold the lock of a file, after waiting for whoever holds it.
+    """Hold the lock of a file, after waiting for its holder.
 
     Raises
     ------

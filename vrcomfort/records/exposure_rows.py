@@ -1,4 +1,4 @@
-"""Rows of what happens in exposures."""
+"""Rows of exposures: trials, practice, ratings, tasks, targets, adjustments, timing."""
 
 from __future__ import annotations
 

@@ -93,7 +93,7 @@ def _repaired(file: Path, columns: tuple[str, ...], access: Access) -> str | Non
 
 
 def _schema_of(file: Path, columns: tuple[str, ...]) -> tuple[int, tuple[str, ...]]:
-    """Return the newest version whose columns a file's header has, and those; else the present."""
+    """Return the newest schema version with the columns of a file's header, and these columns."""
     with file.open("rb") as stream:
         header = stream.readline()
     for version in range(SCHEMA_VERSION, 0, -1):
@@ -284,7 +284,7 @@ def _last_trial(
     begun: Mapping[str, Any] | None,
     undone: set[tuple[int, int]],
 ) -> tuple[int | None, str | None, str | None]:
-    """Return the trial that ended last, what ended session or study in it, and its code.
+    """Return the last trial that ended, the status with which it ended the study, and its code.
 
     None for one that was aborted, or whose withdrawal was undone (it is shown again), and for one
     that an operator has skipped (nothing is owed to it).
@@ -303,7 +303,7 @@ def _last_trial(
 
 
 def undone_trials(manifest: Mapping[str, Any]) -> set[tuple[int, int]]:
-    """Return (trial, attempt) of exposures whose withdrawal has been undone."""
+    """Return (trial, attempt) of exposures with an undone withdrawal."""
     undone: Iterable[Mapping[str, Any]] = manifest.get("withdrawals_undone") or ()
     return {(each["trial"], each["attempt"]) for each in undone if each.get("trial")}
 
@@ -353,7 +353,7 @@ def _check_begun(folder: Path, begun: Mapping[str, Any], planned: Sequence[Trial
 def _unplanned(
     row: RecordedRow | Mapping[str, Any], planned: Sequence[Trial]
 ) -> Iterator[tuple[str, str]]:
-    """Yield what a trial's row has that the participant's order does not."""
+    """Yield the differences between a trial's row and the participant's order."""
     number = row["trial"]
     if not 1 <= number <= len(planned):
         yield "trial", f"this participant's order has {len(planned)} trials, and no {number}"

@@ -1,4 +1,4 @@
-"""What an interruption may take from a session: one account for recorder, resume and verify.
+"""Rows that an interruption may lose: one account for recorder, resume and verify.
 
 After a signal nothing is missing. After SIGKILL rows are missing that were not in their files yet,
 after a power cut those that were not on the disk (`SAFE_AFTER_S`), and after a full disk those that

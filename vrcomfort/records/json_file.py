@@ -44,7 +44,7 @@ Moment = Annotated[str, AfterValidator(_with_zone)]
 
 
 class _Part(BaseModel):
-    """Strict, so that "1" is no number; what another version adds is kept as it is."""
+    """Strict, so that "1" is no number; keys of another version are kept as they are."""
 
     model_config = ConfigDict(strict=True, extra="allow", allow_inf_nan=False)
 
@@ -65,7 +65,7 @@ class ProtocolText(_Part):
 
 
 class HeadsetFacts(_Part):
-    """What a headset says of itself; nothing before the first exposure."""
+    """Facts of a headset; none before the first exposure."""
 
     name: str = ""
     refresh_hz: Annotated[float, Field(ge=0, le=10_000)] = 0.0
@@ -106,7 +106,7 @@ class WithdrawalUndone(_Part):
 
 
 class EarlierRun(_Part):
-    """What a run that was interrupted said of itself."""
+    """The manifest's facts of an interrupted run."""
 
     started_at: Moment | None = None
     finished_at: Moment | None = None
@@ -230,7 +230,7 @@ class ManifestShape(_File):
 
 
 class DescribedShape(_File):
-    """What ``dataset_description.json`` may say, also that of an import or of another program."""
+    """``dataset_description.json`` of a study, of an import or of another program."""
 
     name: str = ""
     citation: str = ""
@@ -249,7 +249,7 @@ class DescriptionShape(DescribedShape):
 
 
 class ImportShape(_File):
-    """What an import's ``import.json`` is: an object, any keys."""
+    """``import.json`` of an import: an object with any keys."""
 
 
 _ENCODER = json.JSONEncoder(ensure_ascii=False)
@@ -335,7 +335,7 @@ def _is_finite(content: Any) -> bool:
 
 
 def _endless(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
-    """Yield what Python reads and JSON does not have."""
+    """Yield the numbers that Python reads and JSON does not have."""
     if isinstance(value, float) and not math.isfinite(value):
         yield path, f"{name_of(path)} is not a finite number"
     elif isinstance(value, dict | list):

@@ -1,4 +1,4 @@
-"""``manifest.json``: everything that is needed to know what a session showed."""
+"""``manifest.json``: the facts of a session that its stimuli depend on."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow")
 
 @dataclass(frozen=True)
 class Machine:
-    """What drew and showed the pictures, as the command line found it.
+    """The machine, renderer and headset of a session, as the command line found them.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ class Manifest:
 
     @cached_property
     def _of_protocol(self) -> dict[str, Any]:
-        """Return what a manifest keeps of the protocol, which does not change."""
+        """Return the manifest's facts of the protocol, which does not change."""
         protocol = self.protocol
         return {
             "protocol": {
@@ -192,7 +192,7 @@ _OF_THE_SESSION = (
 
 
 def facts_of_run(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what belongs to one run alone of a manifest that another run takes over.
+    """Return a manifest's facts of its last run, for the run that continues the session.
 
     A run that had no time to write how it ended was killed.
     """

@@ -31,7 +31,7 @@ _BEFORE = re.compile(r"excluded \(was (enrolled|completed|withdrawn)\)")
 
 
 def exclude(study: Path, participant: str, reason: str) -> None:
-    """Keep a participant out of all analyses; what was recorded stays.
+    """Exclude a participant from all analyses; the recorded files stay.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def exclude(study: Path, participant: str, reason: str) -> None:
 
 
 def undo_exclusion(study: Path, participant: str, reason: str) -> str:
-    """Take an exclusion back; return what the participant is now: what they were before.
+    """Undo an exclusion; return the participant's status, which is that before it.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def undo_exclusion(study: Path, participant: str, reason: str) -> str:
 
 
 def add_note(study: Path, participant: str, text: str) -> None:
-    """Add a note to what is noted of a participant, with its date.
+    """Add a note, with its date, to those on a participant.
 
     Raises
     ------
@@ -174,7 +174,7 @@ def is_simulated(study: Path, participant: str) -> bool | None:
 
 
 def administered_orders(study: Path) -> list[AdministeredOrder]:
-    """Return what everybody who was enrolled has met: exposures that were shown whole, in order.
+    """Return the administered order of each enrolled participant: exposures shown whole.
 
     Raises
     ------

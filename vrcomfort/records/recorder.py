@@ -1,4 +1,4 @@
-"""Writes a session's rows as they happen. Whatever ends the program, what was written stays."""
+"""Writes a session's rows as they happen; written rows outlive any end of the program."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class BackgroundWriter:
             self._add(row)
 
     def check(self) -> None:
-        """Raise what `write` has raised."""
+        """Raise the error of `write`, if there was one."""
         with self._changed:
             fault, self._fault = self._fault, None
         if fault is not None:
@@ -77,7 +77,7 @@ class BackgroundWriter:
         self.check()
 
     def close(self) -> None:
-        """Write what waits, and end the thread; only an error of the files is left to tell."""
+        """Write the waiting rows, end the thread, and raise the error of the files, if any."""
         with self._changed:
             self._closing = True
             self._changed.notify_all()
@@ -230,7 +230,7 @@ class Recorder:
 
     @uninterrupted()
     def write_soon(self, *rows: Row) -> None:
-        """Append rows without waiting: what happens between two frames."""
+        """Append rows without waiting, between two frames."""
         for row in rows:
             if isinstance(row, FrameRow):
                 self._offer(row)
@@ -239,7 +239,7 @@ class Recorder:
         self._background.check()  # not before: no row may be lost to the fault of another
 
     def take_external_changes(self) -> list[ExternalChange]:
-        """Return what other programs have done to the files since the last call."""
+        """Return the changes of other programs to the files since the last call."""
         found = [
             self._files.external_changes.popleft() for _ in range(len(self._files.external_changes))
         ]
@@ -290,7 +290,7 @@ class Recorder:
 
     @uninterrupted()
     def close(self) -> None:
-        """Write what waits, sync and close all files.
+        """Write the waiting rows, sync and close all files.
 
         Raises
         ------

@@ -65,7 +65,7 @@ class Memory:
 
     @contextmanager
     def database(self) -> Iterator[duckdb.DuckDBPyConnection]:
-        """Give a database in memory that keeps to the limit, and puts on the disk what is more."""
+        """Give a database in memory that keeps to the limit, and spills to the disk."""
         with tempfile.TemporaryDirectory(prefix="vrcomfort-") as folder:
             connection = self.connection(folder)
             try:
@@ -124,7 +124,7 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
 
 
 def kinds(header: Iterable[str]) -> dict[str, Kind]:
-    """Return column → what it holds; columns that are not recorded here are text."""
+    """Return column → DuckDB type; columns that are not declared are text."""
     known = {each.name: _KINDS[each.type] for each in (*declared(FrameRow), *declared(GazeRow))}
     return {name: known.get(name, "VARCHAR") for name in header}
 
@@ -137,7 +137,7 @@ _TOO_SMALL = "does not fit into the memory allowed; give more with --memory"
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """By what a Parquet file knows its CSV."""
+    """The identity of a CSV file, stored in its Parquet file."""
 
     size: int
     mtime_ns: int
@@ -163,7 +163,7 @@ class Fingerprint:
 
     @property
     def facts(self) -> dict[str, str]:
-        """Return what stands in the Parquet file."""
+        """Return the identity as metadata of the Parquet file."""
         return {
             "format": FORMAT,
             "csv_size": str(self.size),
@@ -361,7 +361,7 @@ def relation(
 
 @cache
 def _until_exit() -> ExitStack:
-    """Return what closes when the program ends.
+    """Return a stack of resources that close when the program ends.
 
     A relation, or one that was made of it, is read at any time until then: copies of recordings
     without a half-written last row have to be there.
@@ -377,7 +377,7 @@ def parquet_of(csv: Path) -> Path:
 
 
 def packed_facts(packed: Path) -> dict[str, str] | None:
-    """Return what a Parquet file says of its CSV; None if it is damaged, {} if it says nothing."""
+    """Return a Parquet file's facts of its CSV; None if it is damaged, {} if it has none."""
     connection = duckdb.connect()
     try:
         where = quoted(packed)
@@ -462,20 +462,20 @@ TIME = "xr_time_ns"
 
 
 def damage_of(csv: Path, otherwise: str) -> InputError:
-    """Return what is wrong with a recording that could not be read."""
+    """Return the error, with its place, of a recording that could not be read."""
     first = otherwise.splitlines()[0] if otherwise else "nothing is said"
     return find_damage(csv) or InputError(f"this recording cannot be read: {first}", file=csv)
 
 
 def check_header(table: CsvTable) -> None:
-    """Raise `InputError` if a table lacks what makes it a recording."""
+    """Raise `InputError` if a table lacks a column that every recording has."""
     if not table.header:
         raise InputError("the file is empty; a recording starts with a header row", file=table.file)
     table.require(NEEDED[table.file.name])
 
 
 def find_damage(file: Path) -> InputError | None:
-    """Read a recording cell by cell and return what is wrong first; None if nothing is.
+    """Read a recording cell by cell and return its first fault; None without one.
 
     A last row that is half-written is not wrong: the program that wrote it was ended.
     """

@@ -193,7 +193,7 @@ def _declarations(row_type: type[Row]) -> Iterator[Column | ColumnGroup]:
 
 
 def _cell_type(hint: Any) -> CellType:
-    """Return the type of a field's cells: what is written of True is 1."""
+    """Return the type of a field's cells: True is written as 1."""
     of = next((each for each in get_args(hint) if each is not NoneType), hint)
     if of is bool:
         return int

@@ -90,7 +90,7 @@ class SharedFile:
 
     @classmethod
     def of(cls, table: type[Row]) -> SharedFile:
-        """Return what is declared of a table. Covariates of participants stay, too."""
+        """Return a table's place, as it is declared. Covariates of participants stay, too."""
         columns = (*declared(table), *table.FURTHER)
         return cls({each.name: each.needs for each in columns}, table.NEEDS)
 
@@ -140,7 +140,7 @@ def full_meaning(column: Column) -> str:
 
 
 def check_schema_version(content: Mapping[str, Any], file: Path) -> None:
-    """Refuse what a newer version of this program has written.
+    """Refuse a file of a newer version of this program.
 
     Raises
     ------

@@ -66,7 +66,7 @@ class ParticipantRow(Row):
 
     @property
     def covariates(self) -> dict[str, str]:
-        """Return what was entered at the enrolment."""
+        """Return the covariates that were entered at the enrolment."""
         return {name: value for name, value in self.others if name not in {"group", *FACTS}}
 
 
@@ -148,7 +148,7 @@ class TextRow(Row):
 
 
 def one_line(text: str) -> str:
-    r"""Return a text in one line: \\ for \, \n for a line end, \uXXXX for what is no letter.
+    r"""Return a text in one line: \\ for \, \n for a line end, \uXXXX for control characters.
 
     Control characters, other line ends and halves of pairs would break rows; `in_lines` turns it
     back.

@@ -1,4 +1,4 @@
-"""The study folder: its description, its participants and who is enrolled next."""
+"""The study folder: its description, its participants and their enrolment."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def _keep_instruments(study: Path, protocol: Protocol, access: Access) -> None:
 
 
 def access_of(study: Path) -> Access:
-    """Return who may read what is written into a study.
+    """Return the permissions of a study's files.
 
     Raises
     ------
@@ -129,7 +129,7 @@ def access_of(study: Path) -> Access:
 
 
 def read_description(study: Path) -> dict[str, Any]:
-    """Return what a study says of itself.
+    """Return the content of a study's description.
 
     Raises
     ------
@@ -183,7 +183,7 @@ def _same_study(file: Path, protocol: Protocol, seed: int | None, group_readable
 
 
 def read_participants(study: Path) -> list[ParticipantRow]:
-    """Return everybody who was enrolled, in order.
+    """Return the rows of all participants, in the order of enrolment.
 
     Raises
     ------
@@ -249,7 +249,7 @@ _PARTICIPANT_WORDS = {
 
 
 def enrolled(study: Path, participant: str) -> ParticipantRow | None:
-    """Return the participant's row, or None for somebody new.
+    """Return the participant's row, or None for a new participant.
 
     Raises
     ------
@@ -273,7 +273,7 @@ def _gone(study: Path, participant: str, status: str) -> str:
 
 
 def note_end(study: Path, participant: str, sessions: int) -> None:
-    """See that the list of participants says of somebody whose study is over that it is.
+    """Correct the status of a participant after the end of their last session.
 
     A program that was ended just then could write it into the session's manifest alone.
 
@@ -324,7 +324,7 @@ def enrol(
 
 
 def enrolment_of(row: ParticipantRow) -> Enrolment:
-    """Return what assignment needs to know of a participant's row."""
+    """Return the enrolment of a participant's row, for the assignment of orders."""
     return Enrolment(row.sequence, row.status, row.covariates)
 
 
@@ -389,7 +389,7 @@ def set_status(study: Path, participant: str, status: str, note: str = "") -> No
 
 
 def set_fact(study: Path, participant: str, name: str, value: str) -> None:
-    """Write down in the list of participants what a session has found out of somebody."""
+    """Write a result of a session into the participant's row."""
     with changing_participants(study):
         rows = read_participants(study)
         changed = [
@@ -414,12 +414,12 @@ def completed_sessions(study: Path, participant: str) -> list[int]:
 
 
 def withdrawn_sessions(study: Path, participant: str) -> list[int]:
-    """Return the numbers of a participant's sessions whose manifest says withdrawn."""
+    """Return the numbers of a participant's withdrawn sessions, by their manifests."""
     return _sessions(study, participant, lambda status: status == "withdrawn")
 
 
 def unfinished_sessions(study: Path, participant: str) -> list[int]:
-    """Return the numbers of a participant's sessions that were interrupted, whatever did it."""
+    """Return the numbers of a participant's interrupted sessions."""
     return _sessions(study, participant, lambda status: status not in _FINISHED)
 
 

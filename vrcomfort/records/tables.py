@@ -44,7 +44,7 @@ class RecordedRow:
 
 
 class _RowError(ValueError):
-    """What is wrong with a line, or with one of its cells."""
+    """A fault of a line, or of one of its cells."""
 
     def __init__(self, message: str, column: str | None = None) -> None:
         super().__init__(message)
@@ -223,7 +223,7 @@ def _cells(line: bytes, header: Sequence[str]) -> dict[str, str]:
 
 
 def columns_read(row_type: type[Row]) -> Mapping[str, Column]:
-    """Return the columns whose cells are read as values: of frames and gaze the least.
+    """Return the columns that are read as values: of frames and gaze the fewest.
 
     These files are large: `vrcomfort.records.recording` reads their other columns.
     """
@@ -233,7 +233,7 @@ def columns_read(row_type: type[Row]) -> Mapping[str, Column]:
 
 
 def cell_value(cell: str, column: Column) -> Any:
-    """Return a cell's value; raise a `ValueError` that says what is wrong."""
+    """Return a cell's value; raise a `ValueError` that names the fault."""
     if column.type is str:
         return cell
     if not cell.strip() and column.blank:
@@ -263,7 +263,7 @@ def _further_numbers(header: Sequence[str], row_type: type[Row]) -> tuple[str, .
 
 
 def _not_a_number(cells: Mapping[str, str], names: Sequence[str]) -> _RowError | None:
-    """Return what is wrong with the first of some cells that is neither a number nor blank."""
+    """Return the fault of the first cell that is neither a number nor blank."""
     for name in names:
         if cells[name]:
             try:

@@ -16,7 +16,7 @@ TOLERANCE_S = 2.0
 
 
 def set_back_before(study: Path, participant: str) -> list[str]:
-    """Return a sentence if the clock stands earlier than what the study's folder has recorded.
+    """Return a sentence if the clock stands earlier than the study's latest record.
 
     It looks at when people were enrolled, and at this participant's sessions.
     """
@@ -49,7 +49,7 @@ def _moment(text: object) -> datetime | None:
 
 
 class WallClockWatch:
-    """Compares the wall clock with the monotonic one, which nobody can set."""
+    """Compares the wall clock with the monotonic one, which cannot be set."""
 
     def __init__(self) -> None:
         self._ahead_s = self._wall_ahead_s()

@@ -57,6 +57,7 @@ def side_by_side(left: Rgb8, right: Rgb8) -> Rgb8:
 
 def write_png(path: Path, image: Rgb8) -> None:
     """Write an (height, width, 3) sRGB image."""
+    # Fixed settings of the encoder: equal images are equal files.
     Image.fromarray(image, "RGB").save(path, optimize=False, compress_level=6)
 
 
@@ -145,6 +146,7 @@ class VideoWriter:
         stream.pix_fmt = "yuv420p"
         stream.options = {"crf": str(self._quality), "preset": "veryfast"}
         stream.codec_context.time_base = _TICK_S
+        # The bytes of x264 depend on the number of threads.
         stream.codec_context.thread_count = 1
         stream.codec_context.thread_type = "NONE"
         return stream

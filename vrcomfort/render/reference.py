@@ -50,6 +50,8 @@ class Accumulator:
 
     def add(self, image: NDArray[np.floating]) -> None:
         """Add the next sample's (h, w, 3) image."""
+        # In turns: both halves are complete low-discrepancy sets, and their difference is an error
+        # estimate without a second run.
         self.sums[self.samples % 2] += image
         self.samples += 1
 
@@ -200,7 +202,7 @@ class Reference:
         shutter: float,
     ) -> NDArray[np.float32]:
         fraction = self._shutter_effect.shutter_fraction if self._shutter_effect else 0.0
-        frames = shutter * fraction
+        frames = shutter * fraction  # centred on the frame: from −½ to ½ of the opening
         moved = _moved(camera, previous.world_from_eye, frames)
         lens = self._lens(camera, focus_m, lens_point)
         self._pass.render(replace(moved, lens=lens), time_s + frames * (time_s - previous.time_s))
@@ -214,6 +216,7 @@ class Reference:
             return None
         focal_x, focal_y = focal_length_px(camera.fov, self._size_px)
         x, y = position
+        # Pixels need not be square: the disc is round for the eye.
         round_in_angle = float(x), float(y) * focal_y / focal_x
         infinity_m = self._condition.focus.infinity_m
         return lens_radius.lens(effect, round_in_angle, focal_x, self._size_px, focus_m, infinity_m)

@@ -233,7 +233,7 @@ def write_film(
     video: Path | None,
     refresh_hz: float,
 ) -> Iterator[FilmProgress]:
-    """Write frames as they are drawn; yield what was written after each.
+    """Write frames as they are drawn; yield the progress after each.
 
     Parameters
     ----------
@@ -262,7 +262,7 @@ def write_film(
 
 
 def write_summary(out: Path, facts: dict[str, Any]) -> None:
-    """Write what was drawn beside the pictures."""
+    """Write a summary of the replay beside the pictures."""
     text = json_of(facts)
     (out / SUMMARY).write_text(text + "\n", encoding="utf-8")
 

@@ -38,7 +38,7 @@ from vrcomfort.traces.trace import Trace, read_trace
 
 @dataclass(frozen=True, eq=False)
 class FrameFacts:
-    """What a trace does not keep of ``frames.csv``.
+    """Columns of ``frames.csv`` that a trace does not have.
 
     Parameters
     ----------

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.csv_table import CsvTable, number_or_none
+from vrcomfort.records.names import natural
 from vrcomfort.records.session_rows import QuestionnaireRow
-from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -7,8 +7,8 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.names import natural
 from vrcomfort.report.exposures import column_of
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import Side, sides_of
 from vrcomfort.settings import did_you_mean
 

@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.report.ordering import natural
+from vrcomfort.records.names import natural
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

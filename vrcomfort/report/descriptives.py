@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vrcomfort.records.names import natural
 from vrcomfort.report.asked import timepoints_of
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import in_a_test
 from vrcomfort.report.rows import INLINE
 from vrcomfort.stats.means import mean_interval

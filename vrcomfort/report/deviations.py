@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.records.names import natural
 from vrcomfort.report.notices import names
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.study_data import short_forms
 from vrcomfort.report.withdrawals import everybody
 from vrcomfort.settings import did_you_mean

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.csv_table import number_or_none
-from vrcomfort.report.ordering import natural
+from vrcomfort.records.names import natural
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.settings import did_you_mean
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from vrcomfort.csv_table import number_or_none
+from vrcomfort.records.names import natural
 from vrcomfort.report.exposures import COLUMNS, column_of
-from vrcomfort.report.ordering import natural
 from vrcomfort.settings import did_you_mean
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from vrcomfort.records.names import natural
 from vrcomfort.report.baselines import moment_of, number_of
-from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
     from vrcomfort.questionnaire import Sheet

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from vrcomfort.importing.rows import alike
 from vrcomfort.questionnaire import never_zero
-from vrcomfort.report.ordering import natural
+from vrcomfort.records.names import natural
 from vrcomfort.report.orders import in_words
 from vrcomfort.report.study_data import short_forms
 from vrcomfort.report.withdrawals import early_endings, everybody, find_withdrawals

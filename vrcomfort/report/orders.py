@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from vrcomfort.report.ordering import natural
+from vrcomfort.records.names import natural
 from vrcomfort.stats.proportions import sign_test
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from markupsafe import Markup
 
@@ -152,8 +152,15 @@ def _moments(results: dict[str, Any]) -> list[DescribedRow]:
     return [row for row in results["descriptives"] if row.by == TIMEPOINT]
 
 
-def _by_instrument(rows: Sequence[SymptomRow]) -> list[dict[str, Any]]:
-    """Return the answers by instrument: its conditions, and a line for each item."""
+class _InstrumentAnswers(NamedTuple):
+    """The answers to an instrument: its conditions, and a line for each item."""
+
+    instrument: str
+    conditions: list[str]
+    lines: list[tuple[str, list[SymptomRow | None]]]
+
+
+def _by_instrument(rows: list[SymptomRow]) -> list[_InstrumentAnswers]:
     found = []
     for instrument in dict.fromkeys(row.instrument for row in rows):
         mine = [row for row in rows if row.instrument == instrument]
@@ -161,5 +168,5 @@ def _by_instrument(rows: Sequence[SymptomRow]) -> list[dict[str, Any]]:
         cells = {(row.item, row.condition): row for row in mine}
         items = dict.fromkeys(row.item for row in mine)
         lines = [(item, [cells.get((item, name)) for name in conditions]) for item in items]
-        found.append({"instrument": instrument, "conditions": conditions, "lines": lines})
+        found.append(_InstrumentAnswers(instrument, conditions, lines))
     return found

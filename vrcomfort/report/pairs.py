@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 import pandas as pd
 
+from vrcomfort.records.names import natural
 from vrcomfort.report.exposures import column_of
-from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort import __version__
 from vrcomfort.json_text import json_of
+from vrcomfort.records.names import natural
 from vrcomfort.report.analyses import AnalysisData, analysed_people, run_analyses
 from vrcomfort.report.asked import unused_timepoints
 from vrcomfort.report.contrasts import check_groups, conditions_of, contrasts_of
@@ -19,7 +20,6 @@ from vrcomfort.report.exposures import score_exposures
 from vrcomfort.report.factors import check_columns, check_levels
 from vrcomfort.report.measures import Measure, definition_of
 from vrcomfort.report.notices import notices
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.outcomes import Outcome
 from vrcomfort.report.plan_files import in_order
 from vrcomfort.report.quality import quality

@@ -27,13 +27,13 @@ from vrcomfort.recordings import ExposureFrames, frame_measures
 from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.json_file import DamagedError, DescribedShape, ManifestShape, read_json
+from vrcomfort.records.names import natural
 from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.recording import Memory
 from vrcomfort.records.rows import Row
 from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow, ScreeningRow
 from vrcomfort.records.study import DESCRIPTION
 from vrcomfort.report.gaps import gaps, unreadable
-from vrcomfort.report.ordering import natural
 from vrcomfort.workers import workers
 
 _KEYS = (

@@ -1,4 +1,4 @@
-"""Each question of the questionnaire by condition, and how people were after recovery."""
+"""Answers to each question by condition, and scores after recovery."""
 
 from __future__ import annotations
 
@@ -24,12 +24,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SymptomRow:
-    """The answers to an item under a condition.
+    """The answers to an item under one condition.
 
     Parameters
     ----------
+    n
+        Exposures.
     above
-        Exposures with an answer above the lowest that there is (with a baseline: above that of the
+        Those with an answer above the lowest that there is (with a baseline: above that of the
         baseline).
     """
 
@@ -44,7 +46,15 @@ class SymptomRow:
 
 @dataclass(frozen=True)
 class RecoveryRow:
-    """Scores of sessions after their last exposure and after recovery."""
+    """Scores of the same sessions after the last exposure and after recovery.
+
+    Parameters
+    ----------
+    sessions
+        Those with both.
+    fell, no_higher_than_baseline
+        Sessions with a lower score after recovery, and with one no higher than at baseline.
+    """
 
     outcome: str
     sessions: int
@@ -60,7 +70,7 @@ def symptom_rows(
     tests: Sequence[Tested],
     instruments: Mapping[str, Instrument],
 ) -> list[SymptomRow]:
-    """Describe the answers by item and condition, of those tested, or of all."""
+    """Describe the answers by item and condition, of the tested people; of all without tests."""
     raw = {o.instrument for o in scored.outcomes if scored.bases[o.name] == "raw_post"}
     lowest = {
         (name, item.name): float(item.answers.low)
@@ -81,8 +91,8 @@ def symptom_rows(
                 continue
             deviation = float(np.std(values, ddof=1)) if values.size > 1 else None
             above = int((values > lowest.get((instrument, item), 0.0)).sum())
-            size, mean = int(values.size), float(values.mean())
-            found.append(SymptomRow(instrument, item, condition, size, mean, deviation, above))
+            n, mean = int(values.size), float(values.mean())
+            found.append(SymptomRow(instrument, item, condition, n, mean, deviation, above))
     return found
 
 
@@ -95,12 +105,12 @@ def recovery_rows(scored: Exposures) -> list[RecoveryRow]:
             continue
         found.append(
             RecoveryRow(
-                outcome,
-                int(one.size),
-                describe(one),
-                describe(two),
-                int((two < one).sum()),
-                int((two <= 0).sum()),
+                outcome=outcome,
+                sessions=int(one.size),
+                exposed=describe(one),
+                recovered=describe(two),
+                fell=int((two < one).sum()),
+                no_higher_than_baseline=int((two <= 0).sum()),
             )
         )
     return found

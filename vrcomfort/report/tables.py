@@ -12,7 +12,8 @@ import pandas as pd
 
 from vrcomfort.report.analyses import csv_tables
 from vrcomfort.report.exposures import Exposures, column_of
-from vrcomfort.report.rows import Cells, cells
+from vrcomfort.report.flow import FlowStage
+from vrcomfort.report.rows import Cells, as_json, cells
 from vrcomfort.report.sections import Section, section_tables
 from vrcomfort.report.symptoms import RecoveryRow
 
@@ -45,9 +46,9 @@ def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> 
         "sensitivity": list(map(cells, results["sensitivity"])),
         "smallest_effects": list(map(cells, results["smallest_effects"])),
         "descriptives": list(map(cells, results["descriptives"])),
-        "symptoms": list(map(cells, results["symptoms"])),
-        "recovery": [_flat_recovery(row) for row in results["recovery_course"]],
-        "flow": _flat_flow(results["flow"]),
+        "symptoms": as_json(results["symptoms"]),
+        "recovery": [_recovery(row) for row in results["recovery_course"]],
+        "flow": _flow(results["flow"]),
         "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
         "stimulus_time": results["stimulus_time"],
         "movement": results["movement"],
@@ -134,21 +135,18 @@ def inert(cell: Any) -> Any:
     return f"'{cell}"
 
 
-def _flat_recovery(row: RecoveryRow) -> Cells:
-    return {
-        "outcome": row.outcome, "sessions": row.sessions, "fell": row.fell,
-        "no_higher_than_baseline": row.no_higher_than_baseline,
-        **{
-            f"{stat}_{when}": getattr(described, stat)
-            for when, described in (("exposed", row.exposed), ("recovered", row.recovered))
-            for stat in ("mean", "sd", "median")
-        },
-    }  # fmt: skip
+def _recovery(row: RecoveryRow) -> Cells:
+    described = {"exposed": row.exposed, "recovered": row.recovered}
+    return cells(row, tuple(described)) | {
+        f"{stat}_{when}": getattr(found, stat)
+        for when, found in described.items()
+        for stat in ("mean", "sd", "median")
+    }
 
 
-def _flat_flow(flow: list[Row]) -> list[Row]:
+def _flow(stages: Iterable[FlowStage]) -> list[Cells]:
     return [
-        {"stage": stage["stage"], "n": stage["n"], **gone}
-        for stage in flow
-        for gone in [{"left": r["n"], "reason": r["reason"]} for r in stage["left"]] or [{}]
+        {"stage": stage.stage, "n": stage.n, **gone}
+        for stage in stages
+        for gone in [{"left": loss.n, "reason": loss.reason} for loss in stage.left] or [{}]
     ]

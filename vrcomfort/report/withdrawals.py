@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort.errors import InputError
-from vrcomfort.report.ordering import natural
+from vrcomfort.records.names import natural
 from vrcomfort.report.study_data import people_of, trial_s
 from vrcomfort.stats.proportions import fisher_exact
 

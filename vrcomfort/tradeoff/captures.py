@@ -72,6 +72,7 @@ def capture_views(
 
     renderer = StereoRenderer(context(), size_px, eyes=eyes)
     renderer.begin(scene, condition)
+    # Motion blur needs the frame before; without it, the pair's second frame is all there is.
     if condition.motion_blur is not None:
         renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
     renderer.render(frame, time_s(frame), keep)

@@ -132,6 +132,7 @@ def time_method(
     if whole_s(first) <= SLOW_S:
         most = rounds_of(scope, context())
         rounds = min(most, max(1, int(LONGEST_S / max(whole_s(first), 1e-9))))
+    # In turns with plain frames: a clock that drifts, or other load, changes both alike.
     queued, between = [], [plain_frames.frame()]
     for _ in range(rounds):
         queued.append(timer.frame())
@@ -143,6 +144,7 @@ def time_method(
     plain_s = np.array([whole_s(each) for each in plain])
     plains.append(plain_s)
     timer.release()
+    # Radii are written in the resolve: with depth of field its cost beyond a plain one counts.
     resolved = timed if method.condition.depth_of_field is None else plain
     resolve_s = np.array([each[RESOLVE][0] for each in resolved])
     resolve_s = resolve_s if resolved is timed else _between(resolve_s)

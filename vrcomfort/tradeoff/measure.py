@@ -113,7 +113,7 @@ def _counted(case: Case, scope: Scope) -> Mask:
     width, height = drawn_px(case, scope)
     counted = np.zeros((height, width, 1), dtype=bool)
     counted[judged_area(case, scope)] = True
-    return counted[::-1]
+    return counted[::-1]  # OpenGL has the bottom row first, pictures the top row
 
 
 def _key(case: Case, scope: Scope, method: BlurMethod | None) -> str:

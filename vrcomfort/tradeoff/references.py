@@ -217,6 +217,7 @@ def ideal_scatter(pinhole: Pinhole, samples: ArrayLike, /) -> Array:
         (n, 3), as of `optics.lens_sampling.lens_and_shutter`.
     """
     height, width, _ = pinhole.image.shape
+    # Reverse-Z: ascending depth is farthest first, so that nearer squares are written last.
     order = np.argsort(pinhole.depth, axis=None, kind="stable")
     colours = pinhole.image.reshape(-1, 3)[order].astype(np.float64)
     rows, columns = np.divmod(order, width)

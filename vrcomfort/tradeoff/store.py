@@ -56,6 +56,7 @@ class Store:
     def write(self, key: str, **arrays: NDArray[Any]) -> None:
         """Keep arrays under a key, in place of earlier ones."""
         path = self._path(key)
+        # Renamed when it is whole: workers read and write the same folder at once.
         partial = path.with_suffix(f".{os.getpid()}.part")
         with partial.open("wb") as file:
             np.savez(file, allow_pickle=False, **arrays)

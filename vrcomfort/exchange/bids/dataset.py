@@ -195,7 +195,7 @@ anonymise` moves them, before an export.
 
 
 def export_bids(study: Path, out: Path) -> list[str]:
-    """Write a study as a BIDS dataset into a new folder; return what was left out, in sentences.
+    """Write a study as a BIDS dataset into a new folder; return a sentence for each omission.
 
     Raises
     ------
@@ -260,7 +260,7 @@ def _columns_of_participants(others: list[str]) -> dict[str, Any]:
 
 
 def _session(session: Session, out: Path, task: str) -> list[str]:
-    """Write one session; return what was left out of it."""
+    """Write one session; return a sentence for each omission."""
     who, number, manifest = session.participant, session.number, session.manifest
     folder = session_folder(out, who, number)
     scans: list[tuple[str, str]] = []

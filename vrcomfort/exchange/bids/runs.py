@@ -139,7 +139,7 @@ def _of(runs: list[Run], trial: str, time_s: float) -> Run | None:
 
 
 def _numbers(row: Cells) -> dict[str, float]:
-    """Return what tells which attempt a row is of."""
+    """Return the numbers that identify a row's attempt."""
     whole = {name: int(row[name]) for name in _WHOLE if name in row}
     return {**whole, **{name: float(row[name]) for name in _TIMES if name in row}}
 
@@ -162,7 +162,7 @@ _FRAME = {
 
 @dataclass(frozen=True)
 class TrackingSystem:
-    """What is one tracking system in BIDS.
+    """One tracking system in BIDS.
 
     Parameters
     ----------

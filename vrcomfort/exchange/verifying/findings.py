@@ -1,4 +1,4 @@
-"""The findings of a verification, and the rows of a file, whose faults are findings."""
+"""Findings of a verification, and the reading of rows that collects faults as findings."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vrcomfort.records.tables import RecordedRow, read_rows
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that is wrong, or (`fault` is False) that somebody should know.
+    """One fault, or (`fault` is False) one note.
 
     Parameters
     ----------
@@ -57,12 +57,12 @@ class Verified:
 
     @property
     def faults(self) -> list[Finding]:
-        """Return what is wrong."""
+        """Return the faults."""
         return [each for each in self.findings if each.fault]
 
     @property
     def notes(self) -> list[Finding]:
-        """Return what is not wrong, and should be known."""
+        """Return the notes, which are no faults."""
         return [each for each in self.findings if not each.fault]
 
     def fault(self, file: Path, message: str, line: int | None = None) -> None:
@@ -74,7 +74,7 @@ class Verified:
         self.findings.append(Finding(self._name(file), None, message, fault=False))
 
     def refusal(self, error: InputError, file: Path) -> None:
-        """Add what a reader says of a file."""
+        """Add a reader's error on a file."""
         self.fault(file if error.file is None else Path(error.file), error.message, error.line)
 
     def unreadable(self, error: OSError, folder: Path) -> None:

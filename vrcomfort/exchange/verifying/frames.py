@@ -19,7 +19,7 @@ _BACKWARDS = "; the file was changed or mixed with another: restore it from a co
 
 @dataclass
 class Frames:
-    """What was read of ``frames.csv``: times, and frames of each attempt at a trial."""
+    """The content of ``frames.csv``: times, and frames of each attempt at a trial."""
 
     times: list[tuple[int, float]] = field(default_factory=list)
     """`xr_time_ns` and `session_s` of each."""

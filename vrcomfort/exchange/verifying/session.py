@@ -92,7 +92,7 @@ def _check_packed(file: Path, found: Verified) -> None:
 
 
 def check_checksums(folder: Path, found: Verified, *, ended: bool) -> None:
-    """Compare the files with what they were when the session ended.
+    """Compare the files with their checksums at the end of the session.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def _check_of_frames(
     stopped: Sequence[Interruption],
     found: Verified,
 ) -> None:
-    """Check the files whose rows have the times of frames."""
+    """Check the files with a row for a frame: gaze, hashes of images, targets."""
     version = manifest.get("schema_version", 1)
     whole = not stopped and not manifest.get("earlier_runs")
     cut = cuts(frames, stopped, real_time=manifest["respondent"] != "simulated")

@@ -1,4 +1,4 @@
-"""A whole study: who is enrolled, which sessions there are, and that they belong together."""
+"""Verifies a study: its participants and its sessions, and that they belong together."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def _consents(
     manifests: Mapping[str, Mapping[int, Mapping[str, Any] | None]],
     found: Verified,
 ) -> None:
-    """Check that everybody whose session asked for consent has given it; copies leave it out."""
+    """Check the consent of each participant who was asked for it; copies leave it out."""
     file = study / ConsentRow.FILE
     if (study / _ANONYMISED).exists():
         return
@@ -130,7 +130,7 @@ def _folders(study: Path) -> set[str]:
 
 
 def _strangers(study: Path, people: Mapping[str, ParticipantRow], found: Verified) -> None:
-    """Find what no recording has put into the study's folder."""
+    """Find files in the study's folder that no recording has put there."""
     for each in sorted(study.iterdir()):
         if each.name.startswith("sub-") and each.is_dir():
             if each.name.removeprefix("sub-") not in people and any(each.glob("ses-*")):
@@ -167,7 +167,7 @@ def _entries(folder: Path, found: Verified) -> list[Path]:
 
 
 def _session(folder: Path, found: Verified) -> dict[str, Any] | None:
-    """Verify one session; what the system does not let us read is a finding like others."""
+    """Verify one session; a file that the system refuses to read is a finding."""
     try:
         return verify_session(folder, found)
     except OSError as error:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from markupsafe import Markup
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import (
     Analysis,
     AnalysisData,
@@ -22,7 +23,6 @@ from vrcomfort.report.analyses.contract import (
     unknown_outcome,
 )
 from vrcomfort.report.factors import points
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import with_every_score
 from vrcomfort.report.plan import Entry
 from vrcomfort.report.rows import INLINE

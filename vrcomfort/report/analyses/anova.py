@@ -10,6 +10,7 @@ import numpy as np
 from scipy.stats import shapiro
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import (
     Analysis,
     AnalysisData,
@@ -19,7 +20,6 @@ from vrcomfort.report.analyses.contract import (
     estimable,
 )
 from vrcomfort.report.factors import is_between, level_of, points
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import with_every_score
 from vrcomfort.report.rows import INLINE
 from vrcomfort.stats.anova import AnovaEffect, anova

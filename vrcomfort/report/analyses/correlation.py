@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import (
     ITALIC_N,
     ITALIC_P,
@@ -23,7 +24,6 @@ from vrcomfort.report.analyses.contract import (
     unknown_outcome,
 )
 from vrcomfort.report.families import disagreement, is_shown, verdict_alone
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import Side, side_sums
 from vrcomfort.report.plan import Entry
 from vrcomfort.report.rows import INLINE, cells

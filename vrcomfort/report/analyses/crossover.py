@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import (
     Analysis,
     AnalysisData,
@@ -18,7 +19,6 @@ from vrcomfort.report.analyses.contract import (
     estimable,
 )
 from vrcomfort.report.factors import points
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.rows import INLINE
 from vrcomfort.stats.mixed import Crossover, crossover
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
+from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import (
     ITALIC_N,
     ITALIC_P,
@@ -22,7 +23,6 @@ from vrcomfort.report.analyses.contract import (
     starred_p,
 )
 from vrcomfort.report.factors import is_between, level_of, points
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import Side, side_sums, with_every_score
 from vrcomfort.report.rows import INLINE, cells
 from vrcomfort.report.words import fraction, number

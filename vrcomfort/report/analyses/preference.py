@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import (
     Analysis,
     AnalysisData,
@@ -20,7 +21,6 @@ from vrcomfort.report.analyses.contract import (
     percent,
 )
 from vrcomfort.report.families import disagreement, is_shown, verdict_alone
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.plan import Entry
 from vrcomfort.report.rows import INLINE, cells
 from vrcomfort.report.words import NONE, fraction, interval, p_equals

@@ -12,6 +12,7 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.records.frame_rows import FrameRow
+from vrcomfort.records.names import natural
 from vrcomfort.report.gaze_and_head.exposures import (
     NOTHING,
     SIGNALS,
@@ -26,7 +27,6 @@ from vrcomfort.report.gaze_and_head.exposures import (
     summarise_exposure,
     times_of,
 )
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.rows import INLINE, as_json
 from vrcomfort.stats.gaze_and_head import Map, angles_deg, saliency_map, unit_vectors
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import MethodsParagraph
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.ratings.exposures import (
     ALL,
     COMPLETERS,
@@ -35,7 +35,7 @@ from vrcomfort.report.ratings.symptom_model import (
 )
 from vrcomfort.report.ratings.time_courses import (
     CurvePoint,
-    SensitivityRow,
+    DropoutSensitivity,
     SummaryModel,
     SummaryStatistics,
     condition_curves,
@@ -94,7 +94,7 @@ class RatingTimeCourses:
     counts: RatingCounts = field(metadata=INLINE)
     summaries: list[SummaryStatistics]
     models: list[SummaryModel]
-    sensitivity: list[SensitivityRow]
+    sensitivity: list[DropoutSensitivity]
     threshold: float
     threshold_planned: bool
     reached: list[ThresholdAnalysis]

@@ -12,8 +12,8 @@ import pandas as pd
 from vrcomfort.csv_table import number_in, number_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.records.exposure_rows import TrialRow
+from vrcomfort.records.names import natural
 from vrcomfort.records.recording import Memory
-from vrcomfort.report.ordering import natural
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.report.withdrawals import undone_attempts
 from vrcomfort.stats.rating_courses import RatingCourse
