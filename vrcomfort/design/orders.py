@@ -11,7 +11,7 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, Trial
 from vrcomfort.protocol import Sequence as TrialSequence
-from vrcomfort.protocol.levels import part_trials
+from vrcomfort.protocol.model import part_trials
 from vrcomfort.protocol.order import Group, Part, PartOrder, orders_of
 
 _DESIGN_STREAM = 1  # first spawn key of every random choice made here

@@ -30,7 +30,7 @@ from vrcomfort.design.orders import (
 )
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Allocation, Covariate, Protocol, Sequence, Trial
-from vrcomfort.protocol.levels import factor_names, level_of, trials_of
+from vrcomfort.protocol.model import factor_names, level_of, trials_of
 from vrcomfort.settings import did_you_mean
 
 COUNTING_STATUSES = frozenset({"enrolled", "completed"})

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path as FilePath
 
 from vrcomfort.protocol.condition_check import adjustment_problems, without_effect
-from vrcomfort.protocol.levels import trial_counts
-from vrcomfort.protocol.model import Protocol
+from vrcomfort.protocol.model import Protocol, trial_counts
 from vrcomfort.protocol.order_check import (
     group_problems,
     order_problems,

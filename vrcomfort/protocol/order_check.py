@@ -8,8 +8,7 @@ from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from math import prod
 
-from vrcomfort.protocol.levels import factor_names, level_of, part_trials, trials_of
-from vrcomfort.protocol.model import Protocol
+from vrcomfort.protocol.model import Protocol, factor_names, level_of, part_trials, trials_of
 from vrcomfort.protocol.order import NO_TASK, Group, Part, Trial, orders_of
 from vrcomfort.protocol.session_steps import Practice
 from vrcomfort.settings import KeyPath, Problem, did_you_mean, repeated, reserved

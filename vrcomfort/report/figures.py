@@ -35,12 +35,16 @@ from vrcomfort.report.study_data import trial_s
 from vrcomfort.report.symptoms import recovery_course
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
 
     from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.flow import FlowLoss, FlowStage
     from vrcomfort.report.residuals import Residuals
     from vrcomfort.report.sections import Section
     from vrcomfort.report.study_data import StudyData
+    from vrcomfort.report.symptoms import RecoveryRow, SymptomRow
     from vrcomfort.report.vocabulary import Vocabulary
 
 
@@ -58,26 +62,28 @@ def draw_figures(
 ) -> dict[str, Drawing]:
     """Return name → drawing of every figure that the data allow."""
     drawn: dict[str, Drawing | None] = {}
+    wanted = results["plan"]["figures"]
     for place, outcome in enumerate(words.outcomes):
-        if _wanted(results, "subscales" if place else "paired"):
+        if _wanted(wanted, "subscales" if place else "paired"):
             tests = [test for test in results["tests"] if test.outcome == outcome]
             drawn[f"estimation_{outcome}"] = estimation_figure(scored, tests, words)
     for place, row in enumerate(results["comparisons"]):
-        if _wanted(results, "paired"):
+        if _wanted(wanted, "paired"):
             drawn[f"comparison_{place}"] = group_figure(scored, row, words)
     drawn["flow"] = flow_figure(results["flow"])
-    for instrument in dict.fromkeys(row["instrument"] for row in results["symptoms"]):
-        rows = [row for row in results["symptoms"] if row["instrument"] == instrument]
+    for instrument in dict.fromkeys(row.instrument for row in results["symptoms"]):
+        rows = [row for row in results["symptoms"] if row.instrument == instrument]
         drawn[f"symptoms_{instrument}"] = symptom_figure(rows, instrument, words)
-    drawn["recovery"] = recovery_figure(scored, results, words)
-    drawn["exposures"] = exposure_figure(list(study.trials), results, words)
+    drawn["recovery"] = recovery_figure(scored, results["recovery_course"], words)
+    withdrew = {each["participant"] for each in results["withdrawals"]["list"]}
+    drawn["exposures"] = exposure_figure(list(study.trials), withdrew, words)
     drawn["residuals"] = residual_figure(residuals, words)
     drawn |= section_figures(sections, words)
     drawn |= analysis_figures(results, words)
     return {
         name: drawing
         for name, drawing in drawn.items()
-        if drawing and (name.startswith(_OTHERWISE) or _wanted(results, name))
+        if drawing and (name.startswith(_OTHERWISE) or _wanted(wanted, name))
     }
 
 
@@ -85,19 +91,18 @@ _OTHERWISE = ("estimation_", "comparison_", "flow")
 """Figures that every plan has, or that were chosen before they were drawn."""
 
 
-def _wanted(results: dict[str, Any], name: str) -> bool:
+def _wanted(wanted: Sequence[str], name: str) -> bool:
     """Return whether a plan wants a figure: every one, where it names none."""
-    wanted = results["plan"]["figures"]
     return not wanted or name.partition("_")[0] in wanted
 
 
 def symptom_figure(
-    symptoms: list[dict[str, Any]], instrument: str, words: Vocabulary
+    symptoms: list[SymptomRow], instrument: str, words: Vocabulary
 ) -> Drawing | None:
     """Draw the mean answer of each symptom by condition, the largest first."""
     means: dict[str, dict[str, float]] = {}
     for row in symptoms:
-        means.setdefault(row["item"], {})[row["condition"]] = row["mean"]
+        means.setdefault(row.item, {})[row.condition] = row.mean
     if not means:
         return None
     ranked = sorted(means, key=lambda item: max(means[item].values()))
@@ -125,12 +130,12 @@ def symptom_figure(
 
 
 def recovery_figure(
-    scored: Exposures, results: dict[str, Any], words: Vocabulary
+    scored: Exposures, rows: list[RecoveryRow], words: Vocabulary
 ) -> Drawing | None:
     """Draw scores after a session's last exposure and after recovery; a line is a session."""
-    if not results["recovery_course"]:
+    if not rows:
         return None
-    outcome = results["recovery_course"][0]["outcome"]
+    outcome = rows[0].outcome
     scores = np.column_stack(recovery_course(scored, outcome))
     with canvas("recovery", 3.4, 3.2) as (figure, drawing):
         axes = figure.add_subplot()
@@ -148,14 +153,13 @@ def recovery_figure(
 
 
 def exposure_figure(
-    trials: list[dict[str, str]], results: dict[str, Any], words: Vocabulary
+    trials: list[dict[str, str]], withdrew: set[str], words: Vocabulary
 ) -> Drawing | None:
     """Draw the exposures of people in order, with a cross at withdrawals; None without any."""
-    if not results["withdrawals"]["n"] or not trials:
+    if not withdrew or not trials:
         return None
-    gone = {each["participant"] for each in results["withdrawals"]["list"]}
     everybody = sorted({t["participant"] for t in trials}, key=natural)
-    first = sorted(everybody, key=lambda who: who not in gone)[:MOST_PEOPLE]
+    first = sorted(everybody, key=lambda who: who not in withdrew)[:MOST_PEOPLE]
     people = [who for who in everybody if who in set(first)]
     of: dict[str, list[dict[str, str]]] = {who: [] for who in people}
     for trial in trials:
@@ -166,7 +170,7 @@ def exposure_figure(
         scale, unit = time_unit(max(trial_s(t) or 0.0 for t in trials))
         for row, who in enumerate(reversed(people)):
             mine = sorted(of[who], key=lambda t: (natural(t["session"]), natural(t["trial"])))
-            _exposures_of(axes, row, mine, words, scale, withdrew=who in gone)
+            _exposures_of(axes, row, mine, words, scale, withdrew=who in withdrew)
         _legend_of_exposures(axes, words)
         axes.set_yticks(range(len(people)), [*map(short, reversed(people))], fontsize=7.5)
         axes.tick_params(axis="y", length=0)
@@ -175,7 +179,7 @@ def exposure_figure(
     return drawing
 
 
-def _legend_of_exposures(axes: Any, words: Vocabulary) -> None:
+def _legend_of_exposures(axes: Axes, words: Vocabulary) -> None:
     for place, label in enumerate(words.conditions.values()):
         axes.barh(0, 0, color=colour_of(place), alpha=0.8, label=lines(label, LEGEND))
     axes.plot([], [], "X", color=INK, ms=7, ls="", label="withdrew here")
@@ -184,7 +188,7 @@ def _legend_of_exposures(axes: Any, words: Vocabulary) -> None:
 
 
 def _exposures_of(
-    axes: Any, row: int, trials: list[dict[str, str]], words: Vocabulary, scale: float, *,
+    axes: Axes, row: int, trials: list[dict[str, str]], words: Vocabulary, scale: float, *,
     withdrew: bool,
 ) -> None:  # fmt: skip
     start = 0.0
@@ -204,13 +208,13 @@ _MAIN, _SIDE = (0.0, 2.0), (2.7, 3.5)
 """Left edge and width of the boxes of stages and of reasons, in inches."""
 
 
-def flow_figure(flow: list[dict[str, Any]]) -> Drawing:
+def flow_figure(flow: list[FlowStage]) -> Drawing:
     """Draw the stages below each other, with losses and their reasons between them."""
     parts: list[tuple[str, str]] = []
     for stage in flow:
         parts.append(("stage", _stage(stage)))
-        if stage["left"]:
-            parts.append(("reasons", _reasons(stage["left"])))
+        if stage.left:
+            parts.append(("reasons", _reasons(stage.left)))
     heights = [_height(text) for _, text in parts]
     total = sum(heights) + _GAP_IN * (len(parts) + 1)
     with canvas("flow", _WIDTH_IN, total) as (figure, drawing):
@@ -232,17 +236,17 @@ def flow_figure(flow: list[dict[str, Any]]) -> Drawing:
     return drawing
 
 
-def _stage(stage: dict[str, Any]) -> str:
-    text = f"{stage['stage']}\nn = {stage['n']}"
-    if stage.get("again"):
-        text += f"\n{stage['again']} of them withdrew"
-    if stage.get("in_every_test", stage["n"]) != stage["n"]:
-        text += f"\n{stage['in_every_test']} in every test"
+def _stage(stage: FlowStage) -> str:
+    text, counts = f"{stage.stage}\nn = {stage.n}", stage.analysed
+    if counts and counts.again:
+        text += f"\n{counts.again} of them withdrew"
+    if counts and counts.in_every_test != stage.n:
+        text += f"\n{counts.in_every_test} in every test"
     return text
 
 
-def _reasons(rows: list[dict[str, Any]]) -> str:
-    return "\n".join(lines(f"{row['n']}: {row['reason']}", 46) for row in rows)
+def _reasons(losses: list[FlowLoss]) -> str:
+    return "\n".join(lines(f"{loss.n}: {loss.reason}", 46) for loss in losses)
 
 
 def _height(text: str) -> float:

@@ -1,10 +1,12 @@
-"""From enrolment to analysis: how many people reached what, and why the others did not."""
+"""Participant flow from enrolment to analysis: the stages, and the reasons of losses."""
 
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
+from vrcomfort.report.rows import INLINE
 from vrcomfort.report.withdrawals import AFTER, everybody, screened_out
 
 if TYPE_CHECKING:
@@ -16,13 +18,37 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.withdrawals import Withdrawal
 
-Row = dict[str, Any]
-
 EXCLUDED = "excluded by the experimenter"
 SCREENED = "screened out by the experimenter"
 UNFINISHED = "sessions not finished"
 NO_EXPOSURE = "no exposure on record"
 MISSING = "not every planned exposure has a score"
+
+
+@dataclass(frozen=True)
+class FlowLoss:
+    """People who did not reach the next stage, for one reason."""
+
+    reason: str
+    n: int
+
+
+@dataclass(frozen=True)
+class AnalysedCounts:
+    """Of the analysed people: those who withdrew, and those in every test."""
+
+    again: int
+    in_every_test: int
+
+
+@dataclass(frozen=True)
+class FlowStage:
+    """A stage of the flow chart, and the losses on the way to the next one."""
+
+    stage: str
+    n: int
+    left: list[FlowLoss]
+    analysed: AnalysedCounts | None = field(default=None, metadata=INLINE)
 
 
 def participant_flow(
@@ -32,10 +58,10 @@ def participant_flow(
     found: list[Withdrawal],
     tests: Sequence[Tested],
     analysed: list[str],
-) -> list[Row]:
-    """Return the stages: name, n, and the reasons of those who did not reach the next one.
+) -> list[FlowStage]:
+    """Return the stages of the flow chart.
 
-    Somebody who withdrew is analysed all the same in a test whose exposures they had finished;
+    People who withdrew are analysed all the same in a test whose exposures they had finished;
     `again` counts them.
     """
     enrolled = everybody(study)
@@ -61,14 +87,15 @@ def participant_flow(
         _stage("Exposed", exposed, {p: left[p] for p in exposed if p in left}),
         _stage("Completed", completed,
                {p: why.get(p, MISSING) for p in completed if p not in tested}),
-        {**_stage("Analysed", analysed, {}), "again": sum(p in left for p in analysed),
-         "in_every_test": len(every) if tests else len(analysed)},
+        FlowStage("Analysed", len(analysed), [], AnalysedCounts(
+            sum(p in left for p in analysed), len(every) if tests else len(analysed)
+        )),
     ]  # fmt: skip
 
 
-def _stage(name: str, people: list[str], gone: dict[str, str]) -> Row:
-    reasons = [{"reason": why, "n": n} for why, n in Counter(gone.values()).most_common()]
-    return {"stage": name, "n": len(people), "left": reasons}
+def _stage(name: str, people: list[str], gone: dict[str, str]) -> FlowStage:
+    losses = [FlowLoss(reason, n) for reason, n in Counter(gone.values()).most_common()]
+    return FlowStage(name, len(people), losses)
 
 
 def _how(withdrawal: Withdrawal) -> str:
@@ -81,7 +108,7 @@ _DURING = {"withdrew": "withdrew during an exposure", "stop rule": "stopped by t
 
 
 def _reasons(scored: Exposures) -> dict[str, str]:
-    """Return participant → the first reason why a questionnaire of theirs was not scored."""
+    """Return participant → the first reason for which a questionnaire was not scored."""
     found: dict[str, str] = {}
     for row in scored.excluded:
         found.setdefault(row["participant"], row["reason"].partition(":")[0])

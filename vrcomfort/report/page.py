@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from markupsafe import Markup
 
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.sections import Section
+    from vrcomfort.report.symptoms import SymptomRow
     from vrcomfort.report.vocabulary import Vocabulary
 
 TEMPLATE = "report.html.j2"
@@ -151,14 +152,21 @@ def _moments(results: dict[str, Any]) -> list[dict[str, Any]]:
     return [row for row in results["descriptives"] if row["by"] == TIMEPOINT]
 
 
-def _by_instrument(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the answers by instrument: its conditions, and a line for each item."""
+class _InstrumentAnswers(NamedTuple):
+    """The answers to an instrument: its conditions, and a line for each item."""
+
+    instrument: str
+    conditions: list[str]
+    lines: list[tuple[str, list[SymptomRow | None]]]
+
+
+def _by_instrument(rows: list[SymptomRow]) -> list[_InstrumentAnswers]:
     found = []
-    for instrument in dict.fromkeys(row["instrument"] for row in rows):
-        mine = [row for row in rows if row["instrument"] == instrument]
-        conditions = list(dict.fromkeys(row["condition"] for row in mine))
-        cells = {(row["item"], row["condition"]): row for row in mine}
-        items = dict.fromkeys(row["item"] for row in mine)
+    for instrument in dict.fromkeys(row.instrument for row in rows):
+        mine = [row for row in rows if row.instrument == instrument]
+        conditions = list(dict.fromkeys(row.condition for row in mine))
+        cells = {(row.item, row.condition): row for row in mine}
+        items = dict.fromkeys(row.item for row in mine)
         lines = [(item, [cells.get((item, name)) for name in conditions]) for item in items]
-        found.append({"instrument": instrument, "conditions": conditions, "lines": lines})
+        found.append(_InstrumentAnswers(instrument, conditions, lines))
     return found

@@ -1,8 +1,9 @@
-"""Each question of the questionnaire by condition, and how people were after recovery."""
+"""Answers to each question by condition, and scores after recovery."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,7 +21,47 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-Row = dict[str, Any]
+
+@dataclass(frozen=True)
+class SymptomRow:
+    """The answers to an item under one condition.
+
+    Parameters
+    ----------
+    n
+        Exposures.
+    above
+        Those with an answer above the lowest that there is (with a baseline: above that of the
+        baseline).
+    """
+
+    instrument: str
+    item: str
+    condition: str
+    n: int
+    mean: float
+    sd: float | None
+    above: int
+
+
+@dataclass(frozen=True)
+class RecoveryRow:
+    """Scores of the same sessions after the last exposure and after recovery.
+
+    Parameters
+    ----------
+    sessions
+        Those with both.
+    fell, no_higher_than_baseline
+        Sessions with a lower score after recovery, and with one no higher than at baseline.
+    """
+
+    outcome: str
+    sessions: int
+    exposed: dict[str, float | None]
+    recovered: dict[str, float | None]
+    fell: int
+    no_higher_than_baseline: int
 
 
 def symptom_rows(
@@ -28,15 +69,8 @@ def symptom_rows(
     conditions: Iterable[str],
     tests: Sequence[Tested],
     instruments: Mapping[str, Instrument],
-) -> list[Row]:
-    """Describe the answers by item and condition, of those tested (of all, if nobody is).
-
-    Returns
-    -------
-    list of dict
-        By instrument and item: `n` exposures, `mean`, `sd`, and `above` of them with an answer
-        above the lowest that there is (with a baseline: above that of the baseline).
-    """
+) -> list[SymptomRow]:
+    """Describe the answers by item and condition, of the tested people; of all without tests."""
     raw = {o.instrument for o in scored.outcomes if scored.bases[o.name] == "raw_post"}
     lowest = {
         (name, item.name): float(item.answers.low)
@@ -56,33 +90,29 @@ def symptom_rows(
             if not values.size:
                 continue
             deviation = float(np.std(values, ddof=1)) if values.size > 1 else None
-            found.append({
-                "instrument": instrument, "item": item, "condition": condition,
-                "n": int(values.size), "mean": float(values.mean()), "sd": deviation,
-                "above": int((values > lowest.get((instrument, item), 0.0)).sum()),
-            })  # fmt: skip
+            above = int((values > lowest.get((instrument, item), 0.0)).sum())
+            n, mean = int(values.size), float(values.mean())
+            found.append(SymptomRow(instrument, item, condition, n, mean, deviation, above))
     return found
 
 
-def recovery_rows(scored: Exposures) -> list[Row]:
-    """Describe scores after the session's exposures and after recovery, of the same sessions.
-
-    Returns
-    -------
-    list of dict
-        `sessions` with both; `exposed`, the last score after an exposure of the session;
-        `recovered`; and in how many sessions the score `fell`, was `no_higher_than_baseline`.
-    """
+def recovery_rows(scored: Exposures) -> list[RecoveryRow]:
+    """Describe scores after the session's exposures and after recovery, of the same sessions."""
     found = []
     for outcome in scored.units:
         one, two = recovery_course(scored, outcome)
         if not one.size:
             continue
-        found.append({
-            "outcome": outcome, "sessions": int(one.size), "exposed": describe(one),
-            "recovered": describe(two), "fell": int((two < one).sum()),
-            "no_higher_than_baseline": int((two <= 0).sum()),
-        })  # fmt: skip
+        found.append(
+            RecoveryRow(
+                outcome=outcome,
+                sessions=int(one.size),
+                exposed=describe(one),
+                recovered=describe(two),
+                fell=int((two < one).sum()),
+                no_higher_than_baseline=int((two <= 0).sum()),
+            )
+        )
     return found
 
 

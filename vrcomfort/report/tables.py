@@ -12,8 +12,10 @@ import pandas as pd
 
 from vrcomfort.report.analyses import csv_tables
 from vrcomfort.report.exposures import Exposures, column_of
-from vrcomfort.report.rows import Cells, cells
+from vrcomfort.report.flow import FlowStage
+from vrcomfort.report.rows import Cells, as_json, cells
 from vrcomfort.report.sections import Section, section_tables
+from vrcomfort.report.symptoms import RecoveryRow
 
 Row = dict[str, Any]
 
@@ -44,9 +46,9 @@ def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> 
         "sensitivity": list(map(cells, results["sensitivity"])),
         "smallest_effects": list(map(cells, results["smallest_effects"])),
         "descriptives": results["descriptives"],
-        "symptoms": results["symptoms"],
-        "recovery": [_flat_recovery(row) for row in results["recovery_course"]],
-        "flow": _flat_flow(results["flow"]),
+        "symptoms": as_json(results["symptoms"]),
+        "recovery": [_recovery(row) for row in results["recovery_course"]],
+        "flow": _flow(results["flow"]),
         "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
         "stimulus_time": results["stimulus_time"],
         "movement": results["movement"],
@@ -133,16 +135,18 @@ def inert(cell: Any) -> Any:
     return f"'{cell}"
 
 
-def _flat_recovery(row: Row) -> Row:
-    flat = {key: value for key, value in row.items() if not isinstance(value, dict)}
-    for when in ("exposed", "recovered"):
-        flat |= {f"{stat}_{when}": row[when][stat] for stat in ("mean", "sd", "median")}
-    return flat
+def _recovery(row: RecoveryRow) -> Cells:
+    described = {"exposed": row.exposed, "recovered": row.recovered}
+    return cells(row, tuple(described)) | {
+        f"{stat}_{when}": found[stat]
+        for when, found in described.items()
+        for stat in ("mean", "sd", "median")
+    }
 
 
-def _flat_flow(flow: list[Row]) -> list[Row]:
+def _flow(stages: Iterable[FlowStage]) -> list[Cells]:
     return [
-        {"stage": stage["stage"], "n": stage["n"], **gone}
-        for stage in flow
-        for gone in [{"left": r["n"], "reason": r["reason"]} for r in stage["left"]] or [{}]
+        {"stage": stage.stage, "n": stage.n, **gone}
+        for stage in stages
+        for gone in [{"left": loss.n, "reason": loss.reason} for loss in stage.left] or [{}]
     ]

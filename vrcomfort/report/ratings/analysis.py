@@ -35,7 +35,7 @@ from vrcomfort.report.ratings.symptom_model import (
 )
 from vrcomfort.report.ratings.time_courses import (
     CurvePoint,
-    SensitivityRow,
+    DropoutSensitivity,
     SummaryModel,
     SummaryStatistics,
     condition_curves,
@@ -94,7 +94,7 @@ class RatingTimeCourses:
     counts: RatingCounts = field(metadata=INLINE)
     summaries: list[SummaryStatistics]
     models: list[SummaryModel]
-    sensitivity: list[SensitivityRow]
+    sensitivity: list[DropoutSensitivity]
     threshold: float
     threshold_planned: bool
     reached: list[ThresholdAnalysis]

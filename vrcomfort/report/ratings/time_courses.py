@@ -116,7 +116,7 @@ class AssumedEffect:
 
 
 @dataclass(frozen=True)
-class SensitivityRow:
+class DropoutSensitivity:
     """An effect under an assumption about withdrawals, or the reason for its absence."""
 
     summary: str
@@ -205,7 +205,7 @@ def sensitivity(
     reference: str,
     highest: float,
     confidence: float,
-) -> list[SensitivityRow]:
+) -> list[DropoutSensitivity]:
     """Return the effects of each model under other assumptions about withdrawals.
 
     Only peak, mean and last ratings have a value for the time after a withdrawal.
@@ -219,11 +219,11 @@ def sensitivity(
             kept = [e for e in exposures if how != COMPLETERS or e.ending == "completed"]
             model = model_of(summary_table(kept, name, of), name, reference, confidence)
             if model.found is None:
-                rows.append(SensitivityRow(name, how, None, model.not_fitted))
+                rows.append(DropoutSensitivity(name, how, None, model.not_fitted))
                 continue
             n = model.found.n_values
             rows += [
-                SensitivityRow(name, how, AssumedEffect(n, term, estimate), None)
+                DropoutSensitivity(name, how, AssumedEffect(n, term, estimate), None)
                 for term, estimate in model.found.terms.items()
             ]
     return rows
