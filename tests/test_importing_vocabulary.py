@@ -88,6 +88,26 @@ def test_a_covariate_of_ones_own_is_a_column_of_participants(tmp_path: Path) -> 
     assert 'participants = { slept_h = "Wie lange geschlafen?" }' in found.text
 
 
+@pytest.mark.parametrize(
+    ("heading", "known"),
+    [
+        ("Welche Linse?", True),
+        ("Bitte nennen Sie die Linse, die Sie gerade getragen haben", True),
+        (
+            "Bitte nennen Sie uns hier noch einmal genau die Linse, die Sie gerade getragen haben",
+            False,
+        ),
+    ],
+)
+def test_a_word_speaks_for_a_fact_in_headings_of_twelve_words(
+    tmp_path: Path, heading: str, known: bool
+) -> None:
+    file = answers(tmp_path, "ID", heading)
+    own = vocabulary(tmp_path, '[facts.condition]\nwords = ["Linse"]\n')
+    found = suggest_mapping([file], vocabularies=[own])
+    assert any("the condition?" in doubt for doubt in found.doubts) != known
+
+
 def test_the_command_takes_a_vocabulary(tmp_path: Path) -> None:
     file = answers(tmp_path, "Participant", "Condition", words=("prima", "mies"))
     own = vocabulary(tmp_path, '[severity.de]\nnone = ["prima"]\nsevere = ["mies"]\n')

@@ -28,7 +28,7 @@ def shipped_instruments() -> Mapping[str, Instrument]:
 def usual_instruments() -> tuple[Instrument, ...]:
     """Return the shipped instruments that may be meant where none is named, the longest first.
 
-    A variant is not among them: nobody means other answers without saying so.
+    A variant is not among them: a file with its answers names it.
     """
     usual = [each for each in shipped_instruments().values() if not each.variant_of]
     return tuple(sorted(usual, key=lambda each: (-len(each.asked), each.name)))

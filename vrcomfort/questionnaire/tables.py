@@ -20,7 +20,7 @@ FEWEST_ANSWERS = 32
 """So many answers without a single 0 are asked about: two whole SSQs."""
 
 MOST_STEPS = 6
-"""On longer scales nobody may well have answered 0."""
+"""On longer scales, answers without a single 0 are plausible."""
 
 
 def never_zero(instrument: Instrument, counts: Mapping[Answer, int]) -> int:

@@ -119,14 +119,13 @@ def with_hands(
 ) -> Trace:
     """Return the trace with both hands held before the chest.
 
-    The hands go with the head as it turns and moves, a quarter of a second of it averaged, as with
-    somebody who carries what they look past; while walking, they swing, one forwards as the other
-    comes back.
+    The hands follow the head, averaged over a quarter of a second, as they do when they carry
+    something; while walking, they swing, one forwards as the other comes back.
 
     Parameters
     ----------
     trace
-        With an avatar, whose way says when somebody walks.
+        With an avatar: the hands swing while it moves.
     before_m
         Of the right hand, to the right of, above and behind the head; the left one is its mirror
         image.
@@ -139,7 +138,7 @@ def with_hands(
         If the trace has no avatar.
     """
     if trace.avatar is None:
-        raise ValueError("a trace without an avatar does not say when somebody walks")
+        raise ValueError("a trace without an avatar does not say when its hands swing")
     gait, rate_hz = Gait(), 1e9 / trace.median_period_ns
     path = trace.avatar.positions[:, [0, 2]]
     moved = np.linalg.norm(np.diff(path, axis=0, prepend=path[:1]), axis=1)

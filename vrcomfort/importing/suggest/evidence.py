@@ -170,6 +170,9 @@ HEADINGS: tuple[HeadingEvidence, ...] = (
 )
 
 
+_BY_WEIGHT = sorted(HEADINGS, key=lambda each: -each.weight)
+
+
 def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabulary) -> Roles:
     """Decide on the roles of columns by their headings, or else by their labels."""
     roles = Roles()
@@ -190,11 +193,11 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
     return roles
 
 
-def _heaviest(texts_: Sequence[str], vocabulary: LabVocabulary) -> tuple[str, int]:
+def _heaviest(said: Sequence[str], vocabulary: LabVocabulary) -> tuple[str, int]:
     """Return role and weight of the heaviest evidence in the first text that has any."""
-    for text in texts_:
+    for text in said:
         if plain(text):
-            for evidence in sorted(HEADINGS, key=lambda each: -each.weight):
+            for evidence in _BY_WEIGHT:
                 for role in evidence.roles(text, vocabulary):
                     return role, evidence.weight
     return "", 0
@@ -208,6 +211,7 @@ def _tells_people_apart(context: Context, column: int) -> bool:
     if not words or all(map(context.vocabulary.timepoint, words)):
         return False
     each_row = len(words) == rows
+    # Long tables have many rows for each person; without headings or on its side, codes repeat.
     few_rows = not context.one_row_each and 1 < len(words) <= rows / 4
     in_front = (not table.reading.heading_rows and len(words) * 4 >= rows) or (
         table.reading.transpose and column == 0 and len(words) > 1
