@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 TAKEN = {"item": "a column of the table of symptoms", "difference": "a column of the tests"}
-"""What conditions cannot be called, and what is called so."""
+"""Reserved names → the column of that name."""
 
 
 @dataclass(frozen=True)

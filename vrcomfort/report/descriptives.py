@@ -69,7 +69,7 @@ class DescribedRow:
 
 @dataclass(frozen=True)
 class RecoveryScores:
-    """The scores after recovery, of everybody who was asked."""
+    """All scores after recovery."""
 
     outcome: str
     found: Description = field(metadata=INLINE)
@@ -93,7 +93,7 @@ def describe(values: NDArray[np.floating[Any]]) -> Description:
 def describe_with_interval(
     values: NDArray[np.floating[Any]], confidence: float
 ) -> DescriptionWithInterval:
-    """Return what `describe` does, and the interval of the mean."""
+    """Return a description with the interval of the mean."""
     found = mean_interval(values, confidence=confidence)
     return DescriptionWithInterval(
         **vars(describe(values)), mean_low=found.low, mean_high=found.high
@@ -165,7 +165,7 @@ _Cells = list[tuple[str, str, str, "NDArray[np.bool_]"]]
 
 
 def _cells(table: pd.DataFrame, conditions: list[str]) -> _Cells:
-    """Return what a description is by, its level, its condition, and the rows of that."""
+    """Return grouping, level, condition and rows of each description."""
     parts = [(ALL, "", np.ones(len(table), dtype=bool))]
     for by in ("scene", "position", "session"):
         levels = sorted(table[by].unique(), key=lambda level: natural(str(level)))
@@ -181,13 +181,13 @@ def _cells(table: pd.DataFrame, conditions: list[str]) -> _Cells:
 def of_the_tested(
     table: pd.DataFrame, tests: Sequence[Tested], condition: str, outcome: str | None = None
 ) -> pd.DataFrame:
-    """Return a condition's exposures of those who are in any test of it."""
+    """Return a condition's exposures of the participants in its tests."""
     people = in_a_test(tests, condition, outcome)
     return table[(table["condition"] == condition) & table["participant"].isin(people)]
 
 
 def describe_recovery(scored: Exposures) -> list[RecoveryScores]:
-    """Describe the scores after recovery, of everybody who was asked."""
+    """Describe all scores after recovery."""
     tables = {outcome: scored.recovery.dropna(subset=[outcome]) for outcome in scored.units}
     return [
         RecoveryScores(outcome, _in_points(table, outcome, scored.units[outcome]))

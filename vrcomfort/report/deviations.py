@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort.records.names import natural
@@ -22,13 +23,19 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
 
 
-Deviation = dict[str, Any]
+@dataclass(frozen=True)
+class Deviation:
+    """A departure from the plan: a sentence without full stop, and the participants concerned."""
+
+    kind: str
+    text: str
+    participants: tuple[str, ...]
 
 
 def deviations(
     study: StudyData, scored: Exposures, plan: Plan, results: dict[str, Any]
 ) -> list[Deviation]:
-    """Return every deviation: its kind, a sentence without full stop, and whom it is about."""
+    """Return every deviation."""
     return [
         *_numbers(study, plan),
         *_excluded_without_a_rule(study, plan),
@@ -42,7 +49,7 @@ def deviations(
 
 
 def _deviation(kind: str, text: str, participants: list[str] | None = None) -> Deviation:
-    return {"kind": kind, "text": text, "participants": participants or []}
+    return Deviation(kind, text, tuple(participants or ()))
 
 
 def _numbers(study: StudyData, plan: Plan) -> Iterator[Deviation]:

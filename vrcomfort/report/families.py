@@ -74,7 +74,7 @@ def verdict_alone(
 
 
 def is_shown(verdict: Verdict | None) -> bool:
-    """Return whether a test has shown what it looked for."""
+    """Return whether a test has shown a difference."""
     return verdict not in {None, "not_shown", "not_possible"}
 
 
@@ -95,7 +95,7 @@ def disagreement(verdict: Verdict | None, found: Any, null: float = 0.0) -> str:
 
 
 def holds(found: Any, value: float) -> bool:
-    """Return whether a value is in an interval, whose ends may be open or missing."""
+    """Return whether a value is in an interval; ends may be open or missing."""
     low, high = found.low, found.high
     if getattr(found, "holds_rejected_zero", False) and value == 0:
         return False
@@ -107,7 +107,7 @@ def holds(found: Any, value: float) -> bool:
 def difference_in_words(
     decision: Decision[Any], of_a: str, of_b: str, within: str, few: str
 ) -> str:
-    """Say what a test decides on two sides; `few`: of whom or what there are too few to show it."""
+    """Return the decision on two sides in words; `few` names the shortage of data."""
     if decision.verdict == "not_possible":
         return f"with {few}, no difference could be shown between {of_a} and {of_b}"
     if not is_shown(decision.verdict):
@@ -116,7 +116,7 @@ def difference_in_words(
 
 
 def too_few_in_words(decision: Decision[Any], confidence: float, zeros: int | None = None) -> str:
-    """Return of what a test has too few, where so few cannot show a difference."""
+    """Return the shortage of data that keeps a test from showing a difference."""
     if decision.smallest_p is not None and decision.smallest_p <= 1 - confidence:
         return "so few people for so many tests"
     return "so few people whose scores differ" if zeros else "so few people"

@@ -113,7 +113,7 @@ def _shown_above(results: dict[str, Any], figures: dict[str, Drawing]) -> str:
 
 
 def _inlined(svg: str, name: str) -> Markup:
-    """Return a figure whose colours are those of the page: dark on paper, light on a dark one."""
+    """Return a figure in the colours of the page: dark on paper, light on a dark one."""
     themed = _TAG.sub(lambda tag: _COLOUR.sub(_variable, tag[0]), svg)
     return inline_svg(themed, name, 'role="img" aria-hidden="true"')
 
@@ -123,7 +123,7 @@ def _variable(colour: re.Match[str]) -> str:
 
 
 def _disagreements(results: dict[str, Any]) -> int:
-    """Count the tests whose p and whose interval of r say different things of 0."""
+    """Count the tests with a p and an interval of r that disagree about 0."""
     return sum(
         bool(disagreement(test.decision.verdict, test.reported.effect))
         for test in results["tests"]
@@ -132,7 +132,7 @@ def _disagreements(results: dict[str, Any]) -> int:
 
 
 def _described(results: dict[str, Any]) -> list[DescribedRow]:
-    """Return the rows of who is tested under each condition; differences if one pair is."""
+    """Return the descriptions of tested participants by condition; differences of a single pair."""
     tests, order = results["tests"], [each["name"] for each in results["outcomes"]]
     rows = [row for row in results["descriptives"] if row.by == PRIMARY]
     if len({(test.a, test.b) for test in tests}) == 1:

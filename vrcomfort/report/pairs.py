@@ -106,7 +106,7 @@ class Tested(Protocol):
 
 
 def in_a_test(tests: Sequence[Tested], condition: str, outcome: str | None = None) -> set[str]:
-    """Return who is in any test of a condition (of one outcome), whomever it compares with."""
+    """Return the participants in any test of a condition (of one outcome)."""
     return {
         person
         for test in tests
@@ -137,7 +137,7 @@ def pair_up(
 def side_sums(
     scored: Exposures, outcome: str, sides: list[Side], *, complete: bool
 ) -> tuple[list[str], Integers, int]:
-    """Return who has all sides, their integer sums, and how many exposures each sum is of.
+    """Return participants with all sides, their integer sums, and the exposures per sum.
 
     The sums have shape (n, sides); see `pair_up` for `complete`.
     """

@@ -1,4 +1,4 @@
-"""The whole analysis as one plain, ordered structure: what results.json holds."""
+"""The whole analysis as one ordered structure: the content of results.json."""
 
 from __future__ import annotations
 
@@ -183,7 +183,7 @@ def _unfinished(contrasts: list[Compared], conditions: list[str]) -> list[str]:
 
 
 def _reference(contrasts: list[Compared], conditions: list[str]) -> str:
-    """Return what the mixed model compares with: b of the only contrast, or the first."""
+    """Return the reference condition of models: b of the only contrast, or the first."""
     if len(contrasts) == 1 and contrasts[0].b.condition in conditions:
         return contrasts[0].b.condition
     return next(iter(conditions), "")
@@ -196,7 +196,7 @@ def _analysed(tests: list[Sequence[str]], table: pd.DataFrame) -> list[str]:
 
 
 def _in_every_test(tests: list[Sequence[str]], analysed: list[str]) -> set[str]:
-    """Return the analysed who are in every test that has any participants."""
+    """Return the participants of every test that has any."""
     return set(analysed).intersection(*(people for people in tests if people))
 
 

@@ -60,7 +60,8 @@ def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> 
         "in_some_tests": results["participants"]["in_some_tests"],
         "exclusions": results["exclusions"],
         "deviations": [
-            row | {"participants": " ".join(row["participants"])} for row in results["deviations"]
+            cells(row) | {"participants": " ".join(row.participants)}
+            for row in results["deviations"]
         ],
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
         **section_tables(sections),

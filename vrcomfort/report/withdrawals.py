@@ -1,4 +1,4 @@
-"""Who left, when, under what, and who is not in the analysis for which reason."""
+"""Withdrawals by condition, scene and position, and reasons for missing participants."""
 
 from __future__ import annotations
 

@@ -128,7 +128,7 @@ def sentences(rows: Rows, words: Vocabulary) -> list[Sentence]:
 
 
 def outcome_sentences(rows: Rows, words: Vocabulary) -> list[tuple[str, Sentence]]:
-    """Return outcome and answer of the rows whose answers stand with their outcome."""
+    """Return outcome and answer of the tests and comparisons, in the order of rows."""
     return [
         (row.outcome, sentence)
         for each in on_page(*SECTIONS)

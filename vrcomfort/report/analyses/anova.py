@@ -132,7 +132,7 @@ def _fit(data: AnalysisData, outcome: str) -> AnovaFit:
 def _with_every_score(
     scored: Exposures, outcome: str, rows: pd.DataFrame, factors: list[Factor]
 ) -> pd.DataFrame:
-    """Return the rows of who has every planned score, in each cell of an ANOVA.
+    """Return the rows of participants with every planned score in each cell of an ANOVA.
 
     How many are planned is known of conditions; where scenes, say, divide them, and where nothing
     tells conditions apart, it is the most frequent number.

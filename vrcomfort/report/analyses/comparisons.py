@@ -141,7 +141,7 @@ class ComparisonRow:
 
 @dataclass(frozen=True)
 class _Test:
-    """What one kind of test found."""
+    """The result of one kind of test."""
 
     p: float
     higher: bool
@@ -269,7 +269,7 @@ _TESTS: dict[str, Callable[[Any, Plan, Alternative, float], _Test | None]] = {
 
 
 def _smallest_of_ranks(samples: Any, plan: Plan, alternative: Alternative) -> float:
-    """Return p as it would be if everybody of one group were above everybody of the other."""
+    """Return the smallest p of these ranks: one group entirely above the other."""
     ordered, n, m = np.sort(np.concatenate([samples.a, samples.b])), samples.a.size, samples.b.size
     ways = [(ordered[:n], ordered[n:]), (ordered[m:], ordered[:m])]
     tests = [
@@ -280,7 +280,7 @@ def _smallest_of_ranks(samples: Any, plan: Plan, alternative: Alternative) -> fl
 
 
 def _smallest_of_signs(samples: Any, _: Plan, alternative: Alternative) -> float:
-    """Return p as it would be if all who differ did so in one direction."""
+    """Return the smallest p of these differences: all in one direction."""
     one_way = np.abs(samples.differences) * (-1 if alternative == "less" else 1)
     return sign_test(one_way, alternative=alternative).p
 

@@ -41,7 +41,7 @@ class AnalysisSet(Enum):
     ALL_AVAILABLE = "all available"
     """Every scored exposure of everybody, as in mixed models."""
     COMPLETE_CASES = "complete cases"
-    """Participants with every planned score of what the analysis takes."""
+    """Participants with every planned score of the outcome."""
     COMPLETE_PAIRS = "complete pairs"
     """Participants with every planned score of both sides of a contrast."""
     COMPLETE_BLOCKS = "complete blocks"
@@ -94,7 +94,7 @@ def estimable(compute: Callable[[], Found]) -> tuple[str | None, Found | None]:
 
 @dataclass(frozen=True)
 class MethodsParagraph:
-    """One paragraph of the methods section, and the keys of what it cites."""
+    """One paragraph of the methods section, with the keys of its references."""
 
     title: str
     text: str

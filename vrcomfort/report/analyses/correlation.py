@@ -120,7 +120,7 @@ def _row(data: AnalysisData, asked: Correlated) -> CorrelationRow:
 
 
 def _means(data: AnalysisData, rows: pd.DataFrame, asked: Correlated) -> pd.DataFrame:
-    """Return each person's means, of the people who have all that is planned of both."""
+    """Return the means of each participant with every planned score of both outcomes."""
     sides = [Side(asked.condition)]
     complete = [
         set(side_sums(data.scored, name, sides, complete=data.complete)[0])

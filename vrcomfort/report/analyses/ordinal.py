@@ -38,7 +38,7 @@ MOST_ANSWERS = 21
 
 
 class Ordinal(Entry):
-    """A single item, or another outcome of few values, whose order alone counts."""
+    """A single item, or another ordinal outcome."""
 
     outcome: str
     """An item of a questionnaire, or an outcome of the plan."""

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 class Preferred(Entry):
-    """What people preferred: one thing, the other, or neither."""
+    """Preferences: for one thing, the other, or neither."""
 
     name: Name
     column: str = ""
@@ -56,7 +56,7 @@ class Preferred(Entry):
 
     @property
     def of_choices(self) -> str:
-        """Return the questionnaire whose answers are choices, and no scores."""
+        """Return the questionnaire of choices, which has no scores."""
         return self.item.partition(".")[0]
 
 

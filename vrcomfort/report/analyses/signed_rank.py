@@ -184,7 +184,7 @@ def _row(data: AnalysisData, contrast: Compared, outcome: str) -> SignedRankRow:
 
 
 def _tested(row: SignedRankRow, pairs: Pairs, plan: Plan, signs: list[int]) -> SignedRankRow:
-    """Return a row with its test; with withdrawals, shift and r stay those of who answered."""
+    """Return a row with its test; shift and r leave out withdrawals that are ranked as worst."""
     test = _signed_rank(pairs, plan, row.alternative, plan.confidence)
     ranked = test
     if signs:
@@ -222,7 +222,7 @@ def _with_intervals(data: AnalysisData, row: SignedRankRow) -> SignedRankRow:
 
 
 def _too_few(scored: Exposures, outcome: str, contrast: Compared, n: int) -> str:
-    """Say why there is no test; and, where different people met the sides, what there is."""
+    """Return the reason for having no test, and the analysis to look at instead."""
     said = f"{n} complete pairs: too few for a test"
     rows = [side.rows(scored).dropna(subset=[outcome]) for side in (contrast.a, contrast.b)]
     one, two = (set(table["participant"]) for table in rows)
@@ -256,7 +256,7 @@ def _signed_rank(
 
 
 def _smallest_p(pairs: Pairs, withdrawn: int, plan: Plan, alternative: Alternative) -> float:
-    """Return p as it would be if all who differ did so in one direction."""
+    """Return the smallest p of these differences: all in one direction."""
     one_way = np.abs(pairs.differences) * (-1 if alternative == "less" else 1)
     signs = [-1 if alternative == "less" else 1] * withdrawn
     if withdrawn:
