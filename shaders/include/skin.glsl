@@ -2,7 +2,7 @@
 //
 // Input:  six rows for each joint of all skins: of place_from_bind now, and a frame ago.
 // Output: bent(0) now, bent(1) a frame ago: the transpose of a vertex's place_from_bind.
-// Twin: scene/skinning.py. Source: Khronos glTF 2.0, section 3.7.3.
+// Twin: scene/animation.py. Source: Khronos glTF 2.0, section 3.7.3.
 
 layout(std430, binding = 0) readonly buffer Joints {
     vec4 joint_rows[];

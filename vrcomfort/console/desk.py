@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
+from vrcomfort.console.process import ServerProcess
 from vrcomfort.frame import FocusSample, Frame, RenderResult
 from vrcomfort.operator_interface import (
     ALLOWED,
@@ -17,29 +18,19 @@ from vrcomfort.operator_interface import (
     TrialSoFar,
 )
 
+# Five states a second are read as moving, and a page on a busy machine keeps up with two pictures.
 STATE_EVERY_S = 0.2
 PICTURE_EVERY_S = 0.5
+# A state is sent whole each time: these bound its size. Older lines are in events.csv.
 LINES = 40
 REPLIES = 20
 
 
-class Server(Protocol):
-    """Shows a session; `process.ServerProcess`."""
-
-    pictures: int
-
-    def show(self, state: Mapping[str, Any]) -> None:
-        """Have a state shown."""
-
-    def show_picture(self, make: Callable[[], bytes]) -> None:
-        """Have a picture shown."""
-
-    def next_command(self) -> Command | None:
-        """Return the next command, or None."""
-
-
 class Pictures(Protocol):
-    """Takes pictures of eyes' images without waiting for the GPU."""
+    """Takes pictures of eyes' images without waiting for the GPU.
+
+    A protocol, since the console draws nothing and imports no OpenGL.
+    """
 
     def take(self, eyes: tuple[Any, Any]) -> None:
         """Begin to copy both images."""
@@ -65,7 +56,7 @@ class OperatorConsole:
 
     def __init__(
         self,
-        server: Server,
+        server: ServerProcess,
         *,
         say: Callable[[str], None] = lambda _: None,
         pictures: Pictures | None = None,

@@ -25,6 +25,7 @@ from vrcomfort.operator_interface import Command
 
 QUEUE = 8
 """So many messages wait for the server; older ones are dropped. Each holds the whole state."""
+# More than operators type between two frames; the oldest of a flood are dropped.
 COMMANDS = 100
 SEND_EVERY_S = 0.05
 STARTS = 5

@@ -78,9 +78,11 @@ def _checked(content: dict[str, Any]) -> Command | str:
 
 
 PAGE = Path(__file__).parent / "page"
+# An operator has a few; a page that opens itself again and again stops here.
 MOST_PAGES = 100
 LAST_STATE_S = 2.0
 """So long pages have, at most, to take the last state, which says how the session ended."""
+# Nothing from elsewhere is loaded, no other site frames the page, and no cache keeps a participant.
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
     "img-src 'self' blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "

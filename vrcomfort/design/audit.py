@@ -13,7 +13,7 @@ from math import lcm
 
 from vrcomfort.design.groups import margins
 from vrcomfort.design.orders import CombinedOrders
-from vrcomfort.design.pool import Design, Enrolment
+from vrcomfort.design.pool import COUNTING_STATUSES, Design, Enrolment
 from vrcomfort.protocol import Sequence, Trial
 
 
@@ -199,7 +199,7 @@ def audit_study(design: Design, met: Iterable[AdministeredOrder]) -> StudyAudit:
     enrolments = [each.enrolment for each in everybody]
     counting = [each for each in everybody if design.counts(each.enrolment)]
     gone = Counter(
-        e.sequence for e in enrolments if not design.counts(e) or e.status not in _STAYING
+        e.sequence for e in enrolments if not design.counts(e) or e.status not in COUNTING_STATUSES
     )
     wanted = _wanted(design, [each.enrolment for each in counting])
     added = [design.sequence(name) for name in wanted]
@@ -213,9 +213,6 @@ def audit_study(design: Design, met: Iterable[AdministeredOrder]) -> StudyAudit:
         after=audit(design, [*whole, *added]),
         mending=_mending(design, wanted, len(counting), sum(gone.values())),
     )
-
-
-_STAYING = frozenset({"enrolled", "completed"})
 
 
 def _wanted(design: Design, counting: list[Enrolment]) -> list[str]:

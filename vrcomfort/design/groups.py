@@ -1,7 +1,7 @@
-"""Into which group the next participant comes: permuted blocks, minimisation, or chance alone.
+"""Allocates participants to groups: permuted blocks, minimisation, or chance alone.
 
-Nothing is stored but what everybody's group and covariates are: the draw for the next one derives
-from the study's seed and from those who are there.
+Nothing is stored but groups and covariates: the draw for the next participant derives from the
+study's seed and from the enrolled ones.
 """
 
 from __future__ import annotations
@@ -12,9 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vrcomfort.design.orders import generator
-
-_BLOCKS, _MINIMISATION, _SIMPLE = 2, 3, 4
+from vrcomfort.design.orders import BLOCKS, MINIMISATION, SIMPLE, generator
 
 
 @dataclass(frozen=True)
@@ -24,7 +22,7 @@ class Person:
     Parameters
     ----------
     group
-        Blank for somebody who is to get one.
+        Blank for a participant who is to get one.
     bands
         Covariate → level or band.
     counts
@@ -62,7 +60,7 @@ class GroupAllocation:
             return self._next_in_blocks(people, bands)
         if self.method == "minimisation":
             return self._minimised(people, bands)
-        return self._drawn(generator(self.seed, _SIMPLE, len(people)), list(self.shares))
+        return self._drawn(generator(self.seed, SIMPLE, len(people)), list(self.shares))
 
     def stratum(self, bands: Mapping[str, str]) -> int:
         """Return the number of a stratum, from 0."""
@@ -85,14 +83,15 @@ class GroupAllocation:
 
     def _places(self, stratum: int) -> Iterator[str]:
         """Yield the groups of a stratum's places, block after block."""
-        rng = generator(self.seed, _BLOCKS, stratum)
+        # Drawn from the beginning each time, so the list is the same however often it is asked for.
+        rng = generator(self.seed, BLOCKS, stratum)
         while True:
             rounds = self.rounds[rng.integers(len(self.rounds))]
             block = [name for name, share in self.shares.items() for _ in range(share * rounds)]
             yield from (block[index] for index in rng.permutation(len(block)))
 
     def _minimised(self, people: list[Person], bands: Mapping[str, str]) -> str:
-        rng = generator(self.seed, _MINIMISATION, len(people))
+        rng = generator(self.seed, MINIMISATION, len(people))
         margins = [
             Counter(p.group for p in people if p.counts and p.bands[name] == bands[name])
             for name in self.bands
@@ -101,6 +100,7 @@ class GroupAllocation:
             name: sum(self._difference(margin, name) for margin in margins) for name in self.shares
         }
         least = min(differences.values())
+        # Sums of squares of the same counts in another order may differ in their last digit.
         best = [name for name, each in differences.items() if each <= least + 1e-9]
         others = [name for name in self.shares if name not in best]
         take_best = not others or rng.random() < self.p_best

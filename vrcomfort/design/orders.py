@@ -15,6 +15,9 @@ from vrcomfort.protocol.model import part_trials
 from vrcomfort.protocol.order import Group, Part, PartOrder, orders_of
 
 _DESIGN_STREAM = 1  # first spawn key of every random choice made here
+# The second: one for each kind of choice. Orders of participants to come are drawn from them, so
+# another number would give a study that is under way other orders than it was planned with.
+BLOCKS, MINIMISATION, SIMPLE, LATIN, BLOCK_RANDOM, COVARIATES, PARTS = range(2, 9)
 
 
 def generator(seed: int, *key: int) -> np.random.Generator:
@@ -53,6 +56,7 @@ def all_orders(n: int) -> list[list[int]]:
     return [list(order) for order in permutations(range(n))]
 
 
+# A search that went wrong early would go through millions of orders: begin again instead.
 TRIES = 50
 STEPS = 4_000
 """Of one try, after which another begins: limits that can be kept are kept long before."""
@@ -136,6 +140,7 @@ class _Search:
             in_round = in_block[len(in_block) - len(in_block) % self._round :]
             shown = {self._strata[item] for item in in_round}
             left = {item for item in left if self._strata[item] not in shown}
+        # Sorted: a set has no order of its own, and the same seed must draw the same item.
         allowed = [item for item in sorted(left) if not self._runs_on(item)]
         return [int(item) for item in self._rng.permutation(np.array(allowed, dtype=int))]
 
@@ -146,8 +151,6 @@ class _Search:
                 return True
         return False
 
-
-_PARTS = 8
 
 Rule = Callable[[int, int, int], list[list[int]]]
 """Takes a number of trials, the seed and the part's number; returns orders of indices."""
@@ -191,7 +194,7 @@ class CombinedOrders:
         for number, count in enumerate(self.filled(sequences)):
             fewest, names = min(count.values()), list(count)
             if shuffled:
-                rng = generator(seed, _PARTS, self.first + number, fewest)
+                rng = generator(seed, PARTS, self.first + number, fewest)
                 places = rng.permutation(len(names))
                 names = [names[place] for place in places]
             wanted.append(next(name for name in names if count[name] == fewest))

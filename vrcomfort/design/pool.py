@@ -16,6 +16,9 @@ import numpy as np
 
 from vrcomfort.design.groups import GroupAllocation, Person
 from vrcomfort.design.orders import (
+    BLOCK_RANDOM,
+    COVARIATES,
+    LATIN,
     CombinedOrders,
     OrderConstraints,
     all_orders,
@@ -31,7 +34,6 @@ from vrcomfort.protocol.model import factor_names, level_of, trials_of
 from vrcomfort.settings import did_you_mean
 
 COUNTING_STATUSES = frozenset({"enrolled", "completed"})
-_LATIN, _BLOCK_RANDOM, _IMAGINED = 5, 6, 7
 
 
 @dataclass(frozen=True)
@@ -175,7 +177,7 @@ class Design:
     def simulated_covariates(self, number: int) -> dict[str, str]:
         """Return simulated covariates: levels, and whole numbers, with equal probability."""
         return {
-            each.name: _imagined(each, generator(self.seed, _IMAGINED, number, index))
+            each.name: _simulated(each, generator(self.seed, COVARIATES, number, index))
             for index, each in enumerate(self.covariates)
         }
 
@@ -221,14 +223,14 @@ class Design:
         if own.limits is None:
             order = [int(i) for i in generator(self.seed, number).permutation(len(own.trials))]
         else:
-            rng = generator(self.seed, _BLOCK_RANDOM, number)
+            rng = generator(self.seed, BLOCK_RANDOM, number)
             blocks = block_random(len(own.trials), own.blocks, own.limits, rng)
             order = [index for block in blocks for index in block]
         name = f"{group}-r{number}" if group else f"r{number}"
         return _deal(name, group, [own.trials[index] for index in order], self.sessions)
 
 
-def _imagined(covariate: Covariate, rng: np.random.Generator) -> str:
+def _simulated(covariate: Covariate, rng: np.random.Generator) -> str:
     if covariate.levels:
         return covariate.levels[rng.integers(len(covariate.levels))]
     least, most = ceil(covariate.low), floor(covariate.high)
@@ -277,7 +279,7 @@ def build_design(protocol: Protocol, *, seed: int = 0) -> Design:
 
 
 _RULES: dict[str, Callable[[int, int, int], list[list[int]]]] = {
-    "latin_square": lambda n, seed, group: latin_square(n, generator(seed, _LATIN, group)),
+    "latin_square": lambda n, seed, group: latin_square(n, generator(seed, LATIN, group)),
     "williams": lambda n, _seed, _group: williams(n),
     "all_orders": lambda n, _seed, _group: all_orders(n),
 }

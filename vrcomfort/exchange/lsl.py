@@ -27,6 +27,7 @@ _KINDS = {
 """Stream → its type, and its channels."""
 _TRIES = 3
 """Of readings of two clocks the one that took the least time counts: others were interrupted."""
+# As LSL's metadata of motion capture spells it; quaternions and directions have no unit.
 _UNITS = {"x": "meters", "y": "meters", "z": "meters"}
 
 

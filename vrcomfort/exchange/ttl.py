@@ -15,6 +15,7 @@ from vrcomfort.records import EventRow, RatingRow
 
 LAST_TRIAL = 126
 """What one byte can say of a trial and of its end."""
+# The highest bit, so that a trial and its end differ in one line of the port.
 END = 128
 
 

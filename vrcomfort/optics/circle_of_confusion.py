@@ -97,6 +97,7 @@ def signed_radius_px(
     """
     n = near_m * np.asarray(slope, dtype=np.float64)
     focus = min(focus_m, infinity_m)
+    # A canted display may see more than 90° from the head's axis, where the slope is not positive.
     farthest = np.maximum(n, 1e-6 * near_m) / (infinity_m - offset_m)
     z = np.maximum(np.asarray(depth, dtype=np.float64), farthest)
     defocus = n + (offset_m - focus) * z

@@ -28,6 +28,7 @@ def low_discrepancy(count: int, shift: ArrayLike) -> Array:
     two sets with different shifts are independent.
     """
     offset = np.asarray(shift, dtype=np.float64)
+    # Fixed-point iteration for the root: it contracts, and 64 steps reach the last bit.
     phi = 1.5
     for _ in range(64):
         phi = (1 + phi) ** (1 / (len(offset) + 1))
@@ -58,6 +59,7 @@ def with_moments(points: Array, variance: float = 0.25) -> Array:
     """
     centred = points - points.mean(axis=0)
     found, axes = np.linalg.eigh(centred.T @ centred / len(points))
+    # An axis without extent is left alone (division by infinity): points on a line stay on it.
     stretch = np.sqrt(variance / np.where(found > 1e-9, found, np.inf))
     stretched: Array = centred @ (axes * stretch) @ axes.T
     return stretched

@@ -14,6 +14,7 @@ import numpy as np
 
 from vrcomfort.geometry import Fov, Pose
 
+# Streaks are longer, in pixels, in wider images: they need more reads for the same spacing.
 _NARROW_PX, _WIDE_PX = 400, 1000
 _READS_BY_SAMPLES = (
     (2, (1, 3), (1, 3), (1, 3)),
@@ -26,6 +27,7 @@ _READS_BY_SAMPLES = (
 """Most samples, then taps and parts of narrow images, of others, and of wide ones: chosen by error
 and cost with ``python -m bench.motion_blur`` (docs/motion_blur.md)."""
 _CUBIC_ABOVE = 16
+"""Samples above which each read is cubic across the streak."""
 
 _MOST_PAIRS = 7
 """Reads to each side of a pixel, in one step."""

@@ -24,6 +24,8 @@ def pbr_neutral(color: ArrayLike, /) -> Array:
     which no light makes, are not defined.
     """
     color = np.asarray(color, dtype=np.float64)
+    # Less 0.04, the reflection of dielectrics at normal incidence, as far as there is that much: a
+    # parabola that meets the constant at twice that, with equal slope (6.25 = 1 / (4 · 0.04)).
     least = color.min(axis=-1, keepdims=True)
     color = color - np.where(least < 0.08, least - 6.25 * least**2, 0.04)
     peak = color.max(axis=-1, keepdims=True)

@@ -186,6 +186,7 @@ class AppendedFile:
         os.close(self._descriptor)
 
 
+# A copy of a long recording is made in pieces: it would not fit into memory beside the frames.
 _CHUNK = 1 << 20
 
 

@@ -16,6 +16,7 @@ from vrcomfort.records.disk import OWNER, Access, replace_text
 from vrcomfort.records.json_file import ManifestShape, indented, read_json
 from vrcomfort.records.schema import SCHEMA_VERSION
 
+# Of those installed, the ones whose version can change a picture or a file.
 _PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow")
 
 

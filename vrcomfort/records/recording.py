@@ -131,6 +131,7 @@ def kinds(header: Iterable[str]) -> dict[str, Kind]:
 
 FORMAT = "1"
 """Of the packed files; others are packed anew."""
+# No row is longer; the end of the last whole one is looked for in so many bytes.
 _BLOCK = 2**20
 _TOO_SMALL = "does not fit into the memory allowed; give more with --memory"
 
@@ -456,6 +457,7 @@ def _end_of_whole_rows(csv: Path, width: int) -> int:
     return start + (end if whole else end - len(last))
 
 
+# A part of a table: long enough to be read fast, short enough for a small machine.
 _ROWS_AT_ONCE = 4096
 _LARGEST = 2**63
 TIME = "xr_time_ns"

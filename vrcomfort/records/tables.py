@@ -22,6 +22,7 @@ from vrcomfort.records.rows import Column, Row, declared, single
 from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
 
 _HALF = "this row is half-written; `vrcomfort run … --resume` moves it aside, or remove the line"
+# Rows of frames have 77 cells: a part of 4096 takes about 20 MB as text, a whole file may take GBs.
 _ROWS_AT_ONCE = 4096
 
 

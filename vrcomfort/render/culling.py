@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
+from vrcomfort.scene.animation import Bending
 from vrcomfort.scene.data import Scene
-from vrcomfort.scene.skinning import Bending
 
 _SIDES = np.array(
     [[1, 0, 0, 1], [-1, 0, 0, 1], [0, 1, 0, 1], [0, -1, 0, 1], [0, 0, -1, 1]], dtype=np.float64

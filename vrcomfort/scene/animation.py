@@ -1,14 +1,21 @@
-"""Key-frame animation: where each node is in its parent at a time.
+"""Key-frame animation of nodes, and linear blend skinning of the meshes that joints bend.
 
-Source: Khronos glTF 2.0 specification, §3.11 and appendix C (interpolation).
+A bent vertex is at ``sum_i weight_i · world_from_joint_i · joint_from_bind_i · vertex``: its own
+node's place does not matter. It is drawn as if its node stood at the skin's first joint, not
+turned; matrices of joints lead there, so that single precision suffices however far away that is.
+
+Source: Khronos glTF 2.0 specification, §3.7.3 (skins), §3.11 and appendix C (interpolation). The
+shader's twin of skinning is ``shaders/include/skin.glsl``.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, normalize, slerp
 
@@ -76,3 +83,97 @@ def sample_all(animations: tuple[Animation, ...], time_s: float) -> dict[tuple[i
         for animation in animations
         for channel in animation.channels
     }
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """Nodes that bend meshes.
+
+    Parameters
+    ----------
+    joints
+        (j,) nodes.
+    joint_from_bind
+        (j, 4, 4) from the mesh as it is in the file to each joint.
+    """
+
+    name: str
+    joints: tuple[int, ...]
+    joint_from_bind: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Bending:
+    """Which joints of a skin bend each vertex of a mesh, and how much.
+
+    Parameters
+    ----------
+    joints
+        (n, 4) index into `Skin.joints`.
+    weights
+        (n, 4) that add up to 1.
+    """
+
+    joints: NDArray[np.uint16]
+    weights: NDArray[np.float32]
+
+
+class Skins:
+    """All skins of a scene, their joints in one list.
+
+    Parameters
+    ----------
+    skin_of_node
+        (nodes,) index of each node's skin, or None.
+
+    Attributes
+    ----------
+    first
+        (skins,) where in the list the joints of each skin begin.
+    """
+
+    def __init__(self, skins: Sequence[Skin], skin_of_node: Sequence[int | None]) -> None:
+        counts = [len(skin.joints) for skin in skins]
+        self.first = np.cumsum([0, *counts])[:-1]
+        self._joints = np.array([joint for skin in skins for joint in skin.joints], dtype=np.intp)
+        self._joint_from_bind = np.concatenate(
+            [np.zeros((0, 4, 4)), *(skin.joint_from_bind for skin in skins)]
+        )
+        roots = np.array([skin.joints[0] if skin.joints else 0 for skin in skins], dtype=np.intp)
+        self._root = np.repeat(roots, counts)
+        used = [(node, roots[skin]) for node, skin in enumerate(skin_of_node) if skin is not None]
+        self._bent, self._stands_at = np.array(used, dtype=np.intp).reshape(-1, 2).T
+
+    @property
+    def count(self) -> int:
+        """Return the number of joints of all skins."""
+        return len(self._joints)
+
+    def place_from_bind(self, world_from_node: Array) -> Array:
+        """Return (joints, 4, 4) from the mesh as it is in the file to where its skin stands."""
+        matrices: Array = world_from_node[self._joints] @ self._joint_from_bind
+        matrices[:, :3, 3] -= world_from_node[self._root, :3, 3]
+        return matrices
+
+    def stand(self, world_from_node: Array) -> Array:
+        """Return (nodes, 4, 4) with every node that has a skin at its first joint, not turned."""
+        if not len(self._bent):
+            return world_from_node
+        standing = world_from_node.copy()
+        standing[self._bent] = np.eye(4)
+        standing[self._bent, :3, 3] = world_from_node[self._stands_at, :3, 3]
+        return standing
+
+
+def bent(matrices: Array, positions: NDArray[np.float32], bending: Bending) -> Array:
+    """Return (n, 3) positions of vertices that joints bend.
+
+    Parameters
+    ----------
+    matrices
+        (j, 4, 4) of the skin's joints, of `Skins.place_from_bind`.
+    positions
+        (n, 3) as they are in the file.
+    """
+    blended = np.einsum("nk,nkij->nij", bending.weights, matrices[bending.joints])
+    return np.asarray(np.einsum("nij,nj->ni", blended[:, :3, :3], positions) + blended[:, :3, 3])

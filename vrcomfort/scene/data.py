@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose, rotation_matrix
-from vrcomfort.scene.animation import Animation, sample_all
+from vrcomfort.scene.animation import Animation, Bending, Skin, Skins, bent, sample_all
 from vrcomfort.scene.camera_path import CameraPath
-from vrcomfort.scene.skinning import Bending, Skin, Skins, bent
 
 Float32: TypeAlias = NDArray[np.float32]
 AlphaMode = Literal["OPAQUE", "MASK", "BLEND"]
@@ -173,7 +172,7 @@ class Node:
         False for things finer than a texel of the shadow map: they would darken themselves.
     skin
         Index into `Scene.skins` of what bends the mesh, or None. Such a node stands where its
-        skin's first joint is, not turned, whatever it says itself (scene/skinning.py).
+        skin's first joint is, not turned, whatever it says itself (scene/animation.py).
     """
 
     name: str

@@ -10,7 +10,7 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, normalize
-from vrcomfort.scene.animation import Animation, Channel
+from vrcomfort.scene.animation import Animation, Channel, Skin
 from vrcomfort.scene.data import (
     DirectionalLight,
     Node,
@@ -22,7 +22,6 @@ from vrcomfort.scene.data import (
 from vrcomfort.scene.gltf.file import GltfFile, places_of
 from vrcomfort.scene.gltf.mesh import Meshes
 from vrcomfort.scene.gltf.parts import FARTHEST, SHORTEST_QUATERNION
-from vrcomfort.scene.skinning import Skin
 
 Lights = tuple[tuple[PointLight, ...], tuple[DirectionalLight, ...]]
 Graph = tuple[

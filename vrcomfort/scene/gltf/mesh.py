@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vrcomfort.scene.animation import Bending
 from vrcomfort.scene.data import Image, Material, Primitive, UvMap, Wrap
 from vrcomfort.scene.gltf.file import GltfFile
 from vrcomfort.scene.gltf.parts import FARTHEST
-from vrcomfort.scene.skinning import Bending
 
 Meshes = list[tuple[int, ...]]
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
