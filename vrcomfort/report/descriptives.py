@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from vrcomfort.records.names import natural
 from vrcomfort.report.asked import timepoints_of
 from vrcomfort.report.pairs import in_a_test
+from vrcomfort.report.rows import INLINE
 from vrcomfort.stats.means import mean_interval
 
 if TYPE_CHECKING:
@@ -24,43 +26,86 @@ if TYPE_CHECKING:
 PRIMARY, ALL, TIMEPOINT = "primary", "all", "timepoint"
 
 
-def describe(values: NDArray[np.floating[Any]]) -> dict[str, float | None]:
-    """Return n, mean, SD, quartiles and range; one value has no SD (None)."""
+@dataclass(frozen=True)
+class Description:
+    """Size, mean, SD, quartiles and range; one value has no SD."""
+
+    n: int
+    mean: float
+    sd: float | None
+    median: float
+    q1: float
+    q3: float
+    minimum: float
+    maximum: float
+
+
+@dataclass(frozen=True)
+class DescriptionWithInterval(Description):
+    """A description with the interval of the mean; None where there is none."""
+
+    mean_low: float | None
+    mean_high: float | None
+
+
+@dataclass(frozen=True)
+class DescribedRow:
+    """The scores of a condition; None for the difference of two.
+
+    Parameters
+    ----------
+    by
+        ``primary``, the participants in any test of the condition, each with the mean over
+        exposures; ``all``, every scored exposure, whoever's; ``scene``, ``position`` and
+        ``session``, those of one `level` of it; ``timepoint``, the raw scores at one.
+    """
+
+    outcome: str
+    by: str
+    level: str
+    condition: str | None
+    found: Description = field(metadata=INLINE)
+
+
+@dataclass(frozen=True)
+class RecoveryScores:
+    """The scores after recovery, of everybody who was asked."""
+
+    outcome: str
+    found: Description = field(metadata=INLINE)
+
+
+def describe(values: NDArray[np.floating[Any]]) -> Description:
+    """Return a description of values."""
     q1, median, q3 = np.percentile(values, [25, 50, 75])
-    return {
-        "n": int(values.size),
-        "mean": float(values.mean()),
-        "sd": float(np.std(values, ddof=1)) if values.size > 1 else None,
-        "median": float(median),
-        "q1": float(q1),
-        "q3": float(q3),
-        "minimum": float(values.min()),
-        "maximum": float(values.max()),
-    }
+    return Description(
+        n=int(values.size),
+        mean=float(values.mean()),
+        sd=float(np.std(values, ddof=1)) if values.size > 1 else None,
+        median=float(median),
+        q1=float(q1),
+        q3=float(q3),
+        minimum=float(values.min()),
+        maximum=float(values.max()),
+    )
 
 
 def describe_with_interval(
     values: NDArray[np.floating[Any]], confidence: float
-) -> dict[str, float | None]:
+) -> DescriptionWithInterval:
     """Return what `describe` does, and the interval of the mean."""
     found = mean_interval(values, confidence=confidence)
-    return {**describe(values), "mean_low": found.low, "mean_high": found.high}
+    return DescriptionWithInterval(
+        **vars(describe(values)), mean_low=found.low, mean_high=found.high
+    )
 
 
 def describe_all(
     scored: Exposures, plan: Plan, conditions: list[str], tests: Sequence[Tested]
-) -> list[dict[str, Any]]:
-    """Describe the scores of each condition, in points.
-
-    Returns
-    -------
-    list of dict
-        `by` says of what: ``primary``, the participants in any test of the condition, each with
-        the mean over exposures; ``all``, every scored exposure, whoever's; ``scene``, ``position``
-        and ``session``, those of one `level` of it; ``timepoint``, the raw scores at one.
-    """
+) -> list[DescribedRow]:
+    """Describe the scores of each condition, in points; see `DescribedRow`."""
     return [
-        {"outcome": outcome, "by": by, "level": level, "condition": condition, **found}
+        DescribedRow(outcome, by, level, condition, found)
         for outcome in scored.units
         for by, level, condition, found in (
             *_primary(scored, plan, outcome, conditions, tests),
@@ -70,7 +115,7 @@ def describe_all(
     ]
 
 
-_Described = list[tuple[str, str, str, dict[str, float | None]]]
+_Described = list[tuple[str, str, str, Description]]
 
 
 def _primary(
@@ -141,15 +186,15 @@ def of_the_tested(
     return table[(table["condition"] == condition) & table["participant"].isin(people)]
 
 
-def describe_recovery(scored: Exposures) -> list[dict[str, Any]]:
+def describe_recovery(scored: Exposures) -> list[RecoveryScores]:
     """Describe the scores after recovery, of everybody who was asked."""
     tables = {outcome: scored.recovery.dropna(subset=[outcome]) for outcome in scored.units}
     return [
-        {"outcome": outcome, **_in_points(table, outcome, scored.units[outcome])}
+        RecoveryScores(outcome, _in_points(table, outcome, scored.units[outcome]))
         for outcome, table in tables.items()
         if len(table)
     ]
 
 
-def _in_points(part: pd.DataFrame, outcome: str, unit: float) -> dict[str, float | None]:
+def _in_points(part: pd.DataFrame, outcome: str, unit: float) -> Description:
     return describe(part[outcome].to_numpy(dtype=float) * unit)

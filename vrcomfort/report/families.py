@@ -14,7 +14,9 @@ from vrcomfort.report.words import number, p_equals, p_value
 from vrcomfort.stats.multiplicity import holm_levels
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
+
+    from vrcomfort.report.descriptives import Description
 
 Verdict = Literal["higher", "lower", "not_shown", "not_possible"]
 """Of the first side; `not_possible`: so few people cannot give a p at which a difference is shown,
@@ -135,6 +137,6 @@ def p_in_words(p: float | None, decision: Decision[Any]) -> str:
     return f"{p_equals(p)}{least}{holm}"
 
 
-def mean_and_sd(found: Mapping[str, float | None]) -> str:
+def mean_and_sd(found: Description) -> str:
     """Return mean and standard deviation as a sentence has them."""
-    return f"M\u00a0=\u00a0{number(found['mean'])}, SD\u00a0=\u00a0{number(found['sd'])}"
+    return f"M\u00a0=\u00a0{number(found.mean)}, SD\u00a0=\u00a0{number(found.sd)}"

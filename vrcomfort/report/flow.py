@@ -27,7 +27,7 @@ MISSING = "not every planned exposure has a score"
 
 @dataclass(frozen=True)
 class FlowLoss:
-    """People who did not reach the next stage, for one reason."""
+    """The number of people lost before the next stage, for one reason."""
 
     reason: str
     n: int
@@ -35,7 +35,7 @@ class FlowLoss:
 
 @dataclass(frozen=True)
 class AnalysedCounts:
-    """Of the analysed people: those who withdrew, and those in every test."""
+    """Counts among the analysed: withdrawn people, and people in every test."""
 
     again: int
     in_every_test: int

@@ -82,9 +82,7 @@ def basis_sentence(results: Results) -> str:
 def has_baseline(results: Results) -> bool:
     """Return whether any exposure has scores before it."""
     baseline = results["plan"]["baseline_timepoint"]
-    return any(
-        row["by"] == TIMEPOINT and row["level"] == baseline for row in results["descriptives"]
-    )
+    return any(row.by == TIMEPOINT and row.level == baseline for row in results["descriptives"])
 
 
 def _scoring(results: Results, words: Vocabulary) -> MethodsParagraph | None:

@@ -12,7 +12,7 @@ from vrcomfort.report import methods, palette, words
 from vrcomfort.report.analyses import page_analyses
 from vrcomfort.report.analyses.comparisons import DIGITS, NAMES
 from vrcomfort.report.answers import answers
-from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT
+from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT, DescribedRow
 from vrcomfort.report.families import disagreement
 from vrcomfort.report.references import entries
 from vrcomfort.report.sections import section_names
@@ -131,25 +131,25 @@ def _disagreements(results: dict[str, Any]) -> int:
     )
 
 
-def _described(results: dict[str, Any]) -> list[dict[str, Any]]:
+def _described(results: dict[str, Any]) -> list[DescribedRow]:
     """Return the rows of who is tested under each condition; differences if one pair is."""
     tests, order = results["tests"], [each["name"] for each in results["outcomes"]]
-    rows = [row for row in results["descriptives"] if row["by"] == PRIMARY]
+    rows = [row for row in results["descriptives"] if row.by == PRIMARY]
     if len({(test.a, test.b) for test in tests}) == 1:
         rows += [
-            {"outcome": test.outcome, "condition": None, **test.found.descriptives["difference"]}
+            DescribedRow(test.outcome, PRIMARY, "", None, test.found.descriptives["difference"])
             for test in tests
             if test.found
         ]
-    return sorted(rows, key=lambda row: order.index(row["outcome"]))
+    return sorted(rows, key=lambda row: order.index(row.outcome))
 
 
-def _moments(results: dict[str, Any]) -> list[dict[str, Any]]:
+def _moments(results: dict[str, Any]) -> list[DescribedRow]:
     """Return the raw scores by timepoint where timepoints are compared, or nothing is."""
     sides = [side for test in results["tests"] for side in test.sides]
     if sides and not any(side.timepoint for side in sides):
         return []
-    return [row for row in results["descriptives"] if row["by"] == TIMEPOINT]
+    return [row for row in results["descriptives"] if row.by == TIMEPOINT]
 
 
 class _InstrumentAnswers(NamedTuple):

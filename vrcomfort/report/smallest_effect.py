@@ -51,7 +51,7 @@ def _row(plan: Plan, power: float, test: SignedRankRow) -> SmallestEffectRow:
         "signed_rank", test.alternative, 1 - plan.confidence, plan.zeros, plan.p_value
     )
     found = smallest_effect(tested, test.n, power=power, studies=STUDIES, seed=SEED)
-    sd = test.found.descriptives["difference"]["sd"] if test.found else None
+    sd = test.found.descriptives["difference"].sd if test.found else None
     points = None if found is None or sd is None else found * sd
     return SmallestEffectRow(
         test.a, test.b, test.outcome, test.n, power, found, points, STUDIES, SEED

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vrcomfort.report.descriptives import describe, of_the_tested
+from vrcomfort.report.descriptives import Description, describe, of_the_tested
 from vrcomfort.report.pairs import in_a_test
 
 if TYPE_CHECKING:
@@ -58,8 +58,8 @@ class RecoveryRow:
 
     outcome: str
     sessions: int
-    exposed: dict[str, float | None]
-    recovered: dict[str, float | None]
+    exposed: Description
+    recovered: Description
     fell: int
     no_higher_than_baseline: int
 

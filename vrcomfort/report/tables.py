@@ -45,7 +45,7 @@ def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> 
         **csv_tables(results),
         "sensitivity": list(map(cells, results["sensitivity"])),
         "smallest_effects": list(map(cells, results["smallest_effects"])),
-        "descriptives": results["descriptives"],
+        "descriptives": list(map(cells, results["descriptives"])),
         "symptoms": as_json(results["symptoms"]),
         "recovery": [_recovery(row) for row in results["recovery_course"]],
         "flow": _flow(results["flow"]),
@@ -138,7 +138,7 @@ def inert(cell: Any) -> Any:
 def _recovery(row: RecoveryRow) -> Cells:
     described = {"exposed": row.exposed, "recovered": row.recovered}
     return cells(row, tuple(described)) | {
-        f"{stat}_{when}": found[stat]
+        f"{stat}_{when}": getattr(found, stat)
         for when, found in described.items()
         for stat in ("mean", "sd", "median")
     }

@@ -20,7 +20,7 @@ from vrcomfort.report.analyses.contract import (
     MethodsParagraph,
     Sentence,
 )
-from vrcomfort.report.descriptives import describe
+from vrcomfort.report.descriptives import Description, describe
 from vrcomfort.report.families import (
     Decision,
     difference_in_words,
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from vrcomfort.stats.ranks import Alternative
     from vrcomfort.stats.shift import Shift
 
+_DESCRIBED = ("mean", "sd", "median")
 NAMES = {
     "mann_whitney": "Mann–Whitney test",
     "welch_t": "Welch’s t test",
@@ -104,7 +105,7 @@ class ComparisonNumbers:
 class ComparisonFound:
     """A test, with the description of both sides."""
 
-    descriptives: dict[str, dict[str, float | None]]
+    descriptives: dict[str, Description]
     numbers: ComparisonNumbers = field(metadata=INLINE)
 
 
@@ -408,8 +409,8 @@ def _csv(row: ComparisonRow) -> Iterator[Cells]:
             f"timepoint_{side}": where.timepoint,
         }
     for side in ("a", "b"):
-        described = row.found.descriptives[side] if row.found else {}
-        cells |= {f"{key}_{side}": described.get(key) for key in ("mean", "sd", "median")}
+        described = row.found.descriptives[side] if row.found else None
+        cells |= {f"{key}_{side}": getattr(described, key, None) for key in _DESCRIBED}
     parts = {
         "difference": (numbers and numbers.difference, _adjusted(row, "difference")),
         "effect": (numbers and numbers.effect, _adjusted(row, "effect")),

@@ -15,7 +15,7 @@ from vrcomfort.report.analyses.contract import (
     AnalysisTable,
     Sentence,
 )
-from vrcomfort.report.descriptives import describe
+from vrcomfort.report.descriptives import Description, DescriptionWithInterval, describe
 from vrcomfort.report.families import (
     Decision,
     difference_in_words,
@@ -107,7 +107,7 @@ class SignedRankFound:
     shift: Shift | None
     effect: EffectSize | None
     method: str
-    descriptives: dict[str, dict[str, float | None]]
+    descriptives: dict[str, Description]
     other_zeros: OtherZeros
     t_test: PairedTTest | None
 
@@ -298,7 +298,7 @@ def _t_test(pairs: Pairs, plan: Plan, alternative: Alternative) -> PairedTTest |
 
 def describe_pairs(
     pairs: Pairs, names: tuple[str, str], t_test: PairedTTest | None
-) -> dict[str, dict[str, float | None]]:
+) -> dict[str, Description]:
     """Return mean, spread and quartiles of both conditions and of the differences, in points.
 
     The interval of the mean difference is that of its t test: a report has no other.
@@ -307,11 +307,9 @@ def describe_pairs(
     return {
         names[0]: describe(pairs.a * pairs.unit),
         names[1]: describe(pairs.b * pairs.unit),
-        "difference": {
-            **describe(pairs.differences * pairs.unit),
-            "mean_low": low,
-            "mean_high": high,
-        },
+        "difference": DescriptionWithInterval(
+            **vars(describe(pairs.differences * pairs.unit)), mean_low=low, mean_high=high
+        ),
     }
 
 
@@ -385,7 +383,11 @@ def _csv(row: SignedRankRow) -> Iterator[Cells]:
         **_ends("rank_biserial_holm", holm.effect if holm else None),
     }  # fmt: skip
     for name, described in (found.descriptives if found else {}).items():
-        cells |= {f"{stat}_{name}": described[stat] for stat in _DESCRIBED if stat in described}
+        cells |= {
+            f"{stat}_{name}": getattr(described, stat)
+            for stat in _DESCRIBED
+            if hasattr(described, stat)
+        }
     yield {
         **cells,
         "planned_a": row.needed[0],
