@@ -11,7 +11,7 @@ from collections import Counter
 
 import numpy as np
 
-from vrcomfort.design.groups import Groups, Person
+from vrcomfort.design.groups import GroupAllocation, Person
 
 BANDS = {
     "sex": ("female", "male"),
@@ -31,7 +31,7 @@ WAYS: dict[str, tuple[str, float]] = {
 def widest(way: tuple[str, float], people: int, seed: int) -> tuple[int, int]:
     """Return the greatest difference of two groups at a level of a covariate, and of all people."""
     method, p_best = way
-    groups = Groups(method, {"a": 1, "b": 1}, BANDS, (2,), p_best, seed)
+    groups = GroupAllocation(method, {"a": 1, "b": 1}, BANDS, (2,), p_best, seed)
     rng = np.random.default_rng(seed)
     there: list[Person] = []
     for _ in range(people):

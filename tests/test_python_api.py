@@ -117,6 +117,22 @@ def test_scores_of_a_study_are_those_of_its_answers(study):
         study.scores("sqs")
 
 
+def test_a_table_that_names_no_questionnaire_is_scored_as_the_one_asked_for(tmp_path):
+    lines = [f"P 1,on,{item},{place % 4}" for place, item in enumerate(SSQ)]
+    file = tmp_path / "questionnaires.csv"
+    file.write_text("\n".join(["participant,condition,item,response", *lines]))
+    with pytest.warns(UserWarning, match="half-written"):
+        assert vrcomfort.read_study(tmp_path).scores("ssq")["total"].isna().all()
+    file.write_text("\n".join(["participant,condition,item,response", *lines, ""]))
+    scores = vrcomfort.read_study(tmp_path).scores("ssq")
+    assert scores["participant"].tolist() == ["P 1"]
+    given = pd.DataFrame([dict(zip(SSQ, [0, 1, 2, 3] * 4, strict=True))])
+    assert scores["total"].item() == vrcomfort.score_answers(given, "ssq")["total"].item()
+    assert scores["session"].isna().all()
+    with pytest.raises(vrcomfort.InputError, match=r"questionnaires\.csv, line \d+"):
+        vrcomfort.read_study(file).scores("vrsq")
+
+
 def test_a_report_is_written_of_a_study_and_a_plan(study, tmp_path):
     text = vrcomfort.load_plan("carnegie_2015").text
     (tmp_path / "plan.toml").write_text(text.replace("dof_off", "plain").replace("dof_on", "both"))

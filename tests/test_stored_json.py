@@ -154,7 +154,7 @@ def test_whatever_stands_there_no_command_falls(run, study, monkeypatch):
 
 
 CHECKED_ELSEWHERE = {
-    "importing/json_files.py": "tables of other programs, whose mapping says what they mean",
+    "importing/text_files.py": "tables of other programs, whose mapping says what they mean",
     "records/json_file.py": "the reader",
     "records/disk.py": "whoever holds a lock is named where that can be read",
     "report/writing.py": "names of files to remove, each checked against a pattern",

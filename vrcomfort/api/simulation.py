@@ -150,7 +150,7 @@ def simulate_sessions(
         playback,
         seed,
         exposure_s,
-        durability="session_end",
+        durability="session_end",  # a power cut costs a session that can be simulated again
         frames=frames,
         note=note,
     )

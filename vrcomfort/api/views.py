@@ -278,7 +278,7 @@ def _draw(
         meta["reference"] = _reference(
             renderer, scene, condition, images, (left, right), focus_m, reference_samples, advance
         )
-    renderer.release()
+    renderer.release()  # a notebook draws many views in one process
     return RenderedViews(left, right, meta)
 
 

@@ -89,6 +89,7 @@ def parse_size(text: str) -> tuple[int, int]:
     given = text if len(text) <= 40 else f"{text[:40]}…"
     if not (width.isdecimal() and height.isdecimal()):
         raise InputError(f"--size {given!r} is not a size; write WIDTHxHEIGHT, for example 640x800")
+    # Digits are counted first: int() refuses thousands of them with a sentence of its own.
     if max(len(width), len(height)) > 4 or max(int(width), int(height)) > 8192:
         raise InputError(
             f"--size {given!r} has a side of more than 8192 pixels; choose a smaller one"
@@ -101,6 +102,7 @@ def typed_words(ctx: typer.Context) -> str:
     words = ctx.command_path.split()
     for each in ctx.command.params:
         source = ctx.get_parameter_source(each.name or "")
+        # Defaults are left out: they mean the same again, and may change with the protocol.
         if source is not None and source.name == "COMMANDLINE":
             value = ctx.params[each.name or ""]
             for one in value if isinstance(value, list | tuple) else [value]:

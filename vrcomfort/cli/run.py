@@ -288,8 +288,10 @@ def run(
     require_console(kind, with_console=with_console)
     require_wording(study, kind, in_headset=headset is not HeadsetKind.PLAYBACK)
     with ExitStack() as owned:
+        # First in, last out: a runtime may hang while the rest is being closed.
         watchdog = owned.enter_context(Watchdog(warn)) if headset is HeadsetKind.OPENXR else None
         rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers, watchdog))
+        # Refused before the enrolment, which is the first to write.
         _require_gaze(headset, study, playback)
         _require_dial(headset, study, kind)
         numbers = [session or next_session(out, participant)]

@@ -90,13 +90,16 @@ def simulate(
     finish(outcomes)
 
 
-PROTOCOL = "carnegie_2015"
-SIZE_PX = (320, 400)
-PICTURE_SIZE_PX = (640, 800)
-PICTURE_POSES = {"temple": (-1, 1.6, -4.3, 47, -4, 0), "mountain": (1.2, 1.5, -1.9, -32, -8, 0)}
+DEMO_PROTOCOL = "carnegie_2015"
+DEMO_SIZE_PX = (320, 400)
+DEMO_PICTURE_SIZE_PX = (640, 800)
+DEMO_PICTURE_POSES = {
+    "temple": (-1, 1.6, -4.3, 47, -4, 0),
+    "mountain": (1.2, 1.5, -1.9, -32, -8, 0),
+}
 """Close to something detailed, with the room or the range behind it."""
-REFRESH_HZ = 4.0
-EXPOSURE_S = 4.0
+DEMO_REFRESH_HZ = 4.0
+DEMO_EXPOSURE_S = 4.0
 """16 frames an exposure that span 4 s of walking: about 500 stereo frames for 8 participants."""
 
 
@@ -119,13 +122,13 @@ def demo(
     say = console(quiet).print
     say(f"Simulating {participants} participants, two sessions each ...")
     outcomes = simulate_sessions(
-        load_protocol(PROTOCOL),
+        load_protocol(DEMO_PROTOCOL),
         participants=participants,
         out=study,
         seed=seed,
-        size_px=SIZE_PX,
-        refresh_hz=REFRESH_HZ,
-        exposure_s=EXPOSURE_S,
+        size_px=DEMO_SIZE_PX,
+        refresh_hz=DEMO_REFRESH_HZ,
+        exposure_s=DEMO_EXPOSURE_S,
         note=warn,
         progress=partial(progress_bar, quiet=quiet),
     )
@@ -136,7 +139,7 @@ def demo(
     files = _pictures(pictures, quiet)
     say("Writing the report ...")
     with progress_bar("report", None, quiet=quiet):
-        report = write_report(study, out / "report", plan=PROTOCOL, note=warn).index
+        report = write_report(study, out / "report", plan=DEMO_PROTOCOL, note=warn).index
     console().print(f"\nStudy:    {study}")
     for file in files:
         console().print(f"Picture:  {file}")
@@ -158,13 +161,13 @@ def _fresh(out: Path) -> tuple[Path, Path]:
 
 def _pictures(folder: Path, quiet: bool) -> list[Path]:
     """Draw each scene under each condition at a place where the difference shows."""
-    study = load_protocol(PROTOCOL)
+    study = load_protocol(DEMO_PROTOCOL)
     return [
         render_views(
             scene,
             condition,
-            pose=PICTURE_POSES[scene],
-            size_px=PICTURE_SIZE_PX,
+            pose=DEMO_PICTURE_POSES[scene],
+            size_px=DEMO_PICTURE_SIZE_PX,
             ipd_m=study.headset.ipd_m,
             note=warn,
             progress=partial(progress_bar, quiet=quiet),

@@ -108,7 +108,7 @@ def _size(size_bytes: float) -> str:
     return f"{size_bytes:.3g} TB"
 
 
-EXIT_FAULTS = 1
+EXIT_FAULTS = 1  # not 2: the command was typed well, and the study has faults
 
 
 def verify(

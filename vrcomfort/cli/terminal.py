@@ -19,7 +19,7 @@ from rich.progress import BarColumn, Progress, ProgressColumn, Task, TimeRemaini
 from rich.table import Column
 from rich.text import Text
 
-EXIT_BAD_INPUT = 2
+EXIT_BAD_INPUT = 2  # as Typer and most Unix programs end where they were typed wrongly
 
 SILENT_S = 2.0
 """Where no bar can be shown, a line says after so long that work is under way."""

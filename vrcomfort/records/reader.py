@@ -257,6 +257,7 @@ class Study:
         ----------
         instrument
             Name of a shipped questionnaire (``"ssq"``) or of one that the study keeps, or its file.
+            Answers of a table that names no questionnaire are taken as its answers.
 
         Returns
         -------
@@ -278,11 +279,9 @@ class Study:
         folders = dict.fromkeys([self.folder, *(file.parent for file in files)])
         asked = find_instrument(instrument, known=instruments_in(folders))
         tables = list(self.tables(QuestionnaireRow))
-        sheets = [
-            sheet
-            for table in tables
-            for sheet in read_long(table, asked, SCORE_KEYS, nameless=False)
-        ]
+        for sentence in (each for table in tables for each in table.warnings):
+            warnings.warn(sentence, stacklevel=2)
+        sheets = [sheet for table in tables for sheet in read_long(table, asked, SCORE_KEYS)]
         parts = any(sheet.keys.get("part") for sheet in sheets)
         keys = [name for name in SCORE_KEYS if parts or name != "part"]
         rows = score_sheets(asked, sheets)
