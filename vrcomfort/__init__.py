@@ -13,7 +13,7 @@ is first named. Nothing here needs a GPU or an OpenXR runtime until a view is dr
 from importlib import import_module
 from typing import Any
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 # Where each public name lives. No name equals that of a subpackage, whose import would replace it;
 # `stats` is the subpackage itself. `__init__.pyi` has the same names for editors and type checkers.
