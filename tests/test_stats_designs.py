@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +15,14 @@ from vrcomfort.stats.anova import anova
 from vrcomfort.stats.correlation import correlation, intraclass, repeated_measures_correlation
 from vrcomfort.stats.mann_whitney import EXACT_UP_TO, mann_whitney
 from vrcomfort.stats.mixed import mixed_model
+from vrcomfort.stats.packages import pingouin
 from vrcomfort.stats.proportions import preference, sign_test
 from vrcomfort.stats.rank_anova import aligned_ranks, kruskal_wallis
 from vrcomfort.stats.t_tests import (
+    PRIOR_SCALE,
     equivalence_of_groups,
     equivalence_of_pairs,
+    jzs_bayes_factor,
     paired_t,
     two_sample_t,
 )
@@ -292,3 +296,57 @@ def test_nobody_with_a_preference() -> None:
     found = preference(0, 0, 4)
     assert (found.p, found.share_of_a, found.shares[2].estimate) == (1.0, None, 1.0)
     assert preference(0, 0, 0).shares == (None, None, None)
+
+
+@pytest.mark.parametrize("share", [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 0.9e-4, 1e-5, 1e-8, 1e-12])
+@pytest.mark.parametrize("n", [3, 4, 8, 40])
+def test_differences_that_hardly_vary_have_an_interval_of_g(n: int, share: float) -> None:
+    """The noncentral t has no value far from the noncentrality, and for very large ones."""
+    differences = 7 + share * np.arange(n)
+    for sign in (1, -1):
+        found = paired_t(sign * differences)
+        assert found is not None
+        low, high = found.hedges_g.low, found.hedges_g.high
+        assert low is not None
+        assert high is not None
+        assert low < found.hedges_g.estimate < high
+
+
+def test_the_interval_of_g_goes_on_where_the_noncentral_t_has_no_value() -> None:
+    below, above = (
+        paired_t(7 + spread * np.array([-1.0, 1.0] * 4))
+        for spread in (1.001 * 7e-4 * 7**0.5, 0.999 * 7e-4 * 7**0.5)
+    )
+    assert below is not None
+    assert above is not None
+    assert below.t < 1e4 < above.t
+    for end in ("low", "high"):
+        ends = [getattr(each.hedges_g, end) / each.t for each in (below, above)]
+        assert ends[0] == pytest.approx(ends[1], rel=1e-5)
+
+
+@pytest.mark.parametrize("n", [3, 4, 8, 40])
+def test_a_bayes_factor_grows_with_t(n: int) -> None:
+    """An integral over g loses it beyond t of some hundreds: pingouin's falls, even below 0."""
+    found = [jzs_bayes_factor(t, n) for t in (0.0, *np.geomspace(1, 1e8, 80))]
+    assert all(a < b or b == np.inf for a, b in pairwise(found[1:]))
+    assert 0 < found[0] < 1
+    # Far out, where the weight lies at a g of t², it goes as t to the power of n - 2.
+    far = [jzs_bayes_factor(t, n) for t in (1e6, 2e6)]
+    assert far[1] == np.inf or far[1] / far[0] == pytest.approx(2 ** (n - 2), rel=1e-4)
+
+
+def test_the_bayes_factor_of_sleep_is_that_of_r() -> None:
+    """Student's data; R's BayesFactor prints 17.25888."""
+    differences = -np.array([1.2, 2.4, 1.3, 1.3, 0.0, 1.0, 1.8, 0.8, 4.6, 1.4])
+    found = paired_t(differences)
+    assert found is not None
+    assert found.bayes_factor_10 == pytest.approx(17.25888, rel=1e-7)
+
+
+@pytest.mark.parametrize("sizes", [(3, None), (20, None), (9, 14)])
+@pytest.mark.parametrize("t", [-2.5, 0.0, 0.4, 3.0, 20.0])
+def test_a_bayes_factor_is_that_of_pingouin(t: float, sizes: tuple[int, int | None]) -> None:
+    n, m = sizes
+    theirs = pingouin().bayesfactor_ttest(t, n, m, paired=m is None, r=PRIOR_SCALE)
+    assert jzs_bayes_factor(t, n, m) == pytest.approx(float(theirs), rel=1e-8)
