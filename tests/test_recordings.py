@@ -242,6 +242,8 @@ def spoilt(file, line: int, column: str, cell: str) -> None:
         ("xr_time_ns", "1e9", "whole number"),
         ("xr_time_ns", "1", "time does not go on"),
         ("head_y_m", "1,2", "cells"),
+        ("xr_time_ns", "", "blank"),
+        ("dropped", "", "blank"),
     ],
 )
 def test_what_is_damaged_is_refused_with_its_place(tmp_path, column, cell, what):
@@ -258,6 +260,20 @@ def test_what_is_damaged_is_refused_with_its_place(tmp_path, column, cell, what)
     measured, notes = frame_measures([file])
     assert measured == []
     assert "line 41" in notes[-1]
+
+
+def test_a_column_of_blanks_is_refused_with_its_place(tmp_path):
+    """A sum over blanks is no number."""
+    table = frames(60)
+    file = session(tmp_path, table)
+    lines = file.read_text().splitlines()
+    place = lines[0].split(",").index("dropped")
+    cells = [line.split(",") for line in lines[1:]]
+    blanked = [[*row[:place], "", *row[place + 1 :]] for row in cells]
+    file.write_text("\n".join([lines[0], *map(",".join, blanked), ""]))
+    measured, notes = frame_measures([file])
+    assert measured == []
+    assert "line 2, column dropped: this cell is blank" in notes[-1]
 
 
 def test_a_half_written_last_row_is_left_out(tmp_path):

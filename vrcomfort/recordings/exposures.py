@@ -34,6 +34,7 @@ _OPTIONAL: dict[str, Kind] = kinds((
     "focus_raw_m", "max_blur_px", "avatar_x_m", "avatar_y_m", "avatar_z_m",
 ))  # fmt: skip
 """What a recording may lack, or leave blank."""
+# Without a blank in any row: a sum over blanks alone would be none.
 _PLAIN = ("session_s", "xr_time_ns", "period_ns", "trial", "dropped", "discontinuity")
 _HEAD = ("head_x_m", "head_y_m", "head_z_m", "head_qx", "head_qy", "head_qz", "head_qw")
 _BEFORE = ("session_s", "xr_time_ns", "period_ns", "trial", *_HEAD, "should_render",
@@ -222,7 +223,7 @@ def _summed(
         )
         found = _rows(database, _query(table, columns))
     if any(row["wrong"] for row in found):
-        raise damage_of(recording.csv, "a number is not finite, or time goes back")
+        raise damage_of(recording.csv, "a number is missing or not finite, or time goes back")
     return tuple(_exposure(attempts[row["number"]], row) for row in found)
 
 
@@ -317,7 +318,8 @@ _STEPS = f"""
     coalesce(session_state_before = 'visible', false) AS menu_before,
     CASE WHEN {_FOLLOWS} THEN xr_time_ns - xr_time_ns_before END AS passed,
     CASE WHEN {_FOLLOWS} THEN period_ns_before END AS shown,
-    xr_time_ns <= xr_time_ns_before OR NOT isfinite({" + ".join(_HEAD)}) AS wrong,
+    xr_time_ns <= xr_time_ns_before OR NOT isfinite({" + ".join(_HEAD)})
+        OR (f.{" + f.".join(_PLAIN)}) IS NULL AS wrong,
     CASE WHEN {_STEADY} THEN {_distance("head", _LENGTH)} END AS head_step,
     CASE WHEN {_STEADY} THEN {_turn()} END AS turn,
     CASE WHEN {_STEADY} THEN {_distance("avatar", _LENGTH)} END AS avatar_step,

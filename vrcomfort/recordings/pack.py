@@ -17,6 +17,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.records.disk import OWNER, only_program, refuse_links, refused, sync_folder
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.recording import (
+    FILLED,
     Fingerprint,
     Memory,
     Recording,
@@ -140,17 +141,18 @@ def _write(csv: Path, draft: Path, fingerprint: Fingerprint, memory: Memory) -> 
                 first = str(error).splitlines()[0]
                 raise InputError(f"cannot be written: {first}", file=parquet_of(csv)) from error
         if not _is_sound(database, draft, csv_header(csv)):
-            raise damage_of(csv, "a number is not finite, or time goes back")
+            raise damage_of(csv, "a number is missing or not finite, or time goes back")
 
 
 def _is_sound(database: duckdb.DuckDBPyConnection, packed: Path, header: tuple[str, ...]) -> bool:
-    """Return whether all numbers are finite and time goes on."""
+    """Return whether no cell is missing, all numbers are finite, and time goes on."""
     numbers = [column(name) for name, kind in kinds(header).items() if kind == "DOUBLE"]
     finite = " AND ".join(f"coalesce(isfinite({name}), true)" for name in numbers)
+    filled = " AND ".join(f"{column(name)} IS NOT NULL" for name in header if name in FILLED)
     later = "xr_time_ns > lag(xr_time_ns, 1, xr_time_ns - 1) OVER ()"
     row = database.execute(
         f"SELECT count(*) FILTER (NOT coalesce(sound, false)) FROM "  # noqa: S608
-        f"(SELECT {later} AND {finite} AS sound FROM read_parquet({quoted(packed)}))"
+        f"(SELECT {later} AND {finite} AND {filled} AS sound FROM read_parquet({quoted(packed)}))"
     ).fetchone()
     return row is not None and row[0] == 0
 

@@ -121,6 +121,13 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     GazeRow.FILE: ("session_s", "xr_time_ns", "valid", *gaze_columns()),
 }  # fmt: skip
 """Columns without which a file is no recording."""
+FILLED = frozenset(
+    each.name
+    for row_type in (FrameRow, GazeRow)
+    for each in declared(row_type)
+    if each.name in NEEDED[row_type.FILE] and not each.blank and not each.needs
+)
+"""Those of them that are blank in no row."""
 
 
 def kinds(header: Iterable[str]) -> dict[str, Kind]:
@@ -502,7 +509,10 @@ def _in_cells(table: CsvTable) -> InputError | None:
     ]
     for line, row in zip(table.lines, table.rows, strict=True):
         for place, name, check in checks:
-            if row[place].strip() and (what := check(row[place])):
+            blank = not row[place].strip()
+            if blank and name in FILLED:
+                return table.fault("this cell is blank; mend it first", line, name)
+            if not blank and (what := check(row[place])):
                 shown = repr(row[place] if len(row[place]) <= 40 else f"{row[place][:40]}…")
                 return table.fault(f"{shown} is not {what}; mend it first", line, name)
     return None
@@ -511,8 +521,6 @@ def _in_cells(table: CsvTable) -> InputError | None:
 def _in_time(table: CsvTable, before_ns: int | None) -> InputError | None:
     place = table.header.index(TIME)
     for line, row in zip(table.lines, table.rows, strict=True):
-        if not row[place].strip():
-            return table.fault("the time of this frame is missing; mend it first", line, TIME)
         now_ns = int(row[place])
         if before_ns is not None and now_ns <= before_ns:
             return table.fault("time does not go on from the row before; mend it first", line, TIME)
