@@ -20,6 +20,7 @@ import numpy as np
 from vrcomfort import __version__
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.export_checks import new_folder, require_whole
+from vrcomfort.files import read_text
 from vrcomfort.json_text import json_of
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.checksums import write_checksums
@@ -185,7 +186,7 @@ def _write(
     access: Access,
 ) -> dict[str, Any]:
     study = recorded.folder
-    text = (study / DESCRIPTION).read_text(encoding="utf-8")
+    text = read_text(study / DESCRIPTION, "study description")
     replace_text(out / DESCRIPTION, text, access)
     _copy_instruments(study, out, access)
     rows = {row.participant: row for row in recorded.enrolled}
@@ -206,7 +207,7 @@ def _write(
 def _copy_instruments(study: Path, out: Path, access: Access) -> None:
     for file in sorted((study / INSTRUMENTS).glob("*.toml")):
         make_folders(out, out / INSTRUMENTS, access)
-        replace_text(out / INSTRUMENTS / file.name, file.read_text(encoding="utf-8"), access)
+        replace_text(out / INSTRUMENTS / file.name, read_text(file, "instrument"), access)
 
 
 def _moved(
