@@ -334,7 +334,7 @@ class GltfFile:
             # In strips: Pillow would hold a large picture four times while it is converted.
             for top in range(0, height, _STRIP):
                 strip = picture.crop((0, top, width, min(top + _STRIP, height)))
-                pixels[top : top + _STRIP] = _in_8_bits(strip).convert("RGBA")
+                pixels[top : top + _STRIP] = np.asarray(_in_8_bits(strip).convert("RGBA"))
         return pixels
 
 
