@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 import trimesh
+import typer
 from typer.main import get_command
 
 from vrcomfort.cli.app import COMMANDS, LazyCommands, app
@@ -68,6 +69,19 @@ def test_every_command_has_help_with_an_example(run: Run, command: str) -> None:
     code, out, _ = run(command, "--help")
     assert code == 0
     assert f"vrcomfort {command}" in out
+
+
+def test_run_declares_the_same_arguments_and_options_as_ever() -> None:
+    """What people have typed in scripts goes on working; the help says the same of it."""
+    commands = get_command(app)
+    command = commands.get_command(typer.Context(commands), "run")
+    lines = [command.help]
+    for each in command.params:
+        names = " ".join([*each.opts, *each.secondary_opts, each.metavar or ""]).strip()
+        default = "required" if each.required else each.default
+        lines.append(f"{names} [{default}]: {each.help}")
+    golden = Path(__file__).parent / "golden" / "run_options.txt"
+    assert "\n".join(lines) + "\n" == golden.read_text(encoding="utf-8")
 
 
 def modules_after(*words: str) -> set[str]:
