@@ -28,7 +28,7 @@ from vrcomfort.report.sections import run_sections
 from vrcomfort.report.study_data import of_one_kind, read_study, with_frames
 from vrcomfort.report.tables import all_tables
 from vrcomfort.report.vocabulary import Vocabulary
-from vrcomfort.report.writing import file_name, write_report
+from vrcomfort.report.writing import file_name, name_of_study, write_report
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
@@ -81,6 +81,7 @@ class ReportSummary:
 def build_report(
     source: Path,
     *,
+    name: str | None = None,
     plan: str | Path | None = None,
     instrument: str | None = None,
     out: Path,
@@ -95,6 +96,8 @@ def build_report(
     ----------
     source
         A study folder, any folder with ``questionnaires.csv`` files at any depth, or one file.
+    name
+        Of the source in results.json; without it, that of its folder or file.
     plan
         An analysis plan, or the name of a shipped one; without one, the shipped plan of the
         study's protocol, or one that is derived from the data. It is written beside the report.
@@ -125,12 +128,13 @@ def build_report(
         study = _of_one_kind(read_study(Path(source), instrument), simulated)
     study = with_frames(study, memory=memory, cluster=cluster)
     with _uncollected():
-        return _build(study, Path(source), plan, Path(out), forms, memory)
+        return _build(study, Path(source), name, plan, Path(out), forms, memory)
 
 
 def _build(
     study: StudyData,
     source: Path,
+    name: str | None,
     plan: str | Path | None,
     out: Path,
     forms: Collection[Form],
@@ -147,6 +151,7 @@ def _build(
             name: name for name in section.conditions if name not in results["labels"]
         }
         results["quality"]["reading"] += section.notes
+    results["study"]["source"] = name or name_of_study(source)
     results["date"] = _today()
     words = Vocabulary.of(results)
     figures: dict[str, Drawing] = {}
