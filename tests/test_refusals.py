@@ -106,7 +106,7 @@ def desk(tmp_path, monkeypatch) -> Path:
     (tmp_path / "other.csv").write_text("a,b\n1,2\n")
     (tmp_path / "tidy.csv").write_text("participant,condition,item,response\nP1,a,x,1\n")
     rows = [
-        f"{who},{condition},{when}" + ",1" * 16
+        f"{who},{condition},{when}" + ",0,1,2,3" * 4
         for who in ("P1", "P2", "P3", "P4")
         for condition in ("sharp", "soft")
         for when in ("pre", "post")
