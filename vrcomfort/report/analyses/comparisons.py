@@ -8,19 +8,34 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from markupsafe import Markup
 
 from vrcomfort.report.analyses.contract import (
+    ITALIC_N,
+    ITALIC_P,
+    P_HOLM,
+    WITHOUT_ZERO,
     Analysis,
     AnalysisData,
+    AnalysisFigure,
     AnalysisSet,
     AnalysisTable,
     MethodsParagraph,
+    ReportContext,
     Sentence,
+    TableColumn,
+    decided_interval,
+    html,
+    is_holed,
+    percent,
+    starred_p,
+    with_dot,
 )
 from vrcomfort.report.descriptives import Description, describe
+from vrcomfort.report.estimation import group_figure
 from vrcomfort.report.families import (
     Decision,
     difference_in_words,
@@ -32,7 +47,15 @@ from vrcomfort.report.families import (
 )
 from vrcomfort.report.pairs import NO_VARIANCE, Groups, Pairs, Side, groups_of, pair_up, too_few
 from vrcomfort.report.rows import INLINE
-from vrcomfort.report.words import NONE, fraction, interval, number
+from vrcomfort.report.words import (
+    NONE,
+    bayes_factor,
+    degrees,
+    fraction,
+    interval,
+    number,
+    p_value,
+)
 from vrcomfort.stats.mann_whitney import mann_whitney
 from vrcomfort.stats.proportions import sign_test
 from vrcomfort.stats.t_tests import TTest, Variances, paired_t, two_sample_t
@@ -182,24 +205,15 @@ def _row(data: AnalysisData, contrast: Compared, outcome: str) -> ComparisonRow:
 
 def _samples(data: AnalysisData, design: str, outcome: str, a: Side, b: Side) -> Pairs | Groups:
     make = pair_up if design == "paired" else groups_of
-    return make(data.scored, outcome, a, b, complete=data.plan.needs_every_score)
+    return make(data.scored, outcome, a, b, complete=data.complete)
 
 
-def with_intervals(data: AnalysisData, rows: Sequence[ComparisonRow]) -> list[ComparisonRow]:
-    """Return rows with the intervals of the level at which each decides in its family."""
-    return [_with_intervals(data, row) for row in rows]
-
-
-def _with_intervals(data: AnalysisData, row: ComparisonRow) -> ComparisonRow:
-    level, plan = row.decision.level, data.plan
-    if level is None or level >= 1 - plan.confidence:
-        return row
+def _intervals(data: AnalysisData, row: ComparisonRow, level: float) -> ComparisonIntervals | None:
     samples = _samples(data, row.design, row.outcome, *row.sides)
-    test = _TESTS[row.test](samples, plan, row.alternative, 1 - level)
+    test = _TESTS[row.test](samples, data.plan, row.alternative, 1 - level)
     if test is None:
-        return row
-    intervals = ComparisonIntervals(test.numbers.difference, test.numbers.effect)
-    return replace(row, decision=replace(row.decision, simultaneous=intervals))
+        return None
+    return ComparisonIntervals(test.numbers.difference, test.numbers.effect)
 
 
 def _mann_whitney(
@@ -351,7 +365,7 @@ def _evidence(row: ComparisonRow, numbers: ComparisonNumbers) -> str:
     return f"{text}."
 
 
-def _methods(rows: Sequence[ComparisonRow]) -> Iterator[MethodsParagraph]:
+def _methods(rows: Sequence[ComparisonRow], _: ReportContext) -> Iterator[MethodsParagraph]:
     made = {row.test for row in rows if row.found}
     if "mann_whitney" in made:
         yield MethodsParagraph(
@@ -433,14 +447,197 @@ def _adjusted(row: ComparisonRow, name: str) -> NamedEstimate | None:
     return getattr(found, name) if found else None
 
 
-COMPARISONS: Analysis[ComparisonRow] = Analysis(
+def _heading(rows: Sequence[ComparisonRow]) -> str:
+    of_pairs = all(row.design == "paired" for row in rows)
+    return "Further tests of pairs" if of_pairs else "Groups of people"
+
+
+def _caption(_: Sequence[ComparisonRow], report: ReportContext) -> str:
+    mean = ", mean per exposure" if report.several else ""
+    return f"Comparisons by other tests than the signed-rank test{mean}"
+
+
+def _group(row: ComparisonRow, _: Sequence[ComparisonRow], report: ReportContext) -> str:
+    a, b = (with_dot(name, report.words) for name in (row.a, row.b))
+    return html("{} minus {} ({})", a, b, row.alternative)
+
+
+def _tested(write: Callable[[ComparisonFound], str]) -> Callable[[ComparisonRow, object], str]:
+    return lambda row, _: write(row.found) if row.found else ""
+
+
+def _estimated(
+    part: Literal["difference", "effect"], write: Callable[[NamedEstimate], str]
+) -> Callable[[ComparisonRow, object], str]:
+    """Return the writer of a cell on an estimate, with the interval that belongs to the p."""
+
+    def cell(row: ComparisonRow, _: object) -> str:
+        found: NamedEstimate | None = getattr(row.reported, part, None)
+        return write(found) if found else NONE
+
+    return cell
+
+
+def _statistic(found: ComparisonFound) -> str:
+    test = found.numbers
+    df = "" if test.df is None else f"({degrees(test.df)})"
+    return f"{test.statistic}{df} = {number(test.value, DIGITS[test.statistic])}"
+
+
+def _means(found: ComparisonFound) -> str:
+    sides = (found.descriptives[side] for side in "ab")
+    return ", ".join(f"{number(side.mean)} ({number(side.sd)})" for side in sides)
+
+
+def _note(rows: Sequence[ComparisonRow], _: ReportContext) -> str:
+    note = html(
+        "Positive differences: higher under the first. U: pairs of people in which the first is "
+        "higher, ties a half. The difference is the Hodges–Lehmann shift of a Mann–Whitney test, "
+        "the median difference of a sign test, the difference of means of a t test. * asymptotic."
+    )
+    if any(row.decision.simultaneous for row in rows):
+        note += html(
+            " Intervals of tests with a <i>p</i> Holm are of the level at which Holm’s method "
+            "decides on each; unadjusted ones are in <code>tables/comparisons.csv</code>."
+        )
+    shifts = (row.reported.difference for row in rows if row.reported)
+    return note + WITHOUT_ZERO * any(is_holed(found.of) for found in shifts if found)
+
+
+_Column = TableColumn[ComparisonRow]
+_TABLE: AnalysisTable[ComparisonRow, ComparisonRow] = AnalysisTable(
+    "comparisons",
+    _caption,
+    (
+        _Column("Outcome", lambda row, words: words.outcome(row.outcome)),
+        _Column("Test", lambda row, _: NAMES[row.test].replace(" test", ""), of_words=True),
+        _Column(ITALIC_N, lambda row, _: row.size),
+        _Column(Markup("<i>M</i> (<i>SD</i>)"), _tested(_means)),
+        _Column("statistic", _tested(_statistic)),
+        _Column(
+            ITALIC_P,
+            lambda row, _: starred_p(row.p, row.found.numbers.method if row.found else None),
+        ),
+        _Column(P_HOLM, lambda row, _: p_value(row.decision.p_holm)),
+        _Column("difference", _estimated("difference", lambda found: number(found.of.estimate))),
+        _Column(decided_interval, _estimated("difference", lambda found: interval(found.of))),
+        _Column(
+            "effect",
+            _estimated("effect", lambda found: f"{found.what} {number(found.of.estimate)}"),
+        ),
+        _Column(decided_interval, _estimated("effect", lambda found: interval(found.of))),
+        _Column("BF₁₀", _tested(lambda found: bayes_factor(found.numbers.bayes_factor_10))),
+    ),
+    spanning=lambda row: row.not_tested,
+    labels=3,
+    group=_group,
+    group_key=lambda row: (row.a, row.b),
+    note=_note,
+    csv=_csv,
+)
+
+
+def _figures(rows: Sequence[ComparisonRow], report: ReportContext) -> Iterator[AnalysisFigure]:
+    """Yield a figure for each comparison that could be tested."""
+    words = report.words
+    for place, row in enumerate(rows):
+        difference = row.found and row.found.numbers.difference
+        if difference:
+            yield AnalysisFigure(
+                f"comparison_{place}",
+                "paired",
+                f"{words.outcome(row.outcome)}: a dot is a participant; the marks beside are means "
+                "with standard deviations. Right: the difference that was tested "
+                f"({difference.what}) with its {percent(report.plan.confidence)} interval.",
+                partial(group_figure, row=row, words=words),
+                row.outcome,
+            )
+
+
+_R_LINES = r"""
+# The exact distribution of a rank sum given the ties, person after person: rows are people dealt to a.
+rank_sum_p <- function(a, b, side) {
+  twice <- round(2 * rank(signif(c(a, b), 12))); n <- length(a)
+  ways <- matrix(0, n + 1, sum(twice) + 1); ways[1, 1] <- 1
+  for (step in twice) {
+    moved <- ways[seq_len(n), seq_len(ncol(ways) - step), drop = FALSE]
+    ways[-1, -seq_len(step)] <- ways[-1, -seq_len(step)] + moved
+  }
+  p <- ways[n + 1, ] / sum(ways[n + 1, ])
+  sums <- seq_along(p) - 1; found <- sum(twice[seq_len(n)]); middle <- n * (length(twice) + 1)
+  switch(side, greater = sum(p[sums >= found]), less = sum(p[sums <= found]),
+         sum(p[abs(sums - middle) >= abs(found - middle)]))
+}
+
+compare_means <- function(line, a, b) {
+  side <- if (line$alternative == "two-sided") "two.sided" else line$alternative
+  paired <- line$test == "paired_t"
+  test <- t.test(a, b, paired = paired, var.equal = line$test == "student_t", alternative = side,
+                 conf.level = as.numeric(line$confidence))
+  mean <- mean(a) - mean(b)
+  within <- if (paired) var(a - b) else {
+    ((length(a) - 1) * var(a) + (length(b) - 1) * var(b)) / (length(a) + length(b) - 2)
+  }
+  df <- if (paired) length(a) - 1 else length(a) + length(b) - 2
+  compare(line, "t", line$value, unname(test$statistic), size = 1e-6)
+  compare(line, "df", line$df, unname(test$parameter))
+  compare(line, "p", line$p, test$p.value)
+  compare(line, "difference", line$difference_estimate, mean, size = 1e-6)
+  compare(line, "interval, low", line$difference_low, test$conf.int[1], size = 1e-6)
+  compare(line, "interval, high", line$difference_high, test$conf.int[2], size = 1e-6)
+  if (df > 1) {
+    compare(line, "Hedges' g", line$effect_estimate, mean / sqrt(within) * unbiased(df), size = 1e-6)
+  }
+}
+
+compare_ranks <- function(line, a, b) {
+  a <- signif(a, 12); b <- signif(b, 12)   # means of several exposures that are alike tie
+  above <- outer(a, b, ">") + outer(a, b, "==") / 2
+  compare(line, "U", line$value, sum(above))
+  compare(line, "r", line$effect_estimate, 2 * mean(above) - 1, size = 1e-6)
+  compare(line, "shift", line$difference_estimate, median(outer(a, b, "-")), size = 1e-6)
+  if (line$method == "exact") compare(line, "p, exact", line$p, rank_sum_p(a, b, line$alternative))
+}
+
+compare_signs <- function(line, a, b) {
+  d <- signif(a - b, 12); side <- line$alternative
+  if (!any(d != 0)) return(invisible())
+  test <- binom.test(sum(d > 0), sum(d != 0), alternative =
+    if (side == "two-sided") "two.sided" else side)
+  compare(line, "p", line$p, test$p.value)
+  compare(line, "share above", line$effect_estimate, unname(test$estimate))
+}
+
+found <- read_if_there("comparisons")
+for (k in seq_len(if (is.null(found)) 0 else nrow(found))) {
+  line <- found[k, ]
+  if (!is.na(line$timepoint_a) || !is.na(line$timepoint_b)) {
+    not_here(line$outcome, line$a, "minus", line$b, "(its data are not in scores.csv)")
+    next
+  }
+  a <- means_of(line$outcome, names_in(line$people_a), line$condition_a)
+  b <- means_of(line$outcome, names_in(line$people_b), line$condition_b)
+  switch(line$test, mann_whitney = compare_ranks(line, a, b), sign = compare_signs(line, a, b),
+         compare_means(line, a, b))
+  others <- others + 1
+}
+"""  # noqa: E501 - lines of R
+
+COMPARISONS = Analysis(
     "comparisons",
     AnalysisSet.COMPLETE_PAIRS,
     _compute,
-    tables=(AnalysisTable("comparisons", template="report/comparisons.html.j2", csv=_csv),),
+    tables=(_TABLE,),
+    heading=_heading,
+    figures=_figures,
+    figure_kinds=("paired",),
+    side_by_side=True,
     place=1,
+    order=1,
     by_outcome=True,
+    intervals=_intervals,
     sentences=_sentences,
     methods=_methods,
     analysed=lambda row: row.participants,
+    r_lines=_R_LINES,
 )

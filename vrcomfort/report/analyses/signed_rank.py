@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from markupsafe import Markup
 
 from vrcomfort.report.analyses.contract import (
+    ITALIC_N,
+    ITALIC_P,
+    P_HOLM,
+    WITHOUT_ZERO,
     Analysis,
     AnalysisData,
     AnalysisSet,
     AnalysisTable,
+    MethodsParagraph,
+    ReportContext,
     Sentence,
+    TableColumn,
+    decided_interval,
+    html,
+    interval_heading,
+    is_holed,
+    starred_p,
+    with_dot,
 )
 from vrcomfort.report.descriptives import Description, DescriptionWithInterval, describe
 from vrcomfort.report.families import (
@@ -29,9 +43,17 @@ from vrcomfort.report.orders import OneOrder, in_words, one_order
 from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up
 from vrcomfort.report.rows import HIDDEN, INLINE
 from vrcomfort.report.withdrawals import lost_signs
-from vrcomfort.report.words import NONE, fraction, interval, number
+from vrcomfort.report.words import (
+    NONE,
+    bayes_factor,
+    degrees,
+    fraction,
+    interval,
+    number,
+    p_value,
+)
 from vrcomfort.stats.ranks import fewest_for_interval
-from vrcomfort.stats.signed_rank import SignedRank, signed_rank, worst_rank
+from vrcomfort.stats.signed_rank import EXACT_UP_TO, SignedRank, signed_rank, worst_rank
 from vrcomfort.stats.t_tests import paired_t
 
 if TYPE_CHECKING:
@@ -206,19 +228,10 @@ def _tested(row: SignedRankRow, pairs: Pairs, plan: Plan, signs: list[int]) -> S
     return replace(row, p=ranked.p, decision=decision, found=found)
 
 
-def with_intervals(data: AnalysisData, rows: Sequence[SignedRankRow]) -> list[SignedRankRow]:
-    """Return rows with the intervals of the level at which each decides in its family."""
-    return [_with_intervals(data, row) for row in rows]
-
-
-def _with_intervals(data: AnalysisData, row: SignedRankRow) -> SignedRankRow:
-    level, plan = row.decision.level, data.plan
-    if level is None or level >= 1 - plan.confidence:
-        return row
-    pairs = pair_up(data.scored, row.outcome, *row.sides, complete=plan.needs_every_score)
-    test = _signed_rank(pairs, plan, row.alternative, 1 - level)
-    intervals = SignedRankIntervals(test.shift, test.effect)
-    return replace(row, decision=replace(row.decision, simultaneous=intervals))
+def _intervals(data: AnalysisData, row: SignedRankRow, level: float) -> SignedRankIntervals:
+    pairs = pair_up(data.scored, row.outcome, *row.sides, complete=data.complete)
+    test = _signed_rank(pairs, data.plan, row.alternative, 1 - level)
+    return SignedRankIntervals(test.shift, test.effect)
 
 
 def _too_few(scored: Exposures, outcome: str, contrast: Compared, n: int) -> str:
@@ -360,6 +373,160 @@ def _rank_biserial(row: SignedRankRow, words: Vocabulary) -> str:
     return f"{r} (no {interval_title(row.decision, row.confidence)}: {reason})"
 
 
+_SIDES = {
+    "two-sided": "two-sided",
+    "greater": "one-sided (higher scores under the first condition)",
+    "less": "one-sided (lower scores under the first condition)",
+}
+
+
+def _methods(rows: Sequence[SignedRankRow], report: ReportContext) -> Iterator[MethodsParagraph]:
+    if any(row.found for row in rows):
+        yield from (
+            _test_paragraph(rows, report),
+            _shift_paragraph(report.plan),
+            _effect_paragraph(report.plan),
+        )
+    if any(row.found and row.found.t_test for row in rows):
+        yield _t_test_paragraph()
+
+
+def _test_paragraph(rows: Sequence[SignedRankRow], report: ReportContext) -> MethodsParagraph:
+    plan = report.plan
+    pratt = plan.zeros == "pratt"
+    zeros = (
+        "pairs without a difference were ranked and then dropped (Pratt, 1959)"
+        if pratt
+        else "pairs without a difference were dropped before ranking (Wilcoxon, 1945)"
+    )
+    asked = dict.fromkeys(row.alternative for row in rows)
+    sides = _SIDES[next(iter(asked))] if len(asked) == 1 else "two-sided or one-sided as marked"
+    text = (
+        f"Conditions were compared with Wilcoxon signed-rank tests, {sides}. Ranks were taken on "
+        f"integer raw sums, so ties are exact; {zeros}; p is {_exactness(rows)} (Hollander et "
+        "al., 2014); Z is tie-corrected, without continuity correction. "
+        f"{_families(plan, report.words)}"
+    )
+    first = "pratt_1959" if pratt else "wilcoxon_1945"
+    holm = ("holm_1979",) if _is_adjusted(plan) else ()
+    return MethodsParagraph("Tests", text, (first, "wilcoxon_1945", "hollander_2014", *holm))
+
+
+def _is_adjusted(plan: Plan) -> bool:
+    return any(each.method == "holm" for each in plan.families)
+
+
+def _families(plan: Plan, words: Vocabulary) -> str:
+    """Say over what p values were adjusted."""
+    holm = [each for each in plan.families if each.method == "holm"]
+    if not holm:
+        return "p values are not adjusted."
+    named = [
+        ", ".join(map(words.outcome, each.outcomes))
+        + (" and every effect of its ANOVA" if "anova" in each.analyses else "")
+        for each in holm
+    ]
+    over = "; and, apart from these, ".join(named)
+    return (
+        f"p values were adjusted with Holm’s (1979) method over {over}; each time over all "
+        "comparisons."
+    )
+
+
+def _exactness(rows: Sequence[SignedRankRow]) -> str:
+    """Say how p was found in the tests that were made."""
+    made = {row.found.method for row in rows if row.found}
+    exact = "from the exact permutation distribution given the ties"
+    normal = f"from the normal approximation above {EXACT_UP_TO} pairs"
+    if made == {"asymptotic"}:
+        return normal
+    return f"{exact}, {normal}" if "asymptotic" in made else exact
+
+
+def _fewest_for_shift(plan: Plan) -> int:
+    """Return the fewest differences with which a plan's interval of the shift has a bound."""
+    return fewest_for_interval(plan.confidence, _sides(plan))
+
+
+def _sides(plan: Plan) -> Literal[1, 2]:
+    inverted = plan.shift_interval == "inverted_test"
+    return 1 if inverted and plan.alternative != "two-sided" else 2
+
+
+def _shift_paragraph(plan: Plan) -> MethodsParagraph:
+    percent = f"{100 * plan.confidence:g} %"
+    zeros = "including" if plan.zeros == "pratt" else "excluding"
+    if plan.shift_interval == "inverted_test":
+        how = (
+            f"Its {percent} interval is the hull of the shifts that the same test, ranked anew "
+            "after each shift is taken off, does not reject at its level; a round bracket is an "
+            f"end that is itself rejected.{_of_holm(plan)}"
+        )
+    else:
+        how = (
+            f"Its {percent} interval is bounded by the Walsh averages at the critical ranks of the "
+            "signed-rank distribution without ties, on the conservative side; with ties it may "
+            "contradict p."
+        )
+    text = (
+        "The difference in points is the Hodges–Lehmann (1963) shift, the median of the Walsh "
+        f"averages, {zeros} pairs without a difference. {how} There is none below "
+        f"{_fewest_for_shift(plan)} differences, because no fewer can reach such an exact "
+        f"{'two' if _sides(plan) == 2 else 'one'}-sided p."
+    )
+    return MethodsParagraph("Differences", text, ("hodges_1963", "hollander_2014"))
+
+
+def _of_holm(plan: Plan) -> str:
+    """Say of which level intervals are where p values are adjusted."""
+    if not _is_adjusted(plan):
+        return ""
+    return (
+        " In a family of m tests it is of the level at which Holm’s method decides: α/(m − i + 1) "
+        "of the i-th smallest p while they are rejected, α over their number of the others."
+    )
+
+
+def _effect_paragraph(plan: Plan) -> MethodsParagraph:
+    percent = f"{100 * plan.confidence:g} %"
+    kind = plan.rank_biserial_interval
+    what = (
+        "r is the matched-pairs rank-biserial correlation (Kerby, 2014) over non-zero differences."
+    )
+    if kind == "normal_shift":
+        how = (
+            f"Its {percent} interval holds the values of 2 P(D₁ + D₂ > 0) − 1 under which the "
+            "observed r, or one farther out, is not too rare for non-zero differences D from a "
+            "normal distribution of any mean, and what more an interval of arcsin r with the "
+            "standard error of its pairs (Sen, 1960) holds, which needs no normal differences. It "
+            "drops zeros, which the test may rank, so the two may disagree about 0. Whether there "
+            "is a difference, p says."
+        )
+        return MethodsParagraph("Effect sizes", f"{what} {how}", ("kerby_2014", "sen_1960"))
+    n = (
+        "the number of non-zero scores in the first condition, as R’s effectsize counts"
+        if kind == "effectsize"
+        else "the number of non-zero differences"
+    )
+    how = (
+        f"Its {percent} interval is a Fisher-z interval (Ben-Shachar et al., 2020) whose standard "
+        f"error uses {n}. It is approximate, too narrow where there is an effect, and has no width "
+        "at ±1. Whether there is a difference, p says."
+    )
+    return MethodsParagraph("Effect sizes", f"{what} {how}", ("kerby_2014", "effectsize"))
+
+
+def _t_test_paragraph() -> MethodsParagraph:
+    return MethodsParagraph(
+        "Means",
+        "Beside the signed-rank tests stand paired t tests (Student, 1908) of the same pairs, "
+        "Cohen’s d_z (Lakens, 2013) and the JZS Bayes factor with a Cauchy prior of scale √2/2 "
+        "(Rouder et al., 2009), the latter by pingouin (Vallat, 2018).",
+        ("student_1908", "lakens_2013", "rouder_2009", "vallat_2018"),
+        section="sensitivity",
+    )
+
+
 def _csv(row: SignedRankRow) -> Iterator[Cells]:
     found, decision = row.found, row.decision
     shift = found.shift if found else None
@@ -415,13 +582,311 @@ def _csv_of_t(row: SignedRankRow) -> Iterator[Cells]:
         yield {"a": row.a, "b": row.b, "outcome": row.outcome, **asdict(row.found.t_test)}
 
 
-TESTS: Analysis[SignedRankRow] = Analysis(
+def _note(rows: Sequence[SignedRankRow], report: ReportContext) -> str:
+    plan, pratt = report.plan, report.plan.zeros == "pratt"
+    made = [(row.found, row.reported) for row in rows if row.found and row.reported]
+    sides = list(dict.fromkeys(row.alternative for row in rows))
+    asymptotic = any(found.method == "asymptotic" for found, _ in made)
+    note = html(
+        "Positive values: higher scores under the first condition. <i>p</i>: {}, exact{}. Zeros: "
+        "{}. Difference: Hodges–Lehmann shift in points, pairs without a difference {}. <i>r</i>: "
+        "matched-pairs rank-biserial correlation. A round bracket: the end itself is not in the "
+        "interval.",
+        sides[0] if len(sides) == 1 else "as each comparison says (two-sided, greater, less)",
+        " except where marked * (asymptotic)" if asymptotic else "",
+        "ranked, then dropped (Pratt)" if pratt else "dropped",
+        "included" if pratt else "excluded",
+    )
+    note += WITHOUT_ZERO * any(is_holed(shown.shift) for _, shown in made)
+    note += html(
+        " An interval of the shift needs {} differences{}; – where there are fewer.",
+        str(_fewest_for_shift(plan)),
+        _needed_for_r(plan),
+    )
+    if any(row.decision.simultaneous for row in rows):
+        note += html(
+            " Intervals of tests with a <i>p</i> Holm are of the level at which Holm’s method "
+            "decides on each, so that they say of 0 what <i>p</i> Holm says; unadjusted ones are "
+            "in <code>tables/tests.csv</code>."
+        )
+    disagreements = sum(
+        bool(disagreement(row.decision.verdict, row.reported.effect))
+        for row in rows
+        if row.reported
+    )
+    if disagreements:
+        note += html(
+            " The interval of <i>r</i>, which leaves out pairs without a difference, and the test "
+            "disagree about 0 in {} of these tests.",
+            str(disagreements),
+        )
+    return note
+
+
+def _needed_for_r(plan: Plan) -> Markup:
+    if plan.rank_biserial_interval == "normal_shift":
+        return Markup()
+    score = ", and a score other than 0 under the first condition"
+    also = score * (plan.rank_biserial_interval == "effectsize")
+    return html(" (for <i>r</i>, that are not zero{})", also)
+
+
+def _group(row: SignedRankRow, rows: Sequence[SignedRankRow], report: ReportContext) -> str:
+    sides = "" if len({each.alternative for each in rows}) == 1 else f" ({row.alternative})"
+    return html("{} minus {}{}", *(with_dot(n, report.words) for n in (row.a, row.b)), sides)
+
+
+def _caption(_: Sequence[SignedRankRow], report: ReportContext) -> str:
+    mean = ", mean per exposure" if report.several else ""
+    return f"Signed-rank tests of {report.words.scores}{mean}"
+
+
+def _found(write: Callable[[SignedRankFound], str]) -> Callable[[SignedRankRow, object], str]:
+    return lambda row, _: write(row.found) if row.found else ""
+
+
+def _estimate(found: Shift | EffectSize | None) -> float | None:
+    return found.estimate if found else None
+
+
+def _ends_of(row: SignedRankRow, part: str, *, bounded: bool = False) -> str:
+    return interval(getattr(row.reported, part, None), bounded=bounded)
+
+
+_Column = TableColumn[SignedRankRow]
+_TABLE: AnalysisTable[SignedRankRow, SignedRankRow] = AnalysisTable(
+    "tests",
+    _caption,
+    (
+        _Column("Score", lambda row, words: words.outcome(row.outcome)),
+        _Column(ITALIC_N, lambda row, _: str(row.n)),
+        _Column("zeros", _found(lambda found: str(found.zeros))),
+        _Column("ties", _found(lambda found: str(found.ties))),
+        _Column(Markup("<i>W</i>+"), _found(lambda found: number(found.w_plus, 1))),
+        _Column(Markup("<i>W</i>−"), _found(lambda found: number(found.w_minus, 1))),
+        _Column(Markup("<i>Z</i>"), _found(lambda found: number(found.z))),
+        _Column(ITALIC_P, lambda row, _: starred_p(row.p, row.found.method if row.found else None)),
+        _Column(P_HOLM, lambda row, _: p_value(row.decision.p_holm)),
+        _Column("difference", _found(lambda found: number(_estimate(found.shift)))),
+        _Column(decided_interval, lambda row, _: _ends_of(row, "shift")),
+        _Column(
+            Markup("<i>r</i>"),
+            _found(lambda found: fraction(_estimate(found.effect))),
+        ),
+        _Column(decided_interval, lambda row, _: _ends_of(row, "effect", bounded=True)),
+    ),
+    spanning=lambda row: row.not_tested,
+    labels=2,
+    group=_group,
+    group_key=lambda row: (row.a, row.b),
+    note=_note,
+    csv=_csv,
+)
+
+
+@dataclass(frozen=True)
+class _Means:
+    """A line of the table of t tests."""
+
+    row: SignedRankRow
+    test: PairedTTest
+
+
+def _means(row: SignedRankRow) -> Iterator[_Means]:
+    if row.found and row.found.t_test:
+        yield _Means(row, row.found.t_test)
+
+
+def _difference(line: _Means, words: Vocabulary) -> str:
+    return f"{words.condition(line.row.a)} minus {words.condition(line.row.b)}"
+
+
+_Mean = TableColumn[_Means]
+_TABLE_OF_MEANS: AnalysisTable[SignedRankRow, _Means] = AnalysisTable(
+    "t_tests",
+    "The same pairs by their means: paired t tests, with Bayes factors",
+    (
+        _Mean("Score", lambda line, words: words.outcome(line.row.outcome)),
+        _Mean("Difference", _difference, of_words=True),
+        _Mean(ITALIC_N, lambda line, _: str(line.test.n)),
+        _Mean(Markup("<i>M</i>"), lambda line, _: number(line.test.mean)),
+        _Mean(interval_heading, lambda line, _: interval(line.test)),
+        _Mean(Markup("<i>t</i>"), lambda line, _: number(line.test.t)),
+        _Mean("df", lambda line, _: degrees(line.test.df)),
+        _Mean(ITALIC_P, lambda line, _: p_value(line.test.p)),
+        _Mean(Markup("<i>d</i><sub>z</sub>"), lambda line, _: number(line.test.cohen_dz)),
+        _Mean("BF₁₀", lambda line, _: bayes_factor(line.test.bayes_factor_10)),
+    ),
+    lines=_means,
+    note=lambda _rows, _report: html(
+        "Not adjusted. A Bayes factor above 1 speaks for a difference, below 1 for none. Scores "
+        "are skewed: with tails as long as a log-normal’s, 95 % intervals of <i>t</i> held the "
+        "true difference in .83 to .89 of simulated studies with an effect; where these tests and "
+        "the signed-rank tests differ, see the assumptions."
+    ),
+    csv=_csv_of_t,
+    section="sensitivity",
+)
+
+_R_FUNCTIONS = r"""
+# Sums over the exposures of each condition, brought to one number of exposures, of the people with
+# every planned one. They stay integers, so that ties are exact.
+pair_up <- function(scores, test) {
+  raw <- as.numeric(scores[[paste0(test$outcome, "_raw")]])
+  of <- function(condition) {
+    mine <- scores$condition == condition
+    list(sum = tapply(raw[mine], scores$participant[mine], sum),
+         count = tapply(raw[mine], scores$participant[mine], length))
+  }
+  a <- of(test$a); b <- of(test$b)
+  complete <- function(side, planned) {
+    names(side$count)[side$count >= max(1, as.numeric(planned))]
+  }
+  people <- intersect(complete(a, test$planned_a), complete(b, test$planned_b))
+  counts <- c(a$count[people], b$count[people])
+  common <- Reduce(function(x, y) x * y / divisor(x, y), unique(counts), 1)
+  weighted <- as.numeric(scores[[test$outcome]])
+  place <- which(raw != 0)
+  unit <- if (length(place)) weighted[place[1]] / raw[place[1]] else 0
+  list(a = unname(a$sum[people] * common / a$count[people]),
+       b = unname(b$sum[people] * common / b$count[people]), unit = unit / common)
+}
+
+divisor <- function(x, y) if (y == 0) x else divisor(y, x %% y)
+
+# Wilcoxon's signed-rank test of integer differences. Zeros are ranked and then dropped (Pratt), or
+# dropped before ranking. The exact distribution given the ties: every sign is as likely as the
+# other, so that of the sum is found by adding one rank after another (in halves, to be whole).
+signed_rank <- function(d, zeros, side) {
+  if (zeros == "wilcox") d <- d[d != 0]
+  r <- rank(abs(d))[d != 0]
+  positive <- d[d != 0] > 0
+  w_plus <- sum(r[positive]); w_minus <- sum(r[!positive])
+  z <- if (length(r)) (w_plus - w_minus) / sqrt(sum(r^2)) else 0
+  list(w_plus = w_plus, w_minus = w_minus, z = z, ranks = r,
+       p_exact = exact_p(r, w_plus, side), p_asymptotic = normal_p(z, side))
+}
+
+exact_p <- function(r, w_plus, side) {
+  p <- 1
+  for (step in round(2 * r)) p <- (c(p, numeric(step)) + c(numeric(step), p)) / 2
+  at <- round(2 * w_plus) + 1
+  up <- sum(p[at:length(p)]); down <- sum(p[1:at])
+  switch(side, greater = up, less = down, min(1, 2 * min(up, down)))
+}
+
+normal_p <- function(z, side) {
+  switch(side, greater = pnorm(-z), less = pnorm(z), 2 * pnorm(-abs(z)))
+}
+
+# The median of the Walsh averages.
+hodges_lehmann <- function(d) {
+  sums <- outer(d, d, "+")
+  median(sums[upper.tri(sums, diag = TRUE)]) / 2
+}
+
+# The hull of the shifts that the test does not reject: p changes only at Walsh averages, so each of
+# them is tried and a shift between neighbours, all times 4 to stay whole. An end is closed where
+# the Walsh average itself is not rejected.
+interval <- function(d, zeros, side, exact, level) {
+  sums <- outer(d, d, "+")
+  at <- sort(unique(2 * sums[upper.tri(sums, diag = TRUE)]))
+  tried <- sort(c(at, at[-1] - diff(at) / 2, min(at) - 1, max(at) + 1))
+  kept <- vapply(tried, function(shift) {
+    found <- signed_rank(4 * d - shift, zeros, side)
+    (if (exact) found$p_exact else found$p_asymptotic) > level
+  }, logical(1))
+  if (!any(kept)) return(c(NA, NA))
+  first <- min(which(kept)); last <- max(which(kept))
+  end <- function(place, step) {   # a kept shift between two averages: the end is the next average
+    if (place %in% c(1, length(tried))) return(NA)
+    if (tried[place] %in% at) tried[place] else tried[place + step]
+  }
+  c(end(first, -1), end(last, 1)) / 4
+}
+"""
+_R_LINES = r"""
+needed <- c("not_tested", "timepoint_a", "timepoint_b", "ranked_worst", "family", "p_holm")
+tests <- if (file.exists(file.path(folder, "tables", "tests.csv"))) read_table("tests") else {
+  as.data.frame(sapply(needed, function(name) character(), simplify = FALSE))
+}
+done <- tests[is.na(tests$not_tested), , drop = FALSE]
+
+# scores.csv has what was answered after exposures: no other moment, and nobody's assumed rank.
+elsewhere <- !is.na(done$timepoint_a) | !is.na(done$timepoint_b) | done$ranked_worst != "0"
+for (k in which(elsewhere)) {
+  cat("Not made here:", done$outcome[k], done$a[k], "minus", done$b[k],
+      "(its data are not in scores.csv)\n")
+}
+adjusted_here <- !(done$family %in% done$family[elsewhere])
+done$p_holm[!adjusted_here] <- NA
+done <- done[!elsewhere, , drop = FALSE]
+p_values <- rep(NA_real_, nrow(done))
+for (k in seq_len(nrow(done))) {
+  test <- done[k, ]
+  pairs <- pair_up(scores, test)
+  d <- pairs$a - pairs$b
+  exact <- test$method == "exact"
+  found <- signed_rank(d, test$zero_method, test$alternative)
+  p_values[k] <- if (exact) found$p_exact else found$p_asymptotic
+  compare(test, "n", test$n, length(d))
+  compare(test, "W+", test$w_plus, found$w_plus)
+  compare(test, "W-", test$w_minus, found$w_minus)
+  compare(test, "Z", test$z, found$z)
+  compare(test, paste("p,", test$method), test$p, p_values[k])
+  compare(test, "mean of a", test[[paste0("mean_", test$a)]], mean(pairs$a) * pairs$unit)
+  compare(test, "mean of b", test[[paste0("mean_", test$b)]], mean(pairs$b) * pairs$unit)
+  ranked <- signed_rank(d, "wilcox", test$alternative)
+  if (length(ranked$ranks)) {
+    r <- (ranked$w_plus - ranked$w_minus) / sum(ranked$ranks)
+    compare(test, "rank-biserial r", test$rank_biserial, r)
+  }
+  kept <- if (test$zero_method == "wilcox") d[d != 0] else d
+  if (length(kept) && length(kept) <= MOST_FOR_WALSH) {
+    compare(test, "Hodges-Lehmann", test$hodges_lehmann, hodges_lehmann(kept) * pairs$unit)
+  }
+  bounded <- !is.na(test$hodges_lehmann_low) || !is.na(test$hodges_lehmann_high)
+  if (bounded && test$shift_interval == "inverted_test" && length(kept) <= MOST_FOR_INTERVAL) {
+    at <- function(level) interval(d, test$zero_method, test$alternative, exact, level) * pairs$unit
+    ends <- at(1 - as.numeric(test$confidence))
+    compare(test, "interval, low", test$hodges_lehmann_low, ends[1])
+    compare(test, "interval, high", test$hodges_lehmann_high, ends[2])
+    ends <- at(as.numeric(test$level))   # in a family: that at which Holm's method decides
+    compare(test, "interval (Holm), low", test$hodges_lehmann_holm_low, ends[1])
+    compare(test, "interval (Holm), high", test$hodges_lehmann_holm_high, ends[2])
+  }
+  if (exact && requireNamespace("coin", quietly = TRUE) && any(d != 0)) {
+    side <- test$alternative
+    method <- if (test$zero_method == "pratt") "Pratt" else "Wilcoxon"
+    of_coin <- coin::wilcoxsign_test(pairs$a ~ pairs$b, zero.method = method, alternative =
+      if (side == "two-sided") "two.sided" else side, distribution = coin::exact())
+    compare(test, "p, exact, of coin", test$p, as.numeric(coin::pvalue(of_coin)))
+  }
+}
+
+# Holm's method over the tests of a family.
+for (family in unique(done$family[!is.na(done$p_holm)])) {
+  members <- which(!is.na(done$p_holm) & done$family %in% family)
+  adjusted <- p.adjust(p_values[members], "holm")
+  for (k in seq_along(members)) {
+    compare(done[members[k], ], "p, Holm", done$p_holm[members[k]], adjusted[k])
+  }
+}
+"""
+
+TESTS = Analysis(
     "tests",
     AnalysisSet.COMPLETE_PAIRS,
     _compute,
-    tables=(AnalysisTable("tests", csv=_csv), AnalysisTable("t_tests", csv=_csv_of_t)),
+    tables=(_TABLE, _TABLE_OF_MEANS),
+    section="primary",
     place=0,
+    order=0,
     by_outcome=True,
+    intervals=_intervals,
     sentences=_sentences,
+    methods=_methods,
     analysed=lambda row: row.participants,
+    r_lines=_R_LINES,
+    r_functions=_R_FUNCTIONS,
 )
