@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from vrcomfort.records.names import natural
 from vrcomfort.report import palette
 from vrcomfort.report.analyses import analysis_figures
+from vrcomfort.report.analyses.signed_rank.figure import estimation_figure
 from vrcomfort.report.canvas import (
     FAINT,
     GRID,
@@ -27,7 +28,6 @@ from vrcomfort.report.canvas import (
     threads,
     time_unit,
 )
-from vrcomfort.report.estimation import estimation_figure
 from vrcomfort.report.palette import colour_of, marker_of
 from vrcomfort.report.residuals import residual_figure
 from vrcomfort.report.sections import section_figures

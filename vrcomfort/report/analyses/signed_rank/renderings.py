@@ -1,12 +1,11 @@
-"""Wilcoxon's signed-rank tests of a plan's contrasts of pairs, with t tests of the same pairs."""
+"""Renderings of the signed-rank tests: sentences, tables, lines of reproduce.R."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field, replace
-from typing import TYPE_CHECKING, Literal
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
 
-import numpy as np
 from markupsafe import Markup
 
 from vrcomfort.report.analyses.contract import (
@@ -14,11 +13,7 @@ from vrcomfort.report.analyses.contract import (
     ITALIC_P,
     P_HOLM,
     WITHOUT_ZERO,
-    Analysis,
-    AnalysisData,
-    AnalysisSet,
     AnalysisTable,
-    MethodsParagraph,
     ReportContext,
     Sentence,
     TableColumn,
@@ -29,9 +24,13 @@ from vrcomfort.report.analyses.contract import (
     starred_p,
     with_dot,
 )
-from vrcomfort.report.descriptives import Description, DescriptionWithInterval, describe
+from vrcomfort.report.analyses.signed_rank.computation import (
+    PairedTTest,
+    SignedRankFound,
+    SignedRankRow,
+)
+from vrcomfort.report.analyses.signed_rank.methods import fewest_for_shift
 from vrcomfort.report.families import (
-    Decision,
     difference_in_words,
     disagreement,
     interval_title,
@@ -39,10 +38,7 @@ from vrcomfort.report.families import (
     p_in_words,
     too_few_in_words,
 )
-from vrcomfort.report.orders import OneOrder, in_words, one_order
-from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up
-from vrcomfort.report.rows import HIDDEN, INLINE
-from vrcomfort.report.withdrawals import lost_signs
+from vrcomfort.report.orders import in_words
 from vrcomfort.report.words import (
     NONE,
     bayes_factor,
@@ -53,280 +49,20 @@ from vrcomfort.report.words import (
     p_value,
 )
 from vrcomfort.stats.ranks import fewest_for_interval
-from vrcomfort.stats.signed_rank import EXACT_UP_TO, SignedRank, signed_rank, worst_rank
-from vrcomfort.stats.t_tests import paired_t
 
 if TYPE_CHECKING:
-    from vrcomfort.report.contrasts import Compared
-    from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.rows import Cells
     from vrcomfort.report.vocabulary import Vocabulary
     from vrcomfort.stats.effects import EffectSize
-    from vrcomfort.stats.ranks import Alternative
     from vrcomfort.stats.shift import Shift
-    from vrcomfort.stats.signed_rank import Zeros
 
-FEWEST_PAIRS = 2
+
 _DESCRIBED = ("mean", "mean_low", "mean_high", "sd", "median", "q1", "q3")
 
 
-@dataclass(frozen=True)
-class SignedRankIntervals:
-    """The estimates with intervals of one level."""
-
-    shift: Shift | None
-    effect: EffectSize | None
-
-
-@dataclass(frozen=True)
-class OtherZeros:
-    """The test with the other rule for pairs without a difference."""
-
-    test: SignedRank = field(metadata=INLINE)
-    p: float
-    method: str
-
-
-@dataclass(frozen=True)
-class PairedTTest:
-    """The t test of the same pairs."""
-
-    n: int
-    mean: float
-    standard_error: float
-    df: int
-    t: float
-    p: float
-    low: float | None
-    high: float | None
-    confidence: float
-    alternative: str
-    cohen_dz: float
-    bayes_factor_10: float
-
-
-@dataclass(frozen=True)
-class SignedRankFound:
-    """The numbers of a test.
-
-    Parameters
-    ----------
-    descriptives
-        Of both sides, by name, and of the difference.
-    t_test
-        None where no difference varies.
-    """
-
-    zeros: int
-    ties: int
-    zero_method: str
-    w_plus: float
-    w_minus: float
-    z: float | None
-    p_exact: float | None
-    p_asymptotic: float
-    shift: Shift | None
-    effect: EffectSize | None
-    method: str
-    descriptives: dict[str, Description]
-    other_zeros: OtherZeros
-    t_test: PairedTTest | None
-
-
-@dataclass(frozen=True)
-class SignedRankRow:
-    """One contrast, tested on one outcome.
-
-    Parameters
-    ----------
-    ranked_worst
-        Participants who withdrew, and are ranked as worst.
-    confounded
-        The order in which nearly all met the two conditions, if it is one.
-    needed, confidence, shift_interval
-        Scores of each side that a participant needs; the plan's choices.
-    """
-
-    a: str
-    b: str
-    outcome: str
-    kind: str
-    sides: tuple[Side, Side]
-    n: int
-    participants: tuple[str, ...]
-    ranked_worst: tuple[str, ...]
-    exposures_per_condition: dict[str, int]
-    alternative: Alternative
-    p: float | None
-    not_tested: str | None
-    confounded: OneOrder | None
-    decision: Decision[SignedRankIntervals] = field(metadata=INLINE)
-    found: SignedRankFound | None = field(metadata=INLINE)
-    needed: tuple[int, int] = field(metadata=HIDDEN)
-    confidence: float = field(metadata=HIDDEN)
-    shift_interval: str = field(metadata=HIDDEN)
-
-    @property
-    def reported(self) -> SignedRankIntervals | SignedRankFound | None:
-        """Return the estimates with the intervals that belong to the p that decides."""
-        return self.decision.simultaneous or self.found
-
-
-def _compute(data: AnalysisData, _: Sequence[object]) -> list[SignedRankRow]:
-    return [
-        _row(data, contrast, outcome.name)
-        for contrast in data.contrasts
-        if contrast.test == "signed_rank"
-        for outcome in data.scored.outcomes
-    ]
-
-
-def _row(data: AnalysisData, contrast: Compared, outcome: str) -> SignedRankRow:
-    scored, plan, a, b = data.scored, data.plan, contrast.a, contrast.b
-    pairs = pair_up(scored, outcome, a, b, complete=data.complete)
-    signs = _ranked_worst(pairs, plan, lost_signs(data.withdrawals, a.name, b.name))
-    planned = {side.name: needed_of(scored, outcome, side) for side in (a, b)}
-    needed = (planned[a.name], planned[b.name]) if data.complete else (1, 1)
-    confounded = None
-    if contrast.of_conditions:
-        people = pairs.participants
-        confounded = scored.looked_up(
-            ("confounded", a, b, people),
-            lambda: one_order(scored.table, a.name, b.name, people),
-        )
-    row = SignedRankRow(
-        a.name, b.name, outcome, "paired", (a, b), len(pairs.participants) + len(signs),
-        (*pairs.participants, *signs), tuple(signs), planned, contrast.alternative, None, None,
-        confounded, Decision(), None, needed, plan.confidence, plan.shift_interval,
-    )  # fmt: skip
-    if len(pairs.participants) < FEWEST_PAIRS:
-        return replace(row, not_tested=_too_few(scored, outcome, contrast, len(pairs.participants)))
-    return _tested(row, pairs, plan, list(signs.values()))
-
-
-def _tested(row: SignedRankRow, pairs: Pairs, plan: Plan, signs: list[int]) -> SignedRankRow:
-    """Return a row with its test; shift and r leave out withdrawals that are ranked as worst."""
-    test = _signed_rank(pairs, plan, row.alternative, plan.confidence)
-    ranked = test
-    if signs:
-        ranked = worst_rank(
-            pairs.differences, signs, zeros=plan.zeros, alternative=row.alternative,
-            p_value=plan.p_value,
-        )  # fmt: skip
-    t_test = _t_test(pairs, plan, row.alternative)
-    found = SignedRankFound(
-        ranked.zeros, ranked.ties, test.zero_method, ranked.w_plus, ranked.w_minus, ranked.z,
-        ranked.p_exact, ranked.p_asymptotic, test.shift, test.effect, ranked.method,
-        describe_pairs(pairs, (row.a, row.b), t_test),
-        _other_zeros(pairs, plan, row.alternative), t_test,
-    )  # fmt: skip
-    decision: Decision[SignedRankIntervals] = Decision(
-        smallest_p=_smallest_p(pairs, len(signs), plan, row.alternative),
-        higher=ranked.w_plus > ranked.w_minus,
-    )
-    return replace(row, p=ranked.p, decision=decision, found=found)
-
-
-def _intervals(data: AnalysisData, row: SignedRankRow, level: float) -> SignedRankIntervals:
-    pairs = pair_up(data.scored, row.outcome, *row.sides, complete=data.complete)
-    test = _signed_rank(pairs, data.plan, row.alternative, 1 - level)
-    return SignedRankIntervals(test.shift, test.effect)
-
-
-def _too_few(scored: Exposures, outcome: str, contrast: Compared, n: int) -> str:
-    """Return the reason for having no test, and the analysis to look at instead."""
-    said = f"{n} complete pairs: too few for a test"
-    rows = [side.rows(scored).dropna(subset=[outcome]) for side in (contrast.a, contrast.b)]
-    one, two = (set(table["participant"]) for table in rows)
-    if one and two and one.isdisjoint(two):
-        said += ' (different people met them: see the ANOVA with kind = "between")'
-    return said
-
-
-def _ranked_worst(pairs: Pairs, plan: Plan, lost: dict[str, int]) -> dict[str, int]:
-    if plan.withdrawals != "worst_rank":
-        return {}
-    return {who: sign for who, sign in lost.items() if who not in pairs.participants}
-
-
-def _signed_rank(
-    pairs: Pairs, plan: Plan, alternative: Alternative, confidence: float
-) -> SignedRank:
-    return signed_rank(
-        pairs.differences,
-        pairs.unit,
-        zeros=plan.zeros,
-        alternative=alternative,
-        p_value=plan.p_value,
-        confidence=confidence,
-        shift_interval=plan.shift_interval,
-        effect_interval=(
-            "normal_shift" if plan.rank_biserial_interval == "normal_shift" else "fisher_z"
-        ),
-        interval_n=_interval_n(pairs, plan),
-    )
-
-
-def _smallest_p(pairs: Pairs, withdrawn: int, plan: Plan, alternative: Alternative) -> float:
-    """Return the smallest p of these differences: all in one direction."""
-    one_way = np.abs(pairs.differences) * (-1 if alternative == "less" else 1)
-    signs = [-1 if alternative == "less" else 1] * withdrawn
-    if withdrawn:
-        return worst_rank(
-            one_way, signs, zeros=plan.zeros, alternative=alternative, p_value=plan.p_value
-        ).p
-    return signed_rank(
-        one_way, zeros=plan.zeros, alternative=alternative, p_value=plan.p_value, intervals=False
-    ).p
-
-
-def _interval_n(pairs: Pairs, plan: Plan) -> int | None:
-    return int(np.count_nonzero(pairs.a)) if plan.rank_biserial_interval == "effectsize" else None
-
-
-def _other_zeros(pairs: Pairs, plan: Plan, alternative: Alternative) -> OtherZeros:
-    other: Zeros = "wilcox" if plan.zeros == "pratt" else "pratt"
-    test = signed_rank(
-        pairs.differences,
-        zeros=other,
-        alternative=alternative,
-        p_value=plan.p_value,
-        intervals=False,
-    )
-    return OtherZeros(test, test.p, test.method)
-
-
-def _t_test(pairs: Pairs, plan: Plan, alternative: Alternative) -> PairedTTest | None:
-    found = paired_t(
-        pairs.differences, pairs.unit, alternative=alternative, confidence=plan.confidence
-    )
-    if found is None:
-        return None
-    return PairedTTest(
-        found.n, found.mean, found.standard_error, int(found.df), found.t, found.p, found.low,
-        found.high, found.confidence, found.alternative, found.cohen_d, found.bayes_factor_10,
-    )  # fmt: skip
-
-
-def describe_pairs(
-    pairs: Pairs, names: tuple[str, str], t_test: PairedTTest | None
-) -> dict[str, Description]:
-    """Return mean, spread and quartiles of both conditions and of the differences, in points.
-
-    The interval of the mean difference is that of its t test: a report has no other.
-    """
-    low, high = (t_test.low, t_test.high) if t_test else (None, None)
-    return {
-        names[0]: describe(pairs.a * pairs.unit),
-        names[1]: describe(pairs.b * pairs.unit),
-        "difference": DescriptionWithInterval(
-            **vars(describe(pairs.differences * pairs.unit)), mean_low=low, mean_high=high
-        ),
-    }
-
-
-def _sentences(row: SignedRankRow, words: Vocabulary) -> Iterator[Sentence]:
+def sentences(row: SignedRankRow, words: Vocabulary) -> Iterator[Sentence]:
+    """Yield the answer of a test."""
     a, b = words.condition(row.a), words.condition(row.b)
     name, found = words.outcome(row.outcome), row.found
     if found is None:
@@ -371,160 +107,6 @@ def _rank_biserial(row: SignedRankRow, words: Vocabulary) -> str:
     a = words.condition(row.a)
     reason = "too few differences other than 0" if few else f"{a} has no score but 0"
     return f"{r} (no {interval_title(row.decision, row.confidence)}: {reason})"
-
-
-_SIDES = {
-    "two-sided": "two-sided",
-    "greater": "one-sided (higher scores under the first condition)",
-    "less": "one-sided (lower scores under the first condition)",
-}
-
-
-def _methods(rows: Sequence[SignedRankRow], report: ReportContext) -> Iterator[MethodsParagraph]:
-    if any(row.found for row in rows):
-        yield from (
-            _test_paragraph(rows, report),
-            _shift_paragraph(report.plan),
-            _effect_paragraph(report.plan),
-        )
-    if any(row.found and row.found.t_test for row in rows):
-        yield _t_test_paragraph()
-
-
-def _test_paragraph(rows: Sequence[SignedRankRow], report: ReportContext) -> MethodsParagraph:
-    plan = report.plan
-    pratt = plan.zeros == "pratt"
-    zeros = (
-        "pairs without a difference were ranked and then dropped (Pratt, 1959)"
-        if pratt
-        else "pairs without a difference were dropped before ranking (Wilcoxon, 1945)"
-    )
-    asked = dict.fromkeys(row.alternative for row in rows)
-    sides = _SIDES[next(iter(asked))] if len(asked) == 1 else "two-sided or one-sided as marked"
-    text = (
-        f"Conditions were compared with Wilcoxon signed-rank tests, {sides}. Ranks were taken on "
-        f"integer raw sums, so ties are exact; {zeros}; p is {_exactness(rows)} (Hollander et "
-        "al., 2014); Z is tie-corrected, without continuity correction. "
-        f"{_families(plan, report.words)}"
-    )
-    first = "pratt_1959" if pratt else "wilcoxon_1945"
-    holm = ("holm_1979",) if _is_adjusted(plan) else ()
-    return MethodsParagraph("Tests", text, (first, "wilcoxon_1945", "hollander_2014", *holm))
-
-
-def _is_adjusted(plan: Plan) -> bool:
-    return any(each.method == "holm" for each in plan.families)
-
-
-def _families(plan: Plan, words: Vocabulary) -> str:
-    """Say over what p values were adjusted."""
-    holm = [each for each in plan.families if each.method == "holm"]
-    if not holm:
-        return "p values are not adjusted."
-    named = [
-        ", ".join(map(words.outcome, each.outcomes))
-        + (" and every effect of its ANOVA" if "anova" in each.analyses else "")
-        for each in holm
-    ]
-    over = "; and, apart from these, ".join(named)
-    return (
-        f"p values were adjusted with Holm’s (1979) method over {over}; each time over all "
-        "comparisons."
-    )
-
-
-def _exactness(rows: Sequence[SignedRankRow]) -> str:
-    """Say how p was found in the tests that were made."""
-    made = {row.found.method for row in rows if row.found}
-    exact = "from the exact permutation distribution given the ties"
-    normal = f"from the normal approximation above {EXACT_UP_TO} pairs"
-    if made == {"asymptotic"}:
-        return normal
-    return f"{exact}, {normal}" if "asymptotic" in made else exact
-
-
-def _fewest_for_shift(plan: Plan) -> int:
-    """Return the fewest differences with which a plan's interval of the shift has a bound."""
-    return fewest_for_interval(plan.confidence, _sides(plan))
-
-
-def _sides(plan: Plan) -> Literal[1, 2]:
-    inverted = plan.shift_interval == "inverted_test"
-    return 1 if inverted and plan.alternative != "two-sided" else 2
-
-
-def _shift_paragraph(plan: Plan) -> MethodsParagraph:
-    percent = f"{100 * plan.confidence:g} %"
-    zeros = "including" if plan.zeros == "pratt" else "excluding"
-    if plan.shift_interval == "inverted_test":
-        how = (
-            f"Its {percent} interval is the hull of the shifts that the same test, ranked anew "
-            "after each shift is taken off, does not reject at its level; a round bracket is an "
-            f"end that is itself rejected.{_of_holm(plan)}"
-        )
-    else:
-        how = (
-            f"Its {percent} interval is bounded by the Walsh averages at the critical ranks of the "
-            "signed-rank distribution without ties, on the conservative side; with ties it may "
-            "contradict p."
-        )
-    text = (
-        "The difference in points is the Hodges–Lehmann (1963) shift, the median of the Walsh "
-        f"averages, {zeros} pairs without a difference. {how} There is none below "
-        f"{_fewest_for_shift(plan)} differences, because no fewer can reach such an exact "
-        f"{'two' if _sides(plan) == 2 else 'one'}-sided p."
-    )
-    return MethodsParagraph("Differences", text, ("hodges_1963", "hollander_2014"))
-
-
-def _of_holm(plan: Plan) -> str:
-    """Say of which level intervals are where p values are adjusted."""
-    if not _is_adjusted(plan):
-        return ""
-    return (
-        " In a family of m tests it is of the level at which Holm’s method decides: α/(m − i + 1) "
-        "of the i-th smallest p while they are rejected, α over their number of the others."
-    )
-
-
-def _effect_paragraph(plan: Plan) -> MethodsParagraph:
-    percent = f"{100 * plan.confidence:g} %"
-    kind = plan.rank_biserial_interval
-    what = (
-        "r is the matched-pairs rank-biserial correlation (Kerby, 2014) over non-zero differences."
-    )
-    if kind == "normal_shift":
-        how = (
-            f"Its {percent} interval holds the values of 2 P(D₁ + D₂ > 0) − 1 under which the "
-            "observed r, or one farther out, is not too rare for non-zero differences D from a "
-            "normal distribution of any mean, and what more an interval of arcsin r with the "
-            "standard error of its pairs (Sen, 1960) holds, which needs no normal differences. It "
-            "drops zeros, which the test may rank, so the two may disagree about 0. Whether there "
-            "is a difference, p says."
-        )
-        return MethodsParagraph("Effect sizes", f"{what} {how}", ("kerby_2014", "sen_1960"))
-    n = (
-        "the number of non-zero scores in the first condition, as R’s effectsize counts"
-        if kind == "effectsize"
-        else "the number of non-zero differences"
-    )
-    how = (
-        f"Its {percent} interval is a Fisher-z interval (Ben-Shachar et al., 2020) whose standard "
-        f"error uses {n}. It is approximate, too narrow where there is an effect, and has no width "
-        "at ±1. Whether there is a difference, p says."
-    )
-    return MethodsParagraph("Effect sizes", f"{what} {how}", ("kerby_2014", "effectsize"))
-
-
-def _t_test_paragraph() -> MethodsParagraph:
-    return MethodsParagraph(
-        "Means",
-        "Beside the signed-rank tests stand paired t tests (Student, 1908) of the same pairs, "
-        "Cohen’s d_z (Lakens, 2013) and the JZS Bayes factor with a Cauchy prior of scale √2/2 "
-        "(Rouder et al., 2009), the latter by pingouin (Vallat, 2018).",
-        ("student_1908", "lakens_2013", "rouder_2009", "vallat_2018"),
-        section="sensitivity",
-    )
 
 
 def _csv(row: SignedRankRow) -> Iterator[Cells]:
@@ -600,7 +182,7 @@ def _note(rows: Sequence[SignedRankRow], report: ReportContext) -> str:
     note += WITHOUT_ZERO * any(is_holed(shown.shift) for _, shown in made)
     note += html(
         " An interval of the shift needs {} differences{}; – where there are fewer.",
-        str(_fewest_for_shift(plan)),
+        str(fewest_for_shift(plan)),
         _needed_for_r(plan),
     )
     if any(row.decision.simultaneous for row in rows):
@@ -654,7 +236,7 @@ def _ends_of(row: SignedRankRow, part: str, *, bounded: bool = False) -> str:
 
 
 _Column = TableColumn[SignedRankRow]
-_TABLE: AnalysisTable[SignedRankRow, SignedRankRow] = AnalysisTable(
+TABLE: AnalysisTable[SignedRankRow, SignedRankRow] = AnalysisTable(
     "tests",
     _caption,
     (
@@ -702,7 +284,7 @@ def _difference(line: _Means, words: Vocabulary) -> str:
 
 
 _Mean = TableColumn[_Means]
-_TABLE_OF_MEANS: AnalysisTable[SignedRankRow, _Means] = AnalysisTable(
+TABLE_OF_MEANS: AnalysisTable[SignedRankRow, _Means] = AnalysisTable(
     "t_tests",
     "The same pairs by their means: paired t tests, with Bayes factors",
     (
@@ -728,7 +310,8 @@ _TABLE_OF_MEANS: AnalysisTable[SignedRankRow, _Means] = AnalysisTable(
     section="sensitivity",
 )
 
-_R_FUNCTIONS = r"""
+
+R_FUNCTIONS = r"""
 # Sums over the exposures of each condition, brought to one number of exposures, of the people with
 # every planned one. They stay integers, so that ties are exact.
 pair_up <- function(scores, test) {
@@ -805,7 +388,9 @@ interval <- function(d, zeros, side, exact, level) {
   c(end(first, -1), end(last, 1)) / 4
 }
 """
-_R_LINES = r"""
+
+
+R_LINES = r"""
 needed <- c("not_tested", "timepoint_a", "timepoint_b", "ranked_worst", "family", "p_holm")
 tests <- if (file.exists(file.path(folder, "tables", "tests.csv"))) read_table("tests") else {
   as.data.frame(sapply(needed, function(name) character(), simplify = FALSE))
@@ -873,20 +458,3 @@ for (family in unique(done$family[!is.na(done$p_holm)])) {
   }
 }
 """
-
-TESTS = Analysis(
-    "tests",
-    AnalysisSet.COMPLETE_PAIRS,
-    _compute,
-    tables=(_TABLE, _TABLE_OF_MEANS),
-    section="primary",
-    place=0,
-    order=0,
-    by_outcome=True,
-    intervals=_intervals,
-    sentences=_sentences,
-    methods=_methods,
-    analysed=lambda row: row.participants,
-    r_lines=_R_LINES,
-    r_functions=_R_FUNCTIONS,
-)
