@@ -65,7 +65,7 @@ def check_archive(content: bytes, file: Path) -> None:
 
 
 class _Elements:
-    """Counts the elements of all parts by what they cost."""
+    """Counts the elements of all parts, weighted by the memory that they take."""
 
     _READ, _INSIDE = frozenset({"row", "c", "si", "is", "r"}), frozenset({"v", "t", "f", "rPr"})
 
