@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
 from vrcomfort import __version__
 from vrcomfort.errors import InputError, spare
+from vrcomfort.files import sha256_of
 from vrcomfort.importing.mapping import MappingFile
 from vrcomfort.importing.rows import Imported
 from vrcomfort.json_text import json_of
@@ -115,7 +115,7 @@ def _provenance(
             {
                 "file": file.name,
                 "bytes": file.stat().st_size,
-                "sha256": hashlib.sha256(file.read_bytes()).hexdigest(),
+                "sha256": sha256_of(file),
             }
             for file in files
         ],

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr, field_validator
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import sha256_of
 from vrcomfort.protocol.adjustments import Adjustment, Slider
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.factors import CrossedFactor
@@ -367,7 +368,7 @@ class Protocol(Settings):
         for name in sorted({name for each in self.told for _, name in each.files()}):
             file = self.media_file(name)
             try:
-                hashes[name] = hashlib.sha256(file.read_bytes()).hexdigest()
+                hashes[name] = sha256_of(file)
             except OSError as error:
                 message = f"this cannot be read: {error.strerror or error}"
                 raise InputError(message, file=file) from error

@@ -8,7 +8,6 @@ is read, not where a session starts.
 from __future__ import annotations
 
 import atexit
-import hashlib
 import math
 import os
 import re
@@ -28,6 +27,7 @@ from numpy.typing import NDArray
 from vrcomfort.csv_table import CsvTable, plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.escaping import escape_unprintable
+from vrcomfort.files import open_file, sha256_of
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, gaze_columns
 from vrcomfort.records.rows import declared
 
@@ -161,8 +161,7 @@ class Fingerprint:
             If it changes meanwhile.
         """
         before = csv.stat()
-        with csv.open("rb") as stream:
-            digest = hashlib.file_digest(stream, "sha256").hexdigest()
+        digest = sha256_of(csv)
         after = csv.stat()
         if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns):
             message = "is being written to; wait until its session has ended"
@@ -454,7 +453,7 @@ def half_written(csv: Path) -> bool:
 def _end_of_whole_rows(csv: Path, width: int) -> int:
     """Return where the last row that is as long as the header, and has its line end, ends."""
     size = csv.stat().st_size
-    with csv.open("rb") as stream:
+    with open_file(csv) as stream:
         stream.seek(max(size - _BLOCK, 0))
         tail = stream.read()
     start = size - len(tail)

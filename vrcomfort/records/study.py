@@ -15,6 +15,7 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design, Enrolment
 from vrcomfort.errors import InputError
 from vrcomfort.escaping import escape_unprintable
+from vrcomfort.files import read_text
 from vrcomfort.json_text import json_of
 from vrcomfort.protocol import Protocol
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
@@ -37,7 +38,6 @@ from vrcomfort.records.rows import csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION
 from vrcomfort.records.session_rows import LONGEST_TEXT, ParticipantRow
 from vrcomfort.records.tables import read_table
-from vrcomfort.settings import read_text
 
 DESCRIPTION = "dataset_description.json"
 LONGEST_NOTES = 80_000

@@ -16,6 +16,7 @@ from typing import Any
 
 from vrcomfort.csv_table import LARGEST_WHOLE, CsvTable, plain_digits, shortened
 from vrcomfort.errors import InputError
+from vrcomfort.files import open_file
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.json_file import LONGEST_S
 from vrcomfort.records.rows import Column, Row, declared, single
@@ -125,7 +126,7 @@ def read_rows(
         If a line is no row, a column is missing, or a cell is not what its column holds.
     """
     file, columns = folder / row_type.FILE, columns_read(row_type)
-    with file.open("rb") as stream:
+    with open_file(file) as stream:
         first = stream.readline()
         if told is None:
             header = _header(file, first, row_type, version)

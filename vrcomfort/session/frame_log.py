@@ -63,8 +63,9 @@ class Durations:
 
 @dataclass
 class TrialTiming:
-    """The frames of one trial so far."""
+    """The frames of one trial so far; of training and the like, which have no trial, it is 0."""
 
+    trial: int = 0
     frames: int = 0
     dropped: int = 0
     missed_refreshes: int = 0
@@ -171,7 +172,7 @@ class FrameLog:
     Attributes
     ----------
     timing
-        Of the trial since `start_trial`.
+        Of what was shown last, since `start_trial`.
     times_gpu
         Whether the renderer times the GPU.
     """
@@ -204,9 +205,9 @@ class FrameLog:
         """Return the offset added to display times, so that time on record runs forwards."""
         return self._offset_ns
 
-    def start_trial(self) -> None:
+    def start_trial(self, trial: int = 0) -> None:
         """Count from zero; the first interval is none."""
-        self.timing = TrialTiming(rate_change=self._rate_change)
+        self.timing = TrialTiming(trial, rate_change=self._rate_change)
         self._shown: ShownFrame | None = None
         self._paused: SeenState | None = None
 
@@ -214,6 +215,15 @@ class FrameLog:
         """Take note that the display's rate is no longer that of the start; blank: it is again."""
         self._rate_change = detail
         self.timing.rate_change = detail or self.timing.rate_change
+
+    def timing_of(self, trial: int) -> TrialTiming:
+        """Return the timing of a trial: none, while what was shown last is not of it.
+
+        An exposure may end at any line, also between its training and its first frame.
+        """
+        timing = self.timing
+        none = TrialTiming(trial, rate_change=self._rate_change)
+        return timing if timing.trial == trial else none
 
     def add(
         self,

@@ -27,9 +27,10 @@ from vrcomfort.exchange.verifying.frames import (
     cuts,
     read_frames,
 )
+from vrcomfort.files import sha256_of
 from vrcomfort.protocol import Trial
 from vrcomfort.records.attempts import before, within
-from vrcomfort.records.checksums import CHECKSUMS, read_checksums, sha256_of
+from vrcomfort.records.checksums import CHECKSUMS, read_checksums
 from vrcomfort.records.exposure_rows import (
     OVER,
     BallRow,
