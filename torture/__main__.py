@@ -16,6 +16,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from torture import (
+    commands,
     damaged,
     disk_full,
     inputs,
@@ -41,6 +42,7 @@ TORTURES: dict[str, Callable[[Rig], Result]] = {
     "resumed": resumed.torture,
     "damaged": damaged.torture,
     "inputs": inputs.torture,
+    "commands": commands.torture,
     "scenes": scenes.torture,
     "runtime": runtime.torture,
 }
