@@ -84,6 +84,7 @@ def test_a_command_imports_no_other_commands_module() -> None:
         "vrcomfort.cli.stopping",
         "vrcomfort.cli.terminal",
         "vrcomfort.errors",
+        "vrcomfort.escaping",
         "vrcomfort.stop_signals",
     ]
 

@@ -26,6 +26,7 @@ from torture import (
     scenes,
     signals,
     table,
+    texts,
 )
 from torture.case import Result, Rig
 from torture.session import kill_all
@@ -43,6 +44,7 @@ TORTURES: dict[str, Callable[[Rig], Result]] = {
     "damaged": damaged.torture,
     "inputs": inputs.torture,
     "commands": commands.torture,
+    "texts": texts.torture,
     "scenes": scenes.torture,
     "runtime": runtime.torture,
 }

@@ -66,7 +66,9 @@ def _readings() -> list[Reading]:
         "report study --figures none --out out --quiet": (
             MANIFEST, TABLES, "study/*.*", "study/sub-*/ses-*/*.parquet",
         ),
-        "play study/sub-P01/ses-1 --trial 1 --to 5 --protocol protocol.toml --size 32x40 --out out --quiet": (MANIFEST, TABLES),
+        "play study/sub-P01/ses-1 --to 5 --protocol protocol.toml --size 32x40 --out out": (
+            MANIFEST, TABLES,
+        ),
         "design protocol.toml --study study": (MANIFEST, "study/*.*", "protocol.toml"),
         "note study P01 text": (MANIFEST, "study/*.*"),
         "exclude study P01 --reason why": ("study/*.*",),
@@ -171,7 +173,7 @@ def make(folder: Path) -> None:
 
 def case(folder: Path, number: int, seed: int) -> dict[str, Any]:
     """Change a file, and let a command read it."""
-    _import_all()
+    import_all()
     reading, rng = READINGS[number % len(READINGS)], np.random.default_rng(seed)
     place = folder / "files"
     shutil.rmtree(place, ignore_errors=True)
@@ -210,7 +212,7 @@ def _change(file: Path, rng: np.random.Generator) -> str:
 
 
 @cache
-def _import_all() -> None:
+def import_all() -> None:
     """Import what commands import, once for all children."""
     for each in pkgutil.walk_packages(vrcomfort.__path__, "vrcomfort."):
         if not each.name.endswith("__main__"):
