@@ -176,6 +176,10 @@ def test_a_copy_has_what_is_declared_and_says_so(study, tmp_path, wishes, kept):
         filled = {c for row in lines for c, value in zip(header, row, strict=False) if value}
         assert filled <= set(said[name]), name
         assert set(header) - set(said[name]) == set(record["columns_blank"].get(name, ()))
+        classes = {each.name: row_type.NEEDS | each.needs for each in declared(row_type)}
+        for column, told in said[name].items():
+            assert classes[column] == frozenset(told.split(" and ")) - {"none"}, (name, column)
+    assert said["participants.csv"]["age"] == "covariate"
     people = (tmp_path / "out" / "participants.csv").read_text()
     assert ("1.25" in people) == (FACTS[0] in people) == (kept >= GAZE)
     assert ",30" in people

@@ -57,7 +57,7 @@ class CsvTable:
 
     @classmethod
     def read(cls, path: str | Path, *, appended: bool = False) -> Self:
-        """Read a table: UTF-8, commas, a header row (whose names may have spaces between them).
+        """Read a comma-separated UTF-8 table with a header row; its names may contain spaces.
 
         Parameters
         ----------
@@ -359,7 +359,7 @@ def _header(file: Path, records: list[tuple[int, tuple[str, ...]]]) -> tuple[str
 
 
 def require_few_columns(width: int, file: Path, what: str) -> None:
-    """Raise `InputError` if `what` has more than `MOST_COLUMNS`."""
+    """Raise `InputError` if there are more columns than `MOST_COLUMNS`."""
     if width > MOST_COLUMNS:
         message = f"{what} has {width:,} columns, and a table has at most {MOST_COLUMNS:,}"
         raise InputError(f"{message}; is the separator right?", file=file)

@@ -30,7 +30,7 @@ from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.rows import ALWAYS, GAZE, MOTION, Needs, Row, Trait, csv_line
-from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS, TABLES, SharedFile
+from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS, TABLES, SharedFile, traits_text
 from vrcomfort.records.session_rows import IPD_RULE, EventRow, ParticipantRow, ScreeningRow
 from vrcomfort.records.study import DESCRIPTION, access_of
 
@@ -359,7 +359,10 @@ def _record(
             "sequence": "an order of its own (r1, r2, …) is numbered as people were enrolled",
             "protocol": "its text, with comments, is in every manifest",
             "columns": {
-                name: [column for column in f.columns if column not in f.blank(kept)]
+                name: {
+                    column: traits_text(needs) or "none" for column, needs in f.stays(kept).items()
+                }
+                | (dict.fromkeys(known, "covariate") if name == ParticipantRow.FILE else {})
                 for name, f in stays.items()
             },
         },

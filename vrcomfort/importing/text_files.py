@@ -222,7 +222,7 @@ def read_json_table(file: Path, reading: Reading) -> Grid:
 
 
 class _Room:
-    """Counts the cells that records become: what stands outside a list is repeated in it."""
+    """Counts the cells of flattened records; a value outside a list is in each of its rows."""
 
     def __init__(self, file: Path) -> None:
         self._file, self._left = file, MOST_CELLS

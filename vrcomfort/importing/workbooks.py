@@ -68,7 +68,7 @@ def check_archive(content: bytes, file: Path) -> None:
 
 
 class _Elements:
-    """Counts the elements of all parts by what they cost."""
+    """Counts the elements of all parts, weighted by the memory that they take."""
 
     def __init__(self, file: Path) -> None:
         self._file, self._all, self._read, self._others, self._in_row = file, 0, 0, 0, 0

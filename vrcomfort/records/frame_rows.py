@@ -46,16 +46,16 @@ def eye_columns(eye: str) -> tuple[str, ...]:
 def _sight(eye: str = "") -> tuple[Column, ...]:
     """Declare the columns of a line of sight."""
     whose = f"{eye.rstrip('_')} eye's " if eye else ""
-    parts = [
-        *(f"Begin of the {whose}line of sight in the stage, {axis}" for axis in _AXES),
-        *(
-            f"Direction of the {whose}line of sight in the stage (length 1), {axis}"
-            for axis in _AXES
-        ),
+    begins = [f"Begin of the {whose}line of sight in the stage, {axis}" for axis in _AXES]
+    ways = [
+        f"Direction of the {whose}line of sight in the stage (length 1), {axis}" for axis in _AXES
     ]
+    # The line begins in the head: where it does tells the motion of the head, and of both eyes
+    # their distance.
+    parts = [*((each, BOTH) for each in begins), *((each, GAZE) for each in ways)]
     return tuple(
-        Column(meaning, blank="the eyes were not seen", signed=True, name=name)
-        for name, meaning in zip(gaze_columns(eye), parts, strict=True)
+        Column(meaning, blank="the eyes were not seen", needs=needs, signed=True, name=name)
+        for name, (meaning, needs) in zip(gaze_columns(eye), parts, strict=True)
     )
 
 
@@ -305,6 +305,7 @@ class FrameRow(Row):
             "Largest radius, of a circle of confusion or half a streak, that the condition allows "
             "at this image size",
             blank="there is no limit (views through the lens)",
+            needs=BOTH,
         ),
     ] = None
     cpu_ms: Annotated[

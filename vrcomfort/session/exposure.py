@@ -171,7 +171,7 @@ class FrameLoop:
         """
         self.elapsed_s = self.perceived_s = 0.0
         self._back_at_start = self.path is not None
-        self.log.start_trial()
+        self.log.start_trial(stimulus.trial)
         self._rating = (stimulus, schedule) if schedule else None
         self._clocks_due_s = None
         photodiode = self.context.protocol.photodiode

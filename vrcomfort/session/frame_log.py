@@ -131,8 +131,9 @@ class SeenTime:
 
 @dataclass
 class TrialTiming:
-    """The frames of one trial so far."""
+    """The frames of one trial so far; of training and the like, which have no trial, it is 0."""
 
+    trial: int = 0
     frames: int = 0
     dropped: int = 0
     missed_refreshes: int = 0
@@ -237,7 +238,7 @@ class FrameLog:
     Attributes
     ----------
     timing
-        Of the trial since `start_trial`.
+        Of what was shown last, since `start_trial`.
     times_gpu
         Whether the renderer times the GPU.
     """
@@ -269,10 +270,18 @@ class FrameLog:
         """Return the offset added to display times, so that time on record runs forwards."""
         return self._offset_ns
 
-    def start_trial(self) -> None:
+    def start_trial(self, trial: int = 0) -> None:
         """Count from zero; the first interval is none."""
-        self.timing = TrialTiming()
+        self.timing = TrialTiming(trial)
         self._shown_ns: int | None = None
+
+    def timing_of(self, trial: int) -> TrialTiming:
+        """Return the timing of a trial: none, while what was shown last is not of it.
+
+        An exposure may end at any line, also between its training and its first frame.
+        """
+        timing = self.timing
+        return timing if timing.trial == trial else TrialTiming(trial)
 
     def add(
         self,

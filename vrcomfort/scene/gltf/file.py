@@ -330,8 +330,16 @@ class GltfFile:
                     file=self.path,
                 )
             self.account.spend("pixels", width * height, what)
-            rgba = _in_8_bits(picture).convert("RGBA")
-        return np.asarray(rgba)
+            pixels = np.empty((height, width, 4), np.uint8)
+            # In strips: Pillow would hold a large picture four times while it is converted.
+            for top in range(0, height, _STRIP):
+                strip = picture.crop((0, top, width, min(top + _STRIP, height)))
+                pixels[top : top + _STRIP] = np.asarray(_in_8_bits(strip).convert("RGBA"))
+        return pixels
+
+
+_STRIP = 256
+"""Rows of a picture that are converted at once."""
 
 
 def _in_8_bits(picture: PillowImage.Image) -> PillowImage.Image:
