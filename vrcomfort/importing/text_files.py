@@ -13,7 +13,7 @@ from typing import Any
 
 from vrcomfort.csv_table import MOST_CELLS, require_few_columns
 from vrcomfort.errors import InputError
-from vrcomfort.files import read_bytes
+from vrcomfort.files import MOST_TEXT_BYTES, read_bytes
 from vrcomfort.importing.source import (
     Grid,
     Reading,
@@ -73,7 +73,7 @@ def content_of(file: Path) -> bytes:
         If it cannot be read, or is empty.
     """
     try:
-        content = read_bytes(file)
+        content = read_bytes(file, most=MOST_TEXT_BYTES)
     except FileNotFoundError:
         raise InputError("there is no such file", file=file) from None
     except IsADirectoryError:
@@ -222,7 +222,7 @@ def read_json_table(file: Path, reading: Reading) -> Grid:
 
 
 class _Room:
-    """Counts the cells that records become: what stands outside a list is repeated in it."""
+    """Counts the cells of flattened records; a value outside a list is in each of its rows."""
 
     def __init__(self, file: Path) -> None:
         self._file, self._left = file, MOST_CELLS

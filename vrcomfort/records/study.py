@@ -223,7 +223,7 @@ def read_participants(study: Path) -> list[ParticipantRow]:
     begun = () if rows else sorted(study.glob("sub-*/ses-*/manifest.json"))
     if begun:  # going on would enrol them again
         who = begun[0].parent.parent.name
-        message = f"nobody is in it, and {who} has a session; restore it from a copy"
+        message = f"it has no participants, and {who} has a session; restore it from a copy"
         raise InputError(message, file=file)
     return list(rows)
 
@@ -324,7 +324,7 @@ def enrol(
     Parameters
     ----------
     covariates
-        Those that the protocol declares; of somebody who is enrolled, those known of them or none.
+        Those that the protocol declares; of an enrolled participant, those known of them or none.
 
     Raises
     ------

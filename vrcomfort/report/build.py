@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import spare
-from vrcomfort.report.analyses import outcome_sentences, sentences
+from vrcomfort.report.analyses import ReportContext, outcome_sentences, sentences
 from vrcomfort.report.analyses.contract import SectionData
 from vrcomfort.report.derived_plan import plan_of
 from vrcomfort.report.figures import draw_figures
@@ -154,17 +154,21 @@ def _build(
     results["study"]["source"] = name or name_of_study(source)
     results["date"] = _today()
     words = Vocabulary.of(results)
+    per_condition = results["participants"]["exposures_per_condition"].values()
+    context = ReportContext(
+        words, chosen, several=max(per_condition, default=0) > 1, drawn=bool(forms)
+    )
     figures: dict[str, Drawing] = {}
     if forms:
         left = [
             residuals_of(scored, chosen, results["tests"], outcome["name"])
             for outcome in results["outcomes"]
         ]
-        figures = draw_figures(study, results, scored, left, sections, words)
+        figures = draw_figures(study, results, scored, left, sections, context)
     files: dict[str, str | bytes] = {
         PLAN_FILE: chosen.text,
         "index.html": render_page(
-            results, figures, words, [f for f in FORMS if f in forms], sections
+            results, figures, context, [f for f in FORMS if f in forms], sections
         ),
         "reproduce.R": r_script(),
         **{f"tables/{name}": text for name, text in all_tables(results, scored, sections).items()},
