@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.report.outcomes import known_outcomes
+from vrcomfort.report.stimulus_time import recorded_states
 
 if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
@@ -50,7 +51,7 @@ def _frames(study: StudyData) -> dict[str, Any] | None:
 def _seen(study: StudyData) -> dict[str, float]:
     """Add up what was seen in how many seconds, over the trials that say so."""
     said = [trial for trial in study.trials if trial.get("live_s")]
-    names = ("live_s", "frozen_s", "hidden_s", "unfocused_s") if said else ()
+    names = recorded_states(study) if said else ()
     return {name: sum(float(trial[name] or 0) for trial in said) for name in names}
 
 

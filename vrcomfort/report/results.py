@@ -111,7 +111,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "exclusions": exclusions,
         "notices": notices(study, scored, tests, exclusions, plan.of_choices),
         "families": made.families,
-        **made.of("tests"),
+        **made.of("primary", "tests"),
         "sensitivity": sensitivity(data, tests),
         "smallest_effects": smallest_effects(plan, tests),
         "descriptives": describe_all(scored, plan, conditions, compared),

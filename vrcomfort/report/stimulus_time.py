@@ -6,6 +6,7 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort.csv_table import whole_or_none
+from vrcomfort.seen_time import SeenState
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -13,16 +14,24 @@ if TYPE_CHECKING:
     from vrcomfort.recordings import ExposureFrames
     from vrcomfort.report.study_data import StudyData
 
-SEEN = ("live_s", "frozen_s", "hidden_s", "unfocused_s")
+_BEFORE_5 = ("live_s", "frozen_s", "hidden_s", "unfocused_s")
+"""The states that studies before version 5 of the schema tell apart."""
 MOVEMENT = (
     "head_path_m", "head_turning_deg", "avatar_path_m", "focus_travel_dioptre",
     "focus_lag_dioptre", "blur_changes",
 )  # fmt: skip
 
 
+def recorded_states(study: StudyData) -> tuple[str, ...]:
+    """Return the columns with the seconds of states that a study has."""
+    later = any(trial.get(SeenState.OFF.column) for trial in study.trials)
+    others = (state.column for state in SeenState if state.column not in _BEFORE_5)
+    return (*_BEFORE_5, *others) if later else _BEFORE_5
+
+
 def stimulus_time(study: StudyData, conditions: Iterable[str]) -> list[dict[str, Any]]:
     """Add up the seconds of each condition's exposures; blank (None) where none were recorded."""
-    untracked = _untracked(study)
+    untracked, states = _untracked(study), recorded_states(study)
     found = []
     for condition in conditions:
         trials = [trial for trial in study.trials if trial["condition"] == condition]
@@ -32,8 +41,8 @@ def stimulus_time(study: StudyData, conditions: Iterable[str]) -> list[dict[str,
         found.append({
             "condition": condition, "exposures": len(trials), "frames": shown,
             "dropped_percent": 100 * dropped / shown if shown else None,
-            **{name: sum(float(t[name] or 0) for t in said) if said else None for name in SEEN},
-            "untracked_s": untracked.get(condition),
+            **{name: sum(float(t[name] or 0) for t in said) if said else None for name in states},
+            **({} if "untracked_s" in states else {"untracked_s": untracked.get(condition)}),
         })  # fmt: skip
     return found if any(row["frames"] for row in found) else []
 
