@@ -10,14 +10,13 @@ from tests.support.rated import RatedStudy, with_drop_outs
 from tests.support.report import manifest
 from vrcomfort.errors import InputError
 from vrcomfort.records.recording import NEEDED
+from vrcomfort.report.analyses.contract import SectionData
 from vrcomfort.report.build import build_report
+from vrcomfort.report.exclusions import PERSON, ExcludedByRule
 from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.ratings import analyse_time_courses
 from vrcomfort.report.ratings.exposures import LiveClock, LiveTime, rated_exposures
 from vrcomfort.report.study_data import read_study
-
-NOTHING_ELSE = {"labels": {}, "exclusions": [], "tests": []}
-"""What the rest of a report has said so far."""
 
 
 def plan_of(**ratings):
@@ -25,9 +24,13 @@ def plan_of(**ratings):
     return read_plan('name = "p"\ntitle = "p"\n[ratings]\n' + "\n".join(lines) + "\n", None)
 
 
+def data_of(folder, *exclusions, **ratings):
+    """Return the data of a report that compares nothing."""
+    return SectionData(read_study(folder), plan_of(**ratings), [], {}, [], exclusions)
+
+
 def courses_of(study, folder, **ratings):
-    there = study.write(folder)
-    return analyse_time_courses(read_study(there), plan_of(**ratings), NOTHING_ELSE)
+    return analyse_time_courses(data_of(study.write(folder), **ratings))
 
 
 def two_conditions(*, people=6):
@@ -136,23 +139,19 @@ def test_one_condition_has_no_effects_and_its_curve_an_interval(tmp_path):
 def test_no_ratings_and_no_trials_have_nothing(tmp_path):
     folder = two_conditions().write(tmp_path)
     (folder / "trials.csv").unlink()
-    study = read_study(folder)
-    found = analyse_time_courses(study, plan_of(), NOTHING_ELSE).results
-    assert found["leaving"] is None
-    assert not found["ratings"]["endings_recorded"]
+    found = analyse_time_courses(data_of(folder))
+    assert found.leaving is None
+    assert not found.ratings.counts.endings_recorded
     with pytest.raises(InputError, match="nothing was rated with `misc`; ratings are of: fms"):
-        analyse_time_courses(study, plan_of(instrument="misc"), NOTHING_ELSE)
+        analyse_time_courses(data_of(folder, instrument="misc"))
 
 
 def test_who_is_excluded_is_in_nothing(tmp_path):
     folder = two_conditions().write(tmp_path)
     people = (folder / "participants.csv").read_text("utf-8")
     (folder / "participants.csv").write_text(people.replace("P1,,completed", "P1,,excluded"))
-    rule = {"participant": "P2", "what": "participant"}
-    found = analyse_time_courses(
-        read_study(folder), plan_of(), {**NOTHING_ELSE, "exclusions": [rule]}
-    )
-    assert found.results["ratings"]["people"] == 4
+    rule = ExcludedByRule("age", "P2", PERSON, "too old")
+    assert analyse_time_courses(data_of(folder, rule)).ratings.counts.people == 4
 
 
 def test_a_rating_that_is_no_number_is_told(tmp_path):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from operator import itemgetter
 from pathlib import Path
@@ -87,10 +87,6 @@ class ExposureFrames:
     focus_travel_dioptre: float | None
     focus_lag_dioptre: float | None
     blur_changes: int | None
-
-    def cells(self) -> dict[str, Any]:
-        """Return column → value."""
-        return asdict(self)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.patches import Rectangle
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.flow import FlowLoss, FlowStage
     from vrcomfort.report.residuals import Residuals
+    from vrcomfort.report.results import Results
     from vrcomfort.report.sections import Section
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.symptoms import RecoveryRow, SymptomRow
@@ -54,7 +55,7 @@ MOST_PEOPLE = 60
 
 def draw_figures(
     study: StudyData,
-    results: dict[str, Any],
+    results: Results,
     scored: Exposures,
     residuals: list[Residuals],
     sections: list[Section],
@@ -62,24 +63,24 @@ def draw_figures(
 ) -> dict[str, Drawing]:
     """Return name → drawing of every figure that the data allow."""
     drawn: dict[str, Drawing | None] = {}
-    wanted = results["plan"]["figures"]
+    wanted = results.plan.figures
     for place, outcome in enumerate(words.outcomes):
         if _wanted(wanted, "subscales" if place else "paired"):
-            tests = [test for test in results["tests"] if test.outcome == outcome]
+            tests = [test for test in results.tests if test.outcome == outcome]
             drawn[f"estimation_{outcome}"] = estimation_figure(scored, tests, words)
-    for place, row in enumerate(results["comparisons"]):
+    for place, row in enumerate(results.comparisons):
         if _wanted(wanted, "paired"):
             drawn[f"comparison_{place}"] = group_figure(scored, row, words)
-    drawn["flow"] = flow_figure(results["flow"])
-    for instrument in dict.fromkeys(row.instrument for row in results["symptoms"]):
-        rows = [row for row in results["symptoms"] if row.instrument == instrument]
+    drawn["flow"] = flow_figure(results.flow)
+    for instrument in dict.fromkeys(row.instrument for row in results.symptoms):
+        rows = [row for row in results.symptoms if row.instrument == instrument]
         drawn[f"symptoms_{instrument}"] = symptom_figure(rows, instrument, words)
-    drawn["recovery"] = recovery_figure(scored, results["recovery_course"], words)
-    withdrew = {each["participant"] for each in results["withdrawals"]["list"]}
+    drawn["recovery"] = recovery_figure(scored, results.recovery_course, words)
+    withdrew = {each.participant for each in results.withdrawals.list}
     drawn["exposures"] = exposure_figure(list(study.trials), withdrew, words)
     drawn["residuals"] = residual_figure(residuals, words)
     drawn |= section_figures(sections, words)
-    drawn |= analysis_figures(results, words)
+    drawn |= analysis_figures(results.rows, words)
     return {
         name: drawing
         for name, drawing in drawn.items()

@@ -3,67 +3,116 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from vrcomfort.csv_table import whole_or_none
+from vrcomfort.recordings import ExposureFrames
+from vrcomfort.report.rows import INLINE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from vrcomfort.recordings import ExposureFrames
     from vrcomfort.report.study_data import StudyData
 
-SEEN = ("live_s", "frozen_s", "hidden_s", "unfocused_s")
-MOVEMENT = (
-    "head_path_m", "head_turning_deg", "avatar_path_m", "focus_travel_dioptre",
-    "focus_lag_dioptre", "blur_changes",
-)  # fmt: skip
+
+@dataclass(frozen=True)
+class SecondsSeen:
+    """Seconds of exposures by what was seen in them; None where none were recorded."""
+
+    live_s: float | None = None
+    frozen_s: float | None = None
+    hidden_s: float | None = None
+    unfocused_s: float | None = None
+
+    @classmethod
+    def of(cls, trials: Iterable[dict[str, str]]) -> SecondsSeen:
+        """Add up the seconds of the trials that have them."""
+        said = [trial for trial in trials if trial.get("live_s")]
+
+        def total(name: str) -> float:
+            return sum(float(trial[name] or 0) for trial in said)
+
+        if not said:
+            return cls()
+        return cls(total("live_s"), total("frozen_s"), total("hidden_s"), total("unfocused_s"))
 
 
-def stimulus_time(study: StudyData, conditions: Iterable[str]) -> list[dict[str, Any]]:
+@dataclass(frozen=True)
+class ConditionTime:
+    """What was shown under a condition."""
+
+    condition: str
+    exposures: int
+    frames: int
+    dropped_percent: float | None
+    seen: SecondsSeen = field(metadata=INLINE)
+    untracked_s: float | None
+
+
+@dataclass(frozen=True)
+class ConditionMovement:
+    """How the head moved and focus changed: means over the exposures of a condition."""
+
+    condition: str
+    exposures: int
+    head_path_m: float | None
+    head_turning_deg: float | None
+    avatar_path_m: float | None
+    focus_travel_dioptre: float | None
+    focus_lag_dioptre: float | None
+    blur_changes: float | None
+
+
+@dataclass(frozen=True)
+class FrameMeasures:
+    """What the frames of an exposure say."""
+
+    condition: str
+    frames: ExposureFrames = field(metadata=INLINE)
+
+
+def stimulus_time(study: StudyData, conditions: Iterable[str]) -> list[ConditionTime]:
     """Add up the seconds of each condition's exposures; blank (None) where none were recorded."""
     untracked = _untracked(study)
     found = []
     for condition in conditions:
         trials = [trial for trial in study.trials if trial["condition"] == condition]
-        said = [trial for trial in trials if trial.get("live_s")]
         shown = sum(whole_or_none(trial.get("frames")) or 0 for trial in trials)
         dropped = sum(whole_or_none(trial.get("dropped")) or 0 for trial in trials)
-        found.append({
-            "condition": condition, "exposures": len(trials), "frames": shown,
-            "dropped_percent": 100 * dropped / shown if shown else None,
-            **{name: sum(float(t[name] or 0) for t in said) if said else None for name in SEEN},
-            "untracked_s": untracked.get(condition),
-        })  # fmt: skip
-    return found if any(row["frames"] for row in found) else []
+        share = 100 * dropped / shown if shown else None
+        seen, lost = SecondsSeen.of(trials), untracked.get(condition)
+        found.append(ConditionTime(condition, len(trials), shown, share, seen, lost))
+    return found if any(row.frames for row in found) else []
 
 
 def _untracked(study: StudyData) -> dict[str, float]:
     """Add up by condition the frames in which the headset did not measure the head's pose."""
     seconds: dict[str, float] = defaultdict(float)
-    for condition, frames in frames_by_condition(study):
-        if frames.untracked_s is not None:
-            seconds[condition] += frames.untracked_s
+    for row in frame_measures(study):
+        if row.frames.untracked_s is not None:
+            seconds[row.condition] += row.frames.untracked_s
     return dict(seconds)
 
 
-def frame_rows(study: StudyData) -> list[dict[str, Any]]:
-    """Return what the frames of each exposure say, with its condition; a row an exposure."""
-    return [
-        {"condition": condition, **frames.cells()}
-        for condition, frames in frames_by_condition(study)
-    ]
-
-
-def movement(study: StudyData, conditions: Iterable[str]) -> list[dict[str, Any]]:
+def movement(study: StudyData, conditions: Iterable[str]) -> list[ConditionMovement]:
     """Return the means over each condition's exposures of what their frames say."""
     found = []
-    rows = frames_by_condition(study)
+    rows = frame_measures(study)
     for condition in conditions:
-        mine = [frames for name, frames in rows if name == condition]
-        means = {name: _mean(getattr(frames, name) for frames in mine) for name in MOVEMENT}
+        mine = [row.frames for row in rows if row.condition == condition]
         if mine:
-            found.append({"condition": condition, "exposures": len(mine), **means})
+            row = ConditionMovement(
+                condition,
+                len(mine),
+                head_path_m=_mean(each.head_path_m for each in mine),
+                head_turning_deg=_mean(each.head_turning_deg for each in mine),
+                avatar_path_m=_mean(each.avatar_path_m for each in mine),
+                focus_travel_dioptre=_mean(each.focus_travel_dioptre for each in mine),
+                focus_lag_dioptre=_mean(each.focus_lag_dioptre for each in mine),
+                blur_changes=_mean(each.blur_changes for each in mine),
+            )
+            found.append(row)
     return found
 
 
@@ -72,12 +121,12 @@ def _mean(values: Iterable[float | None]) -> float | None:
     return sum(known) / len(known) if known else None
 
 
-def frames_by_condition(study: StudyData) -> list[tuple[str, ExposureFrames]]:
-    """Return the condition of each exposure that counts, its last attempt, and its frames."""
+def frame_measures(study: StudyData) -> list[FrameMeasures]:
+    """Return what the frames of each exposure that counts, its last attempt, say."""
     of = {_key(trial): trial["condition"] for trial in study.trials}
     keys = ((each.participant, each.session, each.trial, each.attempt) for each in study.frames)
     pairs = zip(keys, study.frames, strict=True)
-    return [(of[key], frames) for key, frames in pairs if key in of]
+    return [FrameMeasures(of[key], frames) for key, frames in pairs if key in of]
 
 
 def _key(trial: dict[str, str]) -> tuple[str, str, int, int]:
