@@ -3,6 +3,7 @@
 import random
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -254,7 +255,7 @@ def test_who_left_and_is_ranked_worst_is_not_in_the_interval_of_who_stayed(tmp_p
     ],
 )
 def test_an_end_that_is_not_zero_is_not_printed_as_zero(found, written):
-    assert interval(found) == written
+    assert interval(SimpleNamespace(**found)) == written
     assert interval(MeanInterval(0.2, 0.9996), null=1.0) == "[0.20,\u00a00.9996]"
 
 
