@@ -4,7 +4,7 @@ OUT ?= out
 # Tests start the program many times: it is compiled once, wherever Python is told not to keep that.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: help setup demo test test-smoke test-slow test-bare test-local test-openxr explore runtime check bench torture torture-short scenes clean
+.PHONY: help setup demo test test-smoke test-slow test-bare test-local test-openxr explore runtime check audit bench torture torture-short scenes clean
 
 help:
 	@echo "make demo    a complete simulated study, rendered and reported (out/demo)"
@@ -18,6 +18,7 @@ help:
 	@echo "make runtime     find or make a system with a Monado runtime (OpenXR without a headset)"
 	@echo "make test-openxr the tests that need one, in it"
 	@echo "make check   ruff, mypy --strict, import-linter"
+	@echo "make audit   known vulnerabilities of what requirements.lock names (asks osv.dev)"
 	@echo "make bench   what each effect costs and how wrong it is (out/bench)"
 	@echo "make torture     sessions stopped, cut off and damaged; files made worse (out/torture, 20 minutes)"
 	@echo "make torture-short   the same with few cases (2 minutes)"
@@ -66,6 +67,9 @@ check: setup
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports --no-cache
+
+audit: setup
+	@$(BIN)/python scripts/audit.py
 
 bench: setup
 	@$(BIN)/python -m bench --out $(OUT)/bench

@@ -14,21 +14,16 @@ if [ "$root" = / ]; then
     VRCOMFORT_RUNTIME=1 PATH=$checkout/.venv/bin:$PATH exec "$@"
 fi
 
-prepare_venv() { # inside: the packages of this checkout's pyproject.toml; the checkout stays outside
+prepare_venv() { # inside: the packages of this checkout's lock; the checkout itself stays outside
     local venv=$1 checkout=$2 wanted
     exec 9>"$venv.lock"
     flock 9
     "$venv/bin/python" -c 'import pip' 2>/dev/null || python3 -m venv --clear "$venv"
-    "$venv/bin/python" - "$checkout/pyproject.toml" >"$venv/requirements.txt" <<'PYTHON'
-import sys, tomllib
-project = tomllib.load(open(sys.argv[1], "rb"))["project"]
-print("\n".join([*project["dependencies"], *project["optional-dependencies"]["dev"]]))
-PYTHON
-    wanted=$(cat "$venv/requirements.txt" "$checkout/requirements.lock" | sha256sum)
+    wanted=$(sha256sum <"$checkout/requirements.lock")
     [ "$(cat "$venv/installed" 2>/dev/null)" != "$wanted" ] || return 0
     echo "Installing the Python packages next to Monado ..." >&2
     "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --retries 10 \
-        --constraint "$checkout/requirements.lock" --requirement "$venv/requirements.txt" >&2
+        --require-hashes --requirement "$checkout/requirements.lock" >&2
     printf '#!%s/bin/python\nfrom vrcomfort.cli import main\nmain()\n' "$venv" \
         >"$venv/bin/vrcomfort"
     chmod +x "$venv/bin/vrcomfort"

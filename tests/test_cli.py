@@ -11,7 +11,10 @@ from pathlib import Path
 
 import pytest
 import trimesh
+import typer
+from typer.main import get_command
 
+from vrcomfort.cli.app import COMMANDS, LazyCommands, app
 from vrcomfort.gpu.gl import VERSION_NAME
 from vrcomfort.resources import data_folder
 
@@ -68,24 +71,66 @@ def test_every_command_has_help_with_an_example(run: Run, command: str) -> None:
     assert f"vrcomfort {command}" in out
 
 
-def test_a_command_imports_no_other_commands_module() -> None:
+def test_run_declares_the_same_arguments_and_options_as_ever() -> None:
+    """What people have typed in scripts goes on working; the help says the same of it."""
+    commands = get_command(app)
+    command = commands.get_command(typer.Context(commands), "run")
+    lines = [command.help]
+    for each in command.params:
+        names = " ".join([*each.opts, *each.secondary_opts, each.metavar or ""]).strip()
+        default = "required" if each.required else each.default
+        lines.append(f"{names} [{default}]: {each.help}")
+    golden = Path(__file__).parent / "golden" / "run_options.txt"
+    assert "\n".join(lines) + "\n" == golden.read_text(encoding="utf-8")
+
+
+def modules_after(*words: str) -> set[str]:
+    """Return the modules that are loaded when the command line with these words has ended."""
     program = (
-        "import sys; from vrcomfort.cli import main; sys.argv = ['vrcomfort', '--version']\n"
+        "import sys; from vrcomfort.cli import main; sys.argv = ['vrcomfort', *sys.argv[1:]]\n"
         "try: main()\nexcept SystemExit: pass\n"
-        "print(*sorted(m for m in sys.modules if m.startswith(('vrcomfort', 'numpy', 'pydantic'))))"
+        "print(*sys.modules)"
     )
     done = subprocess.run(
-        [sys.executable, "-c", program], check=True, capture_output=True, text=True
+        [sys.executable, "-c", program, *words], check=True, capture_output=True, text=True
     )
-    assert done.stdout.splitlines()[1].split() == [
+    return set(done.stdout.splitlines()[-1].split())
+
+
+@pytest.mark.parametrize("words", [(), ("--version",), ("--help",), ("reprot",)])
+def test_the_command_line_starts_with_no_commands_module(words: tuple[str, ...]) -> None:
+    loaded = modules_after(*words)
+    assert {each for each in loaded if each.partition(".")[0] == "vrcomfort"} == {
         "vrcomfort",
         "vrcomfort.cli",
         "vrcomfort.cli.app",
         "vrcomfort.cli.stopping",
         "vrcomfort.cli.terminal",
         "vrcomfort.errors",
+        "vrcomfort.escaping",
         "vrcomfort.stop_signals",
-    ]
+    }
+    heavy = {"numpy", "pandas", "scipy", "PIL", "moderngl", "matplotlib", "duckdb"}
+    if words != ("reprot",):
+        heavy.add("pydantic")  # by which Typer reads words that are no options
+    if words == ("--version",):
+        heavy.add("rich.markdown")
+    assert not loaded & heavy
+
+
+def test_a_command_imports_no_other_commands_module() -> None:
+    modules = {f"vrcomfort.cli.{each.module}" for each in COMMANDS.values()}
+    assert modules_after("score", "--help") & modules == {"vrcomfort.cli.report"}
+    assert modules_after("note", "--help") & modules == {"vrcomfort.cli.participants"}
+
+
+def test_the_help_says_of_each_command_what_the_command_itself_does() -> None:
+    group = get_command(app)
+    assert isinstance(group, LazyCommands)
+    for name, listed in COMMANDS.items():
+        command = group.get_command(None, name)
+        assert command.help.split("\n\n")[0] == listed.help, name
+        assert command.hidden == listed.hidden, name
 
 
 def test_a_misspelt_command_is_compared_with_all(run: Run) -> None:

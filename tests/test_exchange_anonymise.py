@@ -9,12 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.exchange import SeesEyes, cell
+from tests.support.exchange import SeesEyes, cell, errors_of
 from tests.support.report import build_report
 from tests.support.resume import go
 from tests.support.study import Scripted
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import RECORD, AnonymisingOptions, anonymise, new_names
+from vrcomfort.exchange.bids import export_bids
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records import set_status, undo_withdrawal
 from vrcomfort.records.shared_columns import AVATAR, EYES, HANDS, HEAD
@@ -101,6 +102,23 @@ def test_motion_and_gaze_are_kept_on_request_but_for_the_time(study: Path, tmp_p
     assert (tmp_path / "out" / f"sub-{new}" / "ses-1" / "gaze.csv").exists()
     assert record["still_there"]["people_are_recognised_by"] == ["head and hand motion", "gaze"]
     assert json.loads((tmp_path / "out" / RECORD).read_text()) == record
+
+
+def test_gaze_alone_tells_nothing_of_the_place_of_the_head(study: Path, tmp_path: Path) -> None:
+    anonymise(study, tmp_path / "out", AnonymisingOptions(keep_gaze=True, seed=3))
+    new = new_names(["Anna77", "Bert88", "Cleo99"], 3)["Anna77"]
+    session = tmp_path / "out" / f"sub-{new}" / "ses-1"
+    with (session / "gaze.csv").open(newline="") as stream:
+        rows = [row for row in csv.DictReader(stream) if row["valid"] == "1"]
+    for row in rows:
+        assert not any(cell for name, cell in row.items() if "origin_" in name)
+        assert row["direction_z"]
+        assert row["left_direction_z"]
+    assert rows
+    assert not any(row["max_blur_px"] for row in frames(session.parent))
+    assert verify_study(tmp_path / "out").faults == []
+    export_bids(tmp_path / "out", tmp_path / "bids")
+    assert errors_of(tmp_path / "bids") == []
 
 
 def test_times_between_sessions_stay_or_go(study: Path, tmp_path: Path) -> None:

@@ -47,7 +47,7 @@ def test_work_that_fails_is_counted_and_the_rest_is_done() -> None:
 @needs_a_terminal
 @pytest.mark.smoke
 def test_a_serial_port_gets_a_byte_as_an_exposure_begins_and_ends() -> None:
-    pytest.importorskip("serial")
+    pytest.importorskip("serial", reason="pyserial is not installed")
     ours, theirs = os.openpty()
     with TtlOutlet(os.ttyname(theirs)) as outlet:
         for trial in (0, 3, 500):
@@ -64,7 +64,7 @@ def test_a_serial_port_gets_a_byte_as_an_exposure_begins_and_ends() -> None:
 
 
 def test_a_port_that_is_not_there_is_refused_in_a_sentence() -> None:
-    pytest.importorskip("serial")
+    pytest.importorskip("serial", reason="pyserial is not installed")
     with pytest.raises(InputError, match="the serial port /dev/none cannot be opened"):
         TtlOutlet("/dev/none")
 

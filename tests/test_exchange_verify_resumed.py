@@ -7,14 +7,17 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import FrameType
+from typing import Any
 
 import pytest
 
 from tests.support.exchange import SeesEyes, cell
 from tests.support.resume import folder, go, rows
-from tests.support.study import AheadHeadset, Scripted
+from tests.support.study import AheadHeadset, Scripted, tiny_protocol
 from tests.support.tasks import do
 from tests.test_exchange_verify import sealed, told
 from tests.test_sliders import PROTOCOL as SLIDING
@@ -92,6 +95,31 @@ def interrupted(tmp_path: Path, *, killed: bool, headset: Callable[[], AheadHead
     return session
 
 
+def test_frames_of_a_training_are_of_no_exposure(tmp_path: Path) -> None:
+    """Ctrl-C comes at the first line after the training was shown."""
+    shown = []
+
+    def trace(frame: FrameType, event: str, _: object) -> Any:
+        runs, name = frame.f_code.co_filename.endswith("trial.py"), frame.f_code.co_name
+        if event == "return" and name == "show":
+            shown.append(name)
+        elif event == "line" and runs and name == "_train_once" and shown:
+            sys.settrace(None)
+            raise KeyboardInterrupt
+        return trace
+
+    protocol = tiny_protocol(tmp_path)
+    assert protocol.training_s
+    sys.settrace(trace)
+    try:
+        assert go(tmp_path, protocol=protocol).status == "aborted"
+    finally:
+        sys.settrace(None)
+    assert [row["frames"] for row in rows(tmp_path, "trials")] == ["0"]
+    go(tmp_path, protocol=protocol, resume=True)
+    assert told(tmp_path / "S") == []
+
+
 def drop_last(file: Path, count: int) -> None:
     lines = file.read_text(encoding="utf-8").splitlines(keepends=True)
     file.write_text("".join(lines[:-count]), encoding="utf-8")
@@ -155,6 +183,7 @@ def test_times_are_compared_as_far_as_they_are_recorded(tmp_path: Path) -> None:
         cell(session / name, line, column, value)
     for name in ("trials.csv", "timing.csv"):
         cell(session / name, 2, "frames", "1")
+    cell(session / "trials.csv", 2, "live_s", "0.1")
     assert [each for each in sealed(tmp_path / "S") if "events" not in each] == []
     cell(session / "gaze.csv", 12, "session_s", repr(start_s + 2e-6))
     assert any(

@@ -22,6 +22,7 @@ from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.bids import export_bids
 from vrcomfort.exchange.psych_ds import export_psych_ds
 from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.headset.timing import RATE_CHANGED, RATE_RESTORED
 from vrcomfort.operator_interface import ALLOWED
 from vrcomfort.records import rows, schema
 from vrcomfort.records.disk import OWNER
@@ -47,6 +48,7 @@ NOT_WRITTEN_OUT = {
         *("focused", "unfocused", "headset_on", "headset_off"),
         *("controller_found", "controller_lost"),
     },
+    "headset/timing.py": {RATE_CHANGED, RATE_RESTORED},
     "headset/openxr/tracking.py": {"tracking_found", "tracking_lost"},
     "session/context.py": set(),  # names that it is given
     "session/eye_height.py": {"eye_height"},
@@ -176,6 +178,10 @@ def test_a_copy_has_what_is_declared_and_says_so(study, tmp_path, wishes, kept):
         filled = {c for row in lines for c, value in zip(header, row, strict=False) if value}
         assert filled <= set(said[name]), name
         assert set(header) - set(said[name]) == set(record["columns_blank"].get(name, ()))
+        classes = {each.name: row_type.NEEDS | each.needs for each in declared(row_type)}
+        for column, told in said[name].items():
+            assert classes[column] == frozenset(told.split(" and ")) - {"none"}, (name, column)
+    assert said["participants.csv"]["age"] == "covariate"
     people = (tmp_path / "out" / "participants.csv").read_text()
     assert ("1.25" in people) == (FACTS[0] in people) == (kept >= GAZE)
     assert ",30" in people

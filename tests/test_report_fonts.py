@@ -17,6 +17,7 @@ def test_the_copy_has_every_letter_in_its_width(name):
         assert copy.getBestCmap() == whole.getBestCmap()
         assert copy["hmtx"].metrics == whole["hmtx"].metrics
         assert copy["name"].getDebugName(1) == FAMILY
+        assert copy["head"].modified == whole["head"].modified, "no two PDFs would be alike"
 
 
 def test_figures_embed_the_copy_and_name_the_font_that_others_have():

@@ -357,7 +357,7 @@ def test_a_session_does_not_wait_for_lines_that_cannot_come(tmp_path, monkeypatc
 
 
 def silent_speaker() -> SystemSpeaker:
-    miniaudio = pytest.importorskip("miniaudio")
+    miniaudio = pytest.importorskip("miniaudio", reason="miniaudio is not installed")
     return SystemSpeaker(backends=[miniaudio.Backend.NULL])  # it consumes, and nobody hears
 
 
@@ -383,7 +383,7 @@ def test_a_prepared_sound_is_not_decoded_again_when_it_is_read_again(tmp_path, m
 
 
 def test_run_opens_the_device_and_decodes_all_sounds_before_the_session(tmp_path, monkeypatch):
-    null = [pytest.importorskip("miniaudio").Backend.NULL]
+    null = [pytest.importorskip("miniaudio", reason="miniaudio is not installed").Backend.NULL]
     make = SystemSpeaker.__init__
     monkeypatch.setattr(SystemSpeaker, "__init__", lambda self: make(self, backends=null))
     with open_speaker(told(tmp_path)) as speaker:

@@ -194,12 +194,13 @@ def test_a_session_is_resumed_in_its_language(tmp_path):
 
 
 def test_run_goes_on_in_the_language_of_the_last_session(tmp_path):
-    from vrcomfort.cli.run import _language_of
+    from vrcomfort.cli.run import RunOptions
 
     protocol = tiny_protocol(tmp_path, f"{BOTH}{PROTOCOL}")
-    assert _language_of(protocol, tmp_path / "S", "P01") is None
+    options = RunOptions(protocol=str(protocol.file), participant="P01", out=tmp_path / "S")
+    assert options.spoken_protocol().language == "en"
     session(tmp_path, protocol.spoken("de"), Scripted())
-    assert _language_of(protocol, tmp_path / "S", "P01") == "de"
+    assert options.spoken_protocol().language == "de"
 
 
 def test_umlauts_and_sharp_s_have_glyphs_in_the_panel():

@@ -244,7 +244,7 @@ def test_a_cache_that_cannot_be_written_is_refused(run, tmp_path):
 
 
 def test_a_cluster_that_does_not_answer_is_refused(run, tmp_path, monkeypatch):
-    pytest.importorskip("distributed")
+    pytest.importorskip("distributed", reason="distributed is not installed")
     monkeypatch.setattr("vrcomfort.workers.CONNECT_S", 1.0)
     result = run(
         *ONE, "--cluster", "tcp://127.0.0.1:9", "--cache", tmp_path, "--out", tmp_path / "o"

@@ -13,10 +13,18 @@ from pathlib import Path
 from typing import BinaryIO, NoReturn, Self, TypeVar
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import open_file
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 NOTHING = frozenset({"na", "nan", "n/a"})
+MOST_COLUMNS = 16_384
+"""As many as a sheet of a spreadsheet program has."""
+MOST_CELLS = 10_000_000
+"""Of a table that is read as a whole; they take about 1 GB."""
+_A_ROW = 4
+"""As many cells as take the memory of a row beside its cells."""
+MOST_LINE_BYTES = 2**24
 LARGEST_WHOLE = 2**62
 """Fits int64, with room for a sum."""
 _BLOCK = 2**15
@@ -49,7 +57,7 @@ class CsvTable:
 
     @classmethod
     def read(cls, path: str | Path, *, appended: bool = False) -> Self:
-        """Read a table: UTF-8, commas, a header row (whose names may have spaces between them).
+        """Read a comma-separated UTF-8 table with a header row; its names may contain spaces.
 
         Parameters
         ----------
@@ -87,9 +95,13 @@ class CsvTable:
             return
         header = _header(file, first)
         rows = text.whole_rows(chain(first[1:], records), header)
+        at_once = most_rows or MOST_CELLS // (len(header) + _A_ROW)
         left = True
         while left:
-            part = list(islice(rows, most_rows))
+            part = list(islice(rows, at_once))
+            if most_rows is None and (beyond := next(rows, None)):
+                message = f"a table of {len(header):,} columns may have {at_once:,} rows to here"
+                raise InputError(f"{message}; split the file", file=file, line=beyond[0])
             lines, cells = tuple(line for line, _ in part), tuple(cells for _, cells in part)
             left = most_rows is not None and len(part) == most_rows
             yield cls(file, header, cells, lines, () if left else text.left_out("last row"))
@@ -219,7 +231,7 @@ class _Text:
 
     def records(self) -> Iterator[tuple[int, tuple[str, ...]]]:
         """Yield line and cells of the rows that hold anything."""
-        with self._file.open("rb") as stream:
+        with open_file(self._file) as stream:
             reader = csv.reader(self._lines(stream))
             try:
                 for cells in reader:
@@ -294,12 +306,18 @@ def _check_text(file: Path, *, appended: bool) -> bool:
     has_lines = cut = False
     not_text = InputError("this is not a text file; a CSV table is needed", file=file)
     try:
-        with file.open("rb") as stream:
+        with open_file(file) as stream:
             if stream.read(2) in UTF_16:
                 message = "this file is UTF-16; save it as CSV in UTF-8"
                 raise InputError(message, file=file, line=1)
             stream.seek(0)
+            in_line = 0
             while block := stream.read(_BLOCK):
+                end = block.rfind(b"\n")
+                in_line = len(block) - end - 1 if end >= 0 else in_line + len(block)
+                if in_line > MOST_LINE_BYTES:
+                    message = f"a line has more than {MOST_LINE_BYTES:,} bytes: this is no table"
+                    raise InputError(message, file=file)
                 first = 0 if cut else block.find(b"\0")
                 cut = first >= 0
                 if cut and block[first:].strip(b"\0"):
@@ -331,12 +349,20 @@ def _header(file: Path, records: list[tuple[int, tuple[str, ...]]]) -> tuple[str
                 raise InputError(message, file=file, line=line)
         words, rows = cells[0].split(), records[1:]
         cells = words if not rows or len(words) == len(rows[0][1]) else cells
+    require_few_columns(len(cells), file, "this row")
     header = tuple(map(str.strip, cells))
     twice = {name for name, count in Counter(header).items() if name and count > 1}
     if twice:
         message = f"column {min(twice)!r} appears twice; keep one"
         raise InputError(message, file=file, line=line, column=min(twice))
     return header
+
+
+def require_few_columns(width: int, file: Path, what: str) -> None:
+    """Raise `InputError` if there are more columns than `MOST_COLUMNS`."""
+    if width > MOST_COLUMNS:
+        message = f"{what} has {width:,} columns, and a table has at most {MOST_COLUMNS:,}"
+        raise InputError(f"{message}; is the separator right?", file=file)
 
 
 def _other_width(cells: Sequence[str], header: Sequence[str]) -> str:

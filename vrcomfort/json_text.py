@@ -10,8 +10,14 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from vrcomfort.errors import InputError
+from vrcomfort.escaping import is_utf8
 
 KeyPath: TypeAlias = tuple[str | int, ...]
+
+MOST_MARKS = 2**22
+"""Brackets, braces and commas of a JSON text: each value takes one, and some 100 bytes or more."""
+MOST_NESTED = 100
+"""Lists and objects in each other, of JSON and TOML: what walks through them calls itself."""
 
 _SPACE = re.compile(r"[ \t\r\n]*")
 _HALF = re.compile(r"\\u[dD][89a-fA-F]")
@@ -50,7 +56,13 @@ def escape_surrogates(text: str) -> str:
 
 
 def parse_json(
-    text: str, file: Path, *, what: str = "JSON", advice: str = "restore it", line: int = 1
+    text: str,
+    file: Path,
+    *,
+    what: str = "JSON",
+    advice: str = "restore it",
+    line: int = 1,
+    most_marks: int = MOST_MARKS,
 ) -> Any:
     """Return the value of a JSON text.
 
@@ -60,11 +72,14 @@ def parse_json(
         The file in words, and what is to be done where it is damaged: "manifest", "restore it".
     line
         The line of the file in which the text begins, from 1.
+    most_marks
+        How many brackets, braces and commas it may have.
 
     Raises
     ------
     InputError
-        If it is no JSON, is nested too deep, or has a number or text that no program can hold.
+        If it is no JSON, is nested deeper than `MOST_NESTED`, has more than `most_marks`, or has a
+        number or text that no program can hold.
     """
 
     def fault(said: str, at: tuple[int, int] | None = None) -> InputError:
@@ -72,6 +87,7 @@ def parse_json(
         row, column = at or (None, None)
         return InputError(message, file=file, line=row and row + line - 1, column=column)
 
+    require_few_values(text, file, what=what, most_marks=most_marks)
     try:
         content = json.loads(text)
     except json.JSONDecodeError as error:
@@ -80,14 +96,36 @@ def parse_json(
         raise fault("it is nested too deep") from None
     except ValueError:  # a number of 5000 digits
         raise fault("a number is too long") from None
-    if _HALF.search(text):
-        try:
-            found = next(_halves(content), None)
-        except RecursionError:
-            raise fault("it is nested too deep") from None
-        if found:
-            raise fault(found[1], place_of(text, found[0]))
+    if is_nested_deeper(content, MOST_NESTED):
+        raise fault("it is nested too deep")
+    if _HALF.search(text) and (found := next(_halves(content), None)):
+        raise fault(found[1], place_of(text, found[0]))
     return content
+
+
+def require_few_values(
+    text: str, file: Path, *, what: str = "JSON", most_marks: int = MOST_MARKS, marks: str = "[{,"
+) -> None:
+    """Raise `InputError` if a text has more brackets, braces and commas; see `parse_json`."""
+    if sum(map(text.count, marks)) > most_marks:
+        message = f"this {what} has more than {most_marks:,} values; is it the right file?"
+        raise InputError(message, file=file)
+
+
+def is_nested_deeper(content: Any, most: int) -> bool:
+    """Return whether more than `most` lists and objects stand in each other."""
+    level = [content]
+    for _ in range(most + 1):
+        level = [
+            each
+            for holder in level
+            if isinstance(holder, dict | list)
+            for each in (holder.values() if isinstance(holder, dict) else holder)
+            if isinstance(each, dict | list)
+        ]
+        if not level:
+            return False
+    return True
 
 
 def _in_words(error: json.JSONDecodeError) -> str:
@@ -101,21 +139,13 @@ def _in_words(error: json.JSONDecodeError) -> str:
 
 def _halves(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
     """Yield strings that UTF-8 cannot hold: half of a surrogate pair."""
-    if isinstance(value, str) and not _is_whole(value):
+    if isinstance(value, str) and not is_utf8(value):
         yield path, f"{name_of(path)} has half a character"
     elif isinstance(value, dict | list):
         for key, each in value.items() if isinstance(value, dict) else enumerate(value):
-            if isinstance(key, str) and not _is_whole(key):
+            if isinstance(key, str) and not is_utf8(key):
                 yield path, "the name of a key has half a character"
             yield from _halves(each, (*path, key))
-
-
-def _is_whole(text: str) -> bool:
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
 
 
 def name_of(path: KeyPath) -> str:

@@ -15,7 +15,7 @@ from tests.support.waiting import WAIT_S
 @contextmanager
 def local_cluster(workers: int) -> Iterator[str]:
     """Yield the address of a scheduler with so many workers."""
-    distributed = pytest.importorskip("distributed")
+    distributed = pytest.importorskip("distributed", reason="distributed is not installed")
     import dask
 
     patient = {f"distributed.comm.timeouts.{name}": f"{WAIT_S}s" for name in ("connect", "tcp")}

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 from typing import TYPE_CHECKING
 
+from vrcomfort.files import sha256_of
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.viewing import Photodiode
 from vrcomfort.resources import data_folder
@@ -64,7 +64,4 @@ def shader_hashes() -> dict[str, str]:
     """Return file → SHA-256 of the shaders."""
     folder = data_folder("shaders")
     files = sorted(path for path in folder.rglob("*") if path.is_file())
-    return {
-        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in files
-    }
+    return {path.relative_to(folder).as_posix(): sha256_of(path) for path in files}

@@ -171,7 +171,7 @@ def render_views(
     Raises
     ------
     InputError
-        If the scene or a pose cannot be used, or there is no OpenGL 4.5.
+        If the scene or a pose cannot be used, there is no OpenGL 4.5, or no FLIP for a reference.
 
     Examples
     --------
@@ -180,11 +180,12 @@ def render_views(
     >>> views.left.linear.shape  # doctest: +SKIP
     (400, 320, 3)
     """
-    from vrcomfort.render.image_error import margin_px
+    from vrcomfort.render.image_error import margin_px, require_flip
 
     now, before = as_pose(pose), as_pose(previous_pose)
-    if reference_samples:
-        margin_px(size_px)  # refuses an image that is all margin before anything is drawn
+    if reference_samples:  # before anything is drawn
+        margin_px(size_px)  # refuses an image that is all margin
+        require_flip()
     steps = 2 * (1 + reference_samples + bool(reference_samples))
     with progress("loading", steps, unit="steps") as advance:
         return _draw(

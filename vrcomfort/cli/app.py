@@ -6,10 +6,10 @@ import errno
 import os
 import sys
 from importlib import import_module
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 from typer.main import get_group
 
 from vrcomfort import __version__
@@ -30,45 +30,106 @@ FAULTS_OF_THE_MACHINE = {
 }
 
 
+class Listed(NamedTuple):
+    """What is known of a command before its module is imported."""
+
+    module: str
+    """In `vrcomfort.cli`; its `register` adds the command."""
+    help: str
+    """First paragraph of the command's docstring."""
+    hidden: bool = False
+
+
 COMMANDS = {
-    "run": "run",
-    "simulate": "simulate",
-    "render": "render",
-    "play": "play",
-    "import-trace": "imports",
-    "import": "imports",
-    "report": "report",
-    "score": "report",
-    "pack": "study_folder",
-    "design": "design",
-    "new": "new",
-    "check": "check",
-    "schema": "new",
-    "passes": "passes",
-    "plan": "passes",
-    "power": "design",
-    "doctor": "doctor",
-    "demo": "simulate",
-    "tradeoff": "tradeoff",
-    "undo-withdrawal": "participants",
-    "exclude": "participants",
-    "undo-exclusion": "participants",
-    "note": "participants",
-    "verify": "study_folder",
-    "status": "study_folder",
-    "anonymise": "study_folder",
-    "export": "study_folder",
+    "run": Listed("run", "Take one participant through one session."),
+    "simulate": Listed(
+        "simulate",
+        "Take simulated participants through all their sessions, every frame rendered.",
+    ),
+    "render": Listed(
+        "render", "Draw one stereo picture with its linear light, depth and settings."
+    ),
+    "play": Listed("play", "Show a recorded session again, or play a head trace through a scene."),
+    "import-trace": Listed("imports", "Turn another program's head log into a trace."),
+    "import": Listed(
+        "imports",
+        "Import questionnaire answers of another lab (for head traces there is `import-trace`).",
+    ),
+    "report": Listed(
+        "report",
+        "Analyse a study: a page, the numbers as JSON and CSV, and figures as SVG, PNG and PDF.",
+    ),
+    "score": Listed(
+        "report", "Score questionnaires: a CSV (or JSON) of scores on standard output."
+    ),
+    "pack": Listed(
+        "study_folder",
+        "Write frames.parquet beside each frames.csv, and gaze.parquet beside each gaze.csv.",
+    ),
+    "design": Listed(
+        "design", "Show the orders and groups of all participants, and their balance."
+    ),
+    "new": Listed("new", "Write a commented protocol for a new study."),
+    "check": Listed(
+        "check",
+        "Check protocols before anybody is recruited: the exit code is 2 if one has a fault.",
+    ),
+    "schema": Listed(
+        "new", "Print the JSON Schema of protocols, analysis plans, or scenes' side-cars."
+    ),
+    "passes": Listed(
+        "passes",
+        "Show the render passes of each condition in each scene, the reasons, and the cost.",
+    ),
+    "plan": Listed("passes", "Run `vrcomfort passes`: its name in version 0.1.", hidden=True),
+    "power": Listed(
+        "design",
+        "Simulate studies of a plan, and say how often its primary test finds the effect.",
+    ),
+    "doctor": Listed(
+        "doctor", "Find the parts that are there and those that are missing, each with its remedy."
+    ),
+    "demo": Listed(
+        "simulate",
+        "Simulate Carnegie & Rhee's study with shortened exposures, render it, and report.",
+    ),
+    "tradeoff": Listed("tradeoff", "Measure the cost and the error of each method of blurring."),
+    "undo-withdrawal": Listed(
+        "participants", "Take back the withdrawal of a participant that was a mistake."
+    ),
+    "exclude": Listed("participants", "Keep a participant out of all analyses."),
+    "undo-exclusion": Listed("participants", "Take the exclusion of a participant back."),
+    "note": Listed(
+        "participants", "Add a note on a participant to participants.csv, with its date."
+    ),
+    "verify": Listed(
+        "study_folder",
+        "Check that a study folder is whole: files, rows, ids, times, checksums. Changes nothing.",
+    ),
+    "status": Listed(
+        "study_folder",
+        "Show the state of a study and of its participants, the next steps, and the disk.",
+    ),
+    "anonymise": Listed(
+        "study_folder",
+        "Copy a study with new ids, other dates, and without notes, head motion and gaze.",
+    ),
+    "export": Listed(
+        "study_folder",
+        "Write a study as a dataset of BIDS (motion, gaze, events, answers) or Psych-DS (tables).",
+    ),
 }
-"""Command → module in `vrcomfort.cli` that registers it, in the order of the help."""
+"""All commands, in the order of the help."""
 
 STYLE: dict[str, Any] = {"rich_markup_mode": "markdown", "pretty_exceptions_enable": False}
 
 
 class LazyCommands(TyperGroup):
-    """Imports a command's module when the command is asked for; reports bad values as bad input.
+    """Imports a command's module when the command is called; reports bad values as bad input.
 
-    All modules together take longer to import than most commands run. Typer ends the program
-    without a word on a KeyboardInterrupt that it meets; here it is one sentence.
+    All modules together take longer to import than most commands run; the help imports none.
+    Typer ends the program without a word on a KeyboardInterrupt that it meets; here it is one
+    sentence.
     """
 
     def list_commands(self, ctx: Any) -> list[str]:
@@ -80,7 +141,7 @@ class LazyCommands(TyperGroup):
         """Return a command by its name, or None."""
         if cmd_name in COMMANDS and cmd_name not in self.commands:
             with stopping.at_once():
-                module = import_module(f"vrcomfort.cli.{COMMANDS[cmd_name]}")
+                module = import_module(f"vrcomfort.cli.{COMMANDS[cmd_name].module}")
             group = typer.Typer(**STYLE)
             group.callback()(_options)  # without it, typer makes no group of a single command
             module.register(group)
@@ -90,9 +151,26 @@ class LazyCommands(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return a command and the rest of its words; a misspelt one is compared with all names."""
         if args[0] not in COMMANDS:
-            for name in COMMANDS:
-                self.get_command(ctx, name)
+            return self._listed().resolve_command(ctx, args)
         return super().resolve_command(ctx, args)
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Write the help, with what is known of the commands without their modules."""
+        self._listed().format_help(ctx, formatter)
+
+    def _listed(self) -> TyperGroup:
+        """Return this group with commands that have names and help alone."""
+        commands: dict[str, Any] = {
+            name: TyperCommand(name, help=each.help, hidden=each.hidden)
+            for name, each in COMMANDS.items()
+        }
+        return TyperGroup(
+            name=self.name,
+            help=self.help,
+            params=self.params,
+            commands=commands,
+            rich_markup_mode=self.rich_markup_mode,
+        )
 
     def invoke(self, ctx: Any) -> Any:  # typer keeps its type of context to itself
         """Run a command; report bad values, and an interrupt, in one sentence."""

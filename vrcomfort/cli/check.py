@@ -1,8 +1,7 @@
-"""`check`: everything that can be known of a protocol before anybody is recruited."""
+"""`check`: faults, length and visible blur of a protocol, before participants are recruited."""
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -24,6 +23,7 @@ from vrcomfort.cli.terminal import (
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
 from vrcomfort.protocol.load import missing_wording
+from vrcomfort.settings import read_toml
 from vrcomfort.tasks import OwnTask
 
 if TYPE_CHECKING:
@@ -154,7 +154,7 @@ def _of_design(protocol: Protocol) -> Iterator[InputError]:
 def _notes(protocol: Protocol) -> Iterator[str]:
     asked = {ask.instrument for ask in protocol.questionnaires if ask.compares is None}
     for each in (protocol.instrument(name) for name in sorted(asked)):
-        if len(each.asked) > 1 and not tomllib.loads(each.text).get("scales"):
+        if len(each.asked) > 1 and not read_toml(each.text, None).get("scales"):
             yield f"the {each.short} has no [[scales]]: its items are reported one by one"
     for task in protocol.tasks:
         if isinstance(task, OwnTask):

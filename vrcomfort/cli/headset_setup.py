@@ -16,9 +16,9 @@ from vrcomfort.api.rendering import describe_machine
 from vrcomfort.api.study_setup import HeadsetSetup
 from vrcomfort.cli.terminal import ask_to_type, warn
 from vrcomfort.errors import InputError, pip_install
+from vrcomfort.files import read_text
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.viewing import Answering
-from vrcomfort.settings import read_text
 
 if TYPE_CHECKING:
     import moderngl

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import shlex
 import sys
+from collections.abc import Callable
+from dataclasses import MISSING, fields
+from inspect import Parameter, Signature
 from pathlib import Path
 from subprocess import list2cmdline
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
 import typer
 
@@ -14,6 +17,35 @@ from vrcomfort.errors import InputError
 
 if TYPE_CHECKING:
     from vrcomfort.protocol import Condition, Protocol
+
+Options = TypeVar("Options")
+
+
+def declared_by(
+    options: type[Options],
+) -> Callable[[Callable[[typer.Context, Options], None]], Callable[..., None]]:
+    """Give a command the arguments and options that the fields of a dataclass declare.
+
+    The command is called with its context and an instance of the dataclass.
+    """
+    hints = get_type_hints(options, include_extras=True)
+    taken = [Parameter("ctx", Parameter.KEYWORD_ONLY, annotation=typer.Context)]
+    for each in fields(options):  # type: ignore[arg-type]
+        default = Parameter.empty if each.default is MISSING else each.default
+        hint = hints[each.name]
+        taken.append(Parameter(each.name, Parameter.KEYWORD_ONLY, default=default, annotation=hint))
+
+    def decorate(command: Callable[[typer.Context, Options], None]) -> Callable[..., None]:
+        def typed(ctx: typer.Context, **values: Any) -> None:
+            command(ctx, options(**values))
+
+        typed.__name__, typed.__doc__ = command.__name__, command.__doc__
+        typed.__annotations__ = {}
+        typed.__signature__ = Signature(taken)  # type: ignore[attr-defined]  # what typer reads
+        return typed
+
+    return decorate
+
 
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only what was asked for.")]
 Json = Annotated[bool, typer.Option("--json", help="Answer as JSON, for programs.")]

@@ -13,6 +13,7 @@ import typer
 from vrcomfort.cli.options import Json, MemoryOption, Quiet, output_option
 from vrcomfort.cli.terminal import answer, console, progress_bar, warn
 from vrcomfort.errors import InputError
+from vrcomfort.files import read_text
 
 if TYPE_CHECKING:
     from vrcomfort.report import Form
@@ -142,7 +143,7 @@ def report(
             note=warn,
         )
     if as_json:
-        typer.echo((out / "results.json").read_text(encoding="utf-8"))
+        typer.echo(read_text(out / "results.json", "report"))
     else:
         told = console(quiet)
         for line in _first(summary.headlines):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
@@ -30,6 +30,7 @@ from vrcomfort.cli.options import (
     StudyFolder,
     StudySeed,
     TraceOption,
+    declared_by,
     parse_covariates,
     parse_size,
     typed_words,
@@ -46,11 +47,8 @@ if TYPE_CHECKING:
     from vrcomfort.operator_interface import SessionProgress
     from vrcomfort.records.consents import Given
     from vrcomfort.respondent import Respondent
-    from vrcomfort.session import RunOutcome
+    from vrcomfort.session import OpenEnrolment, RunOutcome, SessionSettings
     from vrcomfort.session.rehearsal import Rehearsal
-
-
-# The headset of a session, and the options that have a meaning for it.
 
 
 class HeadsetKind(StrEnum):
@@ -70,23 +68,98 @@ MEANT_FOR: Mapping[str, tuple[HeadsetKind, ...]] = {
     "mirror": (OPENXR,),
     "one_eye": (DESKTOP,),
 }
-"""Option of `HeadsetOptions` → headsets that it has a meaning for; others have one for all."""
+"""Field of `RunOptions` → headsets that it has a meaning for; others have one for all."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class HeadsetOptions:
-    """The headset of a session and its options, as they were typed."""
+class RunOptions:
+    """Arguments and options of `run`: each field declares one."""
 
-    kind: HeadsetKind
-    size_px: tuple[int, int] | None
-    trace: Path | None
-    refresh_hz: float | None
-    monado_trace: Path | None
-    monado_answers: Path | None
-    mirror: bool
-    one_eye: bool
+    protocol: ProtocolArgument
+    participant: Annotated[str, typer.Option(help="Letters and digits, for example P01.")]
+    out: StudyFolder
+    headset: Annotated[HeadsetKind, typer.Option(help="What shows it.")] = HeadsetKind.PLAYBACK
+    trace: TraceOption = None
+    monado_trace: Annotated[
+        Path | None, typer.Option(help="Rehearse: a Monado runtime whose head follows this trace.")
+    ] = None
+    monado_answers: Annotated[
+        Path | None, typer.Option(help="What its controllers answer: whole numbers, in order.")
+    ] = None
+    respondent: Annotated[
+        RespondentKind | None,
+        typer.Option(help="Who answers; without it, the panel in a headset, else the terminal."),
+    ] = None
+    session: Annotated[
+        int | None, typer.Option(help="Session number; without it, the next one.", min=1)
+    ] = None
+    seed: StudySeed = None
+    size: Annotated[
+        str | None,
+        typer.Option(metavar="WxH", help="Pixels of one eye's image: 640x800, or the headset's."),
+    ] = None
+    refresh_hz: RefreshRate = None
+    exposure_s: ExposureOption = None
+    resume: Annotated[
+        bool,
+        typer.Option("--resume", help="Continue an interrupted session at its next exposure."),
+    ] = False
+    mirror: Annotated[
+        bool, typer.Option("--mirror", help="OpenXR: show the operator what the participant sees.")
+    ] = False
+    one_eye: Annotated[
+        bool, typer.Option("--one-eye", help="Desktop: show the left eye alone, not both.")
+    ] = False
+    with_console: Annotated[
+        bool,
+        typer.Option("--console", help="Steer it from a page on this machine; prints its address."),
+    ] = False
+    ipd_mm: Annotated[
+        float | None,
+        typer.Option(
+            help="The participant's distance between the pupils; recorded.", min=40, max=85
+        ),
+    ] = None
+    lsl: Annotated[
+        bool,
+        typer.Option("--lsl", help="Send markers, ratings, head and gaze to LabStreamingLayer."),
+    ] = False
+    ttl: Annotated[
+        str | None,
+        typer.Option(metavar="PORT", help="A byte to this serial port as exposures begin and end."),
+    ] = None
+    covariate: CovariateOption = None
+    consent: Annotated[
+        str | None,
+        typer.Option(metavar="VERSION", help="The participant has consented to this version."),
+    ] = None
+    consented_on: Annotated[
+        str | None, typer.Option(metavar="DAY", help="Day of the consent; today without it.")
+    ] = None
+    language: LanguageOption = None
+    group_readable: GroupReadable = False
+    quiet: Quiet = False
 
-    def require_meaning(self, respondent: RespondentKind | None) -> None:
+    @property
+    def answering(self) -> RespondentKind:
+        """Return the respondent; by default the panel in a headset, else an experimenter."""
+        if self.respondent is not None:
+            return self.respondent
+        if self.headset is not PLAYBACK:
+            return RespondentKind.PANEL
+        return RespondentKind.CONSOLE if self.with_console else RespondentKind.TERMINAL
+
+    @property
+    def simulated(self) -> bool:
+        """Return whether a simulated participant answers."""
+        return self.answering is RespondentKind.SIMULATED
+
+    @property
+    def size_px(self) -> tuple[int, int] | None:
+        """Return (width, height) of one eye's image; None is the headset's own."""
+        return parse_size(self.size) if self.size else None
+
+    def require_meaning(self) -> None:
         """Refuse options, and a respondent, that mean nothing for the headset.
 
         Raises
@@ -97,22 +170,67 @@ class HeadsetOptions:
         for name, headsets in MEANT_FOR.items():
             if getattr(self, name) not in {None, False}:
                 self._require(f"--{name.replace('_', '-')}", headsets)
-        if respondent is RespondentKind.PANEL:
+        if self.respondent is RespondentKind.PANEL:
             self._require("--respondent panel", (OPENXR, DESKTOP))
 
     def _require(self, option: str, headsets: tuple[HeadsetKind, ...]) -> None:
-        if self.kind not in headsets:
+        if self.headset not in headsets:
             places = " or ".join(f"--headset {each}" for each in headsets)
-            raise InputError(f"{option} is for {places}; leave it out with --headset {self.kind}")
+            raise InputError(
+                f"{option} is for {places}; leave it out with --headset {self.headset}"
+            )
 
-    def playback(self, protocol: Protocol, *, real_time: bool) -> PlaybackSetup:
+    def require_console(self) -> None:
+        """Refuse answers on a console that is not asked for.
+
+        Raises
+        ------
+        InputError
+            Says what to type.
+        """
+        if self.answering is RespondentKind.CONSOLE and not self.with_console:
+            raise InputError("--respondent console needs --console, where answers are entered")
+
+    def require_gaze(self, protocol: Protocol, playback: PlaybackSetup) -> None:
+        """Refuse conditions that need gaze, where there is none."""
+        if self.headset is PLAYBACK:
+            require_recorded_gaze(protocol.conditions, playback.trace)
+        else:
+            openxr = self.headset is OPENXR
+            require_eye_tracker(protocol.conditions, lambda: openxr and tracks_eyes())
+
+    def require_dial(self, protocol: Protocol) -> None:
+        """Refuse adjustments and sliders where the headset has no dial for them."""
+        dials = (*protocol.adjustments, *protocol.sliders)
+        if dials and self.headset is PLAYBACK and not self.simulated:
+            name = dials[0].name
+            message = f"participants turn the dial `{name}`, and the playback headset has none"
+            remedy = "give --headset openxr or desktop, or --respondent simulated"
+            raise InputError(f"{message}; {remedy}")
+
+    def spoken_protocol(self) -> Protocol:
+        """Load the protocol in the participant's language."""
+        protocol = load_protocol(self.protocol)
+        return protocol.spoken(self.language or self._last_language(protocol))
+
+    def _last_language(self, protocol: Protocol) -> str | None:
+        """Return the language of the participant's last session, if the protocol still has it."""
+        from vrcomfort.records import read_manifest, recorded_sessions, session_folder
+
+        for number in reversed(recorded_sessions(self.out, self.participant)):
+            manifest = read_manifest(session_folder(self.out, self.participant, number))
+            language = manifest.get("language")
+            return language if language in protocol.languages else None
+        return None
+
+    def playback(self, protocol: Protocol) -> PlaybackSetup:
         """Return the playback headset, which stands in where there is no live one."""
         return PlaybackSetup(
             self.size_px or (640, 800),
             protocol.headset.ipd_m,
             open_trace(self.trace, note=warn) if self.trace else None,
             self.refresh_hz,
-            real_time=real_time,
+            real_time=not self.simulated,
         )
 
     @contextmanager
@@ -120,7 +238,7 @@ class HeadsetOptions:
         self, protocol: Protocol, rehearsal: Rehearsal | None, watchdog: Watchdog | None
     ) -> Iterator[HeadsetSetup | None]:
         """Connect to the live headset, or open its window; None of the playback headset."""
-        if self.kind is OPENXR:
+        if self.headset is OPENXR:
             with openxr_setup(
                 protocol,
                 size_px=self.size_px,
@@ -130,30 +248,46 @@ class HeadsetOptions:
                 watchdog=watchdog,
             ) as setup:
                 yield setup
-        elif self.kind is DESKTOP:
+        elif self.headset is DESKTOP:
             with desktop_setup(protocol, size_px=self.size_px, one_eye=self.one_eye) as setup:
                 yield setup
         else:
             yield None
 
+    def open_enrolment(self, study: StudySetup) -> AbstractContextManager[OpenEnrolment]:
+        """Return the participant's open enrolment in one session: the next, or that asked for."""
+        return study.open_enrolment(
+            self.participant,
+            [self.session or next_session(self.out, self.participant)],
+            self.answering,
+            resume=self.resume,
+            covariates=parse_covariates(self.covariate),
+            consent=self._consent(),
+        )
 
-def usual_respondent(headset: HeadsetKind, *, with_console: bool = False) -> RespondentKind:
-    """Return the default respondent: the panel in a headset, else an experimenter."""
-    if headset is not PLAYBACK:
-        return RespondentKind.PANEL
-    return RespondentKind.CONSOLE if with_console else RespondentKind.TERMINAL
+    def _consent(self) -> Given | None:
+        from vrcomfort.records.consents import Given
 
+        if self.consent is None and self.consented_on is not None:
+            raise InputError("--consented-on needs --consent VERSION: what was consented to")
+        return None if self.consent is None else Given(self.consent, self.consented_on)
 
-def require_console(kind: RespondentKind, *, with_console: bool) -> None:
-    """Refuse a console without its packages, and answers on one that is not asked for.
+    def open_respondent(
+        self, protocol: Protocol, headset: HeadsetSetup | None, console: ConsoleSetup | None
+    ) -> Respondent | None:
+        """Return the person, by where they answer; None of a simulated participant."""
+        from vrcomfort.respondent import TerminalRespondent
 
-    Raises
-    ------
-    InputError
-        Says what to type.
-    """
-    if kind is RespondentKind.CONSOLE and not with_console:
-        raise InputError("--respondent console needs --console, where answers are entered")
+        kind = self.answering
+        if kind is RespondentKind.SIMULATED:
+            return None
+        if kind is RespondentKind.TERMINAL:
+            return TerminalRespondent(dialogue())
+        if console is not None and kind is RespondentKind.CONSOLE:
+            return console.respondent(headset.screen if headset else None, protocol.words)
+        if headset is None:
+            raise InputError("--respondent panel needs a headset to answer in")
+        return headset.panel
 
 
 class SessionBars(ExitStack):
@@ -188,73 +322,8 @@ def register(app: typer.Typer) -> None:
     app.command()(run)
 
 
-def run(
-    ctx: typer.Context,
-    protocol: ProtocolArgument,
-    participant: Annotated[str, typer.Option(help="Letters and digits, for example P01.")],
-    out: StudyFolder,
-    headset: Annotated[HeadsetKind, typer.Option(help="What shows it.")] = HeadsetKind.PLAYBACK,
-    trace: TraceOption = None,
-    monado_trace: Annotated[
-        Path | None, typer.Option(help="Rehearse: a Monado runtime whose head follows this trace.")
-    ] = None,
-    monado_answers: Annotated[
-        Path | None, typer.Option(help="What its controllers answer: whole numbers, in order.")
-    ] = None,
-    respondent: Annotated[
-        RespondentKind | None,
-        typer.Option(help="Who answers; without it, the panel in a headset, else the terminal."),
-    ] = None,
-    session: Annotated[
-        int | None, typer.Option(help="Session number; without it, the next one.", min=1)
-    ] = None,
-    seed: StudySeed = None,
-    size: Annotated[
-        str | None,
-        typer.Option(metavar="WxH", help="Pixels of one eye's image: 640x800, or the headset's."),
-    ] = None,
-    refresh_hz: RefreshRate = None,
-    exposure_s: ExposureOption = None,
-    resume: Annotated[
-        bool,
-        typer.Option("--resume", help="Continue an interrupted session at its next exposure."),
-    ] = False,
-    mirror: Annotated[
-        bool, typer.Option("--mirror", help="OpenXR: show the operator what the participant sees.")
-    ] = False,
-    one_eye: Annotated[
-        bool, typer.Option("--one-eye", help="Desktop: show the left eye alone, not both.")
-    ] = False,
-    with_console: Annotated[
-        bool,
-        typer.Option("--console", help="Steer it from a page on this machine; prints its address."),
-    ] = False,
-    ipd_mm: Annotated[
-        float | None,
-        typer.Option(
-            help="The participant's distance between the pupils; recorded.", min=40, max=85
-        ),
-    ] = None,
-    lsl: Annotated[
-        bool,
-        typer.Option("--lsl", help="Send markers, ratings, head and gaze to LabStreamingLayer."),
-    ] = False,
-    ttl: Annotated[
-        str | None,
-        typer.Option(metavar="PORT", help="A byte to this serial port as exposures begin and end."),
-    ] = None,
-    covariate: CovariateOption = None,
-    consent: Annotated[
-        str | None,
-        typer.Option(metavar="VERSION", help="The participant has consented to this version."),
-    ] = None,
-    consented_on: Annotated[
-        str | None, typer.Option(metavar="DAY", help="Day of the consent; today without it.")
-    ] = None,
-    language: LanguageOption = None,
-    group_readable: GroupReadable = False,
-    quiet: Quiet = False,
-) -> None:
+@declared_by(RunOptions)
+def run(ctx: typer.Context, options: RunOptions) -> None:
     """Take one participant through one session.
 
     Answers are on disk as soon as they are given. Ctrl-C, SIGTERM and a closed terminal stop:
@@ -267,71 +336,42 @@ def run(
     - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset desktop`
     - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset openxr --console`
     """
-    study = load_protocol(protocol)
-    study = study.spoken(language or _language_of(study, out, participant))
-    options = HeadsetOptions(
-        kind=headset,
-        size_px=parse_size(size) if size else None,
-        trace=trace,
-        refresh_hz=refresh_hz,
-        monado_trace=monado_trace,
-        monado_answers=monado_answers,
-        mirror=mirror,
-        one_eye=one_eye,
+    protocol = options.spoken_protocol()
+    options.require_meaning()
+    playback = options.playback(protocol)
+    study = StudySetup(
+        protocol,
+        options.out,
+        playback,
+        options.seed,
+        options.exposure_s,
+        group_readable=options.group_readable,
+        note=warn,
     )
-    options.require_meaning(respondent)
-    playback = options.playback(study, real_time=respondent is not RespondentKind.SIMULATED)
-    study_setup = StudySetup(
-        study, out, playback, seed, exposure_s, group_readable=group_readable, note=warn
-    )
-    kind = respondent or usual_respondent(headset, with_console=with_console)
-    require_console(kind, with_console=with_console)
-    require_wording(study, kind, in_headset=headset is not HeadsetKind.PLAYBACK)
+    options.require_console()
+    require_wording(protocol, options.answering, in_headset=options.headset is not PLAYBACK)
     with ExitStack() as owned:
         # First in, last out: a runtime may hang while the rest is being closed.
-        watchdog = owned.enter_context(Watchdog(warn)) if headset is HeadsetKind.OPENXR else None
-        rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers, watchdog))
-        # Refused before the enrolment, which is the first to write.
-        _require_gaze(headset, study, playback)
-        _require_dial(headset, study, kind)
-        numbers = [session or next_session(out, participant)]
-        enrolment = owned.enter_context(
-            study_setup.open_enrolment(
-                participant,
-                numbers,
-                kind,
-                resume=resume,
-                covariates=parse_covariates(covariate),
-                consent=_consent_of(consent, consented_on),
-            )
+        watchdog = owned.enter_context(Watchdog(warn)) if options.headset is OPENXR else None
+        rehearsal = owned.enter_context(
+            rehearse(options.monado_trace, options.monado_answers, watchdog)
         )
-        _tell_of_the_other_kind(out, kind)
-        headset_setup = owned.enter_context(options.connect(study, rehearsal, watchdog))
-        simulated = kind is RespondentKind.SIMULATED
-        outlets = open_outlets(study.name, participant, lsl=lsl, ttl=ttl, simulated=simulated)
-        outlet = owned.enter_context(outlets)
-        speaker = None if simulated else owned.enter_context(open_speaker(study))
-        console = owned.enter_context(open_console()) if with_console else None
-        progress = console.progress if console else owned.enter_context(SessionBars(quiet)).tell
+        # Refused before the enrolment, which is the first to write.
+        options.require_gaze(protocol, playback)
+        options.require_dial(protocol)
+        enrolment = owned.enter_context(options.open_enrolment(study))
+        _tell_of_the_other_kind(options.out, simulated=options.simulated)
+        headset = owned.enter_context(options.connect(protocol, rehearsal, watchdog))
         from vrcomfort.session import run as run_sessions
 
         try:
-            person = _respondent(kind, study, headset_setup, console)
-            operators = console.operators if console else None
-            settings = study_setup.settings(enrolment, person, headset_setup, operators)
-            settings = replace(
-                settings,
-                ipd_measured_m=None if ipd_mm is None else ipd_mm / 1000,
-                outlet=outlet,
-                speaker=speaker or settings.speaker,
-                progress=progress,
-            )
+            settings = _settings(owned, options, protocol, study, enrolment, headset)
             outcome = run_sessions(enrolment, settings)
         except RuntimeLostError as error:
             complain(str(error))
             warn(how_to_go_on(ctx))
             raise typer.Exit(EXIT_RUNTIME_LOST) from error
-    _tell(outcome, out, quiet)
+    _tell(outcome, options.out, options.quiet)
     if outcome.status == "aborted":
         warn(how_to_go_on(ctx))
         raise KeyboardInterrupt  # as the session has heard it, which then closed its files
@@ -339,67 +379,45 @@ def run(
         raise InputError("; ".join(outcome.lost))
 
 
-def _consent_of(version: str | None, day: str | None) -> Given | None:
-    from vrcomfort.records.consents import Given
-
-    if version is None and day is not None:
-        raise InputError("--consented-on needs --consent VERSION: what was consented to")
-    return None if version is None else Given(version, day)
-
-
-def _language_of(protocol: Protocol, study: Path, participant: str) -> str | None:
-    """Return the language of a participant's last session, where the protocol still has it."""
-    from vrcomfort.records import read_manifest, recorded_sessions, session_folder
-
-    for number in reversed(recorded_sessions(study, participant)):
-        language = read_manifest(session_folder(study, participant, number)).get("language")
-        return language if language in protocol.languages else None
-    return None
-
-
-def _tell_of_the_other_kind(study: Path, kind: RespondentKind) -> None:
+def _tell_of_the_other_kind(study: Path, *, simulated: bool) -> None:
     from vrcomfort.records import mixed_kinds_notice
 
-    if told := mixed_kinds_notice(study, simulated=kind is RespondentKind.SIMULATED):
+    if told := mixed_kinds_notice(study, simulated=simulated):
         warn(told)
 
 
-def _require_gaze(headset: HeadsetKind, protocol: Protocol, playback: PlaybackSetup) -> None:
-    """Refuse conditions that need gaze, where there is none."""
-    if headset is HeadsetKind.PLAYBACK:
-        require_recorded_gaze(protocol.conditions, playback.trace)
-    else:
-        openxr = headset is HeadsetKind.OPENXR
-        require_eye_tracker(protocol.conditions, lambda: openxr and tracks_eyes())
-
-
-def _require_dial(headset: HeadsetKind, protocol: Protocol, kind: RespondentKind) -> None:
-    """Refuse adjustments and sliders where the headset has no dial for them."""
-    dials = (*protocol.adjustments, *protocol.sliders)
-    if dials and headset is HeadsetKind.PLAYBACK and kind != "simulated":
-        name = dials[0].name
-        message = f"participants turn the dial `{name}`, and the playback headset has none"
-        raise InputError(f"{message}; give --headset openxr or desktop, or --respondent simulated")
-
-
-def _respondent(
-    kind: RespondentKind,
+def _settings(
+    owned: ExitStack,
+    options: RunOptions,
     protocol: Protocol,
+    study: StudySetup,
+    enrolment: OpenEnrolment,
     headset: HeadsetSetup | None,
-    console: ConsoleSetup | None,
-) -> Respondent | None:
-    """Return the person, by where they answer; None of a simulated participant."""
-    from vrcomfort.respondent import TerminalRespondent
-
-    if kind is RespondentKind.SIMULATED:
-        return None
-    if kind is RespondentKind.TERMINAL:
-        return TerminalRespondent(dialogue())
-    if console is not None and kind is RespondentKind.CONSOLE:
-        return console.respondent(headset.screen if headset else None, protocol.words)
-    if headset is None:
-        raise InputError("--respondent panel needs a headset to answer in")
-    return headset.panel
+) -> SessionSettings:
+    """Open the devices beside the session, and return its settings."""
+    simulated = options.simulated
+    outlet = owned.enter_context(
+        open_outlets(
+            protocol.name,
+            options.participant,
+            lsl=options.lsl,
+            ttl=options.ttl,
+            simulated=simulated,
+        )
+    )
+    speaker = None if simulated else owned.enter_context(open_speaker(protocol))
+    console = owned.enter_context(open_console()) if options.with_console else None
+    progress = console.progress if console else owned.enter_context(SessionBars(options.quiet)).tell
+    person = options.open_respondent(protocol, headset, console)
+    operators = console.operators if console else None
+    settings = study.settings(enrolment, person, headset, operators)
+    return replace(
+        settings,
+        ipd_measured_m=None if options.ipd_mm is None else options.ipd_mm / 1000,
+        outlet=outlet,
+        speaker=speaker or settings.speaker,
+        progress=progress,
+    )
 
 
 def _tell(outcome: RunOutcome, out: Path, quiet: bool) -> None:

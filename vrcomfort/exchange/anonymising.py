@@ -20,6 +20,7 @@ import numpy as np
 from vrcomfort import __version__
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.export_checks import new_folder, require_whole
+from vrcomfort.files import read_text
 from vrcomfort.json_text import json_of
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.checksums import write_checksums
@@ -29,7 +30,7 @@ from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.rows import ALWAYS, GAZE, MOTION, Needs, Row, Trait, csv_line
-from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS, TABLES, SharedFile
+from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS, TABLES, SharedFile, traits_text
 from vrcomfort.records.session_rows import IPD_RULE, EventRow, ParticipantRow, ScreeningRow
 from vrcomfort.records.study import DESCRIPTION, access_of
 
@@ -185,7 +186,7 @@ def _write(
     access: Access,
 ) -> dict[str, Any]:
     study = recorded.folder
-    text = (study / DESCRIPTION).read_text(encoding="utf-8")
+    text = read_text(study / DESCRIPTION, "study description")
     replace_text(out / DESCRIPTION, text, access)
     _copy_instruments(study, out, access)
     rows = {row.participant: row for row in recorded.enrolled}
@@ -206,7 +207,7 @@ def _write(
 def _copy_instruments(study: Path, out: Path, access: Access) -> None:
     for file in sorted((study / INSTRUMENTS).glob("*.toml")):
         make_folders(out, out / INSTRUMENTS, access)
-        replace_text(out / INSTRUMENTS / file.name, file.read_text(encoding="utf-8"), access)
+        replace_text(out / INSTRUMENTS / file.name, read_text(file, "instrument"), access)
 
 
 def _moved(
@@ -358,7 +359,10 @@ def _record(
             "sequence": "an order of its own (r1, r2, …) is numbered as people were enrolled",
             "protocol": "its text, with comments, is in every manifest",
             "columns": {
-                name: [column for column in f.columns if column not in f.blank(kept)]
+                name: {
+                    column: traits_text(needs) or "none" for column, needs in f.stays(kept).items()
+                }
+                | (dict.fromkeys(known, "covariate") if name == ParticipantRow.FILE else {})
                 for name, f in stays.items()
             },
         },

@@ -5,6 +5,7 @@ Playing needs `miniaudio` (the extra `sound`), which has its own thread.
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 import wave
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import Any, Protocol, Self
 
 from vrcomfort.errors import InputError, pip_install
+from vrcomfort.files import read_bytes
 
 LONGEST_S = 600.0
 _RATE_HZ, _CHANNELS, _SAMPLE_BYTES = 48_000, 2, 2
@@ -44,8 +46,8 @@ def read_sound(file: Path) -> Sound:
         If it cannot be read, is no WAV file of whole numbers, or is too long.
     """
     try:
-        content = file.read_bytes()
-        with wave.open(str(file), "rb") as opened:
+        content = read_bytes(file)
+        with wave.open(io.BytesIO(content)) as opened:
             frames, rate_hz, width = (
                 opened.getnframes(),
                 opened.getframerate(),

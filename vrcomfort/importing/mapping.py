@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PrivateAttr
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import read_text
 from vrcomfort.importing.source import Reading
 from vrcomfort.questionnaire import Instrument, Scale, find_instrument, shipped_instruments
 from vrcomfort.settings import (
@@ -21,7 +22,6 @@ from vrcomfort.settings import (
     did_you_mean,
     first_problem,
     parse_settings,
-    read_text,
 )
 
 FACTS = ("participant", "session", "period", "block", "trial", "condition", "scene", "timepoint")

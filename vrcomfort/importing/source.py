@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from vrcomfort.csv_table import MOST_CELLS
 from vrcomfort.errors import InputError
 
-MOST_CELLS = 10_000_000
-"""Of a table, with the blank ones that make its rows equally long."""
 LONGEST_TEXT = 131_072
 """Characters of a cell: the limit of Python's CSV reader."""
 

@@ -11,9 +11,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.csv_table import MOST_CELLS, require_few_columns
 from vrcomfort.errors import InputError
-from vrcomfort.importing.source import Grid, Reading, cell_text, require_room
-from vrcomfort.json_text import parse_json
+from vrcomfort.files import MOST_TEXT_BYTES, read_bytes
+from vrcomfort.importing.source import (
+    Grid,
+    Reading,
+    cell_text,
+    require_room,
+)
+from vrcomfort.json_text import parse_json, require_few_values
 
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "vertical bars"}
 _MARKS = (
@@ -33,7 +40,7 @@ def read_text_table(file: Path, reading: Reading) -> Grid:
     InputError
         If the file cannot be read, or its text is not of the encoding that is asked for.
     """
-    content = read_bytes(file)
+    content = content_of(file)
     encoding = reading.encoding or encoding_of(content)
     text = decode(content, encoding, file)
     separator, text = _declared(text)
@@ -57,7 +64,7 @@ def read_text_table(file: Path, reading: Reading) -> Grid:
     )
 
 
-def read_bytes(file: Path) -> bytes:
+def content_of(file: Path) -> bytes:
     """Return the content of a file.
 
     Raises
@@ -66,7 +73,7 @@ def read_bytes(file: Path) -> bytes:
         If it cannot be read, or is empty.
     """
     try:
-        content = file.read_bytes()
+        content = read_bytes(file, most=MOST_TEXT_BYTES)
     except FileNotFoundError:
         raise InputError("there is no such file", file=file) from None
     except IsADirectoryError:
@@ -153,11 +160,15 @@ def _rows(text: str, separator: str, file: Path) -> list[list[str]]:
     if "\n" not in text:  # old exports of Macintosh programs end lines with a carriage return
         text = text.replace("\r", "\n")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+    rows: list[list[str]] = []
     try:
-        return [[_trimmed(cell) for cell in row] for row in reader]
+        for row in reader:
+            require_few_columns(len(row), file, f"row {len(rows) + 1}")
+            rows.append([_trimmed(cell) for cell in row])
     except csv.Error as error:
         message = f"not a table: {error}"
         raise InputError(message, file=file, line=reader.line_num) from None
+    return rows
 
 
 def _trimmed(cell: str) -> str:
@@ -190,13 +201,14 @@ def read_json_table(file: Path, reading: Reading) -> Grid:
     InputError
         If it is no JSON, or holds no records.
     """
-    content = read_bytes(file)
+    content = content_of(file)
     encoding = reading.encoding or encoding_of(content)
-    records = list(_records(_parsed(decode(content, encoding, file), file)))
+    records = list(_records(_parsed(decode(content, encoding, file), file), _Room(file)))
     headings = list(dict.fromkeys(name for record in records for name in record))
     if not headings:
         message = "no records were found in this JSON; a list of objects is needed"
         raise InputError(message, file=file)
+    require_few_columns(len(headings), file, "the records")
     require_room(len(records), len(headings), file, f"{len(headings):,} names of columns")
     rows = [tuple(record.get(name, "") for name in headings) for record in records]
     return Grid(
@@ -209,12 +221,34 @@ def read_json_table(file: Path, reading: Reading) -> Grid:
     )
 
 
+class _Room:
+    """Counts the cells of flattened records; a value outside a list is in each of its rows."""
+
+    def __init__(self, file: Path) -> None:
+        self._file, self._left = file, MOST_CELLS
+
+    def spend(self, cells: int, names: int = 0) -> None:
+        """Count cells, and the characters of a column's name as some more.
+
+        Raises
+        ------
+        InputError
+            If they are more than a table of answers has.
+        """
+        self._left -= cells + names // 100
+        if self._left < 0:
+            message = f"the records of this JSON have more than {MOST_CELLS:,} cells"
+            raise InputError(f"{message}; delete what is no data", file=self._file)
+
+
 def _parsed(text: str, file: Path) -> Any:
+    require_few_values(text, file)
     try:
         return parse_json(text, file, advice=_ADVICE)
     except InputError as error:
         lines = ((n, each) for n, each in enumerate(text.split("\n"), start=1) if each.strip())
         try:
+            require_few_values(text, file, marks="[{,\n")
             found = [_record(next(lines), file)]
         except (StopIteration, InputError):
             raise error from None
@@ -226,7 +260,7 @@ def _record(numbered: tuple[int, str], file: Path) -> Any:
     return parse_json(text, file, advice=_ADVICE, line=line)
 
 
-def _records(content: Any) -> Iterator[dict[str, str]]:
+def _records(content: Any, room: _Room) -> Iterator[dict[str, str]]:
     columns = _columns(content)
     if columns is not None:
         content = columns
@@ -237,7 +271,7 @@ def _records(content: Any) -> Iterator[dict[str, str]]:
             for each in (found if isinstance(found, list) else [found])
         ]
     for record in content if isinstance(content, list) else [content]:
-        yield from _flat(record, "")
+        yield from _flat(record, "", room)
 
 
 def _columns(content: Any) -> list[dict[str, Any]] | None:
@@ -268,21 +302,24 @@ def _holds_records(content: dict[str, Any]) -> bool:
     return bool(keys) and all(len(each & keys[0]) * 2 > len(each | keys[0]) for each in keys)
 
 
-def _flat(value: Any, path: str) -> list[dict[str, str]]:
+def _flat(value: Any, path: str, room: _Room) -> list[dict[str, str]]:
     """Return the rows of a value: one, or one for each record of the lists in it."""
+    room.spend(1, len(path))
     if not isinstance(value, dict | list):
         return [{path or "value": cell_text(value)}]
     if isinstance(value, list):
         if any(isinstance(each, dict) for each in value):
-            return [row for each in value for row in _flat(each, path)]
+            return [row for each in value for row in _flat(each, path, room)]
+        room.spend(len(value), len(value) * len(path))
         return [{f"{path}.{place}": cell_text(each) for place, each in enumerate(value, start=1)}]
     outside: dict[str, str] = {}
     inside: list[dict[str, str]] = []
     for name, each in value.items():
-        rows = _flat(each, f"{path}.{name}" if path else name)
+        rows = _flat(each, f"{path}.{name}" if path else name, room)
         is_list = isinstance(each, list) and any(isinstance(e, dict) for e in each)
         if is_list or len(rows) > 1:
             inside += rows
         else:
             outside |= rows[0] if rows else {}
+    room.spend(len(outside) * len(inside))
     return [{**outside, **row} for row in inside] or [outside]

@@ -17,14 +17,24 @@ from typing import IO, Any
 from xml.etree.ElementTree import Element, iterparse
 from xml.parsers import expat
 
+from vrcomfort.csv_table import MOST_CELLS, require_few_columns
 from vrcomfort.errors import InputError
-from vrcomfort.importing.source import LONGEST_TEXT, MOST_CELLS, Grid, Reading, cell_text
-from vrcomfort.importing.text_files import read_bytes
+from vrcomfort.importing.source import LONGEST_TEXT, Grid, Reading, cell_text
+from vrcomfort.importing.text_files import content_of
 
 MOST_BYTES = 2**28
-"""Of XML, unpacked: some five million cells."""
-MOST_ELEMENTS = 30_000_000
+"""Of XML, unpacked."""
+MOST_CELLS_READ = 2_000_000
+"""Rows, cells and shared texts of all sheets, blank ones as well: each takes some 10 µs."""
+MOST_ELEMENTS = 8_000_000
 """Of XML: a cell is two or three."""
+MOST_OTHERS = 200_000
+"""Elements of XML that are no part of cells: styles, merged ranges, links and the like."""
+_READ = {"row": 1, "c": 1, "si": 1, "is": 1, "r": 4}
+"""As many cells as take the time of an element; of `r`, a part of a text with its own style."""
+_INSIDE = frozenset({"v", "t", "f"})
+_A_SHEET = 200
+"""As many of them as take the time of a sheet."""
 
 _LOOKED_AT = 64
 """Bytes of a file in which XML has its first sign."""
@@ -46,12 +56,7 @@ def check_archive(content: bytes, file: Path) -> None:
         archive = _opened(content, file)
         parts = [each for each in archive.infolist() if _is_xml(archive, each)]
         _require_room(sum(each.file_size for each in parts), MOST_BYTES, "bytes", file)
-    elements = 0
-
-    def count(_name: str, _attributes: object) -> None:
-        nonlocal elements
-        elements += 1
-        _require_room(elements, MOST_ELEMENTS, "elements", file)
+    count = _Elements(file).count
 
     for part in parts:
         name = f"{part.filename} of this workbook"
@@ -60,6 +65,33 @@ def check_archive(content: bytes, file: Path) -> None:
             parser.StartDoctypeDeclHandler = partial(_refuse_document_type, file, name)
             parser.StartElementHandler = count
             parser.ParseFile(stream)
+
+
+class _Elements:
+    """Counts the elements of all parts, weighted by the memory that they take."""
+
+    def __init__(self, file: Path) -> None:
+        self._file, self._all, self._read, self._others, self._in_row = file, 0, 0, 0, 0
+
+    def count(self, name: str, _attributes: object) -> None:
+        """Count an element that begins.
+
+        Raises
+        ------
+        InputError
+            If there is no room for it.
+        """
+        name = name.rpartition(":")[2]
+        self._all += 1
+        if name in _READ:
+            self._read += _READ[name]
+            self._in_row = self._in_row + (name == "c") if name != "row" else 0
+        elif name not in _INSIDE:
+            self._others += _A_SHEET if name == "sheet" else 1
+        _require_room(self._all, MOST_ELEMENTS, "elements", self._file)
+        _require_room(self._read, MOST_CELLS_READ, "cells", self._file)
+        _require_room(self._others, MOST_OTHERS, "styles and the like", self._file)
+        require_few_columns(self._in_row, self._file, "a row of this workbook")
 
 
 @contextmanager
@@ -103,7 +135,7 @@ def _is_xml(archive: zipfile.ZipFile, part: zipfile.ZipInfo) -> bool:
 def _require_room(found: int, most: int, what: str, file: Path) -> None:
     if found > most:
         message = f"this workbook unpacks to more than {most:,} {what}; delete what is no data"
-        raise InputError(message, file=file)
+        raise InputError(f"{message}, or save its sheets as CSV", file=file)
 
 
 _ENCRYPTED = b"\xd0\xcf\x11\xe0"
@@ -126,7 +158,7 @@ def read_workbook(file: Path, reading: Reading) -> list[Grid]:
     """
     from openpyxl import load_workbook  # noqa: PLC0415 - slow, and for workbooks alone
 
-    content = read_bytes(file)
+    content = content_of(file)
     if content.startswith(_ENCRYPTED):
         message = "this workbook has a password, or is of Excel's former format"
         raise InputError(f"{message}; save it as .xlsx without a password", file=file)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
@@ -13,7 +12,15 @@ from vrcomfort.protocol.adjustments import LIVE, Adjustment, adjusted, value_of
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import NO_TASK, written_orders
-from vrcomfort.settings import KeyPath, Problem, Settings, did_you_mean, in_words, repeated
+from vrcomfort.settings import (
+    KeyPath,
+    Problem,
+    Settings,
+    did_you_mean,
+    in_words,
+    read_toml,
+    repeated,
+)
 from vrcomfort.settings.reading import fields_at
 
 Needs = Mapping[str, Collection[Any]]
@@ -85,7 +92,7 @@ def without_effect(protocol: Protocol) -> Iterator[Problem]:
     Only what is written counts: defaults, and what a level of `quality` fills in, may be idle. What
     a level of a factor writes must do something in one of the conditions that it is part of.
     """
-    data = tomllib.loads(protocol.toml)
+    data = read_toml(protocol.toml, None)
     for path, table, conditions in _written(protocol, data):
         if table.get("quality") and not any(map(_has_dials, conditions)):
             message = "`quality` does nothing without depth_of_field or motion_blur; remove it"

@@ -8,6 +8,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import read_text
 from vrcomfort.protocol.check import folder_of, problems
 from vrcomfort.protocol.condition_check import adjusted_conditions
 from vrcomfort.protocol.factors import crossed, factor_problems
@@ -23,7 +24,6 @@ from vrcomfort.settings import (
     did_you_mean,
     in_words,
     problems_of,
-    read_text,
     repeated,
 )
 from vrcomfort.settings.include import Source

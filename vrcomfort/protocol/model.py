@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr, field_validator
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import sha256_of
 from vrcomfort.protocol.adjustments import Adjustment, Slider
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.factors import CrossedFactor
@@ -48,8 +49,10 @@ from vrcomfort.protocol.viewing import (
     Answering,
     HeadsetSettings,
     LocomotionSettings,
+    Percent,
     Photodiode,
     SceneView,
+    SeenTimeLimits,
     Visibility,
 )
 from vrcomfort.questionnaire import Instrument, shipped_instruments
@@ -86,8 +89,10 @@ class Protocol(Settings):
     hours_between_sessions: Annotated[float, Field(ge=0, le=8760)] = 0.0
     """From the end of a participant's session to the beginning of the next, at least; `run` refuses
     to begin it sooner. Simulated participants have waited."""
-    max_dropped_percent: Annotated[float, Field(ge=0, le=100)] = 5.0
-    """Share of dropped frames, or of frozen time, above which a trial is flagged; its data stay."""
+    max_dropped_percent: Percent = 5.0
+    """Share of dropped frames above which a trial is flagged; its data stay."""
+    flag_above_percent: SeenTimeLimits = SeenTimeLimits()
+    """Shares of an exposure's time above which it is flagged; its data stay."""
     resumed_questions_within_s: Rest = 600.0
     """Time after the last exposure within which an interrupted session first asks the questions
     that were open; later, those items are missed."""
@@ -363,7 +368,7 @@ class Protocol(Settings):
         for name in sorted({name for each in self.told for _, name in each.files()}):
             file = self.media_file(name)
             try:
-                hashes[name] = hashlib.sha256(file.read_bytes()).hexdigest()
+                hashes[name] = sha256_of(file)
             except OSError as error:
                 message = f"this cannot be read: {error.strerror or error}"
                 raise InputError(message, file=file) from error

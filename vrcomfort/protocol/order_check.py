@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
@@ -11,7 +10,7 @@ from math import prod
 from vrcomfort.protocol.model import Protocol, factor_names, level_of, part_trials, trials_of
 from vrcomfort.protocol.order import NO_TASK, Group, Part, Trial, orders_of
 from vrcomfort.protocol.session_steps import Practice
-from vrcomfort.settings import KeyPath, Problem, did_you_mean, repeated, reserved
+from vrcomfort.settings import KeyPath, Problem, did_you_mean, read_toml, repeated, reserved
 
 # Sequences are made whole: n! of all orders are 720 with 6 treatments, more than studies have
 # participants, and a square of 64 has 64 rows of 64 trials.
@@ -37,7 +36,7 @@ TAKEN = frozenset(["participant", "sequence", "status", "enrolled_at", "note", "
 
 def order_problems(protocol: Protocol) -> Iterator[Problem]:
     """Yield faults of the [order] table."""
-    written = tomllib.loads(protocol.toml).get("order", {}) if protocol.toml else {}
+    written = read_toml(protocol.toml, None).get("order", {}) if protocol.toml else {}
     for key in written.keys() & OF_RULES.keys():
         if protocol.order.rule not in OF_RULES[key]:
             message = f'`{key}` does nothing with rule = "{protocol.order.rule}"'
@@ -74,7 +73,7 @@ def _explicit(protocol: Protocol) -> Iterator[Problem]:
 def _group_of_sequence(protocol: Protocol, path: KeyPath, group: str | None) -> Iterator[Problem]:
     names = [each.name for each in protocol.groups]
     if group is None and names:
-        message = "this sequence is nobody's: with [[groups]], each names its `group`"
+        message = "this sequence is of no group: with [[groups]], each names its `group`"
         yield Problem(path, message)
     elif group is not None:
         yield from unknown_name(path, "group", group, names)
@@ -220,7 +219,7 @@ def _allocation(protocol: Protocol) -> Iterator[Problem]:
 
 def _idle(protocol: Protocol) -> Iterator[Problem]:
     allocation = protocol.allocation
-    written = tomllib.loads(protocol.toml).get("allocation", {}) if protocol.toml else {}
+    written = read_toml(protocol.toml, None).get("allocation", {}) if protocol.toml else {}
     for key, method in {"rounds": "permuted_blocks", "p_best": "minimisation"}.items():
         if allocation and key in written and allocation.method != method:
             message = f'`{key}` does nothing with method = "{allocation.method}"'

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from vrcomfort.files import read_text
 from vrcomfort.questionnaire.answers import Answer, Answers, exact
 from vrcomfort.questionnaire.instruments import Instrument, Item, Translation, Wording, plain
 from vrcomfort.questionnaire.scale_file import (
@@ -27,7 +28,6 @@ from vrcomfort.settings import (
     did_you_mean,
     first_problem,
     parse_settings,
-    read_text,
     repeated,
     reserved,
 )

@@ -14,6 +14,7 @@ from typing import Any
 import duckdb
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import open_file
 from vrcomfort.records.disk import OWNER, only_program, refuse_links, refused, sync_folder
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.recording import (
@@ -160,7 +161,7 @@ def _is_sound(database: duckdb.DuckDBPyConnection, packed: Path, header: tuple[s
 def _put(draft: Path, packed: Path, csv: Path) -> None:
     """Make the draft the packed file, for the same readers as the CSV."""
     draft.chmod(stat.S_IMODE(csv.stat().st_mode))
-    with draft.open("rb") as stream:
+    with open_file(draft) as stream:
         os.fsync(stream.fileno())
     draft.replace(packed)
     sync_folder(packed.parent)

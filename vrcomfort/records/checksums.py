@@ -5,15 +5,14 @@ It has the form of the program ``sha256sum``, so ``sha256sum --check checksums.s
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import read_text, sha256_of
 from vrcomfort.records.disk import Access, replace_text
-from vrcomfort.settings import read_text
 
 CHECKSUMS = "checksums.sha256"
 _LINE = re.compile(r"([0-9a-f]{64})  ([^/\\]+)")
@@ -84,12 +83,6 @@ def read_checksums(folder: Path) -> dict[str, Checksum]:
             raise InputError(message, file=file, line=number)
         found[parts[2]] = Checksum(parts[1], number)
     return found
-
-
-def sha256_of(file: Path) -> str:
-    """Return the SHA-256 of a file's bytes, in hexadecimal digits."""
-    with file.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def _write(folder: Path, known: dict[str, str], access: Access) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from datetime import UTC, date, datetime
 from pathlib import Path
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import sha256_of
 from vrcomfort.protocol import Protocol
 from vrcomfort.records.disk import replace_text
 from vrcomfort.records.rows import csv_line
@@ -112,7 +112,7 @@ def text_sha256(protocol: Protocol) -> str:
     if protocol.consent is None or not protocol.consent.file:
         return ""
     beside = protocol.file.parent if protocol.file else Path()
-    return hashlib.sha256((beside / protocol.consent.file).read_bytes()).hexdigest()
+    return sha256_of(beside / protocol.consent.file)
 
 
 def note_consent(study: Path, row: ConsentRow) -> None:

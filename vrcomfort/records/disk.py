@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import IO, NamedTuple
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import read_text, refuse_special
 from vrcomfort.json_text import parse_json
 
 
@@ -69,12 +70,14 @@ def open_new(file: Path, access: Access, flags: int) -> int:
     Raises
     ------
     InputError
-        If it is a symbolic link.
+        If it is a symbolic link, a pipe or a device.
     OSError
         If the disk refuses.
     """
     refuse_links(file.parent, file)
     made = not file.exists()
+    if not made:
+        refuse_special(file)
     descriptor = os.open(file, _NEW | _NO_LINK | flags, access.file_mode)
     if made and access != OWNER and sys.platform != "win32":
         os.fchmod(descriptor, access.file_mode)
@@ -244,7 +247,7 @@ def _wipe(stream: IO[str]) -> None:
 
 def _holder(file: Path) -> str:
     try:
-        said = parse_json(file.read_text(encoding="utf-8"), file)
+        said = parse_json(read_text(file, "lock"), file)
         return f"process {said['pid']} on {said['host']}"
     except (OSError, ValueError, KeyError, TypeError):
         return "another program"

@@ -46,16 +46,16 @@ def eye_columns(eye: str) -> tuple[str, ...]:
 def _sight(eye: str = "") -> tuple[Column, ...]:
     """Declare the columns of a line of sight."""
     whose = f"{eye.rstrip('_')} eye's " if eye else ""
-    parts = [
-        *(f"Begin of the {whose}line of sight in the stage, {axis}" for axis in _AXES),
-        *(
-            f"Direction of the {whose}line of sight in the stage (length 1), {axis}"
-            for axis in _AXES
-        ),
+    begins = [f"Begin of the {whose}line of sight in the stage, {axis}" for axis in _AXES]
+    ways = [
+        f"Direction of the {whose}line of sight in the stage (length 1), {axis}" for axis in _AXES
     ]
+    # The line begins in the head: where it does tells the motion of the head, and of both eyes
+    # their distance.
+    parts = [*((each, BOTH) for each in begins), *((each, GAZE) for each in ways)]
     return tuple(
-        Column(meaning, blank="the eyes were not seen", signed=True, name=name)
-        for name, meaning in zip(gaze_columns(eye), parts, strict=True)
+        Column(meaning, blank="the eyes were not seen", needs=needs, signed=True, name=name)
+        for name, (meaning, needs) in zip(gaze_columns(eye), parts, strict=True)
     )
 
 
@@ -261,7 +261,10 @@ class FrameRow(Row):
     xr_time_ns: FrameTimeNs
     period_ns: Annotated[int, Column("Predicted period of the display")]
     trial: FrameTrial
-    should_render: Annotated[bool, Column("1 where the runtime wanted the frame to be drawn")]
+    should_render: Annotated[
+        bool,
+        Column("1 where the frame was drawn; 0 where the runtime wanted no picture, or `paused`"),
+    ]
     head: Annotated[Pose, _HEAD]
     left: Annotated[View, _LEFT]
     right: Annotated[View, _RIGHT, _FOVS]
@@ -305,6 +308,7 @@ class FrameRow(Row):
             "Largest radius, of a circle of confusion or half a streak, that the condition allows "
             "at this image size",
             blank="there is no limit (views through the lens)",
+            needs=BOTH,
         ),
     ] = None
     cpu_ms: Annotated[
@@ -341,6 +345,23 @@ class FrameRow(Row):
     snap_turn: bool = False
     hands: Annotated[tuple[Pose | None, Pose | None], _HANDS] = (None, None)
     resumed: Resumed = 0
+    user_present: Annotated[
+        bool | None,
+        Column(
+            "1 where the headset's presence sensor saw somebody",
+            blank="the runtime did not tell, or it was not recorded",
+            since=5,
+        ),
+    ] = None
+    paused: Annotated[
+        bool | None,
+        Column(
+            "1 where nothing was shown: an operator's pause, the headset off or the session not "
+            "visible; the row is the first of its kind, and stands for all frames until the next",
+            blank=_NOT_RECORDED,
+            since=5,
+        ),
+    ] = None
     gaze: GazeRow | None = None
     image: ImageRow | None = None
     balls: tuple[BallRow, ...] = ()

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import open_file, read_text
 from vrcomfort.protocol import Trial
 from vrcomfort.records.appended_file import AppendedFile
 from vrcomfort.records.attempts import FramesOfAttempts
@@ -94,7 +95,7 @@ def _repaired(file: Path, columns: tuple[str, ...], access: Access) -> str | Non
 
 def _schema_of(file: Path, columns: tuple[str, ...]) -> tuple[int, tuple[str, ...]]:
     """Return the newest schema version with the columns of a file's header, and these columns."""
-    with file.open("rb") as stream:
+    with open_file(file) as stream:
         header = stream.readline()
     for version in range(SCHEMA_VERSION, 0, -1):
         older = columns_of_version(version, file.name, columns)
@@ -119,7 +120,7 @@ def _whole_rows(file: Path, columns: tuple[str, ...]) -> tuple[int, int]:
     """Return how many bytes and lines are whole; at most one line is not."""
     whole = lines = 0
     broken = False
-    with file.open("rb") as stream:
+    with open_file(file) as stream:
         for line in stream:
             if broken:
                 raise InputError("this row is broken; mend it first", file=file, line=lines + 1)
@@ -346,7 +347,7 @@ def _seconds_since(
 def _check_begun(folder: Path, begun: Mapping[str, Any], planned: Sequence[Trial]) -> None:
     file = folder / "manifest.json"
     for column, fault in _unplanned(begun, planned):
-        text, path = file.read_text(encoding="utf-8"), ("under_way", column)
+        text, path = read_text(file, "manifest"), ("under_way", column)
         raise damaged(file, "manifest", f"`under_way.{column}`: {fault}", text=text, path=path)
 
 

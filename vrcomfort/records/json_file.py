@@ -14,9 +14,10 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from pydantic_core import ErrorDetails
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import read_text
 from vrcomfort.json_text import KeyPath, escape_surrogates, name_of, parse_json, place_of
 from vrcomfort.records.schema import check_schema_version
-from vrcomfort.settings import in_words, read_text
+from vrcomfort.settings import in_words
 
 LONGEST_S = 1e8
 """Three years: no time of a session lies beyond."""

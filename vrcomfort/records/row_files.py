@@ -10,6 +10,7 @@ from pathlib import Path
 from threading import RLock
 from typing import Literal, TypeAlias
 
+from vrcomfort.files import read_bytes
 from vrcomfort.records.appended_file import AppendedFile, ExternalChange
 from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
 from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
@@ -253,5 +254,4 @@ def _with_others(row: Row) -> Iterable[Row]:
 
 
 def _read(file: Path) -> str:
-    with file.open(encoding="utf-8", newline="") as stream:  # line ends as they are
-        return stream.read()
+    return read_bytes(file).decode()

@@ -102,6 +102,10 @@ class SharedFile:
         """Return the columns that are blank in a copy with these traits."""
         return [name for name, needs in self.columns.items() if not needs <= kept]
 
+    def stays(self, kept: Needs) -> dict[str, Needs]:
+        """Return the columns that a copy with these traits keeps → what each tells of."""
+        return {name: self.needs | needs for name, needs in self.columns.items() if needs <= kept}
+
 
 def described(name: str, tables: Sequence[type[Row]]) -> str:
     """Return the meaning of a column that may be in several tables; empty where it is in none.
@@ -195,7 +199,7 @@ def _section(table: type[Row]) -> Iterator[str]:
     said = (inspect.getdoc(table) or "").splitlines()[0].rstrip(".")
     place = "In the study's folder" if table in STUDY_ROWS else "In a session's folder"
     some = ", where it has rows" if table in OPTIONAL_ROWS else ""
-    kept = f" The file is kept with {_traits(table.NEEDS)}." if table.NEEDS else ""
+    kept = f" The file is kept with {traits_text(table.NEEDS)}." if table.NEEDS else ""
     yield f"\n## {table.FILE}\n\n{said}. {place}{some}.{kept}\n\n"
     yield "| column | type | meaning | blank | since | kept with |\n|---|---|---|---|---|---|\n"
     yield from map(_line, (*declared(table), *table.FURTHER))
@@ -204,9 +208,17 @@ def _section(table: type[Row]) -> Iterator[str]:
 def _line(column: Column) -> str:
     kind = ", ".join(filter(None, (_TYPES[column.type], column.unit)))
     since = str(column.since) if column.since > 1 else ""
-    cells = (f"`{column.name}`", kind, column.meaning, column.blank, since, _traits(column.needs))
+    cells = (
+        f"`{column.name}`",
+        kind,
+        column.meaning,
+        column.blank,
+        since,
+        traits_text(column.needs),
+    )
     return f"| {' | '.join(cells)} |\n".replace("|  ", "| ")
 
 
-def _traits(needs: Needs) -> str:
+def traits_text(needs: Needs) -> str:
+    """Return the traits that a column or file tells of, joined with "and"; empty for none."""
     return " and ".join(sorted(needs, reverse=True))

@@ -15,6 +15,7 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design, Enrolment
 from vrcomfort.errors import InputError
 from vrcomfort.escaping import escape_unprintable
+from vrcomfort.files import read_text
 from vrcomfort.json_text import json_of
 from vrcomfort.protocol import Protocol
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
@@ -37,7 +38,6 @@ from vrcomfort.records.rows import csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION
 from vrcomfort.records.session_rows import LONGEST_TEXT, ParticipantRow
 from vrcomfort.records.tables import read_table
-from vrcomfort.settings import read_text
 
 DESCRIPTION = "dataset_description.json"
 LONGEST_NOTES = 80_000
@@ -198,7 +198,7 @@ def read_participants(study: Path) -> list[ParticipantRow]:
     begun = () if rows else sorted(study.glob("sub-*/ses-*/manifest.json"))
     if begun:  # going on would enrol them again
         who = begun[0].parent.parent.name
-        message = f"nobody is in it, and {who} has a session; restore it from a copy"
+        message = f"it has no participants, and {who} has a session; restore it from a copy"
         raise InputError(message, file=file)
     return list(rows)
 
@@ -299,7 +299,7 @@ def enrol(
     Parameters
     ----------
     covariates
-        Those that the protocol declares; of somebody who is enrolled, those known of them or none.
+        Those that the protocol declares; of an enrolled participant, those known of them or none.
 
     Raises
     ------

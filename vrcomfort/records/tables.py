@@ -16,10 +16,12 @@ from typing import Any
 
 from vrcomfort.csv_table import LARGEST_WHOLE, CsvTable, plain_digits, shortened
 from vrcomfort.errors import InputError
+from vrcomfort.files import open_file
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.json_file import LONGEST_S
 from vrcomfort.records.rows import Column, Row, declared, single
 from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
+from vrcomfort.seen_time import FRAME_COLUMNS
 
 _HALF = "this row is half-written; `vrcomfort run … --resume` moves it aside, or remove the line"
 # Rows of frames have 77 cells: a part of 4096 takes about 20 MB as text, a whole file may take GBs.
@@ -124,7 +126,7 @@ def read_rows(
         If a line is no row, a column is missing, or a cell is not what its column holds.
     """
     file, columns = folder / row_type.FILE, columns_read(row_type)
-    with file.open("rb") as stream:
+    with open_file(file) as stream:
         first = stream.readline()
         if told is None:
             header = _header(file, first, row_type, version)
@@ -229,7 +231,11 @@ def columns_read(row_type: type[Row]) -> Mapping[str, Column]:
     These files are large: `vrcomfort.records.recording` reads their other columns.
     """
     if row_type in (FrameRow, GazeRow):
-        return {each.name: each for each in single(row_type) if not each.blank and not each.needs}
+        return {
+            each.name: each
+            for each in single(row_type)
+            if each.name in FRAME_COLUMNS or not (each.blank or each.needs)
+        }
     return {each.name: each for each in declared(row_type)}
 
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import flip_evaluator
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import gaussian_filter
 
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, pip_install
 from vrcomfort.geometry import Array, Fov, focal_length_px
 
 Image = NDArray[np.floating]
@@ -82,6 +81,22 @@ def pixels_per_degree(fov: Fov, size_px: tuple[int, int]) -> float:
     return focal_length_px(fov, size_px)[0] * math.radians(1)
 
 
+def require_flip() -> Any:
+    """Return the package that computes FLIP; it has no wheel for some machines.
+
+    Raises
+    ------
+    InputError
+        If it is not installed, or cannot be loaded.
+    """
+    try:
+        import flip_evaluator  # noqa: PLC0415 - see above
+    except ImportError as error:
+        remedy = f"{pip_install('flip-evaluator')} (a C++ compiler where it has no wheel)"
+        raise InputError(f"FLIP needs flip-evaluator ({error}); {remedy}") from error
+    return flip_evaluator
+
+
 def hdr_flip(test: ArrayLike, reference: ArrayLike, /, *, pixels_per_degree: float) -> float:
     """Return the mean HDR-FLIP of two (h, w, 3) linear images: see :func:`hdr_flip_map`."""
     return float(hdr_flip_map(test, reference, pixels_per_degree=pixels_per_degree).mean())
@@ -107,7 +122,7 @@ def hdr_flip_map(
         "numExposures": count,
         "tonemapper": "ACES",
     }
-    found, _, _ = flip_evaluator.evaluate(
+    found, _, _ = require_flip().evaluate(
         np.ascontiguousarray(_image(reference), dtype=np.float32),
         np.ascontiguousarray(_image(test), dtype=np.float32),
         "HDR",

@@ -9,13 +9,17 @@ from __future__ import annotations
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Any, Self
 
-import av
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
+
+from vrcomfort.errors import InputError, pip_install
+
+if TYPE_CHECKING:
+    import av
 
 Rgb8 = NDArray[np.uint8]
 Float32 = NDArray[np.float32]
@@ -80,6 +84,21 @@ _TICK_S = Fraction(1, 90_000)
 """Of the times of frames in a video."""
 
 
+def require_video() -> Any:
+    """Return PyAV, which encodes videos.
+
+    Raises
+    ------
+    InputError
+        If it is not installed, or cannot be loaded.
+    """
+    try:
+        import av  # noqa: PLC0415 - large, and only videos need it
+    except ImportError as error:
+        raise InputError(f"videos need PyAV ({error}); {pip_install('av')}") from error
+    return av
+
+
 class VideoWriter:
     """Encodes frames as H.264; one thread, so that the same frames give the same bytes.
 
@@ -92,15 +111,21 @@ class VideoWriter:
     quality
         Constant rate factor: 0 lossless, 18 visually so, 51 worst.
 
+    Raises
+    ------
+    InputError
+        If PyAV is missing.
+
     Notes
     -----
     Colour is subsampled by two: an odd last column or row is left out.
     """
 
     def __init__(self, path: Path, *, frames_per_s: float, quality: int = 18) -> None:
+        self._av = require_video()
         self._rate = Fraction(frames_per_s).limit_denominator(1000)
         self._quality = quality
-        self._container = av.open(str(path), "w")
+        self._container = self._av.open(str(path), "w")
         self._stream: av.VideoStream | None = None
         self._written = 0
 
@@ -127,7 +152,7 @@ class VideoWriter:
         even = np.ascontiguousarray(image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2])
         if self._stream is None:
             self._stream = self._open_stream(even.shape[1], even.shape[0])
-        frame = av.VideoFrame.from_ndarray(even, format="rgb24")
+        frame = self._av.VideoFrame.from_ndarray(even, format="rgb24")
         seen_s = self._written / self._rate if time_s is None else time_s
         frame.pts, frame.time_base = round(seen_s / _TICK_S), _TICK_S
         self._written += 1
@@ -141,7 +166,7 @@ class VideoWriter:
         self._container.close()
 
     def _open_stream(self, width: int, height: int) -> av.VideoStream:
-        stream = self._container.add_stream("libx264", rate=self._rate)
+        stream: av.VideoStream = self._container.add_stream("libx264", rate=self._rate)
         stream.width, stream.height = width, height
         stream.pix_fmt = "yuv420p"
         stream.options = {"crf": str(self._quality), "preset": "veryfast"}

@@ -62,7 +62,8 @@ def load_fonts() -> Path:
 
 
 def _write_copy(source: Path, target: Path) -> None:
-    with TTFont(source) as font:
+    # The time of the copy would go into every PDF.
+    with TTFont(source, recalcTimestamp=False) as font:
         for table in _UNUSED:
             if table in font:
                 del font[table]

@@ -9,7 +9,7 @@ import numpy as np
 
 from vrcomfort.csv_table import number_or_none
 from vrcomfort.records.names import natural
-from vrcomfort.report.study_data import trial_s
+from vrcomfort.report.study_data import length_s
 from vrcomfort.settings import did_you_mean
 
 if TYPE_CHECKING:
@@ -141,7 +141,7 @@ def _by_score(rule: Exclusion, scored: Exposures, plan: Plan) -> Iterator[tuple[
 def _measure(trial: dict[str, str], name: str) -> float | None:
     """Return a measure of a trial; None where it was not recorded."""
     if name == "length_s":
-        return trial_s({**trial, "live_s": ""})
+        return length_s(trial)
     if name == "dropped_percent":
         frames, dropped = (
             number_or_none(trial.get("frames", "")),

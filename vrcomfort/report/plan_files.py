@@ -12,11 +12,12 @@ from typing import Any
 from pydantic import Field, create_model
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import read_text
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.report.analyses import ANALYSES
 from vrcomfort.report.plan import Plan, problems
 from vrcomfort.resources import data_folder
-from vrcomfort.settings import Problem, first_problem, parse_settings, read_text
+from vrcomfort.settings import Problem, first_problem, parse_settings
 
 
 def _entries(entry: Any) -> Any:

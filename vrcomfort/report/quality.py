@@ -11,7 +11,7 @@ from vrcomfort.report.asked import Unscored
 from vrcomfort.report.outcomes import known_outcomes
 from vrcomfort.report.planned import asks_after_exposures
 from vrcomfort.report.rows import INLINE
-from vrcomfort.report.stimulus_time import SecondsSeen
+from vrcomfort.report.stimulus_time import recorded_states
 from vrcomfort.report.study_data import SIMULATED
 
 if TYPE_CHECKING:
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ShownFrames:
-    """Frames of all exposures; the times in which they were seen, where those were recorded."""
+    """Frames of all exposures; `seconds` has a state of seen time → seconds, where recorded."""
 
     shown: int
     dropped: int
     timing_trust: tuple[str, ...]
-    seen: SecondsSeen | None = field(metadata=INLINE)
+    seconds: dict[str, float] = field(metadata=INLINE)
 
 
 @dataclass(frozen=True)
@@ -109,8 +109,14 @@ def _frames(study: StudyData) -> ShownFrames | None:
     if not frames:
         return None
     trust = sorted({each.timing_trust for each in study.manifests} - {""})
-    seen = SecondsSeen.of(study.trials)
-    return ShownFrames(frames, dropped, tuple(trust), seen if seen.live_s is not None else None)
+    return ShownFrames(frames, dropped, tuple(trust), _seen(study))
+
+
+def _seen(study: StudyData) -> dict[str, float]:
+    """Add up what was seen in how many seconds, over the trials that say so."""
+    said = [trial for trial in study.trials if trial.get("live_s")]
+    names = recorded_states(study) if said else ()
+    return {name: sum(float(trial[name] or 0) for trial in said) for name in names}
 
 
 def _never_asked(study: StudyData, plan: Plan) -> list[Unscored]:

@@ -9,45 +9,32 @@ from typing import TYPE_CHECKING
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.recordings import ExposureFrames
 from vrcomfort.report.rows import INLINE
+from vrcomfort.seen_time import SeenState
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from vrcomfort.report.study_data import StudyData
 
-
-@dataclass(frozen=True)
-class SecondsSeen:
-    """Seconds of exposures by what was seen in them; None where none were recorded."""
-
-    live_s: float | None = None
-    frozen_s: float | None = None
-    hidden_s: float | None = None
-    unfocused_s: float | None = None
-
-    @classmethod
-    def of(cls, trials: Iterable[dict[str, str]]) -> SecondsSeen:
-        """Add up the seconds of the trials that have them."""
-        said = [trial for trial in trials if trial.get("live_s")]
-
-        def total(name: str) -> float:
-            return sum(float(trial[name] or 0) for trial in said)
-
-        if not said:
-            return cls()
-        return cls(total("live_s"), total("frozen_s"), total("hidden_s"), total("unfocused_s"))
+_BEFORE_5 = ("live_s", "frozen_s", "hidden_s", "unfocused_s")
+"""The states that studies before version 5 of the schema tell apart."""
 
 
 @dataclass(frozen=True)
 class ConditionTime:
-    """What was shown under a condition."""
+    """What was shown under a condition.
+
+    Parameters
+    ----------
+    seconds
+        State of seen time → seconds; None where none were recorded.
+    """
 
     condition: str
     exposures: int
     frames: int
     dropped_percent: float | None
-    seen: SecondsSeen = field(metadata=INLINE)
-    untracked_s: float | None
+    seconds: dict[str, float | None] = field(metadata=INLINE)
 
 
 @dataclass(frozen=True)
@@ -72,17 +59,26 @@ class FrameMeasures:
     frames: ExposureFrames = field(metadata=INLINE)
 
 
+def recorded_states(study: StudyData) -> tuple[str, ...]:
+    """Return the columns with the seconds of states that a study has."""
+    later = any(trial.get(SeenState.OFF.column) for trial in study.trials)
+    others = (state.column for state in SeenState if state.column not in _BEFORE_5)
+    return (*_BEFORE_5, *others) if later else _BEFORE_5
+
+
 def stimulus_time(study: StudyData, conditions: Iterable[str]) -> list[ConditionTime]:
     """Add up the seconds of each condition's exposures; blank (None) where none were recorded."""
-    untracked = _untracked(study)
+    untracked, states = _untracked(study), recorded_states(study)
     found = []
     for condition in conditions:
         trials = [trial for trial in study.trials if trial["condition"] == condition]
         shown = sum(whole_or_none(trial.get("frames")) or 0 for trial in trials)
         dropped = sum(whole_or_none(trial.get("dropped")) or 0 for trial in trials)
+        said = [trial for trial in trials if trial.get("live_s")]
+        seconds = {n: sum(float(t[n] or 0) for t in said) if said else None for n in states}
+        seconds.setdefault("untracked_s", untracked.get(condition))
         share = 100 * dropped / shown if shown else None
-        seen, lost = SecondsSeen.of(trials), untracked.get(condition)
-        found.append(ConditionTime(condition, len(trials), shown, share, seen, lost))
+        found.append(ConditionTime(condition, len(trials), shown, share, seconds))
     return found if any(row.frames for row in found) else []
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -37,6 +38,7 @@ from vrcomfort.records.rows import Row
 from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow, ScreeningRow
 from vrcomfort.records.study import DESCRIPTION
 from vrcomfort.report.gaps import gaps, unreadable
+from vrcomfort.seen_time import SEEN, SeenState
 from vrcomfort.workers import workers
 
 _KEYS = (
@@ -58,7 +60,7 @@ _INSTEAD = (TaskRow, DialRow, RatingRow, ParticipantRow)
 """What a study may have instead of questionnaires."""
 _NUMBERS = (
     "start_s", "end_s", "frames", "dropped", "missed", "missed_refreshes",
-    "live_s", "frozen_s", "hidden_s", "unfocused_s",
+    *(state.column for state in SeenState),
 )  # fmt: skip
 
 
@@ -281,13 +283,26 @@ def with_frames(
     )
 
 
-def trial_s(trial: dict[str, str]) -> float | None:
-    """Return how long a trial's stimulus was seen: its live time, or (not recorded) its length."""
-    start, end, live = (
-        number_or_none(trial.get(name) or "") for name in ("start_s", "end_s", "live_s")
-    )
-    if live is not None:
-        return live
+def trial_s(trial: Mapping[str, str]) -> float | None:
+    """Return how long a trial's stimulus was seen, or (not recorded) its length."""
+    seen = seen_s(trial)
+    return length_s(trial) if seen is None else seen
+
+
+def seen_s(trial: Mapping[str, str]) -> float | None:
+    """Return the seconds in which a trial's stimulus was seen; None where they were not recorded.
+
+    Before version 5 of the schema these are the live ones alone.
+    """
+    whole = bool(trial.get(SeenState.OFF.column))
+    states = SEEN if whole else (SeenState.LIVE,)
+    seconds = [number_or_none(trial.get(state.column) or "") for state in states]
+    return None if seconds[-1] is None else math.fsum(each or 0.0 for each in seconds)
+
+
+def length_s(trial: Mapping[str, str]) -> float | None:
+    """Return a trial's length, from its start to its end."""
+    start, end = (number_or_none(trial.get(name) or "") for name in ("start_s", "end_s"))
     return None if start is None or end is None else end - start
 
 

@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import read_text
 from vrcomfort.json_text import parse_json
 
 RESULTS = "results.json"
@@ -74,7 +75,7 @@ def _make_room(path: Path) -> None:
 def _of_the_report_before(out: Path) -> set[str]:
     """Return the tables and figures that results.json lists, if it is that of a report."""
     try:
-        found: Any = parse_json((out / RESULTS).read_text(encoding="utf-8"), out / RESULTS)
+        found: Any = parse_json(read_text(out / RESULTS, "report"), out / RESULTS)
     except (OSError, ValueError):
         return set()
     listed = found.get("files") if isinstance(found, dict) and "software" in found else None

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import open_file
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.respondent.base import InstructionContent
 from vrcomfort.respondent.panel_layout import (
@@ -325,10 +326,11 @@ def read_picture(file: Path, room_px: tuple[int, int]) -> Picture:
 
 def _opened(file: Path, look: Callable[[Image.Image], Found]) -> Found:
     try:
-        with warnings.catch_warnings(action="ignore"):  # of large ones, which are refused
-            opened = Image.open(file, formats=_FORMATS)
-        with opened:
-            return look(opened)
+        with open_file(file) as stream:
+            with warnings.catch_warnings(action="ignore"):  # of large ones, which are refused
+                opened = Image.open(stream, formats=_FORMATS)
+            with opened:
+                return look(opened)
     except Image.DecompressionBombError as error:
         message = "this picture is far larger than the panel; make it smaller"
         raise InputError(message, file=file) from error

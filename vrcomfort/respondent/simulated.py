@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Mapping, Sequence
+from enum import IntEnum, unique
 from typing import Any
 
 import numpy as np
@@ -64,19 +65,20 @@ _SECONDS_PER_WORD, _SECONDS_PER_PICTURE = 0.3, 5.0
 """Of instructions: 200 words a minute."""
 _STEPS = 1000
 _UNHEARD_OF = 1e6
-_HANDS = 4
-"""Which of a trial's random streams is the hands'."""
-_EYES, _BREAKS = 5, 6
-"""The same of the eyes, and of how long breaks are."""
-_DIAL = 6
-"""The random stream of adjustments."""
-_SLIDER = 8
-"""The same of a slider."""
-_WORDS = 9
-"""The random stream of free texts."""
 
-_DECISION = 10
-"""The random stream of the experimenter's decisions."""
+
+@unique
+class _Stream(IntEnum):
+    """Last key of each random stream that is not the answers': two never draw the same numbers."""
+
+    HANDS = 4
+    EYES = 5
+    DIAL = 6
+    BREAKS = 7
+    SLIDER = 8
+    WORDS = 9
+    DECISION = 10
+
 
 SAID = (
     ("", "Nothing in particular.", "It looked good."),
@@ -95,16 +97,16 @@ class SimulatedRespondent:
     def __init__(self, settings: Simulation, *, participant: str, seed: int) -> None:
         self._settings = settings
         self._seed = seed
-        self._person = int.from_bytes(hashlib.sha256(participant.encode()).digest()[:4])
+        self._person = _hash(participant)
         rng = self._stream(0)
         self.susceptibility = math.exp(settings.susceptibility_sigma * rng.standard_normal())
         levels = settings.baseline_sd * rng.standard_normal(len(LOADINGS))
         self._levels: dict[str, float] = dict(zip(LOADINGS, levels.tolist(), strict=True))
         self._start_again(session=1)
 
-    def _stream(self, session: int) -> np.random.Generator:
-        key = (self._person, session)
-        return np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+    def _stream(self, *key: int) -> np.random.Generator:
+        seed = np.random.SeedSequence(self._seed, spawn_key=(self._person, *key))
+        return np.random.default_rng(seed)
 
     def _start_again(self, session: int) -> None:
         self._rng = self._stream(session)
@@ -142,8 +144,7 @@ class SimulatedRespondent:
 
     def start_task(self, trial: int, condition: str) -> None:
         """Begin a task, with a random stream of its own: it changes no answer."""
-        key = (self._person, self._session, trial, _HANDS)
-        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        random = self._stream(self._session, trial, _Stream.HANDS)
         self._hands = SimulatedHands(self._settings, condition, random)
 
     def act(self, demand: Demand | None, head: Pose, time_s: float) -> Pose | None:
@@ -152,13 +153,8 @@ class SimulatedRespondent:
 
     def start_adjustment(self, trial: int, adjustment: Adjustment) -> None:
         """Begin to adjust, with random streams of their own: that changes no answer."""
-        keys = (
-            (self._person, _hash(adjustment.name), _DIAL),
-            (self._person, self._session, trial, _DIAL),
-        )
-        person, exposure = (
-            np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key)) for key in keys
-        )
+        person = self._stream(_hash(adjustment.name), _Stream.DIAL)
+        exposure = self._stream(self._session, trial, _Stream.DIAL)
         self._adjuster = SimulatedAdjuster(self._settings, adjustment, person, exposure)
 
     def turn(self, place: float, time_s: float) -> Turn:
@@ -167,8 +163,7 @@ class SimulatedRespondent:
 
     def start_slider(self, trial: int) -> None:
         """Begin to rate all the time, with a random stream of its own."""
-        key = (self._person, self._session, trial, _SLIDER)
-        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        random = self._stream(self._session, trial, _Stream.SLIDER)
         self._slider = SimulatedSlider(self._settings.noise_sd / _SICKNESS_OF_RANGE, random)
 
     def slide(self, place: float) -> float:
@@ -186,13 +181,11 @@ class SimulatedRespondent:
         settings = self._settings.eyes
         if settings is None:
             return None
-        key = (self._person, self._session, trial, _EYES)
-        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
-        of_person = (self._person, self._session, _EYES)
-        tracker = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=of_person))
+        random = self._stream(self._session, trial, _Stream.EYES)
+        tracker = self._stream(self._session, _Stream.EYES)
         offset_deg = settings.error_deg * tracker.standard_normal(2)
         own_deg = settings.eye_error_deg * tracker.standard_normal((2, 2))
-        noise = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=(*key, 1)))
+        noise = self._stream(self._session, trial, _Stream.EYES, 1)
         return Eyes(settings, random, offset_deg, EyePair(settings, noise, offset_deg + own_deg))
 
     def start_exposure(self, exposure: Exposure) -> None:
@@ -274,8 +267,7 @@ class SimulatedRespondent:
         """Return for how long they stay in a break that they may end."""
         if self._break is not content:
             self._break, self._breaks = content, self._breaks + 1
-        key = (self._person, self._session, self._breaks, _BREAKS)
-        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        random = self._stream(self._session, self._breaks, _Stream.BREAKS)
         return self._settings.break_extra_s * float(random.standard_exponential())
 
     def leave(self) -> None:
@@ -298,16 +290,14 @@ class SimulatedRespondent:
 
     def write(self, question: str) -> Written:
         """Say something that goes with how they feel; it changes no other answer."""
-        key = (self._person, self._session, _hash(question), _WORDS)
-        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        random = self._stream(self._session, _hash(question), _Stream.WORDS)
         mood = SAID[min(int(self.sickness), len(SAID) - 1)]
         text = mood[int(random.integers(len(mood)))]
         return Written(text, round(2.0 + 0.2 * len(text), 2))
 
     def decide(self, question: str) -> bool:
         """Decide for the experimenter, by the seed; it changes no answer."""
-        key = (self._person, self._session, _hash(question), _DECISION)
-        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        random = self._stream(self._session, _hash(question), _Stream.DECISION)
         return bool(random.random() >= self._settings.screened_out)
 
     def _choice(self, item: Item, compared: Sequence[str]) -> int:
@@ -332,8 +322,7 @@ class SimulatedRespondent:
     def _level(self, item: str) -> float:
         """Return the stable level of an item; of one that is no symptom above, drawn by name."""
         if item not in self._levels:
-            key = (self._person, int.from_bytes(hashlib.sha256(item.encode()).digest()[:4]))
-            rng = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=(*key, 0)))
+            rng = self._stream(_hash(item), 0)
             self._levels[item] = self._settings.baseline_sd * float(rng.standard_normal())
         return self._levels[item]
 

@@ -14,6 +14,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, model_validator
 
+from vrcomfort.files import read_text
 from vrcomfort.geometry import FARTHEST_M, Pose, axis_angle
 from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.scene.data import (
@@ -33,7 +34,6 @@ from vrcomfort.settings import (
     did_you_mean,
     first_problem,
     parse_settings,
-    read_text,
 )
 from vrcomfort.settings.camera_path import PathPoints
 

@@ -137,8 +137,6 @@ class EyeHeight:
             loop.show(Stimulus(0, NAME, duration_s, 1.0), task=run, progress=tell)
         except Redone:
             return self._attempt(headset, attempt)
-        finally:
-            self._log.start_trial()  # its frames are no trial's
         return run.heights_m
 
     def _apply(self, measured_m: float, start_s: float) -> None:

@@ -220,7 +220,6 @@ class Validation:
         except Redone:
             return self._attempt(headset, spawn, step, attempt)
         finally:
-            self._log.start_trial()
             self._events.event(NAME, start_s, detail=f"attempt {attempt}")
         for each in run.shown:
             each.onset_s = start_s + each.since_s

@@ -195,10 +195,7 @@ class PracticeRunner:
         context.operators.begin("training", words)
         tell = partial(self._events.tell, "training", place, total=shown_s)
         stimulus = Stimulus(0, trial.condition, shown_s, context.time_scale)
-        try:
-            ended = loop.show(stimulus, task=task, progress=tell)
-        finally:
-            self._log.start_trial()  # its frames are no trial's
+        ended = loop.show(stimulus, task=task, progress=tell)
         context.respondent.leave()
         if ended == "headset_ended":
             raise headset_ended("in practice")

@@ -101,7 +101,7 @@ class TrialRunner:
     def _attempt(self, place: TrialPlace) -> Ending:
         """Expose, and write the trial's row in any case."""
         ending = Ending(self._context.clock.now_s())
-        self._log.start_trial()
+        self._log.start_trial(place.trial or 0)
         self._open = place, ending, None
         try:
             ending.reason = self._expose(place, ending)
@@ -245,7 +245,6 @@ class TrialRunner:
         except (Redone, Skipped) as wish:
             return isinstance(wish, Redone)
         finally:
-            self._log.start_trial()  # its frames are not the exposure's
             ending.start_s = self._context.clock.now_s()
             self._events.event("training", start_s, detail=_shown(place))
         return False
@@ -315,19 +314,21 @@ class TrialRunner:
         return before.get(trial, 0) + self._redone[trial]
 
     def _write_trial(self, place: TrialPlace, ending: Ending) -> None:
+        end_s, timing = self._context.clock.now_s(), self._log.timing_of(place.trial or 0)
+        timing.seen.end(end_s - ending.start_s)
         trial = TrialRow(
             **self._identity(place, ending.start_s),
-            end_s=self._context.clock.now_s(),
+            end_s=end_s,
             status=ending.status,
             abort_code=ending.abort_code,
-            frames=self._log.frames,
-            dropped=self._log.dropped,
-            missed_refreshes=self._log.timing.missed_refreshes,
-            **self._log.timing.seen.cells(),
+            frames=timing.frames,
+            dropped=timing.dropped,
+            missed_refreshes=timing.missed_refreshes,
+            **timing.seen.cells(),
             part=place.part,
         )
-        flags = trial_flags(self._log.timing, self._context.protocol.max_dropped_percent)
-        self._events.recorder.write(timing_row(trial, self._log.timing, flags), trial)
+        flags = trial_flags(timing, self._context.protocol)
+        self._events.recorder.write(timing_row(trial, timing, flags), trial)
         if flags:
             text = f"trial {trial.trial}, attempt {trial.attempt}: {'; '.join(flags)}"
             self._manifest.flag(text)  # first: the event says that it is there

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import read_text
 from vrcomfort.settings.locate import Path as KeyPath
 from vrcomfort.settings.locate import Places, locate
 from vrcomfort.settings.reading import (
@@ -21,7 +22,6 @@ from vrcomfort.settings.reading import (
     SourcePlace,
     parse_data,
     problems_at,
-    read_text,
     read_toml,
 )
 

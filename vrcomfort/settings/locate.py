@@ -6,8 +6,10 @@ Only for text that `tomllib` has accepted: the scanner trusts the grammar and fo
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TypeAlias
 
 Path: TypeAlias = tuple[str | int, ...]
@@ -43,8 +45,13 @@ class Places:
         while parts and parts not in self.offsets:
             parts = parts[:-1]
         offset = self.offsets.get(parts, 0)
-        before = self.text[:offset]
-        return before.count("\n") + 1, offset - (before.rfind("\n") + 1) + 1
+        line = bisect_right(self._starts, offset)
+        return line, offset - self._starts[line - 1] + 1
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        """Where each line begins."""
+        return [0, *(found.end() for found in re.finditer("\n", self.text))]
 
 
 def locate(text: str) -> Places:

@@ -16,6 +16,7 @@ from pydantic_core import ErrorDetails
 
 from vrcomfort.errors import InputError
 from vrcomfort.file_names import is_reserved
+from vrcomfort.json_text import MOST_NESTED, is_nested_deeper
 from vrcomfort.settings.locate import Path as KeyPath
 from vrcomfort.settings.locate import locate
 
@@ -121,6 +122,12 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
 
 Model = TypeVar("Model", bound=BaseModel)
 
+MOST_CHARACTERS = 2**22
+"""Of a TOML text; protocols have some thousands."""
+_DOTTED = re.compile(
+    rf"""(?<![\w"'.-])(?>(?>[\w-]+|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{MOST_NESTED}}}"""
+)
+"""A key of more parts than tables may stand in each other."""
 _QUOTED = re.compile("'([^']*)'")
 _PLACE = re.compile(r" \(at line (\d+), column (\d+)\)$")
 _NAME, _WORD = r"^[A-Za-z0-9_-]+$", r"^[a-z][a-z0-9_]*$"
@@ -149,6 +156,10 @@ def is_union_tag(part: str | int) -> bool:
     return isinstance(part, str) and part.startswith("<")
 
 
+MOST_TOLD = 100
+"""Faults of one file."""
+
+
 @dataclass(frozen=True)
 class Problem:
     """One fault and the key path where it stands."""
@@ -156,25 +167,6 @@ class Problem:
     path: KeyPath
     message: str
     missing: bool = False
-
-
-def read_text(file: Path, what: str) -> str:
-    """Return the text of a UTF-8 file.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read; `what` says what it should have been.
-    """
-    try:
-        content = file.read_bytes()
-        return content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
-    except OSError as error:
-        raise InputError(f"cannot read this {what}: {error.strerror}", file=file) from error
-    except UnicodeDecodeError as error:
-        line = content[: error.start].count(b"\n") + 1
-        message = f"this line is not UTF-8; save the {what} as UTF-8"
-        raise InputError(message, file=file, line=line) from error
 
 
 def parse_settings(model: type[Model], text: str, file: Path | None) -> Model:
@@ -204,7 +196,10 @@ def parse_data(
 
 def problems_of(model: type[BaseModel], error: ValidationError) -> list[Problem]:
     """Return pydantic's problems with a table, in the words of TOML."""
-    return _without_echoes([_explain(model, detail) for detail in _causes(error.errors())])
+    found = _causes(error.errors())
+    return _without_echoes(
+        [_explain(model, each, near=place < MOST_TOLD) for place, each in enumerate(found)]
+    )
 
 
 def _without_echoes(found: list[Problem]) -> list[Problem]:
@@ -242,14 +237,17 @@ class SourcePlace(NamedTuple):
 def problems_at(
     found: Iterable[Problem], place_of: Callable[[Sequence[str | int]], SourcePlace]
 ) -> InputError:
-    """Return the fault that stands first; the others are its `others`. See `first_problem`."""
+    """Return the fault that stands first; the `MOST_TOLD` after it are its `others`.
+
+    See `first_problem`.
+    """
 
     def moment(problem: Problem) -> tuple[bool, int, int, int]:
         place = place_of(problem.path)
         return problem.missing, place.part, place.line, place.column
 
     errors = []
-    for each in sorted(found, key=moment):
+    for each in sorted(found, key=moment)[: MOST_TOLD + 1]:
         _, file, line, column = place_of(each.path)
         errors.append(InputError(each.message, file=file, line=line, column=column))
     first, others = errors[0], errors[1:]
@@ -264,18 +262,27 @@ def read_toml(text: str, file: Path | None) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If it is not TOML.
+        If it is not TOML, has more than `MOST_CHARACTERS`, or is nested deeper than `MOST_NESTED`.
     """
+    too_deep = InputError("this TOML is nested too deep; write it flatter", file=file)
+    if len(text) > MOST_CHARACTERS:
+        message = f"this TOML has {len(text):,} characters, and may have {MOST_CHARACTERS:,}"
+        raise InputError(f"{message}; is it the right file?", file=file)
+    if _DOTTED.search(text):  # the parser's memory grows with the square of a key's length
+        raise too_deep
     try:
-        return tomllib.loads(text)
+        content = tomllib.loads(text)
     except RecursionError:
-        raise InputError("this TOML is nested too deep; write it flatter", file=file) from None
+        raise too_deep from None
     except ValueError as error:  # TOMLDecodeError is one, and so are numbers of 5000 digits
         message = str(error)
         place = _PLACE.search(message)
         line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, None)
         what = f"this is not valid TOML: {_PLACE.sub('', message)}"
         raise InputError(what, file=file, line=line, column=column) from error
+    if is_nested_deeper(content, MOST_NESTED):
+        raise too_deep
+    return content
 
 
 def _frozen(value: Any) -> Any:
@@ -290,14 +297,21 @@ def _causes(details: list[ErrorDetails]) -> list[ErrorDetails]:
     return [d for d in details if d["type"] != "too_short" or d["loc"] not in parents]
 
 
-def _explain(model: type[BaseModel], detail: ErrorDetails) -> Problem:
-    """Turn pydantic's finding into a sentence for the writer of the file."""
+def _explain(model: type[BaseModel], detail: ErrorDetails, *, near: bool) -> Problem:
+    """Turn pydantic's finding into a sentence for the writer of the file.
+
+    Parameters
+    ----------
+    near
+        Whether to look for the key that was meant, which takes a while.
+    """
     tagged = detail["loc"]
     *parent, key = path = tuple(part for part in tagged if not is_union_tag(part))
     if detail["type"] == "extra_forbidden":
         known = fields_at(model, tagged[:-1])
         better = renamed(str(key), known) or wrong_unit(str(key), known)
-        return Problem(path, better or f"unknown key `{key}`; {did_you_mean(str(key), known)}")
+        meant = f"; {did_you_mean(str(key), known)}" if near else ""
+        return Problem(path, better or f"unknown key `{key}`{meant}")
     if detail["type"] == "missing":
         return Problem(path, f"`{key}` is missing{_inside(parent)}; add it", missing=True)
     given = detail["input"]

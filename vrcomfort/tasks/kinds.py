@@ -12,6 +12,7 @@ from pydantic import ConfigDict, Discriminator, Field, Tag, field_validator
 from pydantic_core import PydanticCustomError
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import read_bytes
 from vrcomfort.settings import did_you_mean, union_tag
 from vrcomfort.tasks.aiming import Aiming
 from vrcomfort.tasks.base import TaskSettings
@@ -60,7 +61,7 @@ def run_task_file(file: Path) -> tuple[type[TaskSettings], str]:
     sys.modules[name] = module
     try:
         # The bytes that are hashed are those that run: no cached .pyc comes between.
-        code = file.read_bytes()
+        code = read_bytes(file)
         exec(compile(code, str(file), "exec"), module.__dict__)  # noqa: S102 - see docs/tasks.md
     except Exception as error:  # whatever a lab's file raises, it is told where
         message = f"this task cannot be read: {type(error).__name__}: {error}"

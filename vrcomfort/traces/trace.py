@@ -7,7 +7,6 @@ head are required, the rest is optional and further columns are ignored.
 from __future__ import annotations
 
 import csv
-import hashlib
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.csv_table import plain_digits
 from vrcomfort.errors import InputError
+from vrcomfort.files import sha256_of
 from vrcomfort.geometry import Array, axis_angle, quaternion_multiply
 from vrcomfort.records.frame_rows import CUT, SNAP_TURN, FrameRow, GazeRow
 from vrcomfort.records.shared_columns import AVATAR, HEAD
@@ -179,16 +179,11 @@ class Trace:
         )
 
 
-def read_trace(path: str | Path, *, also: Callable[[TraceTable], None] | None = None) -> Trace:
+def read_trace(path: str | Path) -> Trace:
     """Read a trace, or a recorded `frames.csv`, which is one.
 
     A half-written last line is left out and named in `Trace.warnings`. The `gaze.csv` that a
     session leaves beside its `frames.csv` belongs to it.
-
-    Parameters
-    ----------
-    also
-        Takes each part of the table, in order, for what a trace does not keep.
 
     Raises
     ------
@@ -200,11 +195,7 @@ def read_trace(path: str | Path, *, also: Callable[[TraceTable], None] | None = 
     parts: list[Trace] = []
     for table in read_parts(file, require_trace):
         parts.append(_part_of(table, parts[-1] if parts else None))
-        if also is not None:
-            also(table)
-    with file.open("rb") as stream:
-        sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
-    return replace(joined(parts), gaze=_gaze_beside(file), sha256=sha256)
+    return replace(joined(parts), gaze=_gaze_beside(file), sha256=sha256_of(file))
 
 
 def _part_of(table: TraceTable, before: Trace | None) -> Trace:

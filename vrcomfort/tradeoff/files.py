@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy.ndimage import binary_dilation
 
+from vrcomfort.files import read_text
 from vrcomfort.geometry import Array
 from vrcomfort.json_text import parse_json
 from vrcomfort.optics.tone import tone_mapped
@@ -74,7 +75,7 @@ def _remove_earlier(out: Path) -> None:
     """
     try:
         numbers = out / "tradeoff.json"
-        rows = parse_json(numbers.read_text(encoding="utf-8"), numbers)["rows"]
+        rows = parse_json(read_text(numbers, "table of the trade-off"), numbers)["rows"]
         earlier = [file for row in rows for file in _pictures_of(row)]
     except (OSError, ValueError, KeyError, TypeError):
         return

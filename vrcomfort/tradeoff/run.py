@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 from vrcomfort.errors import InputError
 from vrcomfort.gpu.gl import describe
 from vrcomfort.gpu.timer import is_software
-from vrcomfort.render.image_error import margin_px
+from vrcomfort.render.image_error import margin_px, require_flip
 from vrcomfort.tradeoff.captures import context
 from vrcomfort.tradeoff.cases import Case, Scope, cases, eyes_of
 from vrcomfort.tradeoff.costs import CaseTime, rounds_of, time_case, traffic_of_method
@@ -54,9 +54,11 @@ def tradeoff(
     Raises
     ------
     InputError
-        If a scene or method is unknown, an image is all margin, the cache cannot be written to, or
-        no cluster answers.
+        If a scene or method is unknown, an image is all margin, the cache cannot be written to, no
+        cluster answers, or FLIP cannot be computed here.
     """
+    if not only_references:
+        require_flip()
     store = Store(cache)
     scope = _checked(scope)
     todo = cases(scope)

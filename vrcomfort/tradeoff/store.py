@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from vrcomfort import __version__
 from vrcomfort.errors import InputError
+from vrcomfort.files import open_file, read_bytes
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
@@ -48,7 +49,7 @@ class Store:
     def read(self, key: str) -> dict[str, NDArray[Any]] | None:
         """Return the arrays under a key; None where there are none, or half a file."""
         try:
-            with self._path(key).open("rb") as file, np.load(file, allow_pickle=False) as found:
+            with open_file(self._path(key)) as file, np.load(file, allow_pickle=False) as found:
                 return dict(found)
         except (OSError, ValueError, EOFError, BadZipFile):
             return None
@@ -106,5 +107,5 @@ def _hash(files: Iterable[Path]) -> str:
     digest = hashlib.sha256()
     for path in files:
         digest.update(path.name.encode())
-        digest.update(path.read_bytes())
+        digest.update(read_bytes(path))
     return digest.hexdigest()

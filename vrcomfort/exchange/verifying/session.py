@@ -22,13 +22,15 @@ from vrcomfort.exchange.verifying.frames import (
     Frames,
     check_clocks,
     check_counts,
+    check_seen_time,
     check_times,
     cuts,
     read_frames,
 )
+from vrcomfort.files import sha256_of
 from vrcomfort.protocol import Trial
 from vrcomfort.records.attempts import before, within
-from vrcomfort.records.checksums import CHECKSUMS, read_checksums, sha256_of
+from vrcomfort.records.checksums import CHECKSUMS, read_checksums
 from vrcomfort.records.exposure_rows import (
     OVER,
     BallRow,
@@ -177,6 +179,10 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
     rows = read(folder, FrameRow, version, found)
     frames = read_frames(rows, recorded.trials, manifest.get("under_way"), found)
     check_counts(recorded.trials, frames, found, not_recorded=_not_recorded(recorded.events))
+    if not _not_recorded(recorded.events):
+        flagged = {(row["trial"], row["attempt"]): row["flagged"] == 1 for row in recorded.timing}
+        limits = (manifest.get("settings") or {}).get("flag_above_percent", {})
+        check_seen_time(recorded.trials, frames, found, limits_percent=limits, flagged=flagged)
     stopped = interruptions(manifest, recorded.events)
     _check_of_frames(folder, manifest, recorded, frames, stopped, found)
     if (folder / ClockRow.FILE).exists():

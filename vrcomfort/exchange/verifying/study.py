@@ -11,7 +11,8 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.session import check_order, verify_session
-from vrcomfort.records.checksums import CHECKSUMS, sha256_of
+from vrcomfort.files import sha256_of
+from vrcomfort.records.checksums import CHECKSUMS
 from vrcomfort.records.consents import read_consents
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
 from vrcomfort.records.json_file import DescribedShape, ImportShape, read_json

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from pydantic import Field
 
+from vrcomfort.files import read_text
 from vrcomfort.questionnaire import Instrument, plain
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import (
@@ -22,7 +23,6 @@ from vrcomfort.settings import (
     Word,
     first_problem,
     parse_settings,
-    read_text,
 )
 
 FOLDER = "vocabulary"

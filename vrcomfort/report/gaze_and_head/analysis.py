@@ -293,7 +293,7 @@ def _is_of(session: Session, trial: dict[str, str]) -> bool:
 
 
 Rates = tuple[float | None, float | None]
-"""Path (metres) and turning (degrees) of the head per minute of live time."""
+"""Path (metres) and turning (degrees) of the head per minute in which the stimulus was seen."""
 
 
 def _head_rates(study: StudyData) -> dict[tuple[str, str, str], Rates]:
@@ -302,7 +302,7 @@ def _head_rates(study: StudyData) -> dict[tuple[str, str, str], Rates]:
     for each in sorted(study.frames, key=lambda each: each.attempt):
         # Later attempts at an exposure replace earlier ones.
         path, turning = (
-            60 * whole / each.live_s if whole and each.live_s else None
+            60 * whole / each.seen_s if whole and each.seen_s else None
             for whole in (each.head_path_m, each.head_turning_deg)
         )
         rates[each.participant, each.session, str(each.trial)] = path, turning

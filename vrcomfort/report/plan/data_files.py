@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Annotated
 
 from pydantic import Field
 
 from vrcomfort.errors import InputError
-from vrcomfort.settings import Settings, parse_settings, read_text
+from vrcomfort.files import read_text
+from vrcomfort.settings import Settings, parse_settings, read_toml
 from vrcomfort.settings.locate import locate
 
 
@@ -38,8 +38,8 @@ def data_files(plan: Path) -> tuple[list[Path], Path] | None:
     """
     text = read_text(plan, "analysis plan")
     try:
-        said = tomllib.loads(text)
-    except tomllib.TOMLDecodeError:
+        said = read_toml(text, plan)
+    except InputError:
         said = {"data": None}  # told below
     if "data" not in said:
         return None

@@ -30,7 +30,7 @@ FigureName = Literal[
 ]  # fmt: skip
 TrialMeasure = Literal[
     "frames", "dropped", "dropped_percent", "missed_refreshes", "length_s", "live_s", "frozen_s",
-    "hidden_s", "unfocused_s",
+    "hidden_s", "unfocused_s", "seen_s", "off_s", "not_drawn_s", "half_rate_s", "untracked_s",
 ]  # fmt: skip
 Participants = Annotated[int, Field(ge=1, le=1_000_000)]
 

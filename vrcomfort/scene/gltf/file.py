@@ -12,6 +12,7 @@ import base64
 import binascii
 import io
 import struct
+import sys
 import urllib.parse
 import warnings
 from collections.abc import Iterator, Sequence
@@ -27,6 +28,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from vrcomfort.errors import InputError
+from vrcomfort.files import read_bytes
 from vrcomfort.json_text import parse_json
 from vrcomfort.scene.gltf.budget import Account, SceneBudget
 from vrcomfort.scene.gltf.parts import Root
@@ -213,7 +215,7 @@ class GltfFile:
         try:
             if target.is_file():  # a device may never end
                 self.account.spend("file_bytes", target.stat().st_size, what)
-                return self._fetched.setdefault(target, target.read_bytes())
+                return self._fetched.setdefault(target, read_bytes(target))
         except OSError:
             pass
         raise InputError(
@@ -328,8 +330,16 @@ class GltfFile:
                     file=self.path,
                 )
             self.account.spend("pixels", width * height, what)
-            rgba = _in_8_bits(picture).convert("RGBA")
-        return np.asarray(rgba)
+            pixels = np.empty((height, width, 4), np.uint8)
+            # In strips: Pillow would hold a large picture four times while it is converted.
+            for top in range(0, height, _STRIP):
+                strip = picture.crop((0, top, width, min(top + _STRIP, height)))
+                pixels[top : top + _STRIP] = np.asarray(_in_8_bits(strip).convert("RGBA"))
+        return pixels
+
+
+_STRIP = 256
+"""Rows of a picture that are converted at once."""
 
 
 def _in_8_bits(picture: PillowImage.Image) -> PillowImage.Image:
@@ -350,13 +360,13 @@ def read_gltf_file(path: Path, budget: SceneBudget | None = None) -> GltfFile:
     account = Account(path, budget or SceneBudget())
     try:
         account.spend("file_bytes", path.stat().st_size, "the file")
-        data = path.read_bytes()
+        data = read_bytes(path, most=sys.maxsize)
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror}); check the path", file=path) from None
     text, binary = _unpack_glb(data, path) if data[:4] == _GLB_MAGIC else (data, None)
     account.spend("json_bytes", len(text), "the file")
     account.spend("json_marks", sum(map(bytes(text).count, (b"[", b"{", b","))), "the file")
-    root = _parsed(bytes(text), path)
+    root = _parsed(bytes(text), path, account.budget.json_marks)
     if not isinstance(root, dict) or not str(_version(root)).startswith("2."):
         raise InputError("is not glTF 2.0; convert it to version 2.0", file=path)
     account.spend("items", count_items(root), "the file")
@@ -364,14 +374,14 @@ def read_gltf_file(path: Path, budget: SceneBudget | None = None) -> GltfFile:
     return GltfFile(path, root, binary, account)
 
 
-def _parsed(text: bytes, path: Path) -> Any:
+def _parsed(text: bytes, path: Path, most_marks: int) -> Any:
     try:
         words = str(text, "utf-8-sig")
     except ValueError:
         words = ""
     if not words.lstrip().startswith(("{", "[")):
         raise InputError("is not glTF: no GLB header and no JSON text", file=path)
-    return parse_json(words, path, what="glTF", advice="export it again")
+    return parse_json(words, path, what="glTF", advice="export it again", most_marks=most_marks)
 
 
 def _version(root: dict[str, Any]) -> Any:
