@@ -277,6 +277,7 @@ def _write(folder: Path, question: Question, rows: list[PowerRow], facts: dict[s
     from vrcomfort.report.tables import to_csv
 
     drawing = draw_power(question, rows)
+    folder.mkdir(parents=True, exist_ok=True)
     (folder / "power.csv").write_text(to_csv([cells(row) for row in rows]), encoding="utf-8")
     (folder / "power.json").write_text(json_of(facts) + "\n", encoding="utf-8")
     (folder / "power.svg").write_text(drawing.svg, encoding="utf-8")

@@ -94,7 +94,6 @@ def _eye(eye: EyeGaze | None) -> tuple[Cell, ...]:
 
 _SIGHT = ColumnGroup(_sight(), _sight_cells)
 _EACH_EYE = ColumnGroup((*_eye_columns("left_"), *_eye_columns("right_")), _eye_cells)
-EYE_GAZES = tuple(each.name for each in _EACH_EYE.each)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import spare
-from vrcomfort.report.analyses import outcome_sentences, sentences
+from vrcomfort.report.analyses import ReportContext, outcome_sentences, sentences
 from vrcomfort.report.derived_plan import plan_of
 from vrcomfort.report.figures import draw_figures
 from vrcomfort.report.page import render_page
@@ -25,7 +25,7 @@ from vrcomfort.report.sections import run_sections
 from vrcomfort.report.study_data import SIMULATED, of_one_kind, read_study, with_frames
 from vrcomfort.report.tables import all_tables
 from vrcomfort.report.vocabulary import Vocabulary
-from vrcomfort.report.writing import file_name, write_report
+from vrcomfort.report.writing import file_name, name_of_study, write_report
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
@@ -79,6 +79,7 @@ class ReportSummary:
 def build_report(
     source: Path,
     *,
+    name: str | None = None,
     plan: str | Path | None = None,
     instrument: str | None = None,
     out: Path,
@@ -93,6 +94,8 @@ def build_report(
     ----------
     source
         A study folder, any folder with ``questionnaires.csv`` files at any depth, or one file.
+    name
+        Of the source in results.json; without it, that of its folder or file.
     plan
         An analysis plan, or the name of a shipped one; without one, the shipped plan of the
         study's protocol, or one that is derived from the data. It is written beside the report.
@@ -123,12 +126,13 @@ def build_report(
         study = _of_one_kind(read_study(Path(source), instrument), simulated)
     study = with_frames(study, memory=memory, cluster=cluster)
     with _uncollected():
-        return _build(study, Path(source), plan, Path(out), forms, memory)
+        return _build(study, Path(source), name, plan, Path(out), forms, memory)
 
 
 def _build(
     study: StudyData,
     source: Path,
+    name: str | None,
     plan: str | Path | None,
     out: Path,
     forms: Collection[Form],
@@ -138,19 +142,22 @@ def _build(
     chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
     sections = run_sections(results.for_sections(study, memory))
-    results = replace(results.with_sections(sections), date=_today())
+    called = replace(results.study, source=name or name_of_study(source))
+    results = replace(results.with_sections(sections), study=called, date=_today())
     words = results.vocabulary
+    several = max(results.participants.exposures_per_condition.values(), default=0) > 1
+    context = ReportContext(words, chosen, several=several, drawn=bool(forms))
     figures: dict[str, Drawing] = {}
     if forms:
         left = [
             residuals_of(scored, chosen, results.tests, outcome.name)
             for outcome in results.outcomes
         ]
-        figures = draw_figures(study, results, scored, left, sections, words)
+        figures = draw_figures(study, results, scored, left, sections, context)
     files: dict[str, str | bytes] = {
         PLAN_FILE: chosen.text,
         "index.html": render_page(
-            results, figures, words, [f for f in FORMS if f in forms], sections
+            results, figures, context, [f for f in FORMS if f in forms], sections
         ),
         "reproduce.R": r_script(),
         **{f"tables/{name}": text for name, text in all_tables(results, scored, sections).items()},

@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from vrcomfort.records.names import natural
 from vrcomfort.report import palette
 from vrcomfort.report.analyses import analysis_figures
+from vrcomfort.report.analyses.signed_rank.figure import estimation_figure
 from vrcomfort.report.canvas import (
     FAINT,
     GRID,
@@ -27,7 +28,6 @@ from vrcomfort.report.canvas import (
     threads,
     time_unit,
 )
-from vrcomfort.report.estimation import estimation_figure, group_figure
 from vrcomfort.report.palette import colour_of, marker_of
 from vrcomfort.report.residuals import residual_figure
 from vrcomfort.report.sections import section_figures
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
+    from vrcomfort.report.analyses import ReportContext
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.flow import FlowLoss, FlowStage
     from vrcomfort.report.residuals import Residuals
@@ -59,18 +60,21 @@ def draw_figures(
     scored: Exposures,
     residuals: list[Residuals],
     sections: list[Section],
-    words: Vocabulary,
+    report: ReportContext,
 ) -> dict[str, Drawing]:
     """Return name → drawing of every figure that the data allow."""
     drawn: dict[str, Drawing | None] = {}
-    wanted = results.plan.figures
+    words, wanted = report.words, results.plan.figures
     for place, outcome in enumerate(words.outcomes):
         if _wanted(wanted, "subscales" if place else "paired"):
             tests = [test for test in results.tests if test.outcome == outcome]
             drawn[f"estimation_{outcome}"] = estimation_figure(scored, tests, words)
-    for place, row in enumerate(results.comparisons):
-        if _wanted(wanted, "paired"):
-            drawn[f"comparison_{place}"] = group_figure(scored, row, words)
+    of_analyses = [
+        (each, of_outcome)
+        for of_outcome, each in analysis_figures(results.rows, report)
+        if _wanted(wanted, each.kind)
+    ]
+    drawn |= {each.name: each.draw(scored) for each, of_outcome in of_analyses if of_outcome}
     drawn["flow"] = flow_figure(results.flow)
     for instrument in dict.fromkeys(row.instrument for row in results.symptoms):
         rows = [row for row in results.symptoms if row.instrument == instrument]
@@ -80,15 +84,16 @@ def draw_figures(
     drawn["exposures"] = exposure_figure(list(study.trials), withdrew, words)
     drawn["residuals"] = residual_figure(residuals, words)
     drawn |= section_figures(sections, words)
-    drawn |= analysis_figures(results.rows, words)
+    chosen = {each.name for each, _ in of_analyses}
+    drawn |= {each.name: each.draw(scored) for each, of_outcome in of_analyses if not of_outcome}
     return {
         name: drawing
         for name, drawing in drawn.items()
-        if drawing and (name.startswith(_OTHERWISE) or _wanted(wanted, name))
+        if drawing and (name in chosen or name.startswith(_OTHERWISE) or _wanted(wanted, name))
     }
 
 
-_OTHERWISE = ("estimation_", "comparison_", "flow")
+_OTHERWISE = ("estimation_", "flow")
 """Figures that every plan has, or that were chosen before they were drawn."""
 
 

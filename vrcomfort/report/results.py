@@ -92,10 +92,11 @@ PLAN_FILE = "plan.toml"
 
 @dataclass(frozen=True)
 class ReportedStudy:
-    """What the study is called, and its protocol."""
+    """What the study is called, its protocol, and the folder or file that was read."""
 
     title: str
     protocol: str | None
+    source: str = ""
 
 
 @dataclass(frozen=True)
@@ -285,7 +286,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[Results, Exposures]:
         exclusions=exclusions,
         notices=notices(study, scored, tests, exclusions, plan.of_choices),
         families=made.families,
-        of_tests=made.of("tests"),
+        of_tests=made.of("primary", "tests"),
         sensitivity=sensitivity(data, tests),
         smallest_effects=smallest_effects(plan, tests),
         descriptives=describe_all(scored, plan, data.conditions, compared),
