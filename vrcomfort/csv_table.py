@@ -22,7 +22,7 @@ MOST_COLUMNS = 16_384
 """As many as a sheet of a spreadsheet program has."""
 MOST_CELLS = 10_000_000
 """Of a table that is read as a whole; they take about 1 GB."""
-_A_ROW = 4
+A_ROW = 4
 """As many cells as take the memory of a row beside its cells."""
 MOST_LINE_BYTES = 2**24
 LARGEST_WHOLE = 2**62
@@ -95,7 +95,7 @@ class CsvTable:
             return
         header = _header(file, first)
         rows = text.whole_rows(chain(first[1:], records), header)
-        at_once = most_rows or MOST_CELLS // (len(header) + _A_ROW)
+        at_once = most_rows or MOST_CELLS // (len(header) + A_ROW)
         left = True
         while left:
             part = list(islice(rows, at_once))

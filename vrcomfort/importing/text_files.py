@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from vrcomfort.csv_table import MOST_CELLS, require_few_columns
+from vrcomfort.csv_table import A_ROW, MOST_CELLS, require_few_columns
 from vrcomfort.errors import InputError
 from vrcomfort.files import MOST_TEXT_BYTES, read_bytes
 from vrcomfort.importing.source import (
@@ -161,9 +161,15 @@ def _rows(text: str, separator: str, file: Path) -> list[list[str]]:
         text = text.replace("\r", "\n")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
     rows: list[list[str]] = []
+    cells = 0
     try:
         for row in reader:
             require_few_columns(len(row), file, f"row {len(rows) + 1}")
+            cells += len(row) + A_ROW
+            if cells > MOST_CELLS:
+                message = f"this table has more than {MOST_CELLS:,} cells up to here"
+                message = f"{message}, a row counting as {A_ROW} more; split it"
+                raise InputError(message, file=file, line=reader.line_num)
             rows.append([_trimmed(cell) for cell in row])
     except csv.Error as error:
         message = f"not a table: {error}"
@@ -247,8 +253,8 @@ def _parsed(text: str, file: Path) -> Any:
         return parse_json(text, file, advice=_ADVICE)
     except InputError as error:
         lines = ((n, each) for n, each in enumerate(text.split("\n"), start=1) if each.strip())
+        require_few_values(text, file, marks="[{,\n")
         try:
-            require_few_values(text, file, marks="[{,\n")
             found = [_record(next(lines), file)]
         except (StopIteration, InputError):
             raise error from None
