@@ -107,6 +107,7 @@ def test_the_command_line_starts_with_no_commands_module(words: tuple[str, ...])
         "vrcomfort.cli.stopping",
         "vrcomfort.cli.terminal",
         "vrcomfort.errors",
+        "vrcomfort.escaping",
         "vrcomfort.stop_signals",
     }
     heavy = {"numpy", "pandas", "scipy", "PIL", "moderngl", "matplotlib", "duckdb"}

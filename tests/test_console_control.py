@@ -48,7 +48,9 @@ def test_a_pause_stops_the_clock_and_is_recorded_with_its_duration(tmp_path):
     (pause,) = (row for row in rows(tmp_path, "events") if row["name"] == "pause")
     assert float(pause["duration_s"]) == pytest.approx(2.5, abs=0.11)
     assert pause["detail"].startswith("exposure 1 of 2, attempt 1: plain")
-    shown = [row for row in rows(tmp_path, "frames") if row["trial"] == "1"]
+    exposure = [row for row in rows(tmp_path, "frames") if row["trial"] == "1"]
+    shown = [row for row in exposure if row["paused"] == "0"]
+    assert [row["should_render"] for row in exposure if row["paused"] == "1"] == ["0"]
     cuts = [index for index, row in enumerate(shown) if row["discontinuity"] == "1"]
     assert len(shown) == 100
     assert cuts == [30]  # the frame after it has nothing to do with the one before

@@ -1,10 +1,13 @@
 """Where the views through a lens are, and how much each is blurred: no OpenGL."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vrcomfort.geometry import Array
 from vrcomfort.optics.lens_sampling import (
     FEW,
     FEW_RADIUS,
@@ -12,9 +15,9 @@ from vrcomfort.optics.lens_sampling import (
     WIDEST_OF_MANY,
     disc_edge,
     edge_error,
-    sunflower,
     view_points,
     view_radius,
+    with_moments,
 )
 
 
@@ -73,6 +76,21 @@ def test_more_views_make_less_error_at_an_edge():
     assert np.all(np.diff(errors) < 0), errors
     slope = np.polyfit(np.log(counts), np.log(errors), 1)[0]
     assert slope < -0.55
+
+
+def sunflower(count: int) -> Array:
+    """Return (count, 2) points spread over the unit disc, with its mean and second moments.
+
+    Notes
+    -----
+    Vogel, "A better way to construct the sunflower head", 1979. Against these, the same count of R2
+    points through `concentric_disc` has 3 to 6 times the error at an edge, because their moments
+    are off.
+    """
+    index = np.arange(count)
+    angle = index * np.pi * (3 - math.sqrt(5))
+    radius = np.sqrt((index + 0.5) / count)
+    return with_moments(radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1))
 
 
 @pytest.mark.parametrize("count", [16, 64, 256])

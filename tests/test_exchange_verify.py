@@ -269,7 +269,9 @@ def test_a_list_that_lost_its_people_is_told_and_nobody_is_enrolled_again(study,
     if text is not None:
         file.write_text(text)
     assert any(each.startswith("participants.csv: ") for each in told(study))
-    with pytest.raises(InputError, match="nobody is in it, and sub-P01 has a session") as caught:
+    with pytest.raises(
+        InputError, match="it has no participants, and sub-P01 has a session"
+    ) as caught:
         read_participants(study)
     assert caught.value.file == file
 

@@ -183,6 +183,7 @@ def test_times_are_compared_as_far_as_they_are_recorded(tmp_path: Path) -> None:
         cell(session / name, line, column, value)
     for name in ("trials.csv", "timing.csv"):
         cell(session / name, 2, "frames", "1")
+    cell(session / "trials.csv", 2, "live_s", "0.1")
     assert [each for each in sealed(tmp_path / "S") if "events" not in each] == []
     cell(session / "gaze.csv", 12, "session_s", repr(start_s + 2e-6))
     assert any(

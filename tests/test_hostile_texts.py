@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import json
 import os
@@ -28,7 +29,7 @@ from vrcomfort.escaping import escape_unprintable
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.json_text import json_of, parse_json
 from vrcomfort.protocol import load_protocol
-from vrcomfort.records import read_participants
+from vrcomfort.records import Study, read_participants
 from vrcomfort.records.participants import add_note, exclude, undo_exclusion
 from vrcomfort.records.rows import csv_line
 from vrcomfort.report.study_data import read_study
@@ -178,6 +179,7 @@ ON_A_FOLDER = [
     ["status"],
     ["status", "--json"],
     ["verify"],
+    ["pack"],
     ["note", "P01", "x"],
     ["report", "--figures", "none", "--out", f"report {LATIN}"],
     ["anonymise", "--out", f"anonymous {LATIN}"],
@@ -193,11 +195,25 @@ def test_a_folder_whose_name_is_no_utf8(words, tmp_path, run, monkeypatch):
     assert run(words[0], LATIN, *words[1:])[0] == 0
 
 
-def test_a_folder_that_the_database_does_not_take_is_told(tmp_path, run):
+def test_a_recording_below_a_folder_that_the_database_does_not_take(tmp_path, run):
     go(tmp_path, study=LATIN)
+    frames = Study(tmp_path / LATIN).frames.df()
+    assert run("pack", tmp_path / LATIN)[0] == 0
+    (session,) = Study(tmp_path / LATIN).sessions
+    assert session.recording().parquet is not None
+    assert session.recording().note == ""
+    assert Study(tmp_path / LATIN).frames.df().equals(frames)
+
+
+def test_a_folder_that_cannot_be_linked_to_is_told(tmp_path, run, monkeypatch):
+    def refuse(*_: object) -> None:
+        raise OSError(errno.EPERM, "no privilege")
+
+    go(tmp_path, study=LATIN)
+    monkeypatch.setattr(Path, "symlink_to", refuse)
     code, _, err = run("pack", tmp_path / LATIN)
     assert code == 2
-    assert "st\\udcfcdy/sub-P01/ses-1/frames.csv: its name has characters that the database" in err
+    assert "st\\udcfcdy: its name has characters that the database does not take" in err
 
 
 def test_bytes_that_are_no_text_are_typed_and_printed(monkeypatch):

@@ -28,9 +28,9 @@ def answered(text: str) -> str:
 def answers_of(imported: Imported) -> Truth:
     return {
         (m.participant, m.condition, m.timepoint): tuple(
-            _code(sheet.answers.get(item)) for item in ITEMS
+            _code(response.answers.get(item)) for item in ITEMS
         )
-        for (_, m), sheet in imported.sheets.items()
+        for (_, m), response in imported.responses.items()
     }
 
 
@@ -85,7 +85,7 @@ DOUBTS = {
     "named_files": ["names of the files"],
     "long_numbers": ["published order", "Comfort"],
     "misspelt": ["salivaton", "Fullnes of head", "Stomach awarness", "Diff. concentrating"],
-    "melted": ["Which moments are T0, T1?"],
+    "melted": ["Which timepoints are T0, T1?"],
     "asked_twice": ["asked twice in a row"],
     "with_codes": ["999"],
     "side_by_side": ["side by side"],
@@ -164,11 +164,11 @@ def test_headings_of_three_rows_below_a_title(title: tuple[str, ...], tmp_path: 
     file = write(tmp_path / "x.csv", [*([text] for text in title), *above, *people])
     suggested = suggest_mapping([file])
     assert suggested.imported is not None
-    found = {(m.participant, m.condition, m.timepoint) for _, m in suggested.imported.sheets}
+    found = {(m.participant, m.condition, m.timepoint) for _, m in suggested.imported.responses}
     assert {(c, t) for _, c, t in found} == {
         (c, t) for c in ("Big_lens", "Small_screen") for t in ("baseline", "post")
     }
-    assert len(found) == len(suggested.imported.sheets) == 24
+    assert len(found) == len(suggested.imported.responses) == 24
     assert 'Big_lens = "Big lens"' in suggested.text
     assert answers_of(suggested.imported)["P5", "Small_screen", "post"] == tuple(
         (5 + k) % 4 for k in range(48, 64)
@@ -223,7 +223,7 @@ def test_real_answers_in_words_give_the_scores_that_are_known() -> None:
     imported = suggested.imported
     assert imported is not None
     vrsq = shipped_instruments()["vrsq"]
-    scores = [score(vrsq, sheet.answers) for sheet in imported.sheets.values()]
+    scores = [score(vrsq, response.answers) for response in imported.responses.values()]
     points = [[found[name].points for name in ("O", "D", "T")] for found in scores]
     means = [sum(column) / len(points) for column in zip(*points, strict=True)]
     assert means == pytest.approx([15.5556, 7.1111, 11.3333], abs=5e-5)
@@ -249,7 +249,7 @@ def test_five_answers_are_asked_about_and_are_another_instrument(tmp_path: Path)
     suggested = suggest_mapping([file])
     assert any("from 0 to 4: is this the five-point SSQ?" in each for each in suggested.doubts)
     assert suggested.imported is not None
-    assert {name for name, _ in suggested.imported.sheets} == {"ssq_five_point"}
+    assert {name for name, _ in suggested.imported.responses} == {"ssq_five_point"}
     mapping, study = tmp_path / "map.toml", tmp_path / "study"
     mapping.write_text(answered(suggested.text))
     loaded = load_mapping(mapping)
@@ -265,7 +265,7 @@ def test_marks_of_the_task_load_index_are_asked_about(tmp_path: Path) -> None:
     suggested = suggest_mapping([questionnaire(tmp_path, "tlx.csv", names, answers)])
     assert any("these 0 to 20: are they marks?" in doubt for doubt in suggested.doubts)
     assert suggested.imported is not None
-    found = [[*sheet.answers.values()] for sheet in suggested.imported.sheets.values()]
+    found = [[*response.answers.values()] for response in suggested.imported.responses.values()]
     assert found == [[5 * mark for mark in row] for row in answers]
 
 
@@ -284,7 +284,7 @@ def test_a_labs_own_instrument_is_found_and_travels_with_the_study(tmp_path: Pat
     made = run.invoke(app, ["import", str(file), "--mapping", str(mapping), "--out", str(study)])
     assert made.exit_code == 0, made.output
     assert (study / "instruments" / "glare.toml").read_text() == own.read_text()
-    found = [[*sheet.answers.values()] for sheet in read_study(study).sheets]
+    found = [[*response.answers.values()] for response in read_study(study).sheets]
     assert found == answers
 
 
@@ -307,8 +307,8 @@ def test_a_number_of_rows_is_not_that_of_each_condition_in_them(
     assert f"'{heading}' numbers rows of several conditions each" in doubt
     assert suggested.imported is not None
     met = {
-        m.trial: (m.condition, set(sheet.answers.values()))
-        for (_, m), sheet in suggested.imported.sheets.items()
+        m.trial: (m.condition, set(response.answers.values()))
+        for (_, m), response in suggested.imported.responses.items()
         if m.participant == "P1"
     }
     assert met == {"1": ("dull", {2}), "2": ("blur", {3}), "3": ("dull", {3}), "4": ("blur", {0})}
@@ -338,10 +338,10 @@ def test_ratings_side_by_side_are_courses_of_exposures(tmp_path: Path) -> None:
     ratings = [
         (r.onset_s, r.response)
         for r in imported.ratings
-        if r.moment[0] == "P3" and r.moment.condition == "near"
+        if r.administration[0] == "P3" and r.administration.condition == "near"
     ]
     assert ratings == [(60.0 * minute, minute + 3) for minute in minutes]
-    found = {(m.participant, m.condition): s.answers for (_, m), s in imported.sheets.items()}
+    found = {(m.participant, m.condition): s.answers for (_, m), s in imported.responses.items()}
     assert found["P3", "near"] == {"peak": 7, "mean": 5, "last": 7}
     assert found["P3", "far"] == {"peak": 3, "mean": 3, "last": 3}
 

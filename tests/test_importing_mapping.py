@@ -31,8 +31,10 @@ def imported(files: Sequence[Path], text: str) -> Imported:
 
 def answers_of(found: Imported) -> Truth:
     return {
-        (m.participant, m.condition, m.timepoint): tuple(int(sheet.answers[i] or 0) for i in ITEMS)
-        for (_, m), sheet in found.sheets.items()
+        (m.participant, m.condition, m.timepoint): tuple(
+            int(response.answers[i] or 0) for i in ITEMS
+        )
+        for (_, m), response in found.responses.items()
     }
 
 
@@ -97,7 +99,7 @@ def test_reversed_words_and_missing_texts(tmp_path: Path) -> None:
     file = write(tmp_path / "x.csv", turned)
     how = 'answers = { "4" = 0, "3" = 1, "2" = 2, "1" = 3 }\nmissing = ["n/a"]\n'
     found = imported([file], f"{TOP}{FACTS}{SSQ}{how}")
-    first = next(iter(found.sheets.values()))
+    first = next(iter(found.responses.values()))
     assert first.answers["general_discomfort"] is None
     assert [*first.answers.values()][1:] == [*next(iter(truth.values()))][1:]
 
@@ -106,7 +108,9 @@ def test_short_form_is_kept_as_one(tmp_path: Path) -> None:
     file = write(tmp_path / "x.csv", [["who", "what", "Nausea", "Sweating"], ["a", "b", 1, 2]])
     missing = [item for item in ITEMS if item not in {"nausea", "sweating"}]
     found = imported([file], f"{TOP}{FACTS}{SSQ}not_asked = {json.dumps(missing)}\n")
-    assert [sheet.answers for sheet in found.sheets.values()] == [{"nausea": 1, "sweating": 2}]
+    assert [response.answers for response in found.responses.values()] == [
+        {"nausea": 1, "sweating": 2}
+    ]
     assert found.not_asked == {"ssq": tuple(missing)}
 
 
@@ -115,7 +119,7 @@ def test_exposures_are_numbered_in_the_order_of_rows(tmp_path: Path) -> None:
     rows = rows_of(truth)
     file = write(tmp_path / "x.csv", [*rows, *rows[1:]])
     found = imported([file], f"{TOP}{FACTS}trial = {{ count = true }}\n{SSQ}")
-    trials = [m.trial for _, m in found.sheets if m.participant == "P01"]
+    trials = [m.trial for _, m in found.responses if m.participant == "P01"]
     assert trials == ["1", "2", "3", "4"]
 
 
@@ -143,8 +147,8 @@ def test_courses_of_ratings_are_summed_up_for_the_report(tmp_path: Path) -> None
         'summaries = ["peak", "mean", "last"]\nitems = { fms = "sick" }\n'
     )
     found = imported([file], f"{TOP}{FACTS}{rating}")
-    (((name, _), sheet),) = found.sheets.items()
-    assert (name, sheet.answers) == ("fms_course", {"peak": 7, "mean": 4.3333, "last": 4})
+    (((name, _), response),) = found.responses.items()
+    assert (name, response.answers) == ("fms_course", {"peak": 7, "mean": 4.3333, "last": 4})
     with pytest.raises(InputError, match="`summaries` are of ratings during exposure"):
         parse_mapping(f"{TOP}{FACTS}{rating.replace('time = ', '# ')}", None)
 
@@ -154,8 +158,8 @@ def test_scores_without_answers_are_kept_as_scores(tmp_path: Path) -> None:
     file = write(tmp_path / "x.csv", rows)
     scores = '[[tables.scores]]\ninstrument = "ssq"\nscales = { T = "SSQ total", N = "N" }\n'
     found = imported([file], f"{TOP}{FACTS}{scores}")
-    assert {name for name, _ in found.sheets} == {"ssq_scores"}
-    assert [(m.condition, sheet.answers) for (_, m), sheet in found.sheets.items()] == [
+    assert {name for name, _ in found.responses} == {"ssq_scores"}
+    assert [(m.condition, response.answers) for (_, m), response in found.responses.items()] == [
         ("b", {"total": 37.4, "nausea": 9.54}),
         ("c", {"total": None, "nausea": 0}),
     ]
@@ -180,7 +184,7 @@ def test_scores_that_cannot_be_are_refused(
     assert "row 2, column 'total'" in str(refusal.value)
     as_they_are = scores.replace(f'"{kind}"', '"other"')
     other = imported([file], f"{TOP}{FACTS}{as_they_are}")
-    assert [s.answers for s in other.sheets.values()] == [{"total": float(cell)}]
+    assert [s.answers for s in other.responses.values()] == [{"total": float(cell)}]
 
 
 def test_scores_alone_are_reported(tmp_path: Path) -> None:
@@ -434,7 +438,7 @@ def test_scores_of_any_formula_are_an_instrument(
     rows = [["who", "what", "total"], *(["a", str(n), cell] for n, cell in enumerate(cells))]
     scores = '[[tables.scores]]\ninstrument = "ssq"\nkind = "other"\nscales = { T = "total" }\n'
     found = imported([write(tmp_path / "x.csv", rows)], f"{TOP}{FACTS}{scores}")
-    assert [sheet.answers["total"] for sheet in found.sheets.values()] == answers
+    assert [response.answers["total"] for response in found.responses.values()] == answers
     made = found.instruments["ssq_other_scores"]
     assert made.items[0].answers.step == step
     assert all(made.items[0].answers.has(answer) for answer in answers)

@@ -22,6 +22,7 @@ from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.bids import export_bids
 from vrcomfort.exchange.psych_ds import export_psych_ds
 from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.headset.timing import RATE_CHANGED, RATE_RESTORED
 from vrcomfort.operator_interface import ALLOWED
 from vrcomfort.records import rows, schema
 from vrcomfort.records.disk import OWNER
@@ -47,6 +48,7 @@ NOT_WRITTEN_OUT = {
         *("focused", "unfocused", "headset_on", "headset_off"),
         *("controller_found", "controller_lost"),
     },
+    "headset/timing.py": {RATE_CHANGED, RATE_RESTORED},
     "headset/openxr/tracking.py": {"tracking_found", "tracking_lost"},
     "session/context.py": set(),  # names that it is given
     "session/eye_height.py": {"eye_height"},

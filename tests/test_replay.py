@@ -420,11 +420,27 @@ def broken_cell(session: Path) -> None:
     cell(session / "frames.csv", 5, "head_x_m", "left")
 
 
+def blank_cell(session: Path) -> None:
+    cell(session / "frames.csv", 6, "should_render", "")
+
+
+def wrong_trial(session: Path) -> None:
+    cell(session / "frames.csv", 7, "trial", "1.5")
+
+
+def missing_column(session: Path) -> None:
+    file = session / "frames.csv"
+    file.write_text(file.read_text().replace(",should_render,", ",drawn,", 1))
+
+
 DAMAGED: dict[str, tuple[Callable[[Path], None], str]] = {
     "no frames": (remove_frames, "frames.csv is missing, and without it nothing can be shown"),
     "no rows": (only_headers, "there is a header but no complete row"),
     "other settings": (unknown_setting, "the vrcomfort that ran it: 0.0.7"),
     "later": (later_schema, "schema version 99"),
+    "blank": (blank_cell, "line 6, column should_render: this cell is empty"),
+    "no whole number": (wrong_trial, "line 7, column trial: '1.5' is not a whole number"),
+    "no column": (missing_column, "line 1, column should_render: the column is missing"),
     "broken": (broken_cell, "line 5, column head_x_m: 'left' is not a finite number"),
 }
 

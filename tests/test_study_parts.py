@@ -227,7 +227,8 @@ def test_trials_that_are_written_down_may_name_their_part(tmp_path):
 
 def test_studies_of_older_versions_lack_the_column():
     columns = TrialRow.columns()
-    assert set(columns) - set(columns_of_version(3, "trials.csv", columns)) == {"part"}
+    third, fourth = (set(columns_of_version(v, "trials.csv", columns)) for v in (3, 4))
+    assert fourth - third == {"part"}
 
 
 def test_the_report_plans_the_exposures_of_all_parts(tmp_path):

@@ -53,7 +53,7 @@ def test_the_columns_are_those_of_the_design():
     assert ",".join(TrialRow.columns()) == (
         "participant,session,period,block,trial,condition,scene,start_s,end_s,status,"
         "abort_code,attempt,resumed,frames,dropped,missed_refreshes,live_s,frozen_s,hidden_s,"
-        "unfocused_s,part"
+        "unfocused_s,part,off_s,not_drawn_s,half_rate_s,untracked_s"
     )
     assert ",".join(QuestionnaireRow.columns()) == (
         "participant,session,period,block,trial,condition,timepoint,instrument,item,"
@@ -75,10 +75,11 @@ def test_the_columns_are_those_of_the_design():
     assert columns[40:46] == (
         "avatar_qw", "head_valid", "head_tracked", "session_state", "focus_m", "focus_raw_m"
     )  # fmt: skip
-    assert columns[-20:-15] == (
+    assert columns[-22:-17] == (
         "cpu_ms", "gpu_ms", "dropped", "missed_refreshes", "discontinuity"
     )  # fmt: skip
-    assert columns[-15:] == (*pose_columns("left_hand"), *pose_columns("right_hand"), "resumed")
+    hands = (*pose_columns("left_hand"), *pose_columns("right_hand"))
+    assert columns[-17:] == (*hands, "resumed", "user_present", "paused")
     assert len(set(columns)) == len(columns) == len(frame_row().cells())
 
 

@@ -72,7 +72,8 @@ def test_its_frames_are_a_trace_and_play(study, vrcomfort, tmp_path):
 def test_a_file_of_the_second_version_gets_the_columns_of_the_third(study):
     session = study / "sub-P02/ses-1"
     second = columns_of_version(2, "frames.csv", FrameRow.columns())
-    assert set(FrameRow.columns()) - set(second) == set(HANDS)
+    later = (*HANDS, "user_present", "paused")
+    assert set(FrameRow.columns()) - set(second) == set(later)
     frames = [{name: row.get(name, "") for name in second} for row in rows(session / "frames.csv")]
     with (session / "frames.csv").open("w", newline="") as stream:
         writer = csv.DictWriter(stream, second, lineterminator="\n")
@@ -81,7 +82,7 @@ def test_a_file_of_the_second_version_gets_the_columns_of_the_third(study):
     before = (session / "frames.csv").read_bytes()
     assert repair_table(session, FrameRow, OWNER) is None
     assert (session / "frames.csv.schema2").read_bytes() == before
-    blank = dict.fromkeys(HANDS, "")
+    blank = dict.fromkeys(later, "")
     assert rows(session / "frames.csv") == [
         {name: {**row, **blank}[name] for name in FrameRow.columns()} for row in frames
     ]

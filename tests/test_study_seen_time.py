@@ -14,78 +14,124 @@ from vrcomfort.frame import HeadsetEvent
 from vrcomfort.headset.timing import RefreshPeriod
 from vrcomfort.protocol import Ratings
 from vrcomfort.questionnaire import find_instrument
-from vrcomfort.session.frame_log import SeenTime, missed_refreshes
+from vrcomfort.seen_time import SeenState, SeenTime, ShownFrame
+from vrcomfort.session.frame_log import FrameLog, missed_refreshes
 from vrcomfort.session.interfaces import NoOutlet
 from vrcomfort.session.ratings import RatingSchedule, RatingSchedules
 
 PERIOD_NS = 100_000_000
 
 
-def seen_of(frames) -> SeenTime:
-    seen = SeenTime()
-    for each in frames:
-        seen.add(each)
-    seen.end()
-    return seen
+def account(frames, elapsed_s: float | None = None) -> dict[str, float]:
+    """Return the seconds of the states that there were."""
+    shown = [ShownFrame.of(each) for each in frames]
+    last, first = shown[-1], shown[0]
+    whole_s = (last.time_ns + last.period_ns - first.time_ns) / 1e9
+    seen = SeenTime.of(shown, whole_s if elapsed_s is None else elapsed_s)
+    return {state.value: s for state in SeenState if (s := seen.seconds(state))}
 
 
-def at(periods: int, **changes):
-    return replace(frame(periods), predicted_display_time_ns=periods * PERIOD_NS, **changes)
+def at(periods: float, **changes):
+    time_ns = round(periods * PERIOD_NS)
+    return replace(frame(round(periods)), predicted_display_time_ns=time_ns, **changes)
 
 
 def test_a_freeze_is_time_beyond_a_frames_own_period():
-    seen = seen_of([at(0), at(1), at(51), at(52)])
-    assert (seen.live_s, seen.frozen_s) == pytest.approx((0.4, 4.9))
-    assert seen.frozen_percent == pytest.approx(100 * 4.9 / 5.3, abs=0.01)
+    assert account([at(0), at(1), at(51), at(52)]) == pytest.approx({"live": 0.4, "frozen": 4.9})
 
 
-@given(
-    st.lists(
-        st.tuples(
-            st.integers(1, 60),
-            st.booleans(),
-            st.booleans(),
-            st.booleans(),
-            st.sampled_from(["", "visible"]),
-        )
-    )
+def test_late_frames_that_are_no_freeze_are_half_rate_or_less():
+    late = [at(0), at(2), at(4), at(9), at(10)]
+    assert account(late) == pytest.approx({"half_rate": 0.9, "live": 0.2})
+    assert account([at(0), at(1), at(7), at(8)]) == pytest.approx({"live": 0.3, "half_rate": 0.6})
+
+
+def test_of_the_states_that_hold_the_first_counts():
+    changes = {"session_state": "visible"}
+    assert account([at(0, **changes), at(1)]) == {"unfocused": 0.1, "live": 0.1}
+    changes["head_tracked"] = False
+    assert account([at(0, **changes), at(1)]) == {"untracked": 0.1, "live": 0.1}
+    assert account([at(0, **changes), at(2)]) == {"half_rate": 0.2, "live": 0.1}
+    assert account([at(0, **changes), at(8)]) == {"untracked": 0.1, "frozen": 0.7, "live": 0.1}
+    changes["should_render"] = False
+    assert account([at(0, **changes), at(8)]) == {"not_drawn": 0.8, "live": 0.1}
+    changes["paused"] = True
+    assert account([at(0, **changes), at(8)]) == {"hidden": 0.8, "live": 0.1}
+    changes["user_present"] = False
+    assert account([at(0, **changes), at(8)]) == {"off": 0.8, "live": 0.1}
+
+
+FAULTS = st.fixed_dictionaries(
+    {},
+    optional={
+        "paused": st.booleans(),
+        "user_present": st.sampled_from([True, False, None]),
+        "should_render": st.booleans(),
+        "discontinuity": st.booleans(),
+        "head_tracked": st.booleans(),
+        "session_state": st.sampled_from(["", "visible", "focused"]),
+    },
 )
-def test_the_four_kinds_of_time_add_up_to_the_trial(steps):
-    frames, periods = [at(0)], 0
-    for step, paused, drawn, discontinuity, state in steps:
+
+
+@given(st.lists(st.tuples(st.floats(0.1, 60), FAULTS)), st.floats(0, 9))
+def test_the_states_add_up_to_the_exposure(steps, untold_s):
+    frames, periods = [at(0)], 0.0
+    for step, changes in steps:
         periods += step
-        frames.append(
-            at(
-                periods,
-                paused=paused,
-                should_render=drawn,
-                discontinuity=discontinuity,
-                session_state=state,
-            )
-        )
-    seen = seen_of(frames)
-    whole_s = (periods + 1) * PERIOD_NS / 1e9
-    assert seen.live_s + seen.frozen_s + seen.hidden_s + seen.unfocused_s == pytest.approx(whole_s)
-    assert min(seen.cells().values()) >= 0
+        frames.append(at(periods, **changes))
+    whole_s = (round(periods * PERIOD_NS) + PERIOD_NS) / 1e9
+    told = account(frames, whole_s + untold_s)
+    assert min(told.values()) > 0
+    assert abs(sum(told.values()) - whole_s - untold_s) <= 2 * PERIOD_NS / 1e9 + 1e-9
+    assert sum(account(frames).values()) == pytest.approx(whole_s)
 
 
-def test_time_while_the_headset_is_off_is_hidden():
+@given(st.lists(st.tuples(st.floats(0.9, 60), FAULTS)))
+def test_what_is_counted_as_dropped_and_the_time_of_late_frames_agree(steps):
+    log, frames, periods = FrameLog(Rows()), [at(0)], 0.0
+    for step, changes in steps:
+        periods += step
+        frames.append(at(periods, **changes))
+    for index, each in enumerate(frames):
+        log.add(replace(each, index=index), None, trial=1, session_s=0.0)
+    log.finish()
+    late_s = log.timing.seen.seconds(SeenState.FROZEN, SeenState.HALF_RATE)
+    assert (log.dropped > 0) == (late_s > 0)
+
+
+class Rows:
+    """Keeps rows."""
+
+    def __init__(self) -> None:
+        self.rows = []
+
+    def write(self, *rows) -> None:
+        self.rows += rows
+
+
+def test_time_of_a_pause_is_hidden():
     frames = [at(0), at(1, paused=True), at(2, paused=True), at(3, discontinuity=True)]
-    seen = seen_of(frames)
-    assert (seen.live_s, seen.hidden_s, seen.frozen_s) == pytest.approx((0.2, 0.2, 0.0))
+    assert account(frames) == pytest.approx({"live": 0.2, "hidden": 0.2})
+
+
+def test_time_without_frames_before_a_cut_is_hidden():
+    frames = [at(0), at(50, discontinuity=True)]
+    assert account(frames) == pytest.approx({"live": 0.2, "hidden": 4.9})
+
+
+def test_time_that_no_frame_tells_of_is_hidden_or_of_the_pause_at_its_end():
+    assert account([at(0)], 5.0) == pytest.approx({"live": 0.1, "hidden": 4.9})
+    assert account([at(0), at(1, user_present=False)], 5.0) == pytest.approx(
+        {"live": 0.1, "off": 4.9}
+    )
+    assert SeenTime.of([], 5.0).seconds(SeenState.HIDDEN) == 5.0
 
 
 @pytest.mark.parametrize("state", ["focused", "visible"])
-def test_time_in_frames_that_the_runtime_wants_no_picture_of_is_hidden(state):
+def test_time_in_frames_that_the_runtime_wants_no_picture_of_is_not_drawn(state):
     frames = [at(0), *(at(n, should_render=False, session_state=state) for n in (1, 2, 9)), at(10)]
-    seen = seen_of(frames)
-    assert (seen.live_s, seen.hidden_s) == pytest.approx((0.2, 0.9))
-    assert (seen.frozen_s, seen.unfocused_s) == (0.0, 0.0)
-
-
-def test_a_runtimes_menu_in_front_is_unfocused_time():
-    seen = seen_of([at(0), at(1, session_state="visible"), at(2, session_state="focused")])
-    assert (seen.live_s, seen.unfocused_s) == pytest.approx((0.2, 0.1))
+    assert account(frames) == pytest.approx({"live": 0.2, "not_drawn": 0.9})
 
 
 @pytest.mark.parametrize(
@@ -93,6 +139,12 @@ def test_a_runtimes_menu_in_front_is_unfocused_time():
 )
 def test_refreshes_are_counted_not_late_frames(periods, missed):
     assert missed_refreshes(round(periods * PERIOD_NS), PERIOD_NS) == missed
+
+
+def assert_adds_up(trial: dict[str, str]) -> None:
+    seconds = sum(float(trial[state.column]) for state in SeenState)
+    elapsed_s = float(trial["end_s"]) - float(trial["start_s"])
+    assert abs(seconds - elapsed_s) <= 2 * PERIOD_NS / 1e9 + 1e-9, trial
 
 
 class Freezes(AheadHeadset):
@@ -112,6 +164,7 @@ def test_a_trial_that_froze_says_so_and_keeps_its_live_time(tmp_path):
     assert (trial["dropped"], trial["missed_refreshes"]) == ("1", "50")
     assert rows(tmp_path, "timing")[0]["flagged"] == "1"
     assert any("stood still for 5.00 s" in warning for warning in outcome.warnings)
+    assert_adds_up(trial)
     frames = [row for row in rows(tmp_path, "frames") if row["trial"] == "1"]
     assert sum(int(row["missed_refreshes"]) for row in frames) == 50
 
@@ -139,7 +192,7 @@ def test_a_trial_without_tracking_is_flagged_and_never_silently_completed(tmp_pa
 
     outcome = go(tmp_path, headset_for=lambda *_: Lost())
     assert rows(tmp_path, "timing")[0]["flagged"] == "1"
-    assert any("the head was not tracked in 90 of 100 frames" in each for each in outcome.warnings)
+    assert any("the head was not tracked for 9.00 s, 90 %" in each for each in outcome.warnings)
     tracked = [row["head_tracked"] for row in rows(tmp_path, "frames") if row["trial"] == "1"]
     assert tracked == ["1"] * 10 + ["0"] * 90, "the first ten were training"
 
@@ -179,10 +232,11 @@ def test_frames_that_are_not_seen_are_recorded_and_no_exposure(tmp_path):
 
     go(tmp_path, headset_for=lambda *_: Covered(), outlet=Told())
     trial, timing = rows(tmp_path, "trials")[0], rows(tmp_path, "timing")[0]
-    assert float(trial["live_s"]) == pytest.approx(10.0)
-    assert float(trial["hidden_s"]) == pytest.approx(8.8)
-    assert float(trial["frozen_s"]) == pytest.approx(0.2), "until the first of them"
-    assert (trial["frames"], trial["dropped"], timing["flagged"]) == ("130", "1", "0")
+    assert float(trial["live_s"]) == pytest.approx(9.7)
+    assert float(trial["not_drawn_s"]) == pytest.approx(8.8)
+    assert float(trial["half_rate_s"]) == pytest.approx(0.3), "until the first of them"
+    assert (trial["frames"], trial["dropped"], timing["flagged"]) == ("128", "1", "1")
+    assert_adds_up(trial)
     frames = [row for row in rows(tmp_path, "frames") if row["trial"] == "1"]
     assert [row["should_render"] for row in frames].count("0") == 30
     assert told, "other devices are told of frames"
@@ -198,12 +252,38 @@ def test_the_operator_is_told_at_once_that_the_stop_button_is_out_of_reach(tmp_p
     assert "unfocused" in {row["name"] for row in rows(tmp_path, "events")}
 
 
-def test_a_slow_program_does_not_lengthen_the_period_at_which_frames_are_due():
-    period = RefreshPeriod()
-    assert [period.update(ns) for ns in (17, 50, 50, 50)] == [17, 17, 50, 50]
-    assert [period.update(ns) for ns in (1050, 850, 700)] == [50, 50, 50]
-    period.forget()
-    assert period.update(100) == 100, "the display's rate has changed"
+def periods(*predicted_ns: int, hz: float = 0.0) -> tuple[list[int], list[HeadsetEvent]]:
+    told: list[HeadsetEvent] = []
+    period = RefreshPeriod(lambda: hz, told.append)
+    return [period.update(each) for each in predicted_ns], told
+
+
+def test_the_period_is_fixed_when_the_runtimes_predictions_are_stable():
+    found, told = periods(17, *[50] * 9, *[1050, 850, 700], *[100] * 200)
+    assert found == [17, 17, *[50] * 211]
+    (event,) = told
+    assert event.name == "refresh_rate_changed"
+
+
+def test_a_runtime_that_halves_its_rate_does_not_hide_it():
+    found, told = periods(*[11_111_111] * 90, *[22_222_222] * 90, *[11_111_111] * 90, hz=90.0)
+    assert set(found) == {11_111_111}
+    assert [each.name for each in told] == ["refresh_rate_changed", "refresh_rate_restored"]
+    assert "22.22 ms; 11.11 ms at the start" in told[0].detail
+
+
+def test_a_runtime_that_stops_predicting_changes_nothing():
+    assert periods(*[50] * 9, *[0] * 100) == ([50] * 109, [])
+
+
+def test_the_runtimes_word_on_its_rate_is_told_and_changes_nothing():
+    told: list[HeadsetEvent] = []
+    period = RefreshPeriod(lambda: 90.0, told.append)
+    assert period.update(11_111_111) == 11_111_111
+    period.take_rate(90.0, 72.0)
+    period.take_rate(72.0, 90.0)
+    assert {period.update(11_111_111) for _ in range(99)} == {11_111_111}
+    assert [each.name for each in told] == ["refresh_rate_changed", "refresh_rate_restored"]
 
 
 def test_a_runtime_that_predicts_no_period_has_that_of_its_display():
@@ -224,8 +304,7 @@ def test_where_nothing_tells_the_period_it_is_measured_once_in_frames_that_are_s
             assert period.update(0, None) == 0
     assert [period.update(0, at_ns) for at_ns in (now_ns, now_ns + 90)] == [10, 10]
     assert period.source.startswith("measured: ")
-    assert period.update(8, now_ns + 180) == 8, "a prediction is better"
-    assert period.source == "predicted by the runtime"
+    assert period.update(8, now_ns + 180) == 10, "it is fixed"
 
 
 class Silent:

@@ -16,6 +16,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from torture import (
+    commands,
     damaged,
     disk_full,
     inputs,
@@ -25,6 +26,7 @@ from torture import (
     scenes,
     signals,
     table,
+    texts,
 )
 from torture.case import Result, Rig
 from torture.session import kill_all
@@ -41,6 +43,8 @@ TORTURES: dict[str, Callable[[Rig], Result]] = {
     "resumed": resumed.torture,
     "damaged": damaged.torture,
     "inputs": inputs.torture,
+    "commands": commands.torture,
+    "texts": texts.torture,
     "scenes": scenes.torture,
     "runtime": runtime.torture,
 }

@@ -203,7 +203,7 @@ answer = "yes"
     ]
 
 
-_LAB_TABLE = """code;group;round;Age;Date;pre_Nausea;pre_Tired;T_pre
+LAB_TABLE = """code;group;round;Age;Date;pre_Nausea;pre_Tired;T_pre
 in words;;;;;;;
 p 1;a;1;30;x;1;slight;22.740000000000002
 """
@@ -212,7 +212,7 @@ p 1;a;1;30;x;1;slight;22.740000000000002
 def _read_mapping(file: Path) -> object:
     """Read a mapping, and a table as it says."""
     table = file.with_name("lab.csv")
-    table.write_text(_LAB_TABLE, encoding="utf-8")
+    table.write_text(LAB_TABLE, encoding="utf-8")
     loaded = load_mapping(file)
     return import_files([table], loaded.mapping, loaded.instruments)
 

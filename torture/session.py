@@ -48,13 +48,17 @@ class Ended(NamedTuple):
     code: int | None
     said: str
 
-    def fault(self, codes: Iterable[int], *, noted: bool = False) -> tuple[str, str]:
+    def fault(
+        self, codes: Iterable[int], *, noted: bool = False, several: bool = False
+    ) -> tuple[str, str]:
         """Return the fault of an end that should be one of `codes`, with a sentence if not 0.
 
         Parameters
         ----------
         noted
             Notes are sentences enough.
+        several
+            Of a file with several faults, each may have its sentence.
         """
         if self.code is None:
             return HANG, f"still running at its time limit; said: {last_line(self.said)}"
@@ -63,6 +67,7 @@ class Ended(NamedTuple):
         if self.code not in codes:
             return OTHER, f"exit code {self.code}; said: {last_line(self.said)}"
         sentences = self.said.count("error: ")
+        sentences = min(sentences, 1) if several else sentences
         if self.code > 0 and sentences != 1 and not (noted and "note: " in self.said):
             return OTHER, f"exit code {self.code} without one sentence; said: {self.said[-300:]!r}"
         return "", ""

@@ -43,7 +43,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import the module of a public name, and keep what it has."""
+    """Import a public name from its module when it is first used."""
     if name == "stats":
         return import_module("vrcomfort.stats")
     if name not in _PLACES:

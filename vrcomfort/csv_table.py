@@ -22,6 +22,8 @@ MOST_COLUMNS = 16_384
 """As many as a sheet of a spreadsheet program has."""
 MOST_CELLS = 10_000_000
 """Of a table that is read as a whole; they take about 1 GB."""
+A_ROW = 4
+"""As many cells as take the memory of a row beside its cells."""
 MOST_LINE_BYTES = 2**24
 LARGEST_WHOLE = 2**62
 """Fits int64, with room for a sum."""
@@ -55,7 +57,7 @@ class CsvTable:
 
     @classmethod
     def read(cls, path: str | Path, *, appended: bool = False) -> Self:
-        """Read a table: UTF-8, commas, a header row (whose names may have spaces between them).
+        """Read a comma-separated UTF-8 table with a header row; its names may contain spaces.
 
         Parameters
         ----------
@@ -93,7 +95,7 @@ class CsvTable:
             return
         header = _header(file, first)
         rows = text.whole_rows(chain(first[1:], records), header)
-        at_once = most_rows or MOST_CELLS // len(header)
+        at_once = most_rows or MOST_CELLS // (len(header) + A_ROW)
         left = True
         while left:
             part = list(islice(rows, at_once))
@@ -357,7 +359,7 @@ def _header(file: Path, records: list[tuple[int, tuple[str, ...]]]) -> tuple[str
 
 
 def require_few_columns(width: int, file: Path, what: str) -> None:
-    """Raise `InputError` if `what` has more than `MOST_COLUMNS`."""
+    """Raise `InputError` if there are more columns than `MOST_COLUMNS`."""
     if width > MOST_COLUMNS:
         message = f"{what} has {width:,} columns, and a table has at most {MOST_COLUMNS:,}"
         raise InputError(f"{message}; is the separator right?", file=file)

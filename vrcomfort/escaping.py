@@ -22,3 +22,12 @@ def escape_unprintable(text: str, hidden: re.Pattern[str] = _UNPRINTABLE) -> str
         Matches single characters to be escaped.
     """
     return hidden.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def is_utf8(text: str) -> bool:
+    """Return whether a text has no lone surrogates, which UTF-8 does not have."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True

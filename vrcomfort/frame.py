@@ -44,8 +44,10 @@ class Frame:
     snap_turn
         True where the avatar was turned at once: that is no motion, and the rest of the frame is.
     paused
-        True where the participant sees nothing of it (headset taken off or asleep): time that
-        does not count as exposure.
+        True where the participant sees nothing of it (headset taken off or asleep, an operator's
+        pause): time that does not count as exposure.
+    user_present
+        Whether somebody wears the headset; None where nothing tells.
     gaze
         Where the participant looks, None without an eye tracker.
     hands
@@ -71,6 +73,7 @@ class Frame:
     discontinuity: bool = False
     snap_turn: bool = False
     paused: bool = False
+    user_present: bool | None = None
     gaze: Gaze | None = None
     hands: tuple[Pose | None, Pose | None] = (None, None)
     head_valid: bool = True
@@ -81,7 +84,7 @@ class Frame:
     @property
     def seen(self) -> bool:
         """Whether the participant sees the frame: else its time is no exposure."""
-        return self.should_render and not self.paused
+        return self.should_render and not self.paused and self.user_present is not False
 
     @property
     def unfocused(self) -> bool:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from vrcomfort.errors import InputError
+from vrcomfort.escaping import is_utf8
 
 KeyPath: TypeAlias = tuple[str | int, ...]
 
@@ -138,21 +139,13 @@ def _in_words(error: json.JSONDecodeError) -> str:
 
 def _halves(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
     """Yield strings that UTF-8 cannot hold: half of a surrogate pair."""
-    if isinstance(value, str) and not _is_whole(value):
+    if isinstance(value, str) and not is_utf8(value):
         yield path, f"{name_of(path)} has half a character"
     elif isinstance(value, dict | list):
         for key, each in value.items() if isinstance(value, dict) else enumerate(value):
-            if isinstance(key, str) and not _is_whole(key):
+            if isinstance(key, str) and not is_utf8(key):
                 yield path, "the name of a key has half a character"
             yield from _halves(each, (*path, key))
-
-
-def _is_whole(text: str) -> bool:
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
 
 
 def name_of(path: KeyPath) -> str:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from trimesh.ray.ray_triangle import RayMeshIntersector, ray_triangle_id
 
 from vrcomfort.geometry import Array, Pose, normalize
-from vrcomfort.scene.data import Image, Material, Primitive, Scene, Wrap
+from vrcomfort.scene.data import Image, Material, Node, Primitive, Scene, Wrap
 
 
 def cast(
@@ -56,10 +56,19 @@ def cast(
             if head is None:
                 continue
             world_from_node = head.matrix() @ world_from_node
-        for item in node.mesh_at(_distance_m(scene, node.mesh, world_from_node, eye)):
+        for item in mesh_at(node, _distance_m(scene, node.mesh, world_from_node, eye)):
             found = _cast_primitive(scene, item, world_from_node, starts, along)
             nearest = np.minimum(nearest, found)
     return nearest
+
+
+def mesh_at(node: Node, distance_m: float) -> tuple[int, ...]:
+    """Return the primitives to draw when a node is `distance_m` from the head."""
+    mesh = node.mesh
+    for level in node.lod:
+        if distance_m >= level.from_distance_m:
+            mesh = level.mesh
+    return mesh
 
 
 def _distance_m(scene: Scene, mesh: tuple[int, ...], world_from_node: Array, eye: Array) -> float:

@@ -33,7 +33,7 @@ def no_progress(title: str, total: float | None, *, unit: str = "") -> Iterator[
 
 
 def output_folder(path: Path) -> Path:
-    """Make the folder for results; earlier ones in it are replaced.
+    """Return a folder for results, which is made with the first of them; earlier ones are replaced.
 
     Raises
     ------
@@ -43,9 +43,11 @@ def output_folder(path: Path) -> Path:
     if path.exists() and not path.is_dir():
         raise InputError("is a file; --out needs a folder", file=path)
     _refuse_recordings(path)
-    path.mkdir(parents=True, exist_ok=True)
-    if not os.access(path, os.W_OK):  # now, and not after minutes of work
-        raise InputError("cannot be written to; choose another --out", file=path)
+    there = next(each for each in (path, *path.absolute().parents) if each.exists())
+    if not there.is_dir():
+        raise InputError("is a file; --out needs a folder", file=there)
+    if not os.access(there, os.W_OK):  # now, and not after minutes of work
+        raise InputError("cannot be written to; choose another --out", file=there)
     return path
 
 
@@ -55,8 +57,10 @@ def output_file(path: Path, source: Path) -> Path:
     Raises
     ------
     InputError
-        If it would lie among recordings, or is the source itself.
+        If it would lie among recordings or in a folder that is not there, or is the source itself.
     """
+    if not path.absolute().parent.is_dir():
+        raise InputError("there is no such folder; make it first", file=path.parent)
     _refuse_recordings(path.resolve().parent)  # where a link leads
     spare([source], [path])
     return path

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+import shutil
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -91,6 +93,7 @@ def write_report(
     forms: Sequence[Form] = ("svg", "png", "pdf"),
     memory: str = "512MB",
     cluster: str | None = None,
+    replace: bool = False,
     note: Note = as_warning,
 ) -> ReportSummary:
     """Analyse a study and write its report, as `vrcomfort report` does.
@@ -115,6 +118,8 @@ def write_report(
         The most memory that reading frames may take.
     cluster : str, optional
         Address of a running Dask scheduler.
+    replace : bool
+        Write over the report of another study, too, if `out` holds one.
     note : callable
         Takes sentences on the data; Python warnings without it.
 
@@ -126,7 +131,8 @@ def write_report(
     Raises
     ------
     InputError
-        If the study or the plan cannot be used, or `out` cannot be written.
+        If the study or the plan cannot be used, `out` cannot be written, or holds the report of
+        another study.
 
     Examples
     --------
@@ -138,30 +144,55 @@ def write_report(
     from vrcomfort.records.recording import Memory
     from vrcomfort.report import build_report
     from vrcomfort.report.plan import Plan
+    from vrcomfort.report.writing import name_of_study, refuse_another_study
 
     folder = output_folder(Path(out))
     if isinstance(plan, Plan):
         plan = plan.file
-    source = study.folder if isinstance(study, Study) else study
-    source = (
-        _study_of_plan(plan, folder, note)
-        if source is None
-        else _study_of(Path(source), folder, note)
-    )
-    summary = build_report(
-        source,
-        plan=plan,
-        instrument=instrument,
-        out=folder,
-        simulated=simulated,
-        forms=forms,
-        memory=Memory.of_text(memory),
-        cluster=cluster,
-    )
+    given = study.folder if isinstance(study, Study) else study
+    given = _plan_with_files(plan) if given is None else Path(given)
+    name = name_of_study(given)
+    if not replace:
+        refuse_another_study(folder, name)
+    most = Memory.of_text(memory)
+    with _without_import_if_refused(folder):
+        source = (
+            _study_of(given, folder, note)
+            if study is not None
+            else _study_of_plan(given, folder, note)
+        )
+        summary = build_report(
+            source,
+            name=name,
+            plan=plan,
+            instrument=instrument,
+            out=folder,
+            simulated=simulated,
+            forms=forms,
+            memory=most,
+            cluster=cluster,
+        )
+    if study is not None and source != given:
+        note(f"{given}: understood without a mapping; how, {source / 'mapping.toml'} says")
     for sentence in (summary.without_primary, *summary.warnings):
         if sentence:
             note(sentence)
     return summary
+
+
+@contextmanager
+def _without_import_if_refused(out: Path) -> Iterator[None]:
+    """Remove the import that a report was to be made of, and folders made for it, if it is not."""
+    made = [each for each in (out / IMPORTED, out, *out.absolute().parents) if not each.exists()]
+    try:
+        yield
+    except InputError:
+        if out / IMPORTED in made:
+            shutil.rmtree(out / IMPORTED, ignore_errors=True)
+        for folder in made:
+            with suppress(OSError):  # not made, or with something in it
+                folder.rmdir()
+        raise
 
 
 def _study_of(source: Path, out: Path, note: Note) -> Path:
@@ -191,24 +222,34 @@ def _study_of(source: Path, out: Path, note: Note) -> Path:
     write_study(folder, found.imported, file, [source])
     for sentence in (*found.notes, *found.imported.notes):
         note(sentence)
-    note(f"{source}: understood without a mapping; how, {folder / 'mapping.toml'} says")
     return folder
 
 
-def _study_of_plan(plan: str | Path | None, out: Path, note: Note) -> Path:
+def _plan_with_files(plan: str | Path | None) -> Path:
+    """Return the file of a plan that is to name the data, as no study is given.
+
+    Raises
+    ------
+    InputError
+        If there is no plan.
+    """
+    from vrcomfort.report.plan_files import find_plan
+
+    if plan is None:
+        raise InputError("give a study, or a --plan that names files in [data]")
+    return find_plan(plan)
+
+
+def _study_of_plan(file: Path, out: Path, note: Note) -> Path:
     """Return the import of the files that a plan names, kept in the report's folder.
 
     Raises
     ------
     InputError
-        If there is no plan or it names no files, or they are not as their mapping says.
+        If it names no files, or they are not as their mapping says.
     """
     from vrcomfort.report.plan import data_files
-    from vrcomfort.report.plan_files import find_plan
 
-    if plan is None:
-        raise InputError("give a study, or a --plan that names files in [data]")
-    file = find_plan(plan)
     named = data_files(file)
     if named is None:
         message = "this plan names no files; give the study, or add [data] with files and mapping"

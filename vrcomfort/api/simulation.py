@@ -137,7 +137,7 @@ def simulate_sessions(
         As `simulate_study`.
     """
     from vrcomfort.design import build_design
-    from vrcomfort.records import mixed_kinds_notice, open_study
+    from vrcomfort.records import mixed_kinds_notice, opened_study
 
     if not frames and (trace or refresh_hz):
         raise InputError("--no-frames plays no head trace; leave --trace and --refresh-hz out")
@@ -155,27 +155,27 @@ def simulate_sessions(
         note=note,
     )
     resume_check = ResumeCheck(protocol, playback if frames else None, exposure_s)
-    kept_seed = open_study(out, protocol, seed=seed, group_readable=group_readable)
-    design = build_design(protocol, seed=kept_seed)
-    outcomes: list[RunOutcome] = []
-    ends = {name: resume_check.ends(out, name) for name in _names(out, participants)}
-    if told := mixed_kinds_notice(out, simulated=True):
-        note(told)
-    if protocol.ratings and protocol.shown_s(exposure_s) < protocol.longest_s:
-        note(
-            f"exposures of {protocol.longest_s:g} s are shortened to {exposure_s:g} s, and their "
-            "ratings come at shortened times, or are missed between frames; --no-frames without "
-            "--exposure-s has them at the protocol's times"
-        )
-    with progress("simulated", participants, unit="participants") as advance:
-        for number, (name, ended) in enumerate(ends.items(), start=1):
-            if not _is_over(out, name, ended, design.sessions):
-                outcomes.append(
-                    _simulate_one(setup, out, name, design.simulated_covariates(number))
-                )
-            advance()
-            if outcomes and outcomes[-1].status == "aborted":
-                break
+    with opened_study(out, protocol, seed=seed, group_readable=group_readable) as kept_seed:
+        design = build_design(protocol, seed=kept_seed)
+        outcomes: list[RunOutcome] = []
+        ends = {name: resume_check.ends(out, name) for name in _names(out, participants)}
+        if told := mixed_kinds_notice(out, simulated=True):
+            note(told)
+        if protocol.ratings and protocol.shown_s(exposure_s) < protocol.longest_s:
+            note(
+                f"exposures of {protocol.longest_s:g} s are shortened to {exposure_s:g} s, and "
+                "their ratings come at shortened times, or are missed between frames; --no-frames "
+                "without --exposure-s has them at the protocol's times"
+            )
+        with progress("simulated", participants, unit="participants") as advance:
+            for number, (name, ended) in enumerate(ends.items(), start=1):
+                if not _is_over(out, name, ended, design.sessions):
+                    outcomes.append(
+                        _simulate_one(setup, out, name, design.simulated_covariates(number))
+                    )
+                advance()
+                if outcomes and outcomes[-1].status == "aborted":
+                    break
     if not outcomes:
         message = f"all sessions of all {participants} participants are recorded"
         raise InputError(f"{message}; choose another --out, or more --participants", file=out)

@@ -1,4 +1,4 @@
-"""`check`: everything that can be known of a protocol before anybody is recruited."""
+"""`check`: faults, length and visible blur of a protocol, before participants are recruited."""
 
 from __future__ import annotations
 

@@ -170,7 +170,7 @@ class _Asker:
     Parameters
     ----------
     asks
-        Somebody is there to answer.
+        A person is there to answer.
     """
 
     def __init__(self, asks: bool) -> None:

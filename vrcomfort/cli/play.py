@@ -79,6 +79,7 @@ def play_trace(
     renderer = make_renderer(size_px)
     renderer.begin(scene, condition)
     if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
         _write_settings(out, scene.name, condition, headset, renderer)
     return _draw(headset, renderer, out, video=video, total=frames or len(trace), quiet=quiet)
 
@@ -318,8 +319,13 @@ def _refuse(options: dict[str, Any], what: str) -> None:
 def _require_place(out: Path | None, video: Path | None) -> None:
     if out is None and video is None:
         raise InputError("nothing would be written; give --video FILE.mp4, or --out FOLDER")
-    if video is not None and video.suffix.lower() != ".mp4":
+    if video is None:
+        return
+    if video.suffix.lower() != ".mp4":
         raise InputError("a video's name ends in .mp4; choose such a name", file=video)
+    from vrcomfort.render.output import require_video
+
+    require_video()
 
 
 def _trial_number(text: str | None) -> int | None:

@@ -115,6 +115,9 @@ def report(
             "frames; they need to see the study.",
         ),
     ] = None,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Write over the report of another study in --out.")
+    ] = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -140,6 +143,7 @@ def report(
             forms=forms,
             memory=memory,
             cluster=cluster,
+            replace=replace,
             note=warn,
         )
     if as_json:

@@ -14,10 +14,13 @@ from threading import Event, Thread
 from typing import Any, Self
 
 import typer
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TimeRemainingColumn
+from rich.segment import Segment
 from rich.table import Column
 from rich.text import Text
+
+from vrcomfort.escaping import escape_unprintable
 
 EXIT_BAD_INPUT = 2  # as Typer and most Unix programs end where they were typed wrongly
 
@@ -28,8 +31,19 @@ LINE_EVERY_S = 10.0
 """So often, from then on, another says how far it has come."""
 
 
+class _Terminal(Console):
+    r"""Shows control characters as ``\u001b``: a terminal would do what those in data say."""
+
+    def render(
+        self, renderable: RenderableType, options: ConsoleOptions | None = None
+    ) -> Iterator[Segment]:
+        """Yield the segments of what is printed."""
+        for each in super().render(renderable, options):
+            yield each if each.control else each._replace(text=escape_unprintable(each.text))
+
+
 def _console(**settings: Any) -> Console:
-    return Console(markup=False, highlight=False, emoji=False, **settings)
+    return _Terminal(markup=False, highlight=False, emoji=False, **settings)
 
 
 _errors = _console(stderr=True, soft_wrap=True)

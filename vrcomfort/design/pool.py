@@ -1,8 +1,8 @@
 """The sequences of a study and the rules that hand them out.
 
 A sequence is the whole order of one participant. Participants are assigned to the sequence of
-their group that the fewest enrolled or completed participants have, so the place of somebody who
-withdrew or was excluded goes to the next who is enrolled, unless the protocol keeps it.
+their group that the fewest enrolled or completed participants have, so the place of a participant
+who withdrew or was excluded goes to the next who is enrolled, unless the protocol keeps it.
 """
 
 from __future__ import annotations
@@ -208,7 +208,9 @@ class Design:
         known = {each.name: each for each in self.covariates}
         missing = [name for name in wanted if name not in covariates]
         if missing:
-            raise InputError(f"groups are divided by {missing[0]}, which is not known of somebody")
+            raise InputError(
+                f"groups are divided by {missing[0]}, which is not known of every participant"
+            )
         return {name: known[name].band(covariates[name]) for name in wanted}
 
     def _round(self, pool: list[Sequence], number: int) -> list[Sequence]:

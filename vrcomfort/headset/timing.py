@@ -13,7 +13,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.frame import DROPPED_INTERVAL_PERIODS
+from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, HeadsetEvent
 from vrcomfort.headset.base import Headset
 
 SIMULATORS = ("simulat", "emulat", "remote hmd", "qwerty", "null", "dummy")
@@ -126,25 +126,32 @@ def _summary(
     )
 
 
+SECOND_NS = 1_000_000_000
 REMEMBERED = 63
 """Frames whose predicted periods are remembered: under a second of most displays."""
 MEASURED = 9
-"""Intervals of which the period is measured, where nothing tells it."""
+"""Stable predictions, or else intervals, of which the period is taken where no rate is known."""
+SAME_RATE = 0.05
+"""Share of a period by which another one may differ, and be of the same rate."""
+RATE_CHANGED, RATE_RESTORED = "refresh_rate_changed", "refresh_rate_restored"
+"""Events: the display's rate is another than at the start; it is that of the start."""
 
 
 class RefreshPeriod:
-    """Takes the usual one of the periods that a runtime has predicted lately.
+    """Fixes the display's period at the start; a change of it is told, and changes nothing else.
 
-    Some runtimes predict the program's own period: after a frame that took a second, it is a
-    second, and goes back slowly. Measured against that, no frame would ever be late.
-
-    Others predict none (0). Then the display's refresh rate gives the period, or else the median
-    interval between the first display times; it is kept, for later intervals are the program's own.
+    It is that of the rate that was asked for, or of the rate that the runtime tells; else the
+    median of the first predicted periods that are stable; else, of a runtime that predicts none
+    (0), the median interval between the first display times. A runtime that halves its rate
+    doubles the periods that it predicts: measured against these, no frame would ever be late.
 
     Parameters
     ----------
     display_hz
-        Returns the display's refresh rate as the runtime tells it; 0 where it does not.
+        Returns the display's refresh rate as it was asked for, or as the runtime tells it; 0 where
+        neither is known.
+    notify
+        Called when the rate is no longer, or again, that of the start.
 
     Attributes
     ----------
@@ -152,11 +159,20 @@ class RefreshPeriod:
         Where the period comes from, in words; empty while it is not known.
     """
 
-    def __init__(self, display_hz: Callable[[], float] = lambda: 0.0) -> None:
-        self._display_hz = display_hz
+    def __init__(
+        self,
+        display_hz: Callable[[], float] = lambda: 0.0,
+        notify: Callable[[HeadsetEvent], None] = lambda _: None,
+    ) -> None:
+        self._display_hz, self._notify = display_hz, notify
         self._predicted_ns: deque[int] = deque(maxlen=REMEMBERED)
-        self._otherwise_ns: int | None
-        self.forget()
+        self._intervals_ns: list[int] = []
+        self._last_ns: int | None = None
+        self._fixed_ns: int | None = None
+        self._first_predicted_ns: int | None = None
+        self._told_ns: int | None = None
+        self._tells_rate = False
+        self.source = ""
 
     def update(self, predicted_ns: int, display_ns: int | None = None) -> int:
         """Return the refresh period, from a frame's predicted period and display time.
@@ -173,29 +189,45 @@ class RefreshPeriod:
         """
         if predicted_ns > 0:
             self._predicted_ns.append(predicted_ns)
-            self.source = "predicted by the runtime"
-        if self._predicted_ns:
-            return median_low(self._predicted_ns)
-        if self._otherwise_ns is None:
-            self._otherwise_ns = self._told_ns() or self._measured_ns(display_ns)
-        return self._otherwise_ns or 0
+        if self._fixed_ns is None:
+            self._fixed_ns = (
+                self._rate_ns() or self._predicted_period_ns() or self._measured_ns(display_ns)
+            )
+        if self._fixed_ns is not None:
+            self._compare()
+            return self._fixed_ns
+        return median_low(self._predicted_ns) if self._predicted_ns else 0
 
-    def forget(self) -> None:
-        """Begin anew: the display's rate has changed."""
-        self._predicted_ns.clear()
-        self._intervals_ns: list[int] = []
-        self._last_ns: int | None = None
-        self._otherwise_ns = None
-        self.source = ""
+    def take_rate(self, before_hz: float, now_hz: float) -> None:
+        """Take note of a rate to which the runtime says that it has switched the display."""
+        if now_hz > 0:
+            words = f"from {before_hz:g} Hz to {now_hz:g} Hz"
+            self._become(round(SECOND_NS / now_hz), words, always=True)
+            self._tells_rate = True  # and then its predictions need not be the display's
 
-    def _told_ns(self) -> int | None:
+    def _rate_ns(self) -> int | None:
         display_hz = self._display_hz()
         if display_hz <= 0:
             return None
-        self.source = "the display's refresh rate; the runtime predicts no period"
-        return round(1e9 / display_hz)
+        self.source = "the display's refresh rate"
+        return round(SECOND_NS / display_hz)
+
+    def _predicted_period_ns(self) -> int | None:
+        if self._predicted_ns:
+            self.source = "predicted by the runtime"
+        return self._stable_ns()
+
+    def _stable_ns(self) -> int | None:
+        if not self._predicted_ns:
+            return None
+        latest = list(self._predicted_ns)[-MEASURED:]
+        period_ns = median_low(latest)
+        stable = all(_is_alike(each, period_ns) for each in latest)
+        return period_ns if stable and len(latest) == MEASURED else None
 
     def _measured_ns(self, display_ns: int | None) -> int | None:
+        if self._predicted_ns:
+            return None
         before_ns, self._last_ns = self._last_ns, display_ns
         if before_ns is not None and display_ns is not None and display_ns > before_ns:
             self._intervals_ns.append(display_ns - before_ns)
@@ -206,3 +238,29 @@ class RefreshPeriod:
             "runtime predicts no period"
         )
         return median_low(self._intervals_ns)
+
+    def _compare(self) -> None:
+        """Tell where the predictions of most of the last frames are of another rate."""
+        if self._first_predicted_ns is None:  # it need not be the display's
+            self._first_predicted_ns = self._stable_ns()
+        few = len(self._predicted_ns) < REMEMBERED
+        if few or self._tells_rate or self._first_predicted_ns is None:
+            return
+        period_ns = median_low(self._predicted_ns)
+        like_first = _is_alike(period_ns, self._first_predicted_ns)
+        now_ns = self._fixed_ns if like_first else period_ns
+        words = f"the runtime predicts a period of {period_ns / 1e6:.2f} ms"
+        self._become(now_ns or period_ns, words)
+
+    def _become(self, period_ns: int, words: str, *, always: bool = False) -> None:
+        """Tell of a period that is not the one told before."""
+        start_ns = self._fixed_ns or period_ns
+        told_ns, self._told_ns = self._told_ns or start_ns, period_ns
+        if always or not _is_alike(period_ns, told_ns):
+            restored = _is_alike(period_ns, start_ns)
+            name = RATE_RESTORED if restored else RATE_CHANGED
+            self._notify(HeadsetEvent(name, f"{words}; {start_ns / 1e6:.2f} ms at the start"))
+
+
+def _is_alike(one_ns: int, other_ns: int) -> bool:
+    return abs(one_ns - other_ns) <= SAME_RATE * other_ns

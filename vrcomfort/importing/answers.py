@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from difflib import get_close_matches
 
@@ -18,7 +19,8 @@ def number(text: str, decimal: str) -> float | None:
         if "." in text:
             return None
         text = text.replace(",", ".")
-    return float(text) if _NUMBER.fullmatch(text) else None
+    found = float(text) if _NUMBER.fullmatch(text) else math.nan
+    return found if math.isfinite(found) else None  # of 400 digits, it would be infinite
 
 
 class AnswerReader:

@@ -26,12 +26,12 @@ from vrcomfort.settings import did_you_mean
 
 @dataclass(frozen=True)
 class Block:
-    """Columns of one questionnaire (or of its scores) of one moment.
+    """Columns of one administration of a questionnaire, or of its scores.
 
     Parameters
     ----------
     facts
-        What the heading and the mapping say of the moment.
+        What the heading and the mapping say of the administration.
     columns
         Index of the column → item (or scale).
     item_column, response_column, time_column
@@ -206,12 +206,12 @@ class Columns:
             message = f"no heading is made as the mapping's {shown!r} has it, for"
             raise self._table.fault(f"{message} {instrument.name}")
         for facts, columns in found.items():
-            moment = ", ".join(text for _, text in facts) or instrument.name
+            named = ", ".join(text for _, text in facts) or instrument.name
             if any(name in TIMES for name, _ in facts):
                 continue
             absent = [name for name in said if name not in columns.values()]
             if absent:
-                raise self._table.fault(f"there is no column for {absent[0]} of {moment}")
+                raise self._table.fault(f"there is no column for {absent[0]} of {named}")
             if isinstance(source, Questionnaire):
                 silent = [
                     item.name
@@ -220,7 +220,7 @@ class Columns:
                 ]
                 if silent:
                     names = ", ".join(silent)
-                    message = f"{moment} has no column for {names}; give them under items, or"
+                    message = f"{named} has no column for {names}; give them under items, or"
                     raise self._table.fault(f"{message} under not_asked if they were not asked")
 
     def _ignore(self) -> None:

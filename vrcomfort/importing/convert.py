@@ -176,7 +176,7 @@ class TableImport:
         self._columns = Columns(table, mapping, known)
         self._facts = RowFacts(table, mapping, self._columns, numbers)
         self._all_blocks = (*self._columns.blocks, *self._columns.scores)
-        self._known_moments: dict[tuple[object, ...], list[Administration]] = {}
+        self._known_administrations: dict[tuple[object, ...], list[Administration]] = {}
         self._left_out = 0
         self._blank: Counter[str] = Counter()
         self._unknown_items: dict[str, list[tuple[int, int]]] = {}
@@ -206,33 +206,35 @@ class TableImport:
                 elsewhere += [cells[i] for i in block.where]
             else:
                 taken.append(place)
-        for place, moment in zip(taken, self._moments_of(taken, cells, row), strict=True):
-            self._take(place, self._all_blocks[place], moment, cells, row)
+        for place, administration in zip(
+            taken, self._administrations_of(taken, cells, row), strict=True
+        ):
+            self._take(place, self._all_blocks[place], administration, cells, row)
         if elsewhere and not taken:
             self._elsewhere[", ".join(dict.fromkeys(elsewhere))] += 1
         if self._columns.participants:
             who = self._facts.of_row(cells, row).get("participant", "")
             self._covariates(who, cells, row)
 
-    def _moments_of(
+    def _administrations_of(
         self, blocks: list[int], cells: tuple[str, ...], row: int
     ) -> list[Administration]:
-        """Return the moment of each block of a row; rows that say the same are looked up."""
+        """Return the administration of each block of a row; equal rows are looked up."""
         said = self._facts.key(cells)
         key = (*blocks, said)
-        if said is not None and key in self._known_moments:
-            return self._known_moments[key]
+        if said is not None and key in self._known_administrations:
+            return self._known_administrations[key]
         of_row = self._facts.of_row(cells, row)
         counted: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
         found = []
         for block in map(self._all_blocks.__getitem__, blocks):
             facts = {**of_row, **self._renamed(block, row)}
             same = tuple(sorted(facts.items()))
-            if same not in counted:  # questionnaires of one moment are of one exposure
+            if same not in counted:  # questionnaires of one administration are of one exposure
                 counted[same] = self._facts.counted(facts, _item_text(block, cells))
-            found.append(self._moment(counted[same], row))
+            found.append(self._administration(counted[same], row))
         if said is not None:
-            self._known_moments[key] = found
+            self._known_administrations[key] = found
         return found
 
     def _renamed(self, block: Block, row: int) -> dict[str, str]:
@@ -242,22 +244,29 @@ class TableImport:
             for name, text in block.facts.items()
         }
 
-    def _moment(self, facts: dict[str, str], row: int) -> Administration:
+    def _administration(self, facts: dict[str, str], row: int) -> Administration:
         if not facts.get("participant"):
             columns = self._columns.facts.get("participant")
-            message = "there is no participant; name the row under leave_out if it is nobody's"
+            message = (
+                "there is no participant; name the row under leave_out if it is no participant's"
+            )
             raise self._table.fault(message, row, columns[0] if columns else None)
         return administration_of({"timepoint": TIMEPOINT, **facts})
 
     def _take(
-        self, place: int, block: Block, moment: Administration, cells: tuple[str, ...], row: int
+        self,
+        place: int,
+        block: Block,
+        administration: Administration,
+        cells: tuple[str, ...],
+        row: int,
     ) -> None:
         if isinstance(block.source, Scores):
-            self._scores(block, moment, cells, row)
+            self._scores(block, administration, cells, row)
         elif block.time_column is not None or block.onset_s is not None:
-            self._rating(place, block, moment, cells, row)
+            self._rating(place, block, administration, cells, row)
         else:
-            self._answers(place, block, moment, cells, row)
+            self._answers(place, block, administration, cells, row)
 
     def _items(self, block: Block, cells: tuple[str, ...], row: int) -> list[tuple[int, str]]:
         """Return (column, item) of the answers of a row."""
@@ -283,26 +292,38 @@ class TableImport:
         return reader.read(text, row, column)
 
     def _answers(
-        self, place: int, block: Block, moment: Administration, cells: tuple[str, ...], row: int
+        self,
+        place: int,
+        block: Block,
+        administration: Administration,
+        cells: tuple[str, ...],
+        row: int,
     ) -> None:
         found = self._items(block, cells, row)
         answers = {i: self._read(place, block, i, cells[c], row, c) for c, i in found}
         if block.item_column is None and not any(a is not None for a in answers.values()):
-            self._blank[moment.timepoint] += 1
+            self._blank[administration.timepoint] += 1
             return
         here = SourceRow(self._table.file.name, self._table.sheet, row)
         name = block.instrument.name
-        sheet = self._imported.sheets.setdefault((name, moment), ImportedResponse(here))
+        response = self._imported.responses.setdefault(
+            (name, administration), ImportedResponse(here)
+        )
         for column, item in found:
-            self._require_unanswered(sheet, item, moment, row, column)
-            sheet.answers[item] = answers[item]
+            self._require_unanswered(response, item, administration, row, column)
+            response.answers[item] = answers[item]
         source = block.source
         if isinstance(source, Questionnaire) and source.not_asked:
             before = self._imported.not_asked.get(name, ())
             self._imported.not_asked[name] = tuple(dict.fromkeys((*before, *source.not_asked)))
 
     def _rating(
-        self, place: int, block: Block, moment: Administration, cells: tuple[str, ...], row: int
+        self,
+        place: int,
+        block: Block,
+        administration: Administration,
+        cells: tuple[str, ...],
+        row: int,
     ) -> None:
         onset_s = block.onset_s
         if block.time_column is not None:
@@ -313,15 +334,15 @@ class TableImport:
             raise self._table.fault(f"{text!r} is no time in seconds", row, block.time_column)
         for column, item in self._items(block, cells, row):
             response = self._read(place, block, item, cells[column], row, column)
-            rating = Rating(moment, block.instrument.name, onset_s, response)
+            rating = Rating(administration, block.instrument.name, onset_s, response)
             self._imported.ratings.append(rating)
             here = SourceRow(self._table.file.name, self._table.sheet, row)
             summaries = block.source.summaries if isinstance(block.source, Questionnaire) else ()
-            key = block.instrument.name, moment
+            key = block.instrument.name, administration
             self._made.courses.setdefault(key, (here, summaries, []))[2].append(rating)
 
     def _scores(
-        self, block: Block, moment: Administration, cells: tuple[str, ...], row: int
+        self, block: Block, administration: Administration, cells: tuple[str, ...], row: int
     ) -> None:
         source = block.source
         if not isinstance(source, Scores):
@@ -339,12 +360,14 @@ class TableImport:
             made.values.setdefault(known.column, []).extend([] if value is None else [value])
             found[column] = known.column, value
         if all(value is None for _, value in found.values()):
-            self._blank[moment.timepoint] += 1
+            self._blank[administration.timepoint] += 1
             return
-        sheet = self._imported.sheets.setdefault((name, moment), ImportedResponse(here))
+        response = self._imported.responses.setdefault(
+            (name, administration), ImportedResponse(here)
+        )
         for column, (item, value) in found.items():
-            self._require_unanswered(sheet, item, moment, row, column)
-            sheet.answers[item] = value
+            self._require_unanswered(response, item, administration, row, column)
+            response.answers[item] = value
 
     def _score(
         self, scale: Scale, kind: ScoreKind, text: str, row: int, column: int
@@ -366,17 +389,24 @@ class TableImport:
         return found
 
     def _require_unanswered(
-        self, sheet: ImportedResponse, item: str, moment: Administration, row: int, column: int
+        self,
+        response: ImportedResponse,
+        item: str,
+        administration: Administration,
+        row: int,
+        column: int,
     ) -> None:
-        if item in sheet.answers:
-            message = f"{item} is answered a second time by {moment.words}; first in"
+        if item in response.answers:
+            message = f"{item} is answered a second time by {administration.words}; first in"
             hint = "a trial or session tells repetitions apart (or trial = { count = true })"
-            raise self._table.fault(f"{message} {sheet.place}; {hint}", row, column)
+            raise self._table.fault(f"{message} {response.place}; {hint}", row, column)
 
     def _covariates(self, participant: str, cells: tuple[str, ...], row: int) -> None:
         if not participant:
             columns = self._columns.facts.get("participant")
-            message = "there is no participant; name the row under leave_out if it is nobody's"
+            message = (
+                "there is no participant; name the row under leave_out if it is no participant's"
+            )
             raise self._table.fault(message, row, columns[0] if columns else None)
         known = self._imported.participants.setdefault(participant, {})
         for name, column in self._columns.participants.items():
@@ -504,8 +534,8 @@ def _require_sheets(file: Path, mapping: LabMapping, taken: Sequence[str]) -> No
 
 def _finish(imported: Imported) -> None:
     """Add participants without covariates, and note ids that may be one person."""
-    people = [moment.participant for _, moment in imported.sheets]
-    people += [rating.moment.participant for rating in imported.ratings]
+    people = [administration.participant for _, administration in imported.responses]
+    people += [rating.administration.participant for rating in imported.ratings]
     answered = dict.fromkeys(people)
     silent = [name for name in imported.participants if name not in answered]
     if silent:

@@ -164,14 +164,14 @@ def sum_up(
 ) -> None:
     """Add the summaries of every rating time course to an import."""
     wanted: dict[str, dict[Summary, None]] = defaultdict(dict)
-    for (name, moment), (place, summaries, course) in ratings.items():
+    for (name, administration), (place, summaries, course) in ratings.items():
         if not summaries:
             continue
         wanted[name] |= dict.fromkeys(summaries)
         given = [r.response for r in sorted(course, key=lambda r: r.onset_s)]
         answers = [answer for answer in given if answer is not None]
-        sheet = ImportedResponse(place, {each: _summary(each, answers) for each in summaries})
-        imported.sheets[f"{name}_course", moment] = sheet
+        response = ImportedResponse(place, {each: _summary(each, answers) for each in summaries})
+        imported.responses[f"{name}_course", administration] = response
     for name, items in wanted.items():
         made = course_instrument(known[name], [*items])
         imported.instruments[made.name] = made

@@ -15,13 +15,13 @@ def preview(imported: Imported) -> list[str]:
 
 
 def _first_rows(imported: Imported) -> list[str]:
-    sheets = list(imported.sheets.items())[:FIRST]
+    responses = list(imported.responses.items())[:FIRST]
     rows = [
-        [*_shown(m), instrument, " ".join(map(_cell, sheet.answers.values()))]
-        for (instrument, m), sheet in sheets
+        [*_shown(m), instrument, " ".join(map(_cell, response.answers.values()))]
+        for (instrument, m), response in responses
     ]
     rows += [
-        [*_shown(r.moment), r.instrument, f"{_cell(r.response)} at {r.onset_s:g} s"]
+        [*_shown(r.administration), r.instrument, f"{_cell(r.response)} at {r.onset_s:g} s"]
         for r in imported.ratings[: max(0, FIRST - len(rows))]
     ]
     heading = ["participant", "session", "trial", "condition", "timepoint", "instrument", "answers"]
@@ -46,18 +46,18 @@ def aligned(rows: list[list[str]]) -> list[str]:
 def _counts(imported: Imported) -> list[str]:
     who: dict[tuple[str, ...], set[str]] = defaultdict(set)
     what: Counter[tuple[str, ...]] = Counter()
-    for (instrument, m), sheet in imported.sheets.items():
+    for (instrument, m), response in imported.responses.items():
         key = (instrument, m.condition or "(no condition)", m.timepoint)
         who[key].add(m.participant)
         what[key] += 1
-        what["items", *key] = max(what["items", *key], len(sheet.answers))
+        what["items", *key] = max(what["items", *key], len(response.answers))
     lines = [
         f"{key[0]}: {key[1]}, {key[2]}: {_count(len(found), 'participant')}, "
         f"{_count(what[key], 'questionnaire')}, "
         f"{_count(what['items', *key], 'score' if key[0] in imported.scores else 'item')}"
         for key, found in who.items()
     ]
-    rated = Counter((r.instrument, r.moment.condition) for r in imported.ratings)
+    rated = Counter((r.instrument, r.administration.condition) for r in imported.ratings)
     lines += [
         f"{name}: {condition}: {count} ratings during exposure"
         for (name, condition), count in rated.items()
@@ -75,8 +75,8 @@ def _count(n: int, what: str) -> str:
 def _missing(imported: Imported) -> list[str]:
     absent = Counter(
         (instrument, item)
-        for (instrument, _), sheet in imported.sheets.items()
-        for item, answer in sheet.answers.items()
+        for (instrument, _), response in imported.responses.items()
+        for item, answer in response.answers.items()
         if answer is None
     )
     lines = [f"missing: {n} answers to {item} ({name})" for (name, item), n in absent.items()]

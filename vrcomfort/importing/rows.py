@@ -42,7 +42,7 @@ class Administration(NamedTuple):
 
     @property
     def words(self) -> str:
-        """Return the moment for people."""
+        """Return the administration in words."""
         parts = [self.participant, f"session {self.session}" if self.session else ""]
         parts += [f"exposure {self.trial}" if self.trial else "", self.condition]
         parts += [self.scene, self.timepoint]
@@ -63,7 +63,7 @@ class SourceRow(NamedTuple):
 
 @dataclass
 class ImportedResponse:
-    """The answers to one questionnaire at one moment."""
+    """The answers to one questionnaire in one administration."""
 
     place: SourceRow
     answers: dict[str, Answer | None] = field(default_factory=dict)
@@ -72,7 +72,7 @@ class ImportedResponse:
 class Rating(NamedTuple):
     """One rating during exposure; None where it was missed."""
 
-    moment: Administration
+    administration: Administration
     instrument: str
     onset_s: float
     response: Answer | None
@@ -84,8 +84,8 @@ class Imported:
 
     Parameters
     ----------
-    sheets
-        (instrument, moment) → answers, in the order of the files.
+    responses
+        (instrument, administration) → answers, in the order of the files.
     participants
         Participant → covariate → text, in the order in which they were met.
     instruments
@@ -98,7 +98,7 @@ class Imported:
         What the user should know, one sentence each.
     """
 
-    sheets: dict[tuple[str, Administration], ImportedResponse] = field(default_factory=dict)
+    responses: dict[tuple[str, Administration], ImportedResponse] = field(default_factory=dict)
     ratings: list[Rating] = field(default_factory=list)
     participants: dict[str, dict[str, str]] = field(default_factory=dict)
     instruments: dict[str, Instrument] = field(default_factory=dict)
@@ -109,9 +109,9 @@ class Imported:
     @property
     def conditions(self) -> list[str]:
         """Return the conditions in the order in which they were met."""
-        moments = [moment for _, moment in self.sheets]
-        moments += [rating.moment for rating in self.ratings]
-        return list(dict.fromkeys(m.condition for m in moments if m.condition))
+        every = [administration for _, administration in self.responses]
+        every += [rating.administration for rating in self.ratings]
+        return list(dict.fromkeys(each.condition for each in every if each.condition))
 
     @property
     def covariates(self) -> list[str]:

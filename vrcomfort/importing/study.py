@@ -46,7 +46,7 @@ def write_study(
     }
     own = imported.instruments.values()
     texts |= {f"{FOLDER}/{each.name}.toml": each.text for each in own}
-    if imported.sheets:
+    if imported.responses:
         texts[QuestionnaireRow.FILE] = _questionnaires(imported)
     if imported.ratings:
         texts[RatingRow.FILE] = _ratings(imported)
@@ -88,7 +88,7 @@ def _description(imported: Imported, mapping: MappingFile, folder: Path) -> dict
     labels = mapping.mapping.condition_labels
     named = {name: labels[name] for name in labels if name in imported.conditions}
     conditions = {**named, **{c: c for c in imported.conditions if c not in named}}
-    instruments = dict.fromkeys(name for name, _ in imported.sheets)
+    instruments = dict.fromkeys(name for name, _ in imported.responses)
     instruments |= dict.fromkeys(rating.instrument for rating in imported.ratings)
     return {
         "@context": "https://schema.org/",
@@ -137,8 +137,8 @@ def _questionnaires(imported: Imported) -> str:
         (
             (m.participant, m.session, m.period, m.block, m.trial, m.condition, m.timepoint,
              instrument, item, answer, None, None, order, None, None, m.scene)
-            for (instrument, m), sheet in imported.sheets.items()
-            for order, (item, answer) in enumerate(sheet.answers.items(), start=1)
+            for (instrument, m), response in imported.responses.items()
+            for order, (item, answer) in enumerate(response.answers.items(), start=1)
         ),
     )  # fmt: skip
 

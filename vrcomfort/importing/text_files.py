@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from vrcomfort.csv_table import MOST_CELLS, require_few_columns
+from vrcomfort.csv_table import A_ROW, MOST_CELLS, require_few_columns
 from vrcomfort.errors import InputError
-from vrcomfort.files import read_bytes
+from vrcomfort.files import MOST_TEXT_BYTES, read_bytes
 from vrcomfort.importing.source import (
     Grid,
     Reading,
@@ -73,7 +73,7 @@ def content_of(file: Path) -> bytes:
         If it cannot be read, or is empty.
     """
     try:
-        content = read_bytes(file)
+        content = read_bytes(file, most=MOST_TEXT_BYTES)
     except FileNotFoundError:
         raise InputError("there is no such file", file=file) from None
     except IsADirectoryError:
@@ -161,9 +161,15 @@ def _rows(text: str, separator: str, file: Path) -> list[list[str]]:
         text = text.replace("\r", "\n")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
     rows: list[list[str]] = []
+    cells = 0
     try:
         for row in reader:
             require_few_columns(len(row), file, f"row {len(rows) + 1}")
+            cells += len(row) + A_ROW
+            if cells > MOST_CELLS:
+                message = f"this table has more than {MOST_CELLS:,} cells up to here"
+                message = f"{message}, a row counting as {A_ROW} more; split it"
+                raise InputError(message, file=file, line=reader.line_num)
             rows.append([_trimmed(cell) for cell in row])
     except csv.Error as error:
         message = f"not a table: {error}"
@@ -222,7 +228,7 @@ def read_json_table(file: Path, reading: Reading) -> Grid:
 
 
 class _Room:
-    """Counts the cells that records become: what stands outside a list is repeated in it."""
+    """Counts the cells of flattened records; a value outside a list is in each of its rows."""
 
     def __init__(self, file: Path) -> None:
         self._file, self._left = file, MOST_CELLS
@@ -247,8 +253,8 @@ def _parsed(text: str, file: Path) -> Any:
         return parse_json(text, file, advice=_ADVICE)
     except InputError as error:
         lines = ((n, each) for n, each in enumerate(text.split("\n"), start=1) if each.strip())
+        require_few_values(text, file, marks="[{,\n")
         try:
-            require_few_values(text, file, marks="[{,\n")
             found = [_record(next(lines), file)]
         except (StopIteration, InputError):
             raise error from None

@@ -30,6 +30,9 @@ MOST_ELEMENTS = 8_000_000
 """Of XML: a cell is two or three."""
 MOST_OTHERS = 200_000
 """Elements of XML that are no part of cells: styles, merged ranges, links and the like."""
+_READ = {"row": 1, "c": 1, "si": 1, "is": 1, "r": 4}
+"""As many cells as take the time of an element; of `r`, a part of a text with its own style."""
+_INSIDE = frozenset({"v", "t", "f"})
 _A_SHEET = 200
 """As many of them as take the time of a sheet."""
 
@@ -65,9 +68,7 @@ def check_archive(content: bytes, file: Path) -> None:
 
 
 class _Elements:
-    """Counts the elements of all parts by what they cost."""
-
-    _READ, _INSIDE = frozenset({"row", "c", "si", "is", "r"}), frozenset({"v", "t", "f", "rPr"})
+    """Counts the elements of all parts, weighted by the memory that they take."""
 
     def __init__(self, file: Path) -> None:
         self._file, self._all, self._read, self._others, self._in_row = file, 0, 0, 0, 0
@@ -82,10 +83,10 @@ class _Elements:
         """
         name = name.rpartition(":")[2]
         self._all += 1
-        if name in self._READ:
-            self._read += 1
+        if name in _READ:
+            self._read += _READ[name]
             self._in_row = self._in_row + (name == "c") if name != "row" else 0
-        elif name not in self._INSIDE:
+        elif name not in _INSIDE:
             self._others += _A_SHEET if name == "sheet" else 1
         _require_room(self._all, MOST_ELEMENTS, "elements", self._file)
         _require_room(self._read, MOST_CELLS_READ, "cells", self._file)

@@ -37,21 +37,6 @@ def low_discrepancy(count: int, shift: ArrayLike) -> Array:
     return points
 
 
-def sunflower(count: int) -> Array:
-    """Return (count, 2) points spread over the unit disc, with its mean and second moments.
-
-    Notes
-    -----
-    Vogel, "A better way to construct the sunflower head", 1979. Against these, the same count of R2
-    points through `concentric_disc` has 3 to 6 times the error at an edge, because their moments
-    are off.
-    """
-    index = np.arange(count)
-    angle = index * np.pi * (3 - math.sqrt(5))
-    radius = np.sqrt((index + 0.5) / count)
-    return with_moments(radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1))
-
-
 def with_moments(points: Array, variance: float = 0.25) -> Array:
     """Return (n, 2) points moved about 0 and stretched until their variance is the same all round.
 

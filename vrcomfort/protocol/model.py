@@ -49,8 +49,10 @@ from vrcomfort.protocol.viewing import (
     Answering,
     HeadsetSettings,
     LocomotionSettings,
+    Percent,
     Photodiode,
     SceneView,
+    SeenTimeLimits,
     Visibility,
 )
 from vrcomfort.questionnaire import Instrument, shipped_instruments
@@ -87,8 +89,10 @@ class Protocol(Settings):
     hours_between_sessions: Annotated[float, Field(ge=0, le=8760)] = 0.0
     """From the end of a participant's session to the beginning of the next, at least; `run` refuses
     to begin it sooner. Simulated participants have waited."""
-    max_dropped_percent: Annotated[float, Field(ge=0, le=100)] = 5.0
-    """Share of dropped frames, or of frozen time, above which a trial is flagged; its data stay."""
+    max_dropped_percent: Percent = 5.0
+    """Share of dropped frames above which a trial is flagged; its data stay."""
+    flag_above_percent: SeenTimeLimits = SeenTimeLimits()
+    """Shares of an exposure's time above which it is flagged; its data stay."""
     resumed_questions_within_s: Rest = 600.0
     """Time after the last exposure within which an interrupted session first asks the questions
     that were open; later, those items are missed."""

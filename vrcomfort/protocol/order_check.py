@@ -73,7 +73,7 @@ def _explicit(protocol: Protocol) -> Iterator[Problem]:
 def _group_of_sequence(protocol: Protocol, path: KeyPath, group: str | None) -> Iterator[Problem]:
     names = [each.name for each in protocol.groups]
     if group is None and names:
-        message = "this sequence is nobody's: with [[groups]], each names its `group`"
+        message = "this sequence is of no group: with [[groups]], each names its `group`"
         yield Problem(path, message)
     elif group is not None:
         yield from unknown_name(path, "group", group, names)

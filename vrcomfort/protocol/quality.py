@@ -31,7 +31,7 @@ _METHOD = {"kernel", "method", "over_blur", "views"}
 
 
 def level_of(condition: Condition, drawn: Collection[str] = DIALLED) -> Quality | None:
-    """Return the level whose settings the drawn effects have, named there or not."""
+    """Return the quality level that the drawn effects' settings amount to, or None."""
     effects = {
         name: settings
         for name in DIALLED

@@ -15,6 +15,22 @@ Ipd = Annotated[float, Field(ge=0.04, le=0.08)]
 PixelCount = Annotated[int, Field(ge=16, le=8192)]
 
 
+Percent = Annotated[float, Field(ge=0, le=100)]
+
+
+class SeenTimeLimits(Settings):
+    """Shares of the time in which an exposure did not wait; above them it is flagged."""
+
+    frozen: Percent = 1.0
+    """The picture stood still."""
+    half_rate: Percent = 1.0
+    """New frames came late: at half the display's rate, or less."""
+    untracked: Percent = 1.0
+    """The head's pose was not measured."""
+    unfocused: Percent = 1.0
+    """A menu of the headset's was in front."""
+
+
 class HeadsetSettings(Settings):
     """Settings of the headset; a playback headset is built from them."""
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from operator import itemgetter
 from pathlib import Path
@@ -23,6 +23,7 @@ from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.frame_rows import CUT
 from vrcomfort.records.reader import Session
 from vrcomfort.records.recording import Kind, Memory, Recording, damage_of, kinds
+from vrcomfort.seen_time import FREEZE_S, UNSEEN, SeenState
 
 _LENGTH, _ANGLE = 1e9, 1e12
 """Steps in a metre; in a radian and in a dioptre."""
@@ -31,15 +32,18 @@ _ROUNDING_S = 1e-6
 
 _OPTIONAL: dict[str, Kind] = kinds((
     "should_render", "head_valid", "head_tracked", "session_state", "missed_refreshes", "focus_m",
-    "focus_raw_m", "max_blur_px", "avatar_x_m", "avatar_y_m", "avatar_z_m",
+    "focus_raw_m", "max_blur_px", "avatar_x_m", "avatar_y_m", "avatar_z_m", "user_present",
+    "paused",
 ))  # fmt: skip
 """What a recording may lack, or leave blank."""
 # Without a blank in any row: a sum over blanks alone would be none.
 _PLAIN = ("session_s", "xr_time_ns", "period_ns", "trial", "dropped", "discontinuity")
 _HEAD = ("head_x_m", "head_y_m", "head_z_m", "head_qx", "head_qy", "head_qz", "head_qw")
-_BEFORE = ("session_s", "xr_time_ns", "period_ns", "trial", *_HEAD, "should_render",
-           "head_valid", "session_state", "focus_m", "max_blur_px", "avatar_x_m", "avatar_y_m",
-           "avatar_z_m")  # fmt: skip
+_BEFORE = (
+    "session_s", "xr_time_ns", "period_ns", "trial", *_HEAD, "should_render", "head_valid",
+    "head_tracked", "session_state", "user_present", "paused", "focus_m", "max_blur_px",
+    "avatar_x_m", "avatar_y_m", "avatar_z_m",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -50,10 +54,10 @@ class ExposureFrames:
     ----------
     frames, dropped, missed_refreshes
         As in ``trials.csv``.
-    live_s, frozen_s, hidden_s, unfocused_s
-        As in ``trials.csv``. A gap after which no frame counts as dropped was hidden.
-    untracked_s
-        Periods of the frames whose head pose the headset had not measured.
+    live_s, frozen_s, hidden_s, unfocused_s, untracked_s, off_s, not_drawn_s, half_rate_s
+        As in ``trials.csv``, but for what no frame tells of. In recordings before version 5 of the
+        schema `untracked_s` are the periods of all frames whose head pose was not measured, and the
+        last three are not told apart; a gap after which no frame counts as dropped was hidden.
     head_path_m
         Way of the head in the stage: the sum of its steps between frames, without cuts, and
         without frames in which its pose was not known.
@@ -81,6 +85,9 @@ class ExposureFrames:
     hidden_s: float
     unfocused_s: float
     untracked_s: float | None
+    off_s: float | None
+    not_drawn_s: float | None
+    half_rate_s: float | None
     head_path_m: float | None
     head_turning_deg: float | None
     avatar_path_m: float | None
@@ -88,9 +95,12 @@ class ExposureFrames:
     focus_lag_dioptre: float | None
     blur_changes: int | None
 
-    def cells(self) -> dict[str, Any]:
-        """Return column → value."""
-        return asdict(self)
+    @property
+    def seen_s(self) -> float:
+        """Return the time in which the stimulus was seen; before version 5 the live time alone."""
+        if self.half_rate_s is None:
+            return self.live_s
+        return self.live_s + self.unfocused_s + self.half_rate_s + (self.untracked_s or 0.0)
 
 
 @dataclass(frozen=True)
@@ -251,6 +261,9 @@ def _exposure(attempt: _Attempt, row: dict[str, Any]) -> ExposureFrames:
         hidden_s=row["hidden"] / 1e9,
         unfocused_s=row["unfocused"] / 1e9,
         untracked_s=scaled("untracked", 1e9),
+        off_s=scaled("off", 1e9),
+        not_drawn_s=scaled("not_drawn", 1e9),
+        half_rate_s=scaled("half_rate", 1e9),
         head_path_m=scaled("head_path", _LENGTH),
         head_turning_deg=scaled("turning", _ANGLE / degrees),
         avatar_path_m=scaled("avatar_path", _LENGTH),
@@ -273,7 +286,8 @@ def _query(table: str, columns: dict[str, Kind]) -> str:
     lags = ", ".join(f"lag({name}) OVER () AS {name}_before" for name in _BEFORE)
     pairs = f"SELECT *, {lags} FROM ({read})"  # noqa: S608
     steps = f"SELECT a.number, {_STEPS} FROM ({pairs}) f JOIN attempts a ON {_OF_ATTEMPT}"  # noqa: S608
-    sums = f"SELECT number, {_SUMS} FROM (SELECT *, {_TIMES} FROM ({steps}))"  # noqa: S608
+    times, seconds = (_TIMES, _SECONDS) if "paused" in columns else (_TIMES_BEFORE_5, _BEFORE_5)
+    sums = f"SELECT number, {_SUMS}, {seconds} FROM (SELECT *, {times} FROM ({steps}))"  # noqa: S608
     return f"{sums} GROUP BY number ORDER BY number"
 
 
@@ -305,6 +319,19 @@ def _whole_steps(value: str, steps: float) -> str:
     return f"CAST(round({steps:.0f} * {value}) AS BIGINT)"
 
 
+def _state(of: str = "") -> str:
+    """Return SQL for the state of a frame while it is shown; `of` is the suffix of its columns."""
+    told = {
+        SeenState.OFF: f"user_present{of} = 0",
+        SeenState.HIDDEN: f"paused{of} = 1",
+        SeenState.NOT_DRAWN: f"should_render{of} = 0",
+        SeenState.UNTRACKED: f"head_tracked{of} = 0",
+        SeenState.UNFOCUSED: f"session_state{of} = 'visible'",
+    }
+    cases = " ".join(f"WHEN {holds} THEN '{state.value}'" for state, holds in told.items())
+    return f"CASE {cases} ELSE '{SeenState.LIVE.value}' END"
+
+
 _FOLLOWS = "trial_before = f.trial AND session_s_before >= a.from_s"
 _STEADY = (
     f"({_FOLLOWS} AND discontinuity <> {CUT} AND coalesce(head_valid, 1) = 1 "
@@ -318,6 +345,7 @@ _STEPS = f"""
     coalesce(session_state_before = 'visible', false) AS menu_before,
     CASE WHEN {_FOLLOWS} THEN xr_time_ns - xr_time_ns_before END AS passed,
     CASE WHEN {_FOLLOWS} THEN period_ns_before END AS shown,
+    coalesce(paused = 1, false) AS waits, {_state()} AS state, {_state("_before")} AS state_before,
     xr_time_ns <= xr_time_ns_before OR NOT isfinite({" + ".join(_HEAD)})
         OR (f.{" + f.".join(_PLAIN)}) IS NULL AS wrong,
     CASE WHEN {_STEADY} THEN {_distance("head", _LENGTH)} END AS head_step,
@@ -330,13 +358,21 @@ _STEPS = f"""
     max_blur_px IS NOT NULL AS has_blur,
     CASE WHEN {_FOLLOWS} THEN max_blur_px <> max_blur_px_before END AS blur_changed"""
 
-_TIMES = f"""
+_TIMES_BEFORE_5 = f"""
     CASE WHEN unseen_before THEN 0 WHEN discontinuity = {CUT} THEN least(passed, shown)
         WHEN passed > {DROPPED_INTERVAL_PERIODS} * shown THEN shown ELSE passed END AS seen,
     discontinuity <> {CUT} AND dropped > 0 AND NOT unseen_before AS froze"""
 
 _SUMS = """
-    count(*) AS frames, sum(dropped) AS dropped, sum(missed_refreshes) AS missed,
+    count(*) FILTER (NOT waits) AS frames, sum(dropped) AS dropped,
+    sum(missed_refreshes) AS missed, coalesce(bool_or(wrong), false) AS wrong,
+    sum(head_step) AS head_path, sum(turn) AS turning,
+    sum(avatar_step) AS avatar_path, sum(focus_step) AS focus_change,
+    sum(lag_step) AS focus_lag, count(lag_step) AS focused,
+    CASE WHEN bool_or(has_blur) THEN count(*) FILTER (blur_changed) END AS blur_changes"""
+
+_BEFORE_5 = """
+    NULL AS off, NULL AS not_drawn, NULL AS half_rate,
     coalesce(sum(seen) FILTER (NOT menu_before), 0)
         + CASE WHEN arg_max(menu OR unseen, xr_time_ns) THEN 0
         ELSE arg_max(period_ns, xr_time_ns) END AS live,
@@ -347,9 +383,27 @@ _SUMS = """
     coalesce(sum(passed - seen) FILTER (NOT froze), 0)
         + CASE WHEN arg_max(unseen, xr_time_ns) THEN arg_max(period_ns, xr_time_ns) ELSE 0 END
         AS hidden,
-    sum(CASE WHEN head_tracked = 0 THEN period_ns WHEN head_tracked = 1 THEN 0 END) AS untracked,
-    coalesce(bool_or(wrong), false) AS wrong,
-    sum(head_step) AS head_path, sum(turn) AS turning,
-    sum(avatar_step) AS avatar_path, sum(focus_step) AS focus_change,
-    sum(lag_step) AS focus_lag, count(lag_step) AS focused,
-    CASE WHEN bool_or(has_blur) THEN count(*) FILTER (blur_changed) END AS blur_changes"""
+    sum(CASE WHEN head_tracked = 0 THEN period_ns WHEN head_tracked = 1 THEN 0 END) AS untracked"""
+
+# As `vrcomfort.seen_time.display_intervals`, which a test compares.
+_WAITED = f"state_before IN ({', '.join(repr(each.value) for each in UNSEEN)})"
+_LATE = f"passed > {DROPPED_INTERVAL_PERIODS} * shown"
+_STOOD = f"({_LATE} AND passed - shown > {FREEZE_S * 1e9:.0f})"
+_TIMES = f"""
+    CASE WHEN NOT {_WAITED} AND NOT {_STOOD} AND discontinuity <> {CUT} AND {_LATE}
+        THEN 'half_rate' ELSE state_before END AS first_state,
+    CASE WHEN {_WAITED} THEN passed WHEN discontinuity = {CUT} THEN least(passed, shown)
+        WHEN {_STOOD} THEN shown ELSE passed END AS first_ns,
+    CASE WHEN discontinuity = {CUT} THEN 'hidden' ELSE 'frozen' END AS rest_state,
+    passed - first_ns AS rest_ns"""
+
+
+def _seconds(state: SeenState) -> str:
+    """Return SQL for the nanoseconds in a state; the last frame has its period."""
+    mine = f"= '{state.value}'"
+    last = f"CASE WHEN arg_max(state, xr_time_ns) {mine} THEN arg_max(period_ns, xr_time_ns) END"
+    parts = [f"sum({each}_ns) FILTER ({each}_state {mine})" for each in ("first", "rest")]
+    return f"{' + '.join(f'coalesce({part}, 0)' for part in [*parts, last])} AS {state.value}"
+
+
+_SECONDS = ", ".join(map(_seconds, SeenState))

@@ -51,7 +51,10 @@ class FramesOfAttempts:
             self._of_trial.setdefault(each["trial"], []).append(_Span(each))
 
     def add(self, row: RecordedRow | Mapping[str, Any]) -> Attempt | None:
-        """Count a frame; return the attempt that it is of, None where there is none."""
+        """Count a frame; return the attempt that it is of, None where there is none.
+
+        A row of a pause is no frame that was shown, and not counted.
+        """
         found = [
             each
             for each in self._of_trial.get(row["trial"], ())
@@ -62,7 +65,8 @@ class FramesOfAttempts:
             found = [each for each in found if self.counts[each.attempt] < each.frames] or found
         if not found:
             return None
-        self.counts[found[0].attempt] += 1
+        values = row.values if isinstance(row, RecordedRow) else row
+        self.counts[found[0].attempt] += values.get("paused") != 1
         return found[0].attempt
 
 

@@ -194,6 +194,8 @@ def only_program(file: Path, access: Access, *, doing: str) -> Iterator[None]:
     """
     with _open(file, access) as stream:
         _take(stream, file, wait=False, doing=doing)
+        if not _is_in_place(stream, file):
+            raise InputError(f"{doing} by another program; wait until it ends")
         _sign(stream)
         try:
             yield
@@ -232,6 +234,16 @@ def _open(file: Path, access: Access) -> IO[str]:
         raise InputError(f"cannot make this file: {error.strerror}", file=file) from error
 
 
+def _is_in_place(stream: IO[str], file: Path) -> bool:
+    """Return whether a file that was opened is the one of that name; its last holder removes it."""
+    if sys.platform == "win32":
+        return True  # where no open file is removed
+    try:
+        return os.path.samestat(os.fstat(stream.fileno()), file.stat())
+    except FileNotFoundError:
+        return False
+
+
 def _sign(stream: IO[str]) -> None:
     _wipe(stream)
     stream.write(json.dumps({"pid": os.getpid(), "host": socket.gethostname()}) + "\n")
@@ -239,7 +251,7 @@ def _sign(stream: IO[str]) -> None:
 
 
 def _wipe(stream: IO[str]) -> None:
-    """Empty the file. It stays: a file that is removed could be locked by two at once."""
+    """Empty the file. Only its holder may remove it: else two could hold files of one name."""
     stream.seek(0)
     stream.truncate()
     stream.flush()

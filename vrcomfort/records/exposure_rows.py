@@ -76,25 +76,70 @@ class TrialRow(Row):
     ] = None
     live_s: Annotated[
         float | None,
-        Column("Time in which each frame was shown for its period", blank=_NOT_RECORDED, since=2),
+        Column(
+            "Time in which each frame was shown for its period, and nothing of what the other "
+            "seconds of the row say held; before version 5 also where the head was not tracked",
+            blank=_NOT_RECORDED,
+            since=2,
+        ),
     ] = None
     frozen_s: Annotated[
         float | None,
-        Column("Time in which the picture stood still", blank=_NOT_RECORDED, since=2),
+        Column(
+            "Time in which the picture stood still: beyond a frame's period, where that was more "
+            "than 0.5 s; before version 5 beyond the period of each late frame",
+            blank=_NOT_RECORDED,
+            since=2,
+        ),
     ] = None
     hidden_s: Annotated[
         float | None,
         Column(
-            "Time in which nothing was seen: the headset was off, or the runtime wanted no picture",
+            "Time in which nothing was visible: a pause, a session that the runtime did not show, "
+            "no frames; before version 5 also the headset off, and no picture wanted",
             blank=_NOT_RECORDED,
             since=2,
         ),
     ] = None
     unfocused_s: Annotated[
         float | None,
-        Column("Time in which a menu of the headset's was in front", blank=_NOT_RECORDED, since=2),
+        Column(
+            "Time in which a menu of the headset's was in front; from version 5 on while the head "
+            "was tracked and frames came in time",
+            blank=_NOT_RECORDED,
+            since=2,
+        ),
     ] = None
     part: PartOfStudy = None
+    off_s: Annotated[
+        float | None,
+        Column(
+            "Time in which the headset was off: its presence sensor saw nobody",
+            blank=_NOT_RECORDED,
+            since=5,
+        ),
+    ] = None
+    not_drawn_s: Annotated[
+        float | None,
+        Column("Time in which the runtime wanted no picture", blank=_NOT_RECORDED, since=5),
+    ] = None
+    half_rate_s: Annotated[
+        float | None,
+        Column(
+            "Time in which frames came at half the display's rate or less, and did not stand still "
+            "as in `frozen_s`",
+            blank=_NOT_RECORDED,
+            since=5,
+        ),
+    ] = None
+    untracked_s: Annotated[
+        float | None,
+        Column(
+            "Time in which the head's pose was not measured, and frames came in time",
+            blank=_NOT_RECORDED,
+            since=5,
+        ),
+    ] = None
 
 
 @dataclass(frozen=True)

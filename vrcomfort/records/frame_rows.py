@@ -94,7 +94,6 @@ def _eye(eye: EyeGaze | None) -> tuple[Cell, ...]:
 
 _SIGHT = ColumnGroup(_sight(), _sight_cells)
 _EACH_EYE = ColumnGroup((*_eye_columns("left_"), *_eye_columns("right_")), _eye_cells)
-EYE_GAZES = tuple(each.name for each in _EACH_EYE.each)
 
 
 @dataclass(frozen=True)
@@ -261,7 +260,10 @@ class FrameRow(Row):
     xr_time_ns: FrameTimeNs
     period_ns: Annotated[int, Column("Predicted period of the display")]
     trial: FrameTrial
-    should_render: Annotated[bool, Column("1 where the runtime wanted the frame to be drawn")]
+    should_render: Annotated[
+        bool,
+        Column("1 where the frame was drawn; 0 where the runtime wanted no picture, or `paused`"),
+    ]
     head: Annotated[Pose, _HEAD]
     left: Annotated[View, _LEFT]
     right: Annotated[View, _RIGHT, _FOVS]
@@ -342,6 +344,23 @@ class FrameRow(Row):
     snap_turn: bool = False
     hands: Annotated[tuple[Pose | None, Pose | None], _HANDS] = (None, None)
     resumed: Resumed = 0
+    user_present: Annotated[
+        bool | None,
+        Column(
+            "1 where the headset's presence sensor saw somebody",
+            blank="the runtime did not tell, or it was not recorded",
+            since=5,
+        ),
+    ] = None
+    paused: Annotated[
+        bool | None,
+        Column(
+            "1 where nothing was shown: an operator's pause, the headset off or the session not "
+            "visible; the row is the first of its kind, and stands for all frames until the next",
+            blank=_NOT_RECORDED,
+            since=5,
+        ),
+    ] = None
     gaze: GazeRow | None = None
     image: ImageRow | None = None
     balls: tuple[BallRow, ...] = ()

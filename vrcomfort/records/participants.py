@@ -38,6 +38,7 @@ def exclude(study: Path, participant: str, reason: str) -> None:
     InputError
         If there is no reason, nobody of this name, they are excluded, or a program runs them.
     """
+    _known(study, participant, reason)  # refused before the lock is made
     with only_run(study, participant):
         row, reason = _known(study, participant, reason)
         if row.status == "excluded":
@@ -54,6 +55,7 @@ def undo_exclusion(study: Path, participant: str, reason: str) -> str:
     InputError
         If there is no reason, nobody of this name is excluded, or a program runs them.
     """
+    _known(study, participant, reason)
     with only_run(study, participant):
         row, reason = _known(study, participant, reason)
         if row.status != "excluded":

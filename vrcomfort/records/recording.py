@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.csv_table import CsvTable, plain_digits
 from vrcomfort.errors import InputError
-from vrcomfort.escaping import escape_unprintable
+from vrcomfort.escaping import escape_unprintable, is_utf8
 from vrcomfort.files import open_file, sha256_of
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, gaze_columns
 from vrcomfort.records.rows import declared
@@ -86,23 +86,44 @@ class Memory:
             "autoinstall_known_extensions": False,
             "autoload_known_extensions": False,
         }
+        if not is_utf8(folder):
+            message = "temporary files cannot be in a folder whose name is no UTF-8; set TMPDIR"
+            raise InputError(message, file=escape_unprintable(folder))
         connection = duckdb.connect(config=settings)
         connection.execute("SET enable_progress_bar = false")
         return connection
 
 
 def quoted(text: str | Path) -> str:
-    """Return a text as SQL writes it.
+    """Return a text as SQL writes it; of a path whose bytes are no UTF-8, one by way of a link.
 
     Raises
     ------
     InputError
-        If it has bytes that are no UTF-8, as names of files can; the database takes none.
+        If no such link can be made; the database takes no other bytes.
     """
-    if escape_unprintable(str(text)) != str(text):
-        message = "its name has characters that the database does not take; rename it, or a folder"
-        raise InputError(f"{message} above it", file=escape_unprintable(str(text)))
+    if isinstance(text, Path) and not is_utf8(str(text)):
+        text = _by_a_link(text)
     return "'" + str(text).replace("'", "''") + "'"
+
+
+def _by_a_link(path: Path) -> Path:
+    """Return a path to the same file, without the folders whose names are no UTF-8."""
+    odd = next(each for each in (path, *path.parents) if not is_utf8(each.name))
+    return _link_to(odd.absolute()) / path.relative_to(odd)
+
+
+@cache
+def _link_to(folder: Path) -> Path:
+    """Return a link to a folder, which is there until the program ends."""
+    place = Path(_until_exit().enter_context(tempfile.TemporaryDirectory(prefix="vrcomfort-")))
+    link = place / "link"
+    try:
+        link.symlink_to(folder)
+    except OSError as error:  # Windows, where that is a privilege
+        message = "its name has characters that the database does not take; rename it"
+        raise InputError(message, file=escape_unprintable(str(folder))) from error
+    return link
 
 
 def column(name: str) -> str:

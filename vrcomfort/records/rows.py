@@ -118,7 +118,7 @@ class ColumnGroup:
 
 
 class Row:
-    """A row of a CSV file; subclasses are dataclasses whose annotations declare the columns."""
+    """A row of a CSV file; the annotations of a subclass (a dataclass) declare its columns."""
 
     FILE: ClassVar[str]
     NEEDS: ClassVar[Needs] = ALWAYS

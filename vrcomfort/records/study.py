@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import lru_cache
@@ -91,6 +91,31 @@ def open_study(
     text = json_of(_description(protocol, seed or 0, access))
     replace_text(file, text + "\n", access)
     return seed or 0
+
+
+@contextmanager
+def opened_study(
+    study: Path, protocol: Protocol, *, seed: int | None = None, group_readable: bool = False
+) -> Iterator[int]:
+    """Open a study as `open_study` does; a new one in which nothing was recorded goes at the end.
+
+    Yields
+    ------
+    int
+        The study's seed.
+    """
+    is_new = not (study / DESCRIPTION).exists()
+    made = [each for each in (study, *study.parents) if not each.exists()]
+    try:
+        yield open_study(study, protocol, seed=seed, group_readable=group_readable)
+    finally:
+        if is_new and not ((study / ParticipantRow.FILE).exists() or any(study.glob("sub-*"))):
+            own = [study / INSTRUMENTS / f"{name}.toml" for name in protocol.own_instruments]
+            for file in (*own, study / DESCRIPTION):
+                file.unlink(missing_ok=True)
+            for folder in (study / INSTRUMENTS, *made):
+                with suppress(OSError):  # others have something in it, or it is not there
+                    folder.rmdir()
 
 
 def _keep_instruments(study: Path, protocol: Protocol, access: Access) -> None:
@@ -198,7 +223,7 @@ def read_participants(study: Path) -> list[ParticipantRow]:
     begun = () if rows else sorted(study.glob("sub-*/ses-*/manifest.json"))
     if begun:  # going on would enrol them again
         who = begun[0].parent.parent.name
-        message = f"nobody is in it, and {who} has a session; restore it from a copy"
+        message = f"it has no participants, and {who} has a session; restore it from a copy"
         raise InputError(message, file=file)
     return list(rows)
 
@@ -299,7 +324,7 @@ def enrol(
     Parameters
     ----------
     covariates
-        Those that the protocol declares; of somebody who is enrolled, those known of them or none.
+        Those that the protocol declares; of an enrolled participant, those known of them or none.
 
     Raises
     ------
@@ -457,7 +482,23 @@ def only_run(study: Path, participant: str) -> AbstractContextManager[None]:
         make_folders(study, file.parent, access)
     except OSError as error:
         raise refused(file.parent, error) from error
-    return only_program(file, access, doing=f"participant {participant} is being run")
+    return _only_run(file, access, doing=f"participant {participant} is being run")
+
+
+@contextmanager
+def _only_run(lock: Path, access: Access, *, doing: str) -> Iterator[None]:
+    """Hold a participant's lock; where nothing was recorded, their folder goes at the end."""
+    try:
+        with only_program(lock, access, doing=doing):
+            try:
+                yield
+            finally:
+                with suppress(OSError):  # Windows removes no open file
+                    if [each.name for each in lock.parent.iterdir()] == [lock.name]:
+                        lock.unlink()
+    finally:
+        with suppress(OSError):
+            lock.parent.rmdir()
 
 
 def _write_participants(study: Path, rows: list[ParticipantRow]) -> None:

@@ -21,6 +21,7 @@ from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.json_file import LONGEST_S
 from vrcomfort.records.rows import Column, Row, declared, single
 from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
+from vrcomfort.seen_time import FRAME_COLUMNS
 
 _HALF = "this row is half-written; `vrcomfort run … --resume` moves it aside, or remove the line"
 # Rows of frames have 77 cells: a part of 4096 takes about 20 MB as text, a whole file may take GBs.
@@ -230,7 +231,11 @@ def columns_read(row_type: type[Row]) -> Mapping[str, Column]:
     These files are large: `vrcomfort.records.recording` reads their other columns.
     """
     if row_type in (FrameRow, GazeRow):
-        return {each.name: each for each in single(row_type) if not each.blank and not each.needs}
+        return {
+            each.name: each
+            for each in single(row_type)
+            if each.name in FRAME_COLUMNS or not (each.blank or each.needs)
+        }
     return {each.name: each for each in declared(row_type)}
 
 

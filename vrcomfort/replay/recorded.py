@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
 from vrcomfort.protocol import Condition
@@ -28,11 +27,11 @@ from vrcomfort.records import (
     TrialRow,
 )
 from vrcomfort.records.frame_rows import CUT
+from vrcomfort.records.recording import Memory
 from vrcomfort.records.schema import SCHEMA_VERSION
 from vrcomfort.records.tables import RecordedRow
 from vrcomfort.scene.markers import Shown
 from vrcomfort.settings import in_words
-from vrcomfort.traces.table import TraceTable
 from vrcomfort.traces.trace import Trace, read_trace
 
 
@@ -56,7 +55,11 @@ class FrameFacts:
     missed_refreshes: NDArray[np.int64]
 
 
-def read_frames(file: Path) -> tuple[Trace, FrameFacts]:
+_FILLED = ("session_s", "trial", "should_render", "discontinuity", "dropped")
+_MISSED = "missed_refreshes"
+
+
+def read_frames(session: Session) -> tuple[Trace, FrameFacts]:
     """Return the trace, and the rest.
 
     Raises
@@ -64,36 +67,28 @@ def read_frames(file: Path) -> tuple[Trace, FrameFacts]:
     InputError
         If a column is missing, or a cell is not what its column holds.
     """
-    parts: list[tuple[Any, ...]] = []
-
-    def take(table: TraceTable) -> None:
-        if not parts:
-            table.require(["session_s", "trial", "should_render", "discontinuity", "dropped"])
-        parts.append(_columns(table))
-
-    trace = read_trace(file, also=take)
-    cuts, *facts = (np.concatenate(column) for column in zip(*parts, strict=True))
+    file = session.folder / FrameRow.FILE
+    trace = read_trace(file)
+    there = session.header(FrameRow)
+    for name in _FILLED:
+        if name not in there:
+            raise InputError("the column is missing", file=file, line=1, column=name)
+    cells = session.recording().columns((*_FILLED, _MISSED), Memory())
+    for name in _FILLED:
+        for row in np.flatnonzero(~np.isfinite(cells[name]))[:1]:
+            message = "this cell is empty; it needs a number"
+            raise InputError(message, file=file, line=int(row) + 2, column=name)
+    # Not as a trace has it: training goes over into the first exposure without a cut.
+    cuts = cells["discontinuity"] == CUT
     cuts[0] = True
-    return replace(trace, cuts=cuts), FrameFacts(*facts)
-
-
-def _columns(table: TraceTable) -> tuple[Any, ...]:
-    dropped = table.integers("dropped")
-    if table.has(["missed_refreshes"]):
-        cells = table.text("missed_refreshes")
-        known = [whole_or_none(cell) for cell in cells]
-        counts = np.array([-1 if each is None or each < 0 else each for each in known], np.int64)
-        missed = np.where(dropped > 0, counts, 0)
-    else:
-        missed = np.where(dropped > 0, -1, 0)
-    return (
-        # Not as a trace has it: training goes over into the first exposure without a cut.
-        table.integers("discontinuity") == CUT,
-        table.floats(["session_s"])[:, 0],
-        table.integers("trial"),
-        table.integers("should_render") != 0,
-        missed,
+    counted = np.where(cells[_MISSED] >= 0, cells[_MISSED], -1)  # not where it is not recorded
+    facts = FrameFacts(
+        cells["session_s"],
+        cells["trial"].astype(np.int64),
+        cells["should_render"] != 0,
+        np.where(cells["dropped"] > 0, counted, 0).astype(np.int64),
     )
+    return replace(trace, cuts=cuts), facts
 
 
 TRAINING = "training"
@@ -354,7 +349,7 @@ def read_session(folder: Path) -> RecordedSession:
     session = Session(folder)
     manifest = session.manifest
     patch = manifest.get("settings", {}).get("photodiode")
-    trace, frames = read_frames(folder / FrameRow.FILE)
+    trace, frames = read_frames(session)
     exposures = read_exposures(session, trace, frames)
     if not exposures:
         raise InputError("no frame of an exposure is recorded here", file=folder)

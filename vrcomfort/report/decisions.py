@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.report.analyses import ANALYSES, signed_rank
-from vrcomfort.report.analyses import comparisons as other_tests
+from vrcomfort.report.analyses import ANALYSES, with_intervals
 from vrcomfort.report.families import Decision, decided
 from vrcomfort.stats.multiplicity import holm
 
@@ -45,19 +44,13 @@ class Decided:
 
 def decide_all(data: AnalysisData, rows: Mapping[str, Sequence[Any]]) -> Decided:
     """Return all rows with the decision of each test and the intervals of its level."""
-    tests: Sequence[SignedRankRow] = rows["tests"]
-    others: Sequence[ComparisonRow] = rows["comparisons"]
-    families, decisions, anovas = adjust(data.plan, [*tests, *others], rows["anova"])
-    of_tests, of_others = decisions[: len(tests)], decisions[len(tests) :]
-    tests = [replace(row, decision=each) for row, each in zip(tests, of_tests, strict=True)]
-    others = [replace(row, decision=each) for row, each in zip(others, of_others, strict=True)]
-    found = {
-        **rows,
-        "tests": signed_rank.with_intervals(data, tests),
-        "comparisons": other_tests.with_intervals(data, others),
-        "anova": anovas,
-    }
-    return Decided(found, families)
+    compared = [(each, row) for each in ANALYSES if each.by_outcome for row in rows[each.key]]
+    families, decisions, anovas = adjust(data.plan, [row for _, row in compared], rows["anova"])
+    found: dict[str, list[Any]] = {each.key: [] for each in ANALYSES if each.by_outcome}
+    for (analysis, row), decision in zip(compared, decisions, strict=True):
+        decided_row = replace(row, decision=decision)
+        found[analysis.key].append(with_intervals(data, analysis, decided_row))
+    return Decided({**rows, **found, "anova": anovas}, families)
 
 
 def adjust(

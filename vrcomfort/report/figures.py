@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.patches import Rectangle
@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from vrcomfort.records.names import natural
 from vrcomfort.report import palette
 from vrcomfort.report.analyses import analysis_figures
+from vrcomfort.report.analyses.signed_rank.figure import estimation_figure
 from vrcomfort.report.canvas import (
     FAINT,
     GRID,
@@ -27,7 +28,6 @@ from vrcomfort.report.canvas import (
     threads,
     time_unit,
 )
-from vrcomfort.report.estimation import estimation_figure, group_figure
 from vrcomfort.report.palette import colour_of, marker_of
 from vrcomfort.report.residuals import residual_figure
 from vrcomfort.report.sections import section_figures
@@ -39,9 +39,11 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
+    from vrcomfort.report.analyses import ReportContext
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.flow import FlowLoss, FlowStage
     from vrcomfort.report.residuals import Residuals
+    from vrcomfort.report.results import Results
     from vrcomfort.report.sections import Section
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.symptoms import RecoveryRow, SymptomRow
@@ -54,40 +56,44 @@ MOST_PEOPLE = 60
 
 def draw_figures(
     study: StudyData,
-    results: dict[str, Any],
+    results: Results,
     scored: Exposures,
     residuals: list[Residuals],
     sections: list[Section],
-    words: Vocabulary,
+    report: ReportContext,
 ) -> dict[str, Drawing]:
     """Return name → drawing of every figure that the data allow."""
     drawn: dict[str, Drawing | None] = {}
-    wanted = results["plan"]["figures"]
+    words, wanted = report.words, results.plan.figures
     for place, outcome in enumerate(words.outcomes):
         if _wanted(wanted, "subscales" if place else "paired"):
-            tests = [test for test in results["tests"] if test.outcome == outcome]
+            tests = [test for test in results.tests if test.outcome == outcome]
             drawn[f"estimation_{outcome}"] = estimation_figure(scored, tests, words)
-    for place, row in enumerate(results["comparisons"]):
-        if _wanted(wanted, "paired"):
-            drawn[f"comparison_{place}"] = group_figure(scored, row, words)
-    drawn["flow"] = flow_figure(results["flow"])
-    for instrument in dict.fromkeys(row.instrument for row in results["symptoms"]):
-        rows = [row for row in results["symptoms"] if row.instrument == instrument]
+    of_analyses = [
+        (each, of_outcome)
+        for of_outcome, each in analysis_figures(results.rows, report)
+        if _wanted(wanted, each.kind)
+    ]
+    drawn |= {each.name: each.draw(scored) for each, of_outcome in of_analyses if of_outcome}
+    drawn["flow"] = flow_figure(results.flow)
+    for instrument in dict.fromkeys(row.instrument for row in results.symptoms):
+        rows = [row for row in results.symptoms if row.instrument == instrument]
         drawn[f"symptoms_{instrument}"] = symptom_figure(rows, instrument, words)
-    drawn["recovery"] = recovery_figure(scored, results["recovery_course"], words)
-    withdrew = {each["participant"] for each in results["withdrawals"]["list"]}
+    drawn["recovery"] = recovery_figure(scored, results.recovery_course, words)
+    withdrew = {each.participant for each in results.withdrawals.list}
     drawn["exposures"] = exposure_figure(list(study.trials), withdrew, words)
     drawn["residuals"] = residual_figure(residuals, words)
     drawn |= section_figures(sections, words)
-    drawn |= analysis_figures(results, words)
+    chosen = {each.name for each, _ in of_analyses}
+    drawn |= {each.name: each.draw(scored) for each, of_outcome in of_analyses if not of_outcome}
     return {
         name: drawing
         for name, drawing in drawn.items()
-        if drawing and (name.startswith(_OTHERWISE) or _wanted(wanted, name))
+        if drawing and (name in chosen or name.startswith(_OTHERWISE) or _wanted(wanted, name))
     }
 
 
-_OTHERWISE = ("estimation_", "comparison_", "flow")
+_OTHERWISE = ("estimation_", "flow")
 """Figures that every plan has, or that were chosen before they were drawn."""
 
 

@@ -4,31 +4,31 @@ from __future__ import annotations
 
 import re
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from markupsafe import Markup
 
 from vrcomfort.report import methods, palette, words
 from vrcomfort.report.analyses import page_analyses
-from vrcomfort.report.analyses.comparisons import DIGITS, NAMES
 from vrcomfort.report.answers import answers
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT, DescribedRow
-from vrcomfort.report.families import disagreement
 from vrcomfort.report.references import entries
+from vrcomfort.report.results import PLAN_FILE
 from vrcomfort.report.sections import section_names
 from vrcomfort.report.withdrawals import with_labels
-from vrcomfort.stats.mixed import MOST_LEVELS
 from vrcomfort.web_page import inline_svg, page_templates
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from jinja2 import Environment
 
+    from vrcomfort.report.analyses import PageAnalysis, ReportContext
+    from vrcomfort.report.analyses.contract import AnalysisFigure
     from vrcomfort.report.canvas import Drawing
+    from vrcomfort.report.results import Results
     from vrcomfort.report.sections import Section
     from vrcomfort.report.symptoms import SymptomRow
-    from vrcomfort.report.vocabulary import Vocabulary
 
 TEMPLATE = "report.html.j2"
 _TAG = re.compile(r"<[a-z][^<>]*>")
@@ -37,9 +37,9 @@ _VARIABLES = {colour.light: f"var({colour.variable})" for colour in palette.ALL}
 
 
 def render_page(
-    results: dict[str, Any],
+    results: Results,
     figures: dict[str, Drawing],
-    vocabulary: Vocabulary,
+    report: ReportContext,
     forms: Sequence[str],
     sections: Sequence[Section],
 ) -> str:
@@ -54,35 +54,31 @@ def render_page(
     sections
         The analyses with a section of their own.
     """
-    paragraphs = methods.methods(results, vocabulary, sections, drawn=bool(figures))
-    per_condition = results["participants"]["exposures_per_condition"].values()
+    paragraphs, vocabulary = methods.methods(results, report, sections), report.words
+    analyses = list(page_analyses(results.rows, report))
     return (
         _templates()
         .get_template(TEMPLATE)
         .render(
             r=results,
+            plan_file=PLAN_FILE,
             labelled=partial(with_labels, labels=vocabulary.labels),
             forms=[form.upper() for form in forms],
             words=vocabulary,
-            tests=NAMES,
-            shown_above="" if results["without_primary"] else _shown_above(results, figures),
-            digits=DIGITS,
-            analyses=list(page_analyses(results, vocabulary, results["plan"]["confidence"])),
+            shown_above=_shown_above(results, analyses, figures),
+            analyses=analyses,
             answers=answers(results, vocabulary),
             figures={name: _inlined(drawing.svg, name) for name, drawing in figures.items()},
-            several=max(per_condition, default=0) > 1,
-            symptoms=_by_instrument(results["symptoms"]),
+            several=report.several,
+            symptoms=_by_instrument(results.symptoms),
             methods=paragraphs,
             references=entries(key for method in paragraphs for key in method.cited),
             basis=methods.basis_sentence(results),
             has_baseline=methods.has_baseline(results),
             described=_described(results),
             moments=_moments(results),
-            disagreements=_disagreements(results),
             sections=[each.analysis for each in sections if each.is_on_page],
             **section_names(),
-            most_levels=MOST_LEVELS,
-            fewest=methods.fewest_for_shift(results["plan"]),
             colours_light=palette.css_variables(dark=False),
             colours_dark=palette.css_variables(dark=True),
         )
@@ -104,12 +100,15 @@ def _templates() -> Environment:
     return environment
 
 
-def _shown_above(results: dict[str, Any], figures: dict[str, Drawing]) -> str:
+def _shown_above(
+    results: Results, analyses: Sequence[PageAnalysis], figures: Mapping[str, Drawing]
+) -> AnalysisFigure | None:
     """Return the figure of the primary comparison, where no signed-rank test has one."""
-    primary = next((each["name"] for each in results["outcomes"]), "")
-    of_it = [i for i, row in enumerate(results["comparisons"]) if row.outcome == primary]
-    named = [f"comparison_{place}" for place in of_it if f"comparison_{place}" in figures]
-    return named[0] if named and f"estimation_{primary}" not in figures else ""
+    primary = next((each.name for each in results.outcomes), "")
+    if results.without_primary or f"estimation_{primary}" in figures:
+        return None
+    named = (each for analysis in analyses for each in analysis.figures)
+    return next((f for f in named if f.outcome == primary and f.name in figures), None)
 
 
 def _inlined(svg: str, name: str) -> Markup:
@@ -122,19 +121,10 @@ def _variable(colour: re.Match[str]) -> str:
     return _VARIABLES.get(colour[0], colour[0])
 
 
-def _disagreements(results: dict[str, Any]) -> int:
-    """Count the tests with a p and an interval of r that disagree about 0."""
-    return sum(
-        bool(disagreement(test.decision.verdict, test.reported.effect))
-        for test in results["tests"]
-        if test.reported
-    )
-
-
-def _described(results: dict[str, Any]) -> list[DescribedRow]:
+def _described(results: Results) -> list[DescribedRow]:
     """Return the descriptions of tested participants by condition; differences of a single pair."""
-    tests, order = results["tests"], [each["name"] for each in results["outcomes"]]
-    rows = [row for row in results["descriptives"] if row.by == PRIMARY]
+    tests, order = results.tests, [each.name for each in results.outcomes]
+    rows = [row for row in results.descriptives if row.by == PRIMARY]
     if len({(test.a, test.b) for test in tests}) == 1:
         rows += [
             DescribedRow(test.outcome, PRIMARY, "", None, test.found.descriptives["difference"])
@@ -144,12 +134,12 @@ def _described(results: dict[str, Any]) -> list[DescribedRow]:
     return sorted(rows, key=lambda row: order.index(row.outcome))
 
 
-def _moments(results: dict[str, Any]) -> list[DescribedRow]:
+def _moments(results: Results) -> list[DescribedRow]:
     """Return the raw scores by timepoint where timepoints are compared, or nothing is."""
-    sides = [side for test in results["tests"] for side in test.sides]
+    sides = [side for test in results.tests for side in test.sides]
     if sides and not any(side.timepoint for side in sides):
         return []
-    return [row for row in results["descriptives"] if row.by == TIMEPOINT]
+    return [row for row in results.descriptives if row.by == TIMEPOINT]
 
 
 class _InstrumentAnswers(NamedTuple):

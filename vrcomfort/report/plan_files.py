@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 from pydantic import Field, create_model
 
@@ -16,6 +16,7 @@ from vrcomfort.files import read_text
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.report.analyses import ANALYSES
 from vrcomfort.report.plan import Plan, problems
+from vrcomfort.report.plan.model import FigureName
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import Problem, first_problem, parse_settings
 
@@ -25,15 +26,23 @@ def _entries(entry: Any) -> Any:
     return tuple.__class_getitem__((entry, ...))
 
 
+_FIGURES = Literal.__getitem__(
+    (*get_args(FigureName), *dict.fromkeys(kind for each in ANALYSES for kind in each.figure_kinds))
+)
 _KEYS = {
     each.key: (_entries(each.asked), Field(default=(), description=each.about or None))
     for each in ANALYSES
     if each.asked
 }
+_figures = Plan.model_fields["figures"]
 AnalysisPlan: type[Plan] = create_model(  # type: ignore[call-overload]
-    "Plan", __base__=Plan, __doc__=Plan.__doc__, **_KEYS
+    "Plan",
+    __base__=Plan,
+    __doc__=Plan.__doc__,
+    figures=(_entries(_FIGURES), Field(default=(), description=_figures.description)),
+    **_KEYS,
 )
-"""The model of a plan with the key of each analysis."""
+"""The model of a plan with the key of each analysis, and the names of their figures."""
 _FORMER_FAMILY = re.compile(r"^family\s*=", re.MULTILINE)
 
 

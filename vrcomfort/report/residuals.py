@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import norm
 
+from vrcomfort.report.analyses.signed_rank.figure import differences
 from vrcomfort.report.canvas import INK, SOFT, Drawing, canvas, dots, lines
-from vrcomfort.report.estimation import differences
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -12,6 +12,7 @@ from typing import Any
 from vrcomfort.errors import InputError
 from vrcomfort.files import read_text
 from vrcomfort.json_text import parse_json
+from vrcomfort.records.session_rows import QuestionnaireRow
 
 RESULTS = "results.json"
 _REMOVABLE = re.compile(r"tables/[a-z_]+\.csv|figures/[^/\\]+\.(svg|png|pdf)")
@@ -68,16 +69,42 @@ def write_report(out: Path, files: Mapping[str, str | bytes]) -> None:
         raise InputError(f"cannot write the report: {error.strerror}", file=out) from error
 
 
+def name_of_study(source: Path) -> str:
+    """Return what a report calls its source: the study's folder, or the file of answers."""
+    path = source.resolve()
+    return path.parent.name if path.name == QuestionnaireRow.FILE else path.name
+
+
+def refuse_another_study(out: Path, name: str) -> None:
+    """Refuse a folder that holds the report of a study of another name.
+
+    Raises
+    ------
+    InputError
+        Names that study.
+    """
+    study = _report_before(out).get("study")
+    before = study.get("source", name) if isinstance(study, dict) else name
+    if before != name:
+        message = f"holds the report of another study, {before}"
+        raise InputError(f"{message}; choose another --out, or give --replace", file=out)
+
+
 def _make_room(path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
 
 
 def _of_the_report_before(out: Path) -> set[str]:
     """Return the tables and figures that results.json lists, if it is that of a report."""
+    listed = _report_before(out).get("files")
+    names = listed if isinstance(listed, list) else []
+    return {name for name in names if isinstance(name, str) and _REMOVABLE.fullmatch(name)}
+
+
+def _report_before(out: Path) -> dict[str, Any]:
+    """Return results.json in a folder, if it is that of a report."""
     try:
         found: Any = parse_json(read_text(out / RESULTS, "report"), out / RESULTS)
     except (OSError, ValueError):
-        return set()
-    listed = found.get("files") if isinstance(found, dict) and "software" in found else None
-    names = listed if isinstance(listed, list) else []
-    return {name for name in names if isinstance(name, str) and _REMOVABLE.fullmatch(name)}
+        return {}
+    return found if isinstance(found, dict) and "software" in found else {}

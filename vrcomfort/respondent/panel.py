@@ -46,7 +46,7 @@ UNABLE_S = 2.0
 
 
 class PanelRespondent:
-    """A participant who answers in the headset.
+    """A participant answering on the panel in the headset.
 
     Parameters
     ----------

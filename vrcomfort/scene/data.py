@@ -191,14 +191,6 @@ class Node:
     casts_shadow: bool = True
     skin: int | None = None
 
-    def mesh_at(self, distance_m: float) -> tuple[int, ...]:
-        """Return the primitives to draw when the node is `distance_m` from the head."""
-        mesh = self.mesh
-        for level in self.lod:
-            if distance_m >= level.from_distance_m:
-                mesh = level.mesh
-        return mesh
-
 
 @dataclass(frozen=True)
 class PointLight:

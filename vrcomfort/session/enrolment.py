@@ -19,7 +19,7 @@ from vrcomfort.records import (
     entered,
     note_end,
     only_run,
-    open_study,
+    opened_study,
     overwriting,
     read_manifest,
     recorded_sessions,
@@ -257,8 +257,10 @@ def open_enrolment(
         than the protocol's.
     """
     protocol.shown_s(exposure_s)  # refused before anything is made
-    kept_seed = open_study(study, protocol, seed=seed, group_readable=group_readable)
-    with only_run(study, participant):
+    with (
+        opened_study(study, protocol, seed=seed, group_readable=group_readable) as kept_seed,
+        only_run(study, participant),
+    ):
         design = build_design(protocol, seed=kept_seed)
         note_end(study, participant, design.sessions)
         row = enrolled(study, participant)

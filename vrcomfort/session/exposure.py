@@ -14,12 +14,14 @@ import numpy as np
 from vrcomfort.frame import Frame, GpuTime
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.base import HasDisplayClock, Headset
+from vrcomfort.headset.timing import RATE_CHANGED, RATE_RESTORED
 from vrcomfort.records import ClockRow, RatingRow, Recorder
 from vrcomfort.render.display import PatchLight
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.scene.camera_path import CameraPath
+from vrcomfort.seen_time import FREEZE_S, UNSEEN, ShownFrame, display_intervals
 from vrcomfort.session.context import EventLog, SessionContext
-from vrcomfort.session.frame_log import FrameLog, seen_between_ns
+from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.interfaces import Activity
 from vrcomfort.session.operator_control import Redone, Skipped
 from vrcomfort.session.ratings import Rated, RatingSchedule, RatingSchedules
@@ -96,11 +98,6 @@ def collector_at_rest() -> Iterator[None]:
 
 
 Ending = Literal["completed", "task_done", "headset_ended"]
-
-FREEZE_S = 0.5
-"""A picture that stands still for longer is a freeze: questions that fell due in it were missed.
-After a shorter one, they are asked late."""
-
 
 CLOCKS_EVERY_S = 10.0
 """Interval between two readings of all clocks in an exposure, the first at its first frame."""
@@ -226,26 +223,28 @@ class FrameLoop:
         schedule: RatingSchedules | None,
         progress: Callable[[float], None],
     ) -> Ending:
-        shown_ns, before = 0, None
+        shown_ns, before, counted = 0, None, False
         for headset_frame in interruptible(self._frames):
             self._note_events()
             frame = self._commanded(headset_frame)
-            if not self._counts(frame, stimulus):
-                shown_ns += 0 if before is None else frame.period_ns  # the last one that counted
-                before = None
-                self.context.respondent.update(self.perceived_s)
-                continue
-            passed_ns = 0 if before is None else seen_between_ns(before, frame)
-            shown_ns += passed_ns
-            before_s, before = self.elapsed_s, frame
+            exposed_ns = 0
+            if before is not None:
+                intervals = list(display_intervals(ShownFrame.of(before), ShownFrame.of(frame)))
+                self.context.clock.advance(sum(ns for _, ns in intervals) / 1e9)
+                if counted:
+                    exposed_ns = sum(ns for state, ns in intervals if state not in UNSEEN)
+            shown_ns += exposed_ns
+            before, counted = frame, self._counts(frame)
             self.elapsed_s = shown_ns / 1e9
             self.perceived_s = self.elapsed_s * stimulus.time_scale
-            self.context.clock.advance(self.elapsed_s - before_s)
+            if not counted:
+                self._wait(frame, stimulus)
+                continue
             shown = self._carried(frame)
             if self._task is not None:
                 self._task.step(shown, self.headset, self.elapsed_s, self._scene_time_s(frame))
             self._draw(shown, stimulus)
-            if schedule and (passed_ns - frame.period_ns) / 1e9 > FREEZE_S:
+            if schedule and (exposed_ns - frame.period_ns) / 1e9 > FREEZE_S:
                 self._miss(stimulus, schedule)
             self._listen(stimulus, schedule)
             progress(self.elapsed_s)
@@ -260,30 +259,32 @@ class FrameLoop:
                 return "completed"
         return "headset_ended"
 
-    def _counts(self, frame: Frame, stimulus: Stimulus) -> bool:
-        """Return whether a frame's time is exposure; show it, or take note of it, if it is not."""
+    def _counts(self, frame: Frame) -> bool:
+        """Return whether a frame's time is exposure."""
+        return frame.seen and not (frame.unfocused and self.context.protocol.unfocused == "pause")
+
+    def _wait(self, frame: Frame, stimulus: Stimulus) -> None:
+        """Show a frame whose time is no exposure, or take note of it."""
         if frame.paused:  # nobody sees it
             self.headset.submit(frame, None)
-            self.log.add_hidden(frame)
+            now_s = self.context.clock.now_s()
+            self.log.add_paused(frame, trial=stimulus.trial, session_s=now_s)
             self.context.operators.interface.see(frame, None, self.log.timing)
-            return False
-        unfocused = frame.unfocused and self.context.protocol.unfocused == "pause"
-        if unfocused or not frame.seen:
+        else:
             self._draw(self._carried(frame), stimulus)
-            return False
-        return True
+        self.context.respondent.update(self.perceived_s)
 
     def _commanded(self, frame: Frame) -> Frame:
         """Carry out operators' commands; return the frame, hidden while the session is paused."""
-        operators, period_s = self.context.operators, frame.period_ns / 1e9
+        operators = self.context.operators
         try:
             operators.look()
         except (Skipped, Redone):
-            self.context.clock.advance(period_s)  # the last frame was seen for its period
+            # The last frame was seen for its period.
+            self.context.clock.advance(frame.period_ns / 1e9)
             raise
         was_paused, self._was_paused = self._was_paused, operators.paused
         if operators.paused:
-            self.context.clock.advance(period_s)
             return replace(frame, paused=True)
         return replace(frame, discontinuity=True) if was_paused else frame
 
@@ -293,6 +294,9 @@ class FrameLoop:
     def _note_events(self) -> None:
         for event in self.headset.take_events():
             self.events.note(event)
+            if event.name in (RATE_CHANGED, RATE_RESTORED):
+                changed = event.name == RATE_CHANGED
+                self.log.note_rate_change(event.detail if changed else "")
         self.events.report_file_changes()
 
     def _scene_time_s(self, frame: Frame) -> float:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections import Counter, OrderedDict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple, Protocol
 
 from vrcomfort.frame import (
-    DROPPED_INTERVAL_PERIODS,
     FocusSample,
     Frame,
     GazeHit,
@@ -18,8 +17,17 @@ from vrcomfort.frame import (
     ImageHash,
     RenderResult,
 )
+from vrcomfort.protocol import Protocol as StudyProtocol
 from vrcomfort.records import BallRow, FrameRow, GazeRow, ImageRow, Row, TimingRow, TrialRow
 from vrcomfort.scene.markers import Shown
+from vrcomfort.seen_time import (
+    SEEN,
+    SeenState,
+    SeenTime,
+    ShownFrame,
+    is_late,
+    passed_between_ns,
+)
 
 STEP_MS = 0.01
 """Times are counted in steps of this: exact enough, and never more memory for a longer trial."""
@@ -53,82 +61,6 @@ class Durations:
         }
 
 
-def seen_between_ns(before: Frame, frame: Frame) -> int:
-    """Return how much of the time between two frames something was seen, and so is exposure.
-
-    Where poses jump (a cut of a trace, another place), the frame before was seen for its period.
-    """
-    passed_ns = frame.predicted_display_time_ns - before.predicted_display_time_ns
-    if not frame.discontinuity:
-        return passed_ns
-    return min(passed_ns, before.period_ns) if passed_ns > 0 else before.period_ns
-
-
-@dataclass
-class SeenTime:
-    """The seconds of a trial by visibility: live, frozen, hidden, unfocused; they add up to it.
-
-    Parameters
-    ----------
-    live_s
-        A frame was shown for its period.
-    frozen_s
-        A frame stood for longer: refreshes passed without a new one.
-    hidden_s
-        Nothing was seen: the headset was taken off or asleep, or the runtime wanted no picture.
-    unfocused_s
-        The frame was shown, and something of the runtime's had the input.
-    """
-
-    live_s: float = 0.0
-    frozen_s: float = 0.0
-    hidden_s: float = 0.0
-    unfocused_s: float = 0.0
-    _frame: Frame | None = None
-    """The last frame, whose time is not over."""
-
-    def add(self, frame: Frame) -> None:
-        """Close the time of the frame before."""
-        before, self._frame = self._frame, frame
-        if before is None:
-            return
-        passed_ns = frame.predicted_display_time_ns - before.predicted_display_time_ns
-        if before.seen:
-            seen_ns = seen_between_ns(before, frame)
-            self.hidden_s += max(passed_ns - seen_ns, 0) / 1e9
-            passed_ns = seen_ns
-        self._count(before, passed_ns)
-
-    def end(self) -> None:
-        """Give the last frame its period."""
-        if self._frame is not None:
-            self._count(self._frame, self._frame.period_ns)
-            self._frame = None
-
-    def _count(self, frame: Frame, passed_ns: int) -> None:
-        if not frame.seen:
-            self.hidden_s += passed_ns / 1e9
-            return
-        late = passed_ns > DROPPED_INTERVAL_PERIODS * frame.period_ns
-        shown_ns = frame.period_ns if late else passed_ns
-        self.frozen_s += (passed_ns - shown_ns) / 1e9
-        if frame.unfocused:
-            self.unfocused_s += shown_ns / 1e9
-        else:
-            self.live_s += shown_ns / 1e9
-
-    @property
-    def frozen_percent(self) -> float:
-        """Return the frozen share of the time in which something was seen."""
-        seen_s = self.live_s + self.frozen_s + self.unfocused_s
-        return round(100 * self.frozen_s / seen_s, 2) if seen_s else 0.0
-
-    def cells(self) -> dict[str, Any]:
-        """Return the seconds, named as the columns of ``trials.csv``."""
-        names = ("live_s", "frozen_s", "hidden_s", "unfocused_s")
-        return {name: round(getattr(self, name), 9) for name in names}
-
-
 @dataclass
 class TrialTiming:
     """The frames of one trial so far; of training and the like, which have no trial, it is 0."""
@@ -139,6 +71,8 @@ class TrialTiming:
     missed_refreshes: int = 0
     untracked: int = 0
     """Frames whose head pose the headset had not measured."""
+    rate_change: str = ""
+    """The change of the display's rate that the trial was shown after; blank without one."""
     seen: SeenTime = field(default_factory=SeenTime)
     intervals: Durations = field(default_factory=Durations)
     cpu: Durations = field(default_factory=Durations)
@@ -147,7 +81,7 @@ class TrialTiming:
     @property
     def frozen_so_far_s(self) -> float:
         """Return for how long the picture stood still."""
-        return self.seen.frozen_s
+        return self.seen.seconds(SeenState.FROZEN)
 
     @property
     def dropped_percent(self) -> float | None:
@@ -162,31 +96,31 @@ class TrialTiming:
 
 def missed_refreshes(passed_ns: int, period_ns: int) -> int:
     """Return how many refreshes passed between two frames without a new one."""
-    late = passed_ns > DROPPED_INTERVAL_PERIODS * period_ns
-    return max(round(passed_ns / period_ns) - 1, 1) if late else 0
+    return max(round(passed_ns / period_ns) - 1, 1) if is_late(passed_ns, period_ns) else 0
 
 
-def trial_flags(timing: TrialTiming, limit_percent: float) -> list[str]:
-    """Return an analyst's notes on a trial, a clause each; none where all was well.
+_FLAGS: Mapping[SeenState, str] = {
+    SeenState.FROZEN: "the picture stood still",
+    SeenState.HALF_RATE: "frames came at half the display's rate or less",
+    SeenState.UNTRACKED: "the head was not tracked",
+    SeenState.UNFOCUSED: "a menu was in front, and the participant could not stop,",
+}
 
-    Parameters
-    ----------
-    limit_percent
-        How many per cent of the frames may be dropped, and of the time frozen.
-    """
+
+def trial_flags(timing: TrialTiming, protocol: StudyProtocol) -> list[str]:
+    """Return an analyst's notes on a trial, a clause each; none where all was well."""
     flags, seen = [], timing.seen
-    if (timing.dropped_percent or 0) > limit_percent:
+    if (timing.dropped_percent or 0) > protocol.max_dropped_percent:
         flags.append(f"{timing.dropped_percent:g} % of {timing.frames} frames dropped")
-    if seen.frozen_percent > limit_percent:
-        frozen = f"the picture stood still for {seen.frozen_s:.2f} s, {seen.frozen_percent:g} %"
-        flags.append(f"{frozen} of the time, and was live for {seen.live_s:.2f} s")
+        flags[-1] += f" (limit {protocol.max_dropped_percent:g} %)"
+    limits = protocol.flag_above_percent.model_dump()
+    for state in seen.beyond(limits):
+        how_long = f"{_FLAGS[state]} for {seen.seconds(state):.2f} s, {seen.percent(state):g} %"
+        flags.append(f"{how_long} of the time (limit {limits[state.value]:g} %)")
     if flags:
-        flags.append(f"the limit is {limit_percent:g} %")
-    if 2 * timing.untracked > timing.frames:
-        flags.append(f"the head was not tracked in {timing.untracked} of {timing.frames} frames")
-    if seen.unfocused_s:
-        text = f"a menu of the runtime's was in front for {seen.unfocused_s:.2f} s"
-        flags.append(f"{text}: the participant saw it, and could not stop")
+        flags.append(f"the stimulus was seen for {seen.seconds(*SEEN):.2f} s")
+    if timing.rate_change:
+        flags.append(f"the display's rate was not that of the start: {timing.rate_change}")
     return flags
 
 
@@ -253,6 +187,7 @@ class FrameLog:
         self._offset_ns = 0
         self._last_ns = last_ns
         self.times_gpu = False
+        self._rate_change = ""
         self.start_trial()
 
     @property
@@ -272,8 +207,14 @@ class FrameLog:
 
     def start_trial(self, trial: int = 0) -> None:
         """Count from zero; the first interval is none."""
-        self.timing = TrialTiming(trial)
-        self._shown_ns: int | None = None
+        self.timing = TrialTiming(trial, rate_change=self._rate_change)
+        self._shown: ShownFrame | None = None
+        self._paused: SeenState | None = None
+
+    def note_rate_change(self, detail: str) -> None:
+        """Take note that the display's rate is no longer that of the start; blank: it is again."""
+        self._rate_change = detail
+        self.timing.rate_change = detail or self.timing.rate_change
 
     def timing_of(self, trial: int) -> TrialTiming:
         """Return the timing of a trial: none, while what was shown last is not of it.
@@ -281,7 +222,8 @@ class FrameLog:
         An exposure may end at any line, also between its training and its first frame.
         """
         timing = self.timing
-        return timing if timing.trial == trial else TrialTiming(trial)
+        none = TrialTiming(trial, rate_change=self._rate_change)
+        return timing if timing.trial == trial else none
 
     def add(
         self,
@@ -303,7 +245,7 @@ class FrameLog:
             xr_time_ns=time_ns,
             period_ns=frame.period_ns,
             trial=trial,
-            should_render=frame.should_render,
+            should_render=frame.should_render and not frame.paused,
             head=frame.head_pose,
             left=frame.views[0],
             right=frame.views[1],
@@ -319,6 +261,8 @@ class FrameLog:
             discontinuity=frame.discontinuity,
             snap_turn=frame.snap_turn,
             balls=tuple(BallRow(session_s, time_ns, trial, *ball) for ball in balls),
+            user_present=frame.user_present,
+            paused=frame.paused,
         )
         gaze = None
         if frame.gaze is not None:
@@ -341,24 +285,29 @@ class FrameLog:
             rendered.gaze_hits,
         )
 
-    def add_hidden(self, frame: Frame) -> None:
-        """Take an invisible frame: it has no row, and its time is no exposure."""
-        self.timing.seen.add(frame)
-        self._shown_ns = None
+    def add_paused(self, frame: Frame, *, trial: int, session_s: float) -> None:
+        """Take a frame of a pause: the first of its kind alone has a row."""
+        state = ShownFrame.of(frame).state
+        if state is not self._paused:
+            self.add(frame, None, trial=trial, session_s=session_s)
+        else:
+            self.timing.seen.add(ShownFrame.of(frame))
 
     def _count(self, frame: Frame) -> int:
         """Return how many refreshes were missed before a frame."""
-        now_ns, before_ns = frame.predicted_display_time_ns, self._shown_ns
+        shown, before = ShownFrame.of(frame), self._shown
         missed, timing = 0, self.timing
-        if before_ns is not None and not frame.discontinuity:
-            missed = missed_refreshes(now_ns - before_ns, frame.period_ns)
-            timing.intervals.add((now_ns - before_ns) / 1e6)
-        self._shown_ns = now_ns if frame.seen else None  # nobody waits for the next one
-        timing.frames += 1
+        if before is not None and not shown.cut:
+            passed_ns = passed_between_ns(before, shown)
+            missed = missed_refreshes(passed_ns, before.period_ns)
+            timing.intervals.add(passed_ns / 1e6)
+        self._shown = shown if frame.seen else None  # nobody waits for the next one
+        self._paused = shown.state if frame.paused else None
+        timing.frames += not frame.paused
         timing.dropped += missed > 0
         timing.missed_refreshes += missed
-        timing.untracked += not frame.head_tracked
-        timing.seen.add(frame)
+        timing.untracked += not (frame.head_tracked or frame.paused)
+        timing.seen.add(shown)
         return missed
 
     def _continuous_ns(self, frame: Frame) -> int:
@@ -405,7 +354,6 @@ class FrameLog:
         hits: Iterable[GazeHit] = (),
     ) -> None:
         """Write all waiting rows; late values that have not arrived are blank."""
-        self.timing.seen.end()
         self.take(samples, times, hashes, hits)
         while self._waiting:
             self._write(next(iter(self._waiting)))

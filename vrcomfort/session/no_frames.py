@@ -73,7 +73,7 @@ class EventLoop(FrameLoop):
         before_s, self.perceived_s = self.elapsed_s, perceived_s
         self.elapsed_s = perceived_s / stimulus.time_scale
         self.context.clock.advance(self.elapsed_s - before_s)
-        self.log.timing.seen.live_s += self.elapsed_s - before_s
+        self.log.timing.seen.pass_without_frames(self.elapsed_s - before_s)
 
 
 def scenes_for(protocol: StudyProtocol) -> LoadScene:

@@ -44,7 +44,7 @@ class RunOutcome:
     note
         Why it ended early.
     warnings
-        What somebody should look at: rows that a crash cut, trials with too many dropped
+        What the experimenter should look at: rows that a crash cut, trials with too many dropped
         frames, a clock that was set back.
     lost
         Rows that another program has taken out of the files, one sentence each.

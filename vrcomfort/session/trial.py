@@ -314,10 +314,11 @@ class TrialRunner:
         return before.get(trial, 0) + self._redone[trial]
 
     def _write_trial(self, place: TrialPlace, ending: Ending) -> None:
-        timing = self._log.timing_of(place.trial or 0)
+        end_s, timing = self._context.clock.now_s(), self._log.timing_of(place.trial or 0)
+        timing.seen.end(end_s - ending.start_s)
         trial = TrialRow(
             **self._identity(place, ending.start_s),
-            end_s=self._context.clock.now_s(),
+            end_s=end_s,
             status=ending.status,
             abort_code=ending.abort_code,
             frames=timing.frames,
@@ -326,7 +327,7 @@ class TrialRunner:
             **timing.seen.cells(),
             part=place.part,
         )
-        flags = trial_flags(timing, self._context.protocol.max_dropped_percent)
+        flags = trial_flags(timing, self._context.protocol)
         self._events.recorder.write(timing_row(trial, timing, flags), trial)
         if flags:
             text = f"trial {trial.trial}, attempt {trial.attempt}: {'; '.join(flags)}"

@@ -16,7 +16,7 @@ from vrcomfort.session.panel_screen import PanelScreen
 
 
 class VerbalRespondent:
-    """A participant who is asked aloud; experimenters at a console enter the answers.
+    """Questions asked aloud; the experimenter enters the answers at a console.
 
     The answers have the rows of any other respondent; the events `operator_answer` and
     `operator_rate` say who entered them.

@@ -179,16 +179,11 @@ class Trace:
         )
 
 
-def read_trace(path: str | Path, *, also: Callable[[TraceTable], None] | None = None) -> Trace:
+def read_trace(path: str | Path) -> Trace:
     """Read a trace, or a recorded `frames.csv`, which is one.
 
     A half-written last line is left out and named in `Trace.warnings`. The `gaze.csv` that a
     session leaves beside its `frames.csv` belongs to it.
-
-    Parameters
-    ----------
-    also
-        Takes each part of the table, in order, for what a trace does not keep.
 
     Raises
     ------
@@ -200,8 +195,6 @@ def read_trace(path: str | Path, *, also: Callable[[TraceTable], None] | None = 
     parts: list[Trace] = []
     for table in read_parts(file, require_trace):
         parts.append(_part_of(table, parts[-1] if parts else None))
-        if also is not None:
-            also(table)
     return replace(joined(parts), gaze=_gaze_beside(file), sha256=sha256_of(file))
 
 

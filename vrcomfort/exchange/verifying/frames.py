@@ -13,7 +13,9 @@ from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.records.attempts import TOLERANCE_S, Attempt, FramesOfAttempts, before, within
 from vrcomfort.records.interruptions import SAFE_AFTER_S, Interruption
 from vrcomfort.records.tables import RecordedRow
+from vrcomfort.seen_time import UNTOLD_PERIODS, SeenState, SeenTime, ShownFrame
 
+_RESTORE = "restore the file that was changed"
 _BACKWARDS = "; the file was changed or mixed with another: restore it from a copy"
 
 
@@ -25,6 +27,9 @@ class Frames:
     """`xr_time_ns` and `session_s` of each."""
     of_attempt: Counter[Attempt] = field(default_factory=Counter)
     dropped: Counter[Attempt] = field(default_factory=Counter)
+    seen: dict[Attempt, SeenTime] = field(default_factory=dict)
+    """Until the last frame of each attempt."""
+    longest_period_s: float = 0.0
 
 
 def read_frames(
@@ -45,6 +50,8 @@ def read_frames(
         attempt = of_attempts.add(row)
         if attempt is not None:
             frames.dropped[attempt] += row["dropped"]
+            frames.seen.setdefault(attempt, SeenTime()).add(ShownFrame.of_row(row.values))
+            frames.longest_period_s = max(frames.longest_period_s, row["period_ns"] / 1e9)
         elif row["trial"] not in homeless and not _is_under_way(row, under_way):
             homeless.add(row["trial"])
             message = f"belongs to no attempt at trial {row['trial']} in trials.csv"
@@ -93,6 +100,48 @@ def check_counts(
             message = f"trial {key[0]}, attempt {key[1]} dropped {trial['dropped']} frames"
             message = f"{message}, and frames.csv says {frames.dropped[key]}"
             found.fault(trial.file, f"{message}; restore the file that was changed", trial.line)
+
+
+def check_seen_time(
+    trials: Iterable[RecordedRow],
+    frames: Frames,
+    found: Verified,
+    *,
+    limits_percent: Mapping[str, float],
+    flagged: Mapping[Attempt, bool],
+) -> None:
+    """Check that the states of seen time are those of the frames, and sum to each exposure.
+
+    Parameters
+    ----------
+    limits_percent
+        State → the share above which an exposure is flagged; none where the study had no limits.
+    flagged
+        Attempt → whether ``timing.csv`` has it flagged.
+    """
+    # The session's clock is not the display's: an exposure begins and ends between two frames.
+    tolerance_s = UNTOLD_PERIODS * frames.longest_period_s + TOLERANCE_S
+    for trial in trials:
+        if trial[SeenState.OFF.column] is None:  # of an older version, or killed
+            continue
+        key = trial["trial"], trial["attempt"]
+        where = f"trial {key[0]}, attempt {key[1]}"
+        elapsed_s, told = trial["end_s"] - trial["start_s"], SeenTime.of_cells(trial.values)
+        if abs(told.seconds() - elapsed_s) > tolerance_s:
+            message = f"{where} took {elapsed_s:.3f} s, and its states of seen time add up to"
+            found.fault(trial.file, f"{message} {told.seconds():.3f} s; {_RESTORE}", trial.line)
+        elif (again := frames.seen.get(key)) and frames.of_attempt[key] == trial["frames"]:
+            again.end(elapsed_s)
+            for state in SeenState:
+                one_s, other_s = told.seconds(state), again.seconds(state)
+                if abs(one_s - other_s) > tolerance_s:
+                    message = f"{where}: {state.column} is {one_s:.3f}, and frames.csv says"
+                    message = f"{message} {other_s:.3f}; {_RESTORE}"
+                    found.fault(trial.file, message, trial.line)
+        beyond = told.beyond(limits_percent) if limits_percent else []
+        if beyond and not flagged.get(key, True):
+            message = f"{where} is not flagged, and {beyond[0].column} is beyond the limit"
+            found.fault(trial.file, f"{message}; {_RESTORE}", trial.line)
 
 
 def check_times(

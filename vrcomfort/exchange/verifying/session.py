@@ -22,6 +22,7 @@ from vrcomfort.exchange.verifying.frames import (
     Frames,
     check_clocks,
     check_counts,
+    check_seen_time,
     check_times,
     cuts,
     read_frames,
@@ -178,6 +179,10 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
     rows = read(folder, FrameRow, version, found)
     frames = read_frames(rows, recorded.trials, manifest.get("under_way"), found)
     check_counts(recorded.trials, frames, found, not_recorded=_not_recorded(recorded.events))
+    if not _not_recorded(recorded.events):
+        flagged = {(row["trial"], row["attempt"]): row["flagged"] == 1 for row in recorded.timing}
+        limits = (manifest.get("settings") or {}).get("flag_above_percent", {})
+        check_seen_time(recorded.trials, frames, found, limits_percent=limits, flagged=flagged)
     stopped = interruptions(manifest, recorded.events)
     _check_of_frames(folder, manifest, recorded, frames, stopped, found)
     if (folder / ClockRow.FILE).exists():

@@ -82,7 +82,12 @@ class Connection:
         self.session = watched(xr.create_session, self.runtime.instance, create)
         self._owned.callback(watched, xr.destroy_session, self.session)
         make_current(self._ctx)
-        self.lifecycle = Lifecycle(self.runtime.instance, self.session, notify, self.display_hz)
+        self.lifecycle = Lifecycle(
+            self.runtime.instance,
+            self.session,
+            notify,
+            lambda: self._settings.refresh_hz or self.display_hz(),
+        )
         self.stage = Stage(self.session, self._settings.eye_height_m)
         formats = watched(xr.enumerate_swapchain_formats, self.session)
         self._format = choose_format(formats)

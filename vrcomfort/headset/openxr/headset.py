@@ -307,6 +307,7 @@ class OpenXrHeadset:
         self._cut |= self._where.move(inputs, passed_s, in_scene=self._in_scene)
         self._cut |= self._presence.update(
             inputs,
+            time_ns,
             located=self._where.tracking.found,
             rendered=bool(timing.should_render),
         )
@@ -322,6 +323,7 @@ class OpenXrHeadset:
             discontinuity=self._cut,
             snap_turn=self._where.snap_turned,
             paused=self._presence.away,
+            user_present=self._xr.lifecycle.user_present,
             gaze=inputs.gaze,
             hands=(inputs.left.aim, inputs.right.aim),
             head_valid=tracking.valid,

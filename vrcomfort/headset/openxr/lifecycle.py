@@ -24,6 +24,8 @@ State = xr.SessionState
 POLL_S = 0.01
 _NO_EVENT = bytes(xr.EventDataBuffer())[: xr.EventDataBuffer.varying.offset]
 """The fields `type` and `next`, as OpenXR wants them before each poll."""
+ABSENT_NS = 500_000_000
+"""A presence sensor that sees nobody for less has slipped: the picture stays."""
 SEEN = (State.VISIBLE, State.FOCUSED)
 OUT_OF_REACH = (
     "a menu of the headset's is in front: the participant's controllers do not reach the program, "
@@ -60,7 +62,13 @@ class Lifecycle:
     notify
         Called with each event worth recording.
     display_hz
-        Returns the display's refresh rate as the runtime tells it; 0 where it does not.
+        Returns the display's refresh rate as it was asked for, or as the runtime tells it; 0 where
+        neither is known.
+
+    Attributes
+    ----------
+    user_present
+        Whether the headset's sensor sees somebody; None until the runtime tells.
     """
 
     def __init__(
@@ -76,7 +84,8 @@ class Lifecycle:
         self.state = State.IDLE
         self.running = False
         self.ended = False
-        self.refresh_period = RefreshPeriod(display_hz)
+        self.user_present: bool | None = None
+        self.refresh_period = RefreshPeriod(display_hz, notify)
         self._space_changes: list[SpaceChange] = []
         self._poll_event = native("xrPollEvent", usual=xr.Result.EVENT_UNAVAILABLE)
         self._event = xr.EventDataBuffer()
@@ -176,6 +185,7 @@ class Lifecycle:
             self.running = True
         elif self.state == State.STOPPING:
             self.running = False
+            self.user_present = None  # told anew when the session begins again
             watched(xr.end_session, self._session)
         elif self.state == State.EXITING:
             self.ended = True
@@ -191,13 +201,12 @@ class Lifecycle:
         self._space_changes.append(SpaceChange(space, int(event.change_time), pose))
 
     def _on_refresh_rate(self, event: Any) -> None:
-        rates = event.from_display_refresh_rate, event.to_display_refresh_rate
-        before, after = (f"{rate:g} Hz" for rate in rates)
-        self._notify(HeadsetEvent("refresh_rate_changed", f"from {before} to {after}"))
-        self.refresh_period.forget()
+        before_hz, now_hz = event.from_display_refresh_rate, event.to_display_refresh_rate
+        self.refresh_period.take_rate(float(before_hz), float(now_hz))
 
     def _on_presence(self, event: Any) -> None:
-        self._notify(HeadsetEvent("headset_on" if event.is_user_present else "headset_off"))
+        self.user_present = bool(event.is_user_present)
+        self._notify(HeadsetEvent("headset_on" if self.user_present else "headset_off"))
 
 
 class Presence:
@@ -227,6 +236,7 @@ class Presence:
         self._patience_s = patience_s
         self._notify = notify
         self._held = [True, True]
+        self._absent_since_ns: int | None = None
         self.away = self.leaving = False
         self.allow(0.0)
 
@@ -251,11 +261,15 @@ class Presence:
             raise asleep(self._patience_s)
         return running
 
-    def update(self, inputs: Inputs, *, located: bool = True, rendered: bool = True) -> bool:
+    def update(
+        self, inputs: Inputs, time_ns: int = 0, *, located: bool = True, rendered: bool = True
+    ) -> bool:
         """Take note of a frame; return True where the participant comes back with it.
 
         Parameters
         ----------
+        time_ns
+            Its display time.
         located
             Whether the head has ever been found: nothing is shown before.
         rendered
@@ -266,8 +280,15 @@ class Presence:
         RuntimeLostError
             If they have seen nothing until patience is over.
         """
-        before, self.away = self.away, not (self._lifecycle.seen and located)
-        if rendered and not self.away:
+        present = self._lifecycle.user_present is not False
+        if present:
+            self._absent_since_ns = None
+        elif self._absent_since_ns is None:
+            self._absent_since_ns = time_ns
+        since_ns = time_ns if self._absent_since_ns is None else self._absent_since_ns
+        taken_off = time_ns - since_ns >= ABSENT_NS
+        before, self.away = self.away, taken_off or not (self._lifecycle.seen and located)
+        if rendered and present and not self.away:
             if not self.leaving:
                 self.allow(0.0)
         elif time.monotonic() > self._until_s:

@@ -302,7 +302,7 @@ class _Facts(FactDraft):
             Conditions(answers, self.found, self._named).draft()
         for column in self._varying:
             if column not in self._context.used:
-                question = f"Why has somebody more than one {self.heading(column)!r}?"
+                question = f"Why has a participant more than one {self.heading(column)!r}?"
                 self.doubt(question, "it is ignored")
         self.found.unused += [
             column
@@ -433,7 +433,7 @@ class _Facts(FactDraft):
         self.use("timepoint", column, values=said)
         if len(set(said.values())) < len(said):
             shown = ", ".join(f"{a} is {b}" for a, b in said.items())
-            self.doubt("Are these moments right, though two are one?", shown)
+            self.doubt("Are these timepoints right, though two are one?", shown)
 
     def _other_timepoints(self, column: int) -> None:
         """Take texts such as T0 and T1 for timepoints in their alphabetical order, and ask."""
@@ -442,7 +442,7 @@ class _Facts(FactDraft):
         values = dict(zip(ordered, names, strict=False))
         self.use("timepoint", column, values=values)
         shown = ", ".join(f"{a} {b}" for a, b in values.items())
-        self.doubt(f"Which moments are {', '.join(ordered)}?", shown)
+        self.doubt(f"Which timepoints are {', '.join(ordered)}?", shown)
 
     def _mixed(self, column: int) -> None:
         """Take both the timepoint and the condition from one column."""

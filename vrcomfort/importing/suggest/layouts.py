@@ -280,7 +280,7 @@ def _courses_of(ratings: Sequence[FoundRating]) -> list[list[FoundRating]]:
 
 @dataclass(frozen=True)
 class FoundScores(FoundAnswers):
-    """Columns that hold scores of one moment.
+    """Columns that hold scores of one administration.
 
     Parameters
     ----------

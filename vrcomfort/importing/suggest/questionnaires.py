@@ -242,7 +242,7 @@ def _mend_items(
             items[item] = Named(other, block.instrument.name, item, "position", (), ())
             assumed = f"`{heading}` is ignored, and {table.headings[other]!r} is {item}"
         else:
-            assumed = f"`{heading}` is ignored, and nobody was asked {item}"
+            assumed = f"`{heading}` is ignored, and {item} was not asked"
         question = f"{heading!r} is exactly the sum of {shown}: which column is the item {item}?"
         doubts.append(OpenDoubt(question, assumed))
     return replace(block, items=items), doubts

@@ -19,6 +19,7 @@ from vrcomfort.importing.suggest.evidence import (
     total_rows,
 )
 from vrcomfort.importing.suggest.facts import AnswersFound, DraftedFacts, draft_facts
+from vrcomfort.importing.suggest.heading_facts import heading_facts, template_of
 from vrcomfort.importing.suggest.items import FoundAnswers, find_blocks
 from vrcomfort.importing.suggest.layouts import (
     find_courses,
@@ -27,7 +28,6 @@ from vrcomfort.importing.suggest.layouts import (
     find_scores,
     kind_of,
 )
-from vrcomfort.importing.suggest.moments import moments, template_of
 from vrcomfort.importing.suggest.questionnaires import (
     Drafted,
     draft_block,
@@ -171,12 +171,12 @@ class TableDraft:
 
     def _write(self) -> None:
         leading = self._answers.leading
-        facts = self._moments_of(self._answers[leading]) if leading else []
+        facts = self._heading_facts_of(self._answers[leading]) if leading else []
         when = self._roles.facts.get("timepoint", [])
         if len(facts) == 1 and any(len(texts(self.table, column)) > 1 for column in when):
             facts[0].pop("timepoint", None)  # a column says it better
         rated = self._answers[COURSES]
-        courses = self._moments_of(rated)
+        courses = self._heading_facts_of(rated)
         self._facts = {COURSES: courses} | ({leading: facts} if leading else {})
         said = {name for each in (*facts, *courses) for name in each}
         context, answers = self._context(), self._found_answers(said)
@@ -284,7 +284,7 @@ class TableDraft:
         """
         if layout not in self._facts:
             found = self._answers[layout]
-            said = self._moments_of(found) if layout is RATINGS else [{} for _ in found]
+            said = self._heading_facts_of(found) if layout is RATINGS else [{} for _ in found]
             self._facts[layout] = said
         return self._facts[layout]
 
@@ -327,13 +327,13 @@ class TableDraft:
         whole.note(f"{count} questionnaires in a row: {shown}")
         return [whole, *drafts[count:]]
 
-    def _moments_of(self, found: Sequence[FoundAnswers]) -> list[dict[str, str]]:
+    def _heading_facts_of(self, found: Sequence[FoundAnswers]) -> list[dict[str, str]]:
         """Return the facts in the words of headings, each instrument by itself."""
         named = [(each.instrument.name, each.context) for each in found]
         facts: list[dict[str, str]] = [{} for _ in named]
         for name in dict.fromkeys(name for name, _ in named):
             places = [i for i, (other, _) in enumerate(named) if other == name]
-            own, doubts = moments(
+            own, doubts = heading_facts(
                 [named[i][1] for i in places], self._vocabulary, numbers=self._numbers()
             )
             self.doubts += doubts

@@ -1,49 +1,35 @@
-"""The analyses of a report: one module and one line for each.
+"""The analyses of a report: one module for each, found by itself.
 
-To add an analysis:
-
-1. Write a module here with one `Analysis` (see `contract`): the key in the plan with the pydantic
-   model of its entries, the analysis set, the computation (which calls `vrcomfort.stats`), the
-   frozen dataclass of its rows, and its renderings: tables (page and CSV), sentences, the methods
-   paragraph with references, a figure, the lines of ``reproduce.R``. What it does not render it
-   leaves away.
-2. Name it in `ANALYSES`, in the order that results.json is to have.
+To add an analysis, write a module here that declares one `Analysis` (see `contract`): the key in
+the plan with the pydantic model of its entries, the analysis set, the computation (which calls
+`vrcomfort.stats`), the frozen dataclass of its rows, and its renderings: tables (page and CSV),
+sentences, the methods paragraph with references, figures, the lines of ``reproduce.R``. What it
+does not render it leaves away; without `place` and `order` it stands last.
 
 Plans then accept its key, and the page, results.json, the terminal, the CSV tables, the methods
-section and ``reproduce.R`` have it: all of them go through this list.
+section and ``reproduce.R`` have it: all of them go through `ANALYSES`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib import import_module
+from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.report.analyses.agreement import AGREEMENT
-from vrcomfort.report.analyses.anova import ANOVA
-from vrcomfort.report.analyses.comparisons import COMPARISONS
 from vrcomfort.report.analyses.contract import (
     Analysis,
     AnalysisData,
     AnalysisFigure,
     MethodsParagraph,
     PageTable,
+    ReportContext,
     Section,
     Sentence,
 )
-from vrcomfort.report.analyses.correlation import CORRELATIONS
-from vrcomfort.report.analyses.crossover import CROSSOVER
-from vrcomfort.report.analyses.equivalence import EQUIVALENCE
-from vrcomfort.report.analyses.friedman import FRIEDMAN
-from vrcomfort.report.analyses.kruskal_wallis import KRUSKAL_WALLIS
-from vrcomfort.report.analyses.mixed import MIXED_MODELS
-from vrcomfort.report.analyses.ordinal import ORDINAL
-from vrcomfort.report.analyses.preference import PREFERENCES
-from vrcomfort.report.analyses.signed_rank import TESTS
-from vrcomfort.report.analyses.z_scores import Z_SCORES
 
 if TYPE_CHECKING:
-    from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.rows import Cells
     from vrcomfort.report.vocabulary import Vocabulary
 
@@ -51,6 +37,7 @@ __all__ = [
     "ANALYSES",
     "AnalysisData",
     "MethodsParagraph",
+    "ReportContext",
     "Sentence",
     "analysed_people",
     "analysis_figures",
@@ -58,48 +45,53 @@ __all__ = [
     "methods_paragraphs",
     "outcome_sentences",
     "page_analyses",
+    "r_functions",
     "r_sections",
     "references",
     "run_analyses",
     "sentences",
 ]
 
-ANALYSES: tuple[Analysis[Any], ...] = (
-    TESTS,
-    COMPARISONS,
-    CORRELATIONS,
-    EQUIVALENCE,
-    PREFERENCES,
-    AGREEMENT,
-    KRUSKAL_WALLIS,
-    ORDINAL,
-    Z_SCORES,
-    ANOVA,
-    FRIEDMAN,
-    CROSSOVER,
-    MIXED_MODELS,
+
+def _declared() -> Iterator[Analysis[Any]]:
+    """Yield what the modules of this package declare."""
+    for each in iter_modules(__path__):
+        module = import_module(f"{__name__}.{each.name}")
+        yield from (value for value in vars(module).values() if isinstance(value, Analysis))
+
+
+ANALYSES: tuple[Analysis[Any], ...] = tuple(
+    sorted(_declared(), key=lambda each: (each.order, each.key))
 )
 """All of them, in the order of results.json."""
-SECTIONS: tuple[Section, ...] = ("tests", "models", "order")
 Rows = Mapping[str, Sequence[Any]]
 """An analysis' key → its rows."""
 
 
-def on_page(*sections: Section) -> list[Analysis[Any]]:
-    """Return the analyses in the order of the page, which sentences and methods have as well."""
-    found = (each for each in ANALYSES if each.section in sections)
-    return sorted(found, key=lambda each: each.place)
+def on_page() -> list[Analysis[Any]]:
+    """Return the analyses in the order of a section, which sentences and methods have as well."""
+    return sorted(ANALYSES, key=lambda each: each.place)
 
 
 def run_analyses(data: AnalysisData) -> dict[str, Sequence[Any]]:
     """Make the analyses of a plan, each of its own analysis set."""
     return {
-        each.key: each.compute(
-            replace(data, complete=each.people.needs_every_score(data.plan)),
-            data.plan.entries(each.key),
-        )
+        each.key: each.compute(_data_of(each, data), data.plan.entries(each.key))
         for each in ANALYSES
     }
+
+
+def _data_of(analysis: Analysis[Any], data: AnalysisData) -> AnalysisData:
+    return replace(data, complete=analysis.people.needs_every_score(data.plan))
+
+
+def with_intervals(data: AnalysisData, analysis: Analysis[Any], row: Any) -> Any:
+    """Return a row with the intervals of the level at which it decides, where that is stricter."""
+    level = row.decision.level
+    if level is None or level >= 1 - data.plan.confidence:
+        return row
+    found = analysis.intervals(_data_of(analysis, data), row, level)
+    return replace(row, decision=replace(row.decision, simultaneous=found)) if found else row
 
 
 def analysed_people(rows: Rows) -> list[Sequence[str]]:
@@ -120,7 +112,7 @@ def sentences(rows: Rows, words: Vocabulary) -> list[Sentence]:
     """Return the answers of all rows."""
     return [
         sentence
-        for each in on_page(*SECTIONS)
+        for each in on_page()
         if not each.by_outcome
         for row in rows[each.key]
         for sentence in each.sentences(row, words)
@@ -131,16 +123,23 @@ def outcome_sentences(rows: Rows, words: Vocabulary) -> list[tuple[str, Sentence
     """Return outcome and answer of the tests and comparisons, in the order of rows."""
     return [
         (row.outcome, sentence)
-        for each in on_page(*SECTIONS)
+        for each in on_page()
         if each.by_outcome
         for row in rows[each.key]
         for sentence in each.sentences(row, words)
     ]
 
 
-def methods_paragraphs(rows: Rows, *sections: Section) -> list[MethodsParagraph]:
+def methods_paragraphs(
+    rows: Rows, report: ReportContext, *sections: Section
+) -> list[MethodsParagraph]:
     """Return the paragraphs on the analyses that this report holds."""
-    return [paragraph for each in on_page(*sections) for paragraph in each.methods(rows[each.key])]
+    return [
+        paragraph
+        for each in on_page()
+        for paragraph in each.methods(rows[each.key], report)
+        if (paragraph.section or each.section) in sections
+    ]
 
 
 def references() -> dict[str, str]:
@@ -159,32 +158,59 @@ def csv_tables(rows: Rows) -> dict[str, list[Cells]]:
 
 @dataclass(frozen=True)
 class PageAnalysis:
-    """An analysis as the page has it."""
+    """The part of an analysis in one section of the page."""
 
+    key: str
     section: Section
+    heading: str
+    remarks: tuple[str, ...]
     tables: tuple[PageTable, ...]
-    figure: AnalysisFigure[Any] | None
+    figures: tuple[AnalysisFigure, ...]
+    side_by_side: bool
 
 
-def page_analyses(rows: Rows, words: Vocabulary, confidence: float) -> Iterator[PageAnalysis]:
+def page_analyses(rows: Rows, report: ReportContext) -> Iterator[PageAnalysis]:
     """Yield the analyses that have rows, in the order of the page."""
-    for each in on_page(*SECTIONS):
-        found = rows[each.key]
-        if found:
-            tables = (t for t in each.tables if t.columns or t.template)
-            drawn = tuple(table.on_page(found, words, confidence) for table in tables)
-            yield PageAnalysis(each.section, drawn, each.figure)
+    for each in on_page():
+        if found := rows[each.key]:
+            yield from _parts(each, found, report)
 
 
-def analysis_figures(rows: Rows, words: Vocabulary) -> dict[str, Drawing | None]:
-    """Return name → drawing of the analyses' figures; None where there is nothing to draw."""
-    return {
-        each.figure.name: each.figure.draw(rows[each.key], words)
+def _parts(
+    analysis: Analysis[Any], rows: Sequence[Any], report: ReportContext
+) -> Iterator[PageAnalysis]:
+    """Yield the part in the analysis' section, and those that stand elsewhere."""
+    remarks = [(each.section, each.text) for each in analysis.remarks(rows, report)]
+    tables = [(each.section, each.on_page(rows, report)) for each in analysis.tables]
+    for section in dict.fromkeys([None, *(place for place, _ in (*remarks, *tables))]):
+        yield PageAnalysis(
+            analysis.key,
+            section or analysis.section,
+            "" if section else analysis.heading(rows),
+            tuple(text for place, text in remarks if place == section),
+            tuple(table for place, table in tables if table and place == section),
+            () if section else tuple(analysis.figures(rows, report)),
+            analysis.side_by_side and not section,
+        )
+
+
+def analysis_figures(rows: Rows, report: ReportContext) -> Iterator[tuple[bool, AnalysisFigure]]:
+    """Yield the analyses' figures, and whether each stands with an answer on its outcome."""
+    for each in ANALYSES:
+        for figure in each.figures(rows[each.key], report):
+            yield each.by_outcome, figure
+
+
+def r_functions() -> Iterable[str]:
+    """Return the functions of reproduce.R that analyses bring along."""
+    return [each.r_functions for each in ANALYSES if each.r_functions]
+
+
+def r_sections(*sections: Section) -> Iterable[str]:
+    """Return the parts of reproduce.R that make the analyses of some sections again."""
+    return [
+        each.r_lines
+        for section in sections
         for each in ANALYSES
-        if each.figure
-    }
-
-
-def r_sections() -> Iterable[str]:
-    """Return the sections of reproduce.R that make the analyses again."""
-    return [each.r_lines for each in ANALYSES if each.r_lines]
+        if each.section == section and each.r_lines
+    ]

@@ -16,6 +16,7 @@ from vrcomfort.report.analyses.contract import (
     AnalysisSet,
     AnalysisTable,
     MethodsParagraph,
+    ReportContext,
     TableColumn,
     estimable,
     interval_heading,
@@ -93,7 +94,7 @@ def _found(data: AnalysisData, asked: Agreed) -> AgreementFound:
     return AgreementFound(people, tuple(sorted(wide.index, key=natural)), occasions, forms)
 
 
-def _methods(rows: Sequence[AgreementRow]) -> Iterator[MethodsParagraph]:
+def _methods(rows: Sequence[AgreementRow], _: ReportContext) -> Iterator[MethodsParagraph]:
     if any(row.found for row in rows):
         yield MethodsParagraph(
             "Agreement",
@@ -141,9 +142,9 @@ def _size(row: AgreementRow, _: Vocabulary) -> str:
 _Column = TableColumn[AgreementRow]
 _TABLE: AnalysisTable[AgreementRow, AgreementRow] = AnalysisTable(
     "agreement",
-    lambda confidence: (
+    lambda _, report: (
         "Agreement of repeated exposures: intraclass correlations with their "
-        f"{percent(confidence)} intervals"
+        f"{percent(report.plan.confidence)} intervals"
     ),
     (
         _Column("Outcome", lambda row, words: words.outcome(row.outcome)),
@@ -155,7 +156,7 @@ _TABLE: AnalysisTable[AgreementRow, AgreementRow] = AnalysisTable(
         _Column(interval_heading, _form(2, _interval)),
         _Column("of the mean (2,k)", _form(4, _estimate)),
     ),
-    not_estimable=lambda row: row.not_tested,
+    spanning=lambda row: row.not_tested,
     labels=2,
     csv=_csv,
 )
@@ -192,6 +193,7 @@ AGREEMENT = Analysis(
     problems=_problems,
     tables=(_TABLE,),
     place=70,
+    order=50,
     methods=_methods,
     r_lines=_R_LINES,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from itertools import groupby
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 from markupsafe import Markup
@@ -16,9 +17,12 @@ from vrcomfort.settings import Problem, did_you_mean
 from vrcomfort.web_page import escape_hidden
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from vrcomfort.records.recording import Memory
     from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.contrasts import Compared
+    from vrcomfort.report.exclusions import ExcludedByRule
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
@@ -28,11 +32,16 @@ if TYPE_CHECKING:
 Row = TypeVar("Row")
 Line = TypeVar("Line")
 Found = TypeVar("Found")
-Section = Literal["tests", "models", "order"]
+Section = Literal["primary", "tests", "order", "models", "assumptions", "sensitivity"]
+"""A part of the page; `primary` are the signed-rank tests, at the head of the tests."""
 ITALIC_N = Markup("<i>n</i>")
 ITALIC_P = Markup("<i>p</i>")
-Text = str | Callable[[float], str]
-"""A heading or a caption; one that names an interval is made of the plan's confidence."""
+ITALIC_SE = Markup("<i>SE</i>")
+P_HOLM = Markup("<i>p</i> Holm")
+WITHOUT_ZERO = " “Without 0”: the test rejects 0 between shifts that it does not reject."
+"""Note below a table with such an interval; see `is_holed`."""
+MOST_NAMED = 30
+"""Participants whom a line names; of more it tells the number."""
 
 
 class AnalysisSet(Enum):
@@ -93,12 +102,38 @@ def estimable(compute: Callable[[], Found]) -> tuple[str | None, Found | None]:
 
 
 @dataclass(frozen=True)
+class ReportContext:
+    """The report that rows are rendered for.
+
+    Parameters
+    ----------
+    several
+        Whether a condition has several exposures, of which tests take the mean.
+    drawn
+        Whether the report has figures.
+    """
+
+    words: Vocabulary
+    plan: Plan
+    several: bool
+    drawn: bool
+
+
+Text = str | Callable[[Sequence[Any], ReportContext], str]
+"""A heading or a caption; one that depends on rows or plan is made of them."""
+
+
+@dataclass(frozen=True)
 class MethodsParagraph:
-    """One paragraph of the methods section, with the keys of its references."""
+    """One paragraph of the methods section, with the keys of its references.
+
+    It stands among those of `section`; without one, of its analysis' section.
+    """
 
     title: str
     text: str
     cited: tuple[str, ...] = ()
+    section: Section | None = None
 
 
 @dataclass(frozen=True)
@@ -112,6 +147,14 @@ class Sentence:
     def text(self) -> str:
         """Return both parts as one text."""
         return f"{self.claim} {self.evidence}" if self.evidence else self.claim
+
+
+@dataclass(frozen=True)
+class Remark:
+    """A paragraph on the page, before the tables of `section` (without one, the analysis' own)."""
+
+    text: str
+    section: Section | None = None
 
 
 @dataclass(frozen=True)
@@ -141,14 +184,21 @@ class PageCell:
 
 
 @dataclass(frozen=True)
+class PageLine:
+    """A line of a table; a group's one stands above the lines of the group."""
+
+    cells: tuple[PageCell, ...]
+    of_group: bool = False
+
+
+@dataclass(frozen=True)
 class PageTable:
-    """A table as the page has it; `template`, if any, writes it instead."""
+    """A table as the page has it."""
 
     caption: str
     headings: tuple[PageCell, ...]
-    lines: tuple[tuple[PageCell, ...], ...]
+    lines: tuple[PageLine, ...]
     note: str
-    template: str
 
 
 def _itself(row: Row) -> Iterator[Row]:
@@ -166,64 +216,90 @@ class AnalysisTable(Generic[Row, Line]):
     Parameters
     ----------
     name
-        Of the CSV file.
+        Of the CSV file; blank: there is none.
     csv
         A row's lines of the CSV file; without it, one line with the row's fields.
     caption, columns, note
-        Of the page. A table without columns is a CSV file alone.
+        Of the page. A table without columns is a CSV file alone, one without lines is left away.
     lines
         A row's lines on the page; without it, one line.
-    not_estimable
-        Why a line has no numbers: this stands in place of all columns after the first `labels`.
-    template
-        Template that writes the table on the page, where columns do not suffice.
+    spanning
+        Text in place of all columns after the first `labels`: why a line has no numbers, say.
+    group, group_key
+        The line above the lines of a row, or of neighbouring rows with the same key; blank: none.
+    section
+        Where on the page, if not with its analysis.
     """
 
     name: str
     caption: Text = ""
     columns: tuple[TableColumn[Line], ...] = ()
     lines: Callable[[Row], Iterable[Line]] = _itself  # type: ignore[assignment]
-    not_estimable: Callable[[Line], str | None] = lambda _: None
+    spanning: Callable[[Line], str | None] = lambda _: None
     labels: int = 1
-    note: Callable[[Sequence[Row]], str] = lambda _: ""
+    group: Callable[[Row, Sequence[Row], ReportContext], str] | None = None
+    group_key: Callable[[Row], object] = id
+    note: Callable[[Sequence[Row], ReportContext], str] = lambda _rows, _report: ""
     csv: Callable[[Row], Iterable[Cells]] = _csv_of_fields
-    template: str = ""
+    section: Section | None = None
 
-    def on_page(self, rows: Sequence[Row], words: Vocabulary, confidence: float) -> PageTable:
-        """Return the table as the page has it."""
+    def on_page(self, rows: Sequence[Row], report: ReportContext) -> PageTable | None:
+        """Return the table as the page has it; None where that has none."""
+        lines = tuple(self._lines(rows, report)) if self.columns else ()
+        if not lines:
+            return None
 
         def written(text: Text) -> str:
-            return text if isinstance(text, str) else text(confidence)
+            return text if isinstance(text, str) else text(rows, report)
 
         return PageTable(
             written(self.caption),
             tuple(PageCell(written(each.heading), each.of_words) for each in self.columns),
-            tuple(self._line(line, words) for row in rows for line in self.lines(row)),
-            self.note(rows),
-            self.template,
+            lines,
+            self.note(rows, report),
         )
 
-    def _line(self, line: Line, words: Vocabulary) -> tuple[PageCell, ...]:
-        reason = self.not_estimable(line)
-        shown = self.columns if reason is None else self.columns[: self.labels]
+    def _lines(self, rows: Sequence[Row], report: ReportContext) -> Iterator[PageLine]:
+        for _, members in groupby(rows, self.group_key):
+            group = list(members)
+            lines = [self._line(line, report.words) for row in group for line in self.lines(row)]
+            if title := self.group and self.group(group[0], rows, report):
+                yield PageLine((PageCell(title, columns=len(self.columns)),), of_group=True)
+            yield from lines
+
+    def _line(self, line: Line, words: Vocabulary) -> PageLine:
+        text = self.spanning(line)
+        shown = self.columns if text is None else self.columns[: self.labels]
         found = [PageCell(each.cell(line, words), each.of_words) for each in shown]
-        if reason is not None:
-            found.append(PageCell(reason, of_words=True, columns=len(self.columns) - self.labels))
-        return tuple(found)
+        if text is not None:
+            found.append(PageCell(text, of_words=True, columns=len(self.columns) - self.labels))
+        return PageLine(tuple(found))
 
 
 @dataclass(frozen=True)
-class AnalysisFigure(Generic[Row]):
-    """A figure of an analysis, below its tables."""
+class AnalysisFigure:
+    """A figure of an analysis, below its tables.
+
+    Parameters
+    ----------
+    name
+        Of the file.
+    kind
+        Name by which a plan can want figures; see `Analysis.figure_kinds`.
+    outcome
+        The outcome that it shows, where it can stand beside the answer on it.
+    """
 
     name: str
+    kind: str
     caption: str
-    draw: Callable[[Sequence[Row], Vocabulary], Drawing | None]
+    draw: Callable[[Exposures], Drawing | None]
+    outcome: str = ""
 
 
 @dataclass(frozen=True)
 class Analysis(Generic[Row]):
-    """One analysis.
+    """One analysis: the module that declares it is found by `vrcomfort.report.analyses`.
 
     Parameters
     ----------
@@ -239,12 +315,24 @@ class Analysis(Generic[Row]):
         Description of the plan's key.
     problems
         Yields what the types of entries cannot say is wrong: plan, entries → problems.
-    tables, figure
+    tables
         On the page in this order; CSV files.
+    heading, remarks
+        On the page before the tables.
+    figures, figure_kinds, side_by_side
+        Figures of its rows, the names by which a plan can want them, and whether they stand side
+        by side.
     section, place
         Place on the page: of a section's analyses the smallest first.
+    order
+        Place in results.json, among the CSV tables and in a section of reproduce.R: the smallest
+        first.
     by_outcome
-        Whether its answers stand with their outcome, those of the primary one first.
+        Whether its answers stand with their outcome, those of the primary one first. Its rows have
+        a `Decision`, made in families.
+    intervals
+        Estimates of a row with the intervals of a level: those at which the row decides in its
+        family (data, row, level; None where there are none).
     sentences
         The answers of a row.
     methods
@@ -253,8 +341,8 @@ class Analysis(Generic[Row]):
     analysed
         The participants of a row, of an analysis that answers a question by itself: they are the
         analysed ones of a report that compares nothing.
-    r_lines
-        A section of reproduce.R that makes the numbers again.
+    r_lines, r_functions
+        A part of reproduce.R that makes the numbers again, and functions that others can use too.
     """
 
     key: str
@@ -264,15 +352,26 @@ class Analysis(Generic[Row]):
     about: str = ""
     problems: Callable[[Plan, Sequence[Any]], Iterable[Problem]] = lambda _plan, _asked: ()
     tables: tuple[AnalysisTable[Row, Any], ...] = ()
-    figure: AnalysisFigure[Row] | None = None
+    heading: Callable[[Sequence[Row]], str] = lambda _: ""
+    remarks: Callable[[Sequence[Row], ReportContext], Iterable[Remark]] = lambda _rows, _report: ()
+    figures: Callable[[Sequence[Row], ReportContext], Iterable[AnalysisFigure]] = (
+        lambda _rows, _report: ()
+    )
+    figure_kinds: tuple[str, ...] = ()
+    side_by_side: bool = False
     section: Section = "tests"
-    place: int = 99
+    place: int = 1000
+    order: int = 1000
     by_outcome: bool = False
+    intervals: Callable[[AnalysisData, Row, float], Any] = lambda _data, _row, _level: None
     sentences: Callable[[Row, Vocabulary], Iterable[Sentence]] = lambda _row, _words: ()
-    methods: Callable[[Sequence[Row]], Iterable[MethodsParagraph]] = lambda _: ()
+    methods: Callable[[Sequence[Row], ReportContext], Iterable[MethodsParagraph]] = (
+        lambda _rows, _report: ()
+    )
     references: Mapping[str, str] = field(default_factory=dict)
     analysed: Callable[[Row], Sequence[str]] | None = None
     r_lines: str = ""
+    r_functions: str = ""
 
 
 @dataclass(frozen=True)
@@ -281,15 +380,24 @@ class SectionData:
 
     Parameters
     ----------
-    results
-        Those of the report so far: conditions, tests, excluded participants.
+    conditions
+        Those of the report.
+    labels
+        Label of each condition and other side of a contrast, in the order of the report.
+    pairs
+        The pairs of conditions that are compared.
+    exclusions
+        The participants and exposures that rules of the plan leave out.
     memory
         The most that reading frames may take.
     """
 
     study: StudyData
     plan: Plan
-    results: Mapping[str, Any]
+    conditions: Sequence[str]
+    labels: Mapping[str, str]
+    pairs: Sequence[tuple[str, str]]
+    exclusions: Sequence[ExcludedByRule]
     memory: Memory | None = None
 
 
@@ -309,7 +417,7 @@ class SectionAnalysis(Generic[Found]):
     compute
         Makes the analysis, of the data and of the plan.
     results
-        Its keys of results.json.
+        What its keys of results.json hold; None where there is nothing.
     tables
         Name → lines of its CSV tables.
     figures
@@ -329,7 +437,7 @@ class SectionAnalysis(Generic[Found]):
     heading: str
     template: str
     compute: Callable[[SectionData], Found]
-    results: Callable[[Found], dict[str, Any]]
+    results: Callable[[Found], Mapping[str, DataclassInstance | None]]
     tables: Callable[[Found], Mapping[str, Sequence[Cells]]]
     figures: Callable[[Found, Vocabulary], Mapping[str, Drawing | None]]
     methods: Callable[[Found], Iterable[MethodsParagraph]]
@@ -350,9 +458,20 @@ def percent(confidence: float) -> str:
     return f"{degrees(100 * confidence)} %"
 
 
-def interval_heading(confidence: float) -> str:
-    """Return the heading of a column of intervals."""
-    return f"{percent(confidence)} CI"
+def interval_heading(_: Sequence[object], report: ReportContext) -> str:
+    """Return the heading of a column of intervals at the plan's confidence."""
+    return f"{percent(report.plan.confidence)} CI"
+
+
+def decided_interval(rows: Sequence[Any], report: ReportContext) -> str:
+    """Return the heading of intervals of the level at which each row decides in its family."""
+    adjusted = any(row.decision.simultaneous for row in rows)
+    return interval_heading(rows, report) + " (Holm)" * adjusted
+
+
+def is_holed(found: object) -> bool:
+    """Return whether an interval of a shift holds 0 though its test rejects 0."""
+    return bool(getattr(found, "holds_rejected_zero", False))
 
 
 def starred_p(p: float | None, method: str | None) -> str:
@@ -362,5 +481,26 @@ def starred_p(p: float | None, method: str | None) -> str:
 
 def with_dot(name: str, words: Vocabulary) -> str:
     """Return a condition's label behind a dot of its colour."""
-    dot = Markup('<span class="dot c{}"></span>{}')
-    return dot.format(words.place(name) % 6, escape_hidden(words.condition(name)))
+    # The style sheet has six colours; the shapes of figures tell further conditions apart.
+    place = str(words.place(name) % 6)
+    return html('<span class="dot c{}"></span>{}', place, words.condition(name))
+
+
+def html(text: str, *inserted: str) -> Markup:
+    """Return HTML with texts inserted at its ``{}``: escaped, but for what is HTML already."""
+    safe = (t if isinstance(t, Markup) else escape_hidden(t) for t in inserted)
+    return Markup(text).format(*safe)  # noqa: S704 - a constant of the program
+
+
+def p_in_html(p: float) -> Markup:
+    """Return p in a line of the page."""
+    return html("<i>p</i> {}{}", "" if p < 0.001 else "= ", p_value(p))
+
+
+def by_reason(rows: Iterable[Row], reason: Callable[[Row], str | None]) -> dict[str, list[Row]]:
+    """Return the rows that have a reason for having no numbers: reason → rows, by alphabet."""
+    found: dict[str, list[Row]] = {}
+    for row in rows:
+        if why := reason(row):
+            found.setdefault(why, []).append(row)
+    return {why: found[why] for why in sorted(found, key=str.lower)}

@@ -17,6 +17,7 @@ from vrcomfort.report.analyses.contract import (
     AnalysisSet,
     AnalysisTable,
     MethodsParagraph,
+    ReportContext,
     Sentence,
     TableColumn,
     interval_heading,
@@ -181,7 +182,7 @@ _METHODS: dict[str, tuple[str, tuple[str, ...]]] = {
 }
 
 
-def _methods(rows: Sequence[CorrelationRow]) -> Iterator[MethodsParagraph]:
+def _methods(rows: Sequence[CorrelationRow], _: ReportContext) -> Iterator[MethodsParagraph]:
     made = dict.fromkeys(row.found.method for row in rows if not row.not_tested)
     if made:
         text = " ".join(_METHODS[name][0] for name in made)
@@ -212,7 +213,7 @@ _TABLE: AnalysisTable[CorrelationRow, CorrelationRow] = AnalysisTable(
         TableColumn("df", lambda row, _: NONE if row.found.df is None else str(row.found.df)),
         TableColumn(ITALIC_P, lambda row, _: starred_p(row.found.p, row.found.p_method)),
     ),
-    not_estimable=lambda row: row.not_tested,
+    spanning=lambda row: row.not_tested,
     labels=3,
     csv=_csv,
 )
@@ -251,6 +252,7 @@ CORRELATIONS = Analysis(
     problems=_problems,
     tables=(_TABLE,),
     place=40,
+    order=20,
     sentences=_sentences,
     methods=_methods,
     analysed=lambda row: row.participants,

@@ -4,28 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from markupsafe import Markup
 
 from vrcomfort.errors import InputError
 from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import (
+    ITALIC_P,
+    ITALIC_SE,
+    MOST_NAMED,
     Analysis,
     AnalysisData,
     AnalysisSet,
     AnalysisTable,
     MethodsParagraph,
+    Remark,
+    ReportContext,
+    TableColumn,
+    by_reason,
     estimable,
 )
 from vrcomfort.report.factors import points
 from vrcomfort.report.rows import INLINE
-from vrcomfort.stats.mixed import Crossover, crossover
+from vrcomfort.report.words import degrees, interval, number, p_value
+from vrcomfort.stats.mixed import Crossover, Estimate, crossover
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from vrcomfort.report.rows import Cells
+    from vrcomfort.report.vocabulary import Vocabulary
 
 
 @dataclass(frozen=True)
@@ -96,7 +106,7 @@ def _without_one_place(pair: pd.DataFrame) -> list[str]:
     return sorted(map(str, people), key=natural)
 
 
-def _methods(rows: Sequence[CrossoverRow]) -> Iterator[MethodsParagraph]:
+def _methods(rows: Sequence[CrossoverRow], _: ReportContext) -> Iterator[MethodsParagraph]:
     if any(row.fit for row in rows):
         yield MethodsParagraph(
             "Crossover",
@@ -124,11 +134,123 @@ def _csv(row: CrossoverRow) -> Iterator[Cells]:
         yield {**keys, **sizes, "effect": name, **asdict(effect)}
 
 
-CROSSOVER: Analysis[CrossoverRow] = Analysis(
+def _remarks(rows: Sequence[CrossoverRow], _: ReportContext) -> Iterator[Remark]:
+    made = any(row.fit for row in rows)
+    for reason, missing in by_reason(rows, lambda row: row.not_tested).items():
+        plural = "s" if len(missing) != 1 else ""
+        of = f" of {len(missing)} comparison{plural}" if made else ""
+        yield Remark(f"No crossover analysis{of}: {reason}.")
+
+
+def _title(row: CrossoverRow, _: Sequence[CrossoverRow], report: ReportContext) -> str:
+    if row.fit is None:
+        return ""
+    words, found, people = report.words, row.fit.effects, row.fit.left_out
+    named = ", ".join(people[:MOST_NAMED])
+    left_out = f"; excluded for one condition in different positions: {named}" if people else ""
+    return (
+        f"{words.outcome(row.outcome)}; {words.condition(row.a)} first: n = {found.n_ab}, "
+        f"{words.condition(row.b)} first: n = {found.n_ba}{left_out}"
+    )
+
+
+@dataclass(frozen=True)
+class _Line:
+    """A line on one of the three effects."""
+
+    row: CrossoverRow
+    effect: Literal["condition", "period", "sequence"]
+    found: Estimate
+
+
+def _lines(row: CrossoverRow) -> Iterator[_Line]:
+    if row.fit:
+        effects = row.fit.effects
+        yield _Line(row, "condition", effects.condition)
+        yield _Line(row, "period", effects.period)
+        yield _Line(row, "sequence", effects.sequence)
+
+
+def _effect(line: _Line, words: Vocabulary) -> str:
+    a, b = words.condition(line.row.a), words.condition(line.row.b)
+    return {
+        "condition": f"{a} minus {b}",
+        "period": "second position minus first",
+        "sequence": f"{b} first minus {a} first (carry-over)",
+    }[line.effect]
+
+
+_Column = TableColumn[_Line]
+_TABLE: AnalysisTable[CrossoverRow, _Line] = AnalysisTable(
+    "crossover",
+    "Crossover analysis: condition, position and sequence (points)",
+    (
+        _Column("Effect", _effect, of_words=True),
+        _Column("estimate", lambda line, _: number(line.found.estimate)),
+        _Column(ITALIC_SE, lambda line, _: number(line.found.standard_error)),
+        _Column("df", lambda line, _: degrees(line.found.df)),
+        _Column(Markup("<i>t</i>"), lambda line, _: number(line.found.t)),
+        _Column(ITALIC_P, lambda line, _: p_value(line.found.p)),
+        _Column("95 % CI", lambda line, _: interval(line.found)),
+    ),
+    lines=_lines,
+    group=_title,
+    note=lambda _rows, _report: (
+        "The difference of the conditions is adjusted for position, and its interval therefore not "
+        "that of the mean difference in the other tables. Condition and position are tested within "
+        "participants, the sequence between them, where a difference may be carry-over or chance: "
+        "it has little power."
+    ),
+    csv=_csv,
+)
+
+_R_LINES = r"""
+# The two-period crossover: t tests of half differences and of means of the periods, by sequence.
+crossover <- function(found) {
+  mine <- scores[scores$condition %in% c(found$a[1], found$b[1]) &
+                 !is.na(scores[[found$outcome[1]]]), ]
+  mine$score <- as.numeric(mine[[found$outcome[1]]])
+  cell <- list(mine$participant, factor(mine$condition, c(found$a[1], found$b[1])))
+  places <- tapply(mine$position, cell, function(p) length(unique(p)))
+  count <- tapply(mine$score, cell, length)
+  enough <- t(t(count) >= as.numeric(c(found$planned_a[1], found$planned_b[1])))
+  kept <- rowSums(enough & places == 1) %in% 2
+  score <- tapply(mine$score, cell, mean)[kept, , drop = FALSE]
+  place <- tapply(as.numeric(mine$position), cell, min)[kept, , drop = FALSE]
+  ab <- place[, 1] < place[, 2]
+  one <- ifelse(ab, score[, 1], score[, 2]); two <- ifelse(ab, score[, 2], score[, 1])
+  half <- (one - two) / 2; mean <- (one + two) / 2
+  sides <- list(condition = list(half[ab], half[!ab]), period = list(-half[ab], half[!ab]),
+                sequence = list(mean[!ab], mean[ab]))
+  for (k in seq_len(nrow(found))) {
+    line <- found[k, ]; side <- sides[[line$effect]]
+    if (is.na(line$t)) next
+    test <- t.test(side[[1]], side[[2]], var.equal = TRUE)
+    about <- paste0("crossover, ", line$effect)
+    compare(line, "estimate", line$estimate, unname(diff(rev(test$estimate))), about, size = 1e-6)
+    compare(line, "standard error", line$standard_error, test$stderr, about)
+    compare(line, "t", line$t, unname(test$statistic), about, size = 1e-6)
+    compare(line, "p", line$p, test$p.value, about)
+  }
+}
+found <- read_if_there("crossover")
+if (!is.null(found)) {
+  for (one in split(found, paste(found$a, found$b, found$outcome))) {
+    crossover(one)
+    models <- models + 1
+  }
+}
+"""
+
+CROSSOVER = Analysis(
     "crossover",
     AnalysisSet.COMPLETE_PAIRS,
     _compute,
     section="order",
-    tables=(AnalysisTable("crossover", template="report/crossover.html.j2", csv=_csv),),
+    place=120,
+    order=120,
+    tables=(_TABLE,),
+    remarks=_remarks,
     methods=_methods,
+    r_lines=_R_LINES,
 )

@@ -16,9 +16,10 @@ from vrcomfort.report.analyses.contract import (
     AnalysisSet,
     AnalysisTable,
     MethodsParagraph,
+    ReportContext,
     Sentence,
     TableColumn,
-    interval_heading,
+    percent,
     unknown_outcome,
 )
 from vrcomfort.report.contrasts import check_group
@@ -169,7 +170,7 @@ def _sentences(row: EquivalenceRow, words: Vocabulary) -> Iterator[Sentence]:
     )
 
 
-def _methods(rows: Sequence[EquivalenceRow]) -> Iterator[MethodsParagraph]:
+def _methods(rows: Sequence[EquivalenceRow], _: ReportContext) -> Iterator[MethodsParagraph]:
     if any(row.found for row in rows):
         yield MethodsParagraph(
             "Equivalence",
@@ -188,9 +189,9 @@ def _difference(row: EquivalenceRow, words: Vocabulary) -> str:
     return f"{words.condition(row.a)} minus {words.condition(row.b)}"
 
 
-def _heading(confidence: float) -> str:
+def _heading(_: Sequence[EquivalenceRow], report: ReportContext) -> str:
     # Two one-sided tests at α have an interval of the confidence 1 − 2α.
-    return interval_heading(2 * confidence - 1)
+    return f"{percent(2 * report.plan.confidence - 1)} CI"
 
 
 def _bounds(row: EquivalenceRow, _: Vocabulary) -> str:
@@ -219,7 +220,7 @@ _TABLE: AnalysisTable[EquivalenceRow, EquivalenceRow] = AnalysisTable(
         _Column(Markup("<i>t</i> high"), _tested(lambda test: number(test.t_high))),
         _Column(ITALIC_P, _tested(lambda test: p_value(test.p))),
     ),
-    not_estimable=lambda row: row.not_tested,
+    spanning=lambda row: row.not_tested,
     labels=4,
     csv=_csv,
 )
@@ -251,6 +252,7 @@ EQUIVALENCE = Analysis(
     problems=_problems,
     tables=(_TABLE,),
     place=20,
+    order=30,
     sentences=_sentences,
     methods=_methods,
     r_lines=_R_LINES,

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
+from markupsafe import Markup
+
 from vrcomfort.report.analyses.contract import (
+    ITALIC_N,
+    ITALIC_P,
     Analysis,
     AnalysisData,
     AnalysisSet,
     AnalysisTable,
     MethodsParagraph,
+    ReportContext,
+    TableColumn,
     estimable,
+    html,
 )
 from vrcomfort.report.pairs import Side, side_sums
 from vrcomfort.report.rows import INLINE
+from vrcomfort.report.words import fraction, number, p_value
 from vrcomfort.stats.rank_anova import Friedman, friedman
 
 
@@ -51,7 +59,7 @@ def _found(data: AnalysisData, outcome: str) -> FriedmanFound:
     return FriedmanFound(tuple(people), friedman(sums))
 
 
-def _methods(rows: Sequence[FriedmanRow]) -> Iterator[MethodsParagraph]:
+def _methods(rows: Sequence[FriedmanRow], _: ReportContext) -> Iterator[MethodsParagraph]:
     if any(row.found for row in rows):
         yield MethodsParagraph(
             "More than two conditions",
@@ -62,11 +70,39 @@ def _methods(rows: Sequence[FriedmanRow]) -> Iterator[MethodsParagraph]:
         )
 
 
-FRIEDMAN: Analysis[FriedmanRow] = Analysis(
+def _note(_: Sequence[FriedmanRow], report: ReportContext) -> str:
+    scores = "every planned" if report.plan.needs_every_score else "a"
+    return html("<i>n</i>: participants with {} score of all conditions.", scores)
+
+
+def _tested(write: Callable[[Friedman], str]) -> Callable[[FriedmanRow, object], str]:
+    return lambda row, _: write(row.found.test) if row.found else ""
+
+
+_Column = TableColumn[FriedmanRow]
+_TABLE: AnalysisTable[FriedmanRow, FriedmanRow] = AnalysisTable(
+    "",
+    "Friedman tests over all conditions",
+    (
+        _Column("Score", lambda row, words: words.outcome(row.outcome)),
+        _Column(ITALIC_N, _tested(lambda test: str(test.n))),
+        _Column("χ²", _tested(lambda test: number(test.chi_square))),
+        _Column("df", _tested(lambda test: str(test.df))),
+        _Column(ITALIC_P, _tested(lambda test: p_value(test.p))),
+        _Column(Markup("Kendall’s <i>W</i>"), _tested(lambda test: fraction(test.kendall_w, 3))),
+    ),
+    spanning=lambda row: row.not_tested,
+    note=_note,
+    csv=lambda _: (),
+)
+
+FRIEDMAN = Analysis(
     "friedman",
     AnalysisSet.COMPLETE_BLOCKS,
     _compute,
     section="models",
-    tables=(AnalysisTable("", template="report/friedman.html.j2", csv=lambda _: ()),),
+    place=110,
+    order=110,
+    tables=(_TABLE,),
     methods=_methods,
 )

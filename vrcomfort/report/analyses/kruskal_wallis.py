@@ -18,6 +18,7 @@ from vrcomfort.report.analyses.contract import (
     AnalysisSet,
     AnalysisTable,
     MethodsParagraph,
+    ReportContext,
     TableColumn,
     estimable,
     starred_p,
@@ -86,7 +87,7 @@ def _found(data: AnalysisData, factor: Factor, outcome: str) -> KruskalWallisFou
     return KruskalWallisFound(tuple(names), tuple(sorted(group, key=natural)), test)
 
 
-def _methods(rows: Sequence[KruskalWallisRow]) -> Iterator[MethodsParagraph]:
+def _methods(rows: Sequence[KruskalWallisRow], _: ReportContext) -> Iterator[MethodsParagraph]:
     if any(row.found for row in rows):
         yield MethodsParagraph(
             "More than two groups",
@@ -106,7 +107,7 @@ def _csv(row: KruskalWallisRow) -> Iterator[Cells]:
     }
 
 
-def _note(rows: Sequence[KruskalWallisRow]) -> str:
+def _note(rows: Sequence[KruskalWallisRow], _: ReportContext) -> str:
     asymptotic = any(row.found and row.found.test.method == "asymptotic" for row in rows)
     return "* asymptotic: too many people for the exact p." if asymptotic else ""
 
@@ -130,7 +131,7 @@ _TABLE: AnalysisTable[KruskalWallisRow, KruskalWallisRow] = AnalysisTable(
         _Column(ITALIC_P, _tested(lambda test: starred_p(test.p, test.method))),
         _Column("ε²", _tested(lambda test: fraction(test.epsilon_squared, 3))),
     ),
-    not_estimable=lambda row: row.not_tested,
+    spanning=lambda row: row.not_tested,
     labels=2,
     note=_note,
     csv=_csv,
@@ -159,6 +160,7 @@ KRUSKAL_WALLIS = Analysis(
     _compute,
     tables=(_TABLE,),
     place=10,
+    order=60,
     methods=_methods,
     r_lines=_R_LINES,
 )

@@ -2,28 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
 import pandas as pd
+from markupsafe import Markup
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.analyses.contract import (
+    ITALIC_P,
+    ITALIC_SE,
     Analysis,
     AnalysisData,
     AnalysisSet,
     AnalysisTable,
     MethodsParagraph,
+    Remark,
+    ReportContext,
+    TableColumn,
+    by_reason,
     estimable,
+    html,
+    interval_heading,
+    percent,
+    with_dot,
 )
 from vrcomfort.report.exposures import column_of
 from vrcomfort.report.factors import points
 from vrcomfort.report.rows import INLINE
-from vrcomfort.stats.mixed import MixedModel, mixed_model
+from vrcomfort.report.words import degrees, interval, number, p_value
+from vrcomfort.stats.mixed import MOST_LEVELS, Estimate, MixedModel, Pairwise, mixed_model
 
 if TYPE_CHECKING:
     from vrcomfort.report.rows import Cells
+    from vrcomfort.report.vocabulary import Vocabulary
+    from vrcomfort.stats.random_intercept import FTest
 
 
 @dataclass(frozen=True)
@@ -83,7 +97,7 @@ def _fit(data: AnalysisData, outcome: str) -> MixedFit:
     raise InputError("no effect has two levels in the data")
 
 
-def _methods(rows: Sequence[MixedRow]) -> Iterator[MethodsParagraph]:
+def _methods(rows: Sequence[MixedRow], _: ReportContext) -> Iterator[MethodsParagraph]:
     models = [row.fit.model for row in rows if row.fit]
     if models:
         yield MethodsParagraph(
@@ -131,14 +145,218 @@ def _csv_of_means(row: MixedRow) -> Iterator[Cells]:
                 yield {**keys, **asdict(estimate)}
 
 
-MIXED_MODELS: Analysis[MixedRow] = Analysis(
+def _remarks(rows: Sequence[MixedRow], report: ReportContext) -> Iterator[Remark]:
+    for reason, missing in by_reason(rows, lambda row: row.not_tested).items():
+        named = ", ".join(report.words.outcome(row.outcome) for row in missing)
+        yield Remark(f"{named}: no mixed model ({reason}).")
+
+
+def _title(row: MixedRow, _: Sequence[MixedRow], report: ReportContext) -> str:
+    if row.fit is None:
+        return ""
+    model = row.fit.model
+    sizes = f"{model.n_values} exposures of {model.n_participants} participants"
+    return f"{report.words.outcome(row.outcome)}, {sizes}"
+
+
+def _terms(row: MixedRow) -> Iterable[tuple[str, Estimate]]:
+    return row.fit.model.terms.items() if row.fit else ()
+
+
+@dataclass(frozen=True)
+class _Whole:
+    """A line on an effect as a whole; the first line of an outcome names it."""
+
+    outcome: str | None
+    effect: str
+    test: FTest
+
+
+def _wholes(row: MixedRow) -> Iterator[_Whole]:
+    tests = row.fit.model.omnibus if row.fit else {}
+    for place, (effect, test) in enumerate(tests.items()):
+        yield _Whole(None if place else row.outcome, effect, test)
+
+
+@dataclass(frozen=True)
+class _Mean:
+    """A line on the mean of a condition, or on the difference of two."""
+
+    outcome: str | None
+    condition: str
+    pair: str
+    found: Estimate | Pairwise
+
+
+def _means(row: MixedRow) -> Iterator[_Mean]:
+    if row.fit is None:
+        return
+    of_conditions = row.fit.model.means.get("condition", {})
+    for place, (condition, mean) in enumerate(of_conditions.items()):
+        yield _Mean(None if place else row.outcome, condition, "", mean)
+    pairs = row.fit.model.pairwise.get("condition", {}) if of_conditions else {}
+    for pair, difference in pairs.items():
+        yield _Mean(None, "", pair, difference)
+
+
+def _outcome(line: _Whole | _Mean, words: Vocabulary) -> str:
+    return "" if line.outcome is None else words.outcome(line.outcome)
+
+
+def _condition(line: _Mean, words: Vocabulary) -> str:
+    if line.condition:
+        return with_dot(line.condition, words)
+    return words.term(f"condition: {line.pair}").replace("condition: ", "")
+
+
+def _note(rows: Sequence[MixedRow], _: ReportContext) -> str:
+    left_out = next(row.fit.left_out for row in rows if row.fit)
+    also = f" Cannot be told apart from the others and left out: {', '.join(left_out)}."
+    return (
+        "Participants with missing scores are included, and each effect is adjusted for the "
+        "others, so that differences and their intervals are not those of the pairs; valid if "
+        "what is missing depends only on what was observed. Satterthwaite’s degrees of freedom."
+        + also
+        * bool(left_out)
+    )
+
+
+def _note_on_means(rows: Sequence[MixedRow], _: ReportContext) -> str:
+    note = html(
+        "Other factors weigh alike, covariates are at their means; means of all factors are in "
+        "<code>tables/marginal_means.csv</code>."
+    )
+    models = [row.fit.model for row in rows if row.fit]
+    without = any("condition" in m.means and not m.pairwise.get("condition") for m in models)
+    return note + f" Pairs are compared of up to {MOST_LEVELS} conditions." * without
+
+
+def _caption_of_means(_: Sequence[MixedRow], report: ReportContext) -> str:
+    return (
+        "Estimated marginal means of the same model by condition, and their differences "
+        f"({percent(report.plan.confidence)} intervals of differences and p adjusted by Bonferroni)"
+    )
+
+
+_Term = TableColumn[tuple[str, Estimate]]
+_TABLE: AnalysisTable[MixedRow, tuple[str, Estimate]] = AnalysisTable(
+    "mixed_models",
+    "All available data: linear mixed model, random intercept per participant (points)",
+    (
+        _Term("Term", lambda line, words: words.term(line[0]), of_words=True),
+        _Term("estimate", lambda line, _: number(line[1].estimate)),
+        _Term(ITALIC_SE, lambda line, _: number(line[1].standard_error)),
+        _Term("df", lambda line, _: degrees(line[1].df)),
+        _Term(Markup("<i>t</i>"), lambda line, _: number(line[1].t)),
+        _Term(ITALIC_P, lambda line, _: p_value(line[1].p)),
+        _Term(interval_heading, lambda line, _: interval(line[1])),
+    ),
+    lines=_terms,
+    group=_title,
+    csv=_csv,
+)
+_Effect = TableColumn[_Whole]
+_TABLE_OF_EFFECTS: AnalysisTable[MixedRow, _Whole] = AnalysisTable(
+    "",
+    "The same model: each effect as a whole, given the others",
+    (
+        _Effect("Score", _outcome),
+        _Effect("Effect", lambda line, _: line.effect, of_words=True),
+        _Effect(Markup("<i>F</i>"), lambda line, _: number(line.test.f)),
+        _Effect("df", lambda line, _: f"{line.test.df_effect}, {degrees(line.test.df_error)}"),
+        _Effect(ITALIC_P, lambda line, _: p_value(line.test.p)),
+    ),
+    lines=_wholes,
+    note=_note,
+    csv=lambda _: (),
+)
+_OfMean = TableColumn[_Mean]
+_TABLE_OF_MEANS: AnalysisTable[MixedRow, _Mean] = AnalysisTable(
+    "marginal_means",
+    _caption_of_means,
+    (
+        _OfMean("Score", _outcome),
+        _OfMean("Condition", _condition, of_words=True),
+        _OfMean("estimate", lambda line, _: number(line.found.estimate)),
+        _OfMean(ITALIC_SE, lambda line, _: number(line.found.standard_error)),
+        _OfMean("df", lambda line, _: degrees(line.found.df)),
+        _OfMean(ITALIC_P, lambda line, _: p_value(getattr(line.found, "p_adjusted", None))),
+        _OfMean(interval_heading, lambda line, _: interval(line.found)),
+    ),
+    lines=_means,
+    note=_note_on_means,
+    csv=_csv_of_means,
+)
+
+_R_LINES = r"""
+# The mixed model with a random participant; the level after the minus sign is the reference.
+mixed_of <- function(found) {
+  terms <- found[!is.na(found$estimate), ]; whole <- found[!is.na(found$f), ]
+  called <- setNames(paste0("f", seq_len(nrow(whole))), whole$term)
+  mine <- data.frame(who = scores$participant, score = as.numeric(scores[[found$outcome[1]]]))
+  coefficient <- character()
+  for (name in whole$term) {
+    column <- scores[[paste0("mixed: ", name)]]
+    pairs <- expand.grid(level = unique(column), reference = unique(column),
+                         stringsAsFactors = FALSE)
+    pairs$term <- paste0(name, ": ", pairs$level, MINUS, pairs$reference)
+    own <- pairs[match(intersect(terms$term, pairs$term), pairs$term), ]
+    if (nrow(own)) {   # in the order of the terms: that of a locale is another
+      mine[[called[name]]] <- factor(match(column, c(own$reference[1], own$level)))
+      coefficient[own$term] <- paste0(called[name], 1 + seq_len(nrow(own)))
+    } else {
+      mine[[called[name]]] <- as.numeric(column)
+      coefficient[name] <- called[name]
+    }
+  }
+  mine <- mine[complete.cases(mine), ]
+  formula <- as.formula(paste("score ~", paste(called, collapse = " + "), "+ (1 | who)"))
+  precise <- lme4::lmerControl(optimizer = "bobyqa", check.conv.singular = "ignore",
+                               optCtrl = list(rhobeg = 0.2, rhoend = 1e-12, maxfun = 1e5))
+  fit <- lmerTest::lmer(formula, mine, control = precise)
+  table <- coef(summary(fit)); omnibus <- anova(fit, type = "III")
+  theta <- lme4::getME(fit, "theta")
+  searched <- theta == 0 || theta > MOST_OF_ROUNDING
+  if (!searched) not_here("df and p of the mixed model of", found$outcome[1],
+                          "(people differ by nothing but what the search left)")
+  of_search <- function(line, what, expected, value, size = 1e-9) {
+    compare(line, what, expected, value, paste("mixed model,", line$term), size,
+            LARGEST_OF_A_SEARCH)
+  }
+  for (k in seq_len(nrow(terms))) {
+    line <- terms[k, ]; row <- table[coefficient[line$term], ]
+    of_search(line, "estimate", line$estimate, row[["Estimate"]], as.numeric(line$standard_error))
+    of_search(line, "standard error", line$standard_error, row[["Std. Error"]])
+    if (!searched) next
+    of_search(line, "df", line$df, row[["df"]])
+    of_search(line, "p", line$p, row[["Pr(>|t|)"]])
+  }
+  for (k in seq_len(nrow(whole))) {
+    line <- whole[k, ]; row <- omnibus[called[line$term], ]
+    of_search(line, "F", line$f, row[["F value"]], 1e-2)
+    if (searched) of_search(line, "p of F", line$p, row[["Pr(>F)"]])
+  }
+}
+found <- read_if_there("mixed_models")
+if (!is.null(found) && !requireNamespace("lmerTest", quietly = TRUE)) {
+  not_here("the mixed models (package lmerTest is not installed)")
+} else if (!is.null(found)) {
+  for (one in split(found, found$outcome)) {
+    mixed_of(one)
+    models <- models + 1
+  }
+}
+"""
+
+MIXED_MODELS = Analysis(
     "mixed_models",
     AnalysisSet.ALL_AVAILABLE,
     _compute,
     section="models",
-    tables=(
-        AnalysisTable("mixed_models", template="report/mixed.html.j2", csv=_csv),
-        AnalysisTable("marginal_means", csv=_csv_of_means),
-    ),
+    place=130,
+    order=130,
+    tables=(_TABLE, _TABLE_OF_EFFECTS, _TABLE_OF_MEANS),
+    remarks=_remarks,
     methods=_methods,
+    r_lines=_R_LINES,
 )

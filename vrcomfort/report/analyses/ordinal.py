@@ -2,27 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
+from markupsafe import Markup
 from pydantic import Field
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.analyses.contract import (
+    ITALIC_P,
+    ITALIC_SE,
     Analysis,
     AnalysisData,
     AnalysisSet,
     AnalysisTable,
     MethodsParagraph,
+    ReportContext,
     Sentence,
+    TableColumn,
     estimable,
+    html,
+    interval_heading,
+    p_in_html,
 )
 from vrcomfort.report.exposures import column_of
 from vrcomfort.report.factors import check_column
 from vrcomfort.report.plan import Entry
 from vrcomfort.report.rows import INLINE
-from vrcomfort.report.words import interval, number, p_equals
+from vrcomfort.report.words import NONE, degrees, interval, number, p_equals, p_value
 from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.ordinal import OrdinalModel, ordinal_model
 
@@ -32,6 +40,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.rows import Cells
     from vrcomfort.report.vocabulary import Vocabulary
+    from vrcomfort.stats.ordinal import LikelihoodRatio, OddsRatio, Proportionality
 
 MOST_ANSWERS = 21
 """More different ones are no ordered answers any more, and take a threshold each."""
@@ -159,7 +168,7 @@ def _sentences(row: OrdinalRow, words: Vocabulary) -> Iterator[Sentence]:
         )
 
 
-def _methods(rows: Sequence[OrdinalRow]) -> Iterator[MethodsParagraph]:
+def _methods(rows: Sequence[OrdinalRow], _: ReportContext) -> Iterator[MethodsParagraph]:
     made = [row.found.model for row in rows if row.found]
     if not made:
         return
@@ -206,17 +215,99 @@ def _csv_by_cut(row: OrdinalRow) -> Iterator[Cells]:
                 yield {"outcome": row.outcome, "term": term, "above": answer, "odds_ratio": ratio}
 
 
-ORDINAL: Analysis[OrdinalRow] = Analysis(
+def _title(row: OrdinalRow, _: Sequence[OrdinalRow], report: ReportContext) -> str:
+    title = row.title(report.words)
+    if row.found is None:
+        return f"{title}: {row.not_tested}"
+    model = row.found.model
+    between = ""
+    if model.participant_sd is not None:
+        between = f"; SD between people {number(model.participant_sd)} (log odds)"
+    return f"{title}: {model.n_values} answers of {model.n_participants} people{between}"
+
+
+@dataclass(frozen=True)
+class _Line:
+    """A line on a term; or, where `of_factor` stands, on its factor as a whole."""
+
+    term: str
+    odds: OddsRatio | None
+    ratios: str
+    of_factor: Markup | None = None
+
+
+def _lines(row: OrdinalRow) -> Iterator[_Line]:
+    if row.found is None:
+        return
+    model = row.found.model
+    for term, odds in model.terms.items():
+        check = model.proportional.get(term.split(": ")[0])
+        ratios = zip(model.answers, check.cuts[term], strict=False) if check else ()
+        above = ", ".join(f"{degrees(answer)}: {number(ratio)}" for answer, ratio in ratios)
+        yield _Line(term, odds, above if check else NONE)
+    for factor, test in model.omnibus.items():
+        yield _Line("", None, "", _whole(factor, test, model.proportional.get(factor)))
+
+
+def _whole(factor: str, test: LikelihoodRatio, check: Proportionality | None) -> Markup:
+    said = html("{} as a whole: {}.", factor, _ratio_test(test))
+    if check is None:
+        return said
+    if check.test is None:
+        return said + html(" One ratio for all answers: not tested ({}).", check.reason)
+    together = [f"{' and '.join(map(degrees, part))} taken together" for part in check.together]
+    merged = f"; {', '.join(together)}" if together else ""
+    return said + html(" One ratio for all answers: {}{}.", _ratio_test(check.test), merged)
+
+
+def _ratio_test(test: LikelihoodRatio) -> Markup:
+    chi_squared = number(test.chi_squared)
+    return html("χ²({}) = {}, {}", str(test.df), chi_squared, p_in_html(test.p))
+
+
+def _of(write: Callable[[OddsRatio], str]) -> Callable[[_Line, object], str]:
+    return lambda line, _: write(line.odds) if line.odds else ""
+
+
+def _ends(odds: OddsRatio) -> str:
+    return f"[{number(odds.odds_low)}, {number(odds.odds_high)}]"
+
+
+_Column = TableColumn[_Line]
+_TABLE: AnalysisTable[OrdinalRow, _Line] = AnalysisTable(
+    "ordinal",
+    "Single items: odds ratios of a higher answer, by cumulative logit models",
+    (
+        _Column("Term", lambda line, words: words.term(line.term), of_words=True),
+        _Column("odds ratio", _of(lambda odds: number(odds.odds_ratio))),
+        _Column(interval_heading, _of(_ends)),
+        _Column("log odds", _of(lambda odds: number(odds.estimate))),
+        _Column(ITALIC_SE, _of(lambda odds: number(odds.standard_error))),
+        _Column(Markup("<i>z</i>"), _of(lambda odds: number(odds.z))),
+        _Column(ITALIC_P, _of(lambda odds: p_value(odds.p))),
+        _Column("ratios above each answer", lambda line, _: line.ratios, of_words=True),
+    ),
+    lines=_lines,
+    spanning=lambda line: line.of_factor,
+    labels=0,
+    group=_title,
+    note=lambda _rows, _report: html(
+        "A ratio above 1: higher answers are more likely under the first level. Small p of “one "
+        "ratio for all answers”: the ratio differs between answers, see those above each "
+        "(<code>tables/ordinal_by_cut.csv</code>; – where one side has no answer there)."
+    ),
+    csv=_csv,
+)
+
+ORDINAL = Analysis(
     "ordinal",
     AnalysisSet.ALL_AVAILABLE,
     _compute,
     asked=Ordinal,
     about="Cumulative logit models of items.",
-    tables=(
-        AnalysisTable("ordinal", template="report/ordinal.html.j2", csv=_csv),
-        AnalysisTable("ordinal_by_cut", csv=_csv_by_cut),
-    ),
+    tables=(_TABLE, AnalysisTable("ordinal_by_cut", csv=_csv_by_cut)),
     place=50,
+    order=70,
     sentences=_sentences,
     methods=_methods,
 )

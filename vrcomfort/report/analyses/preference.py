@@ -15,6 +15,7 @@ from vrcomfort.report.analyses.contract import (
     AnalysisSet,
     AnalysisTable,
     MethodsParagraph,
+    ReportContext,
     Sentence,
     TableColumn,
     interval_heading,
@@ -240,7 +241,7 @@ def _sentences(row: PreferenceRow, _: Vocabulary) -> Iterator[Sentence]:
     )
 
 
-def _methods(rows: Sequence[PreferenceRow]) -> Iterator[MethodsParagraph]:
+def _methods(rows: Sequence[PreferenceRow], _: ReportContext) -> Iterator[MethodsParagraph]:
     if rows:
         yield MethodsParagraph(
             "Preferences",
@@ -281,9 +282,9 @@ def _shares(row: PreferenceRow) -> list[_Share]:
 _Column = TableColumn[_Share]
 _TABLE: AnalysisTable[PreferenceRow, _Share] = AnalysisTable(
     "preferences",
-    lambda confidence: (
+    lambda _, report: (
         "Preferences: people, and their share of all with its "
-        f"{percent(confidence)} interval (Wilson)"
+        f"{percent(report.plan.confidence)} interval (Wilson)"
     ),
     (
         _Column("Question", lambda share, _: share.question),
@@ -304,6 +305,7 @@ PREFERENCES = Analysis(
     problems=_problems,
     tables=(_TABLE,),
     place=30,
+    order=40,
     sentences=_sentences,
     methods=_methods,
     analysed=lambda row: row.participants,

@@ -16,6 +16,7 @@ from vrcomfort.report.analyses.contract import (
     AnalysisSet,
     AnalysisTable,
     MethodsParagraph,
+    ReportContext,
     TableColumn,
     unknown_outcome,
     with_dot,
@@ -61,7 +62,7 @@ def _of_outcome(data: AnalysisData, outcome: str) -> list[ZScoreRow]:
     return [ZScoreRow(outcome, name, *found[name]) for name in data.conditions if name in found]
 
 
-def _methods(rows: Sequence[ZScoreRow]) -> Iterator[MethodsParagraph]:
+def _methods(rows: Sequence[ZScoreRow], _: ReportContext) -> Iterator[MethodsParagraph]:
     if rows:
         yield MethodsParagraph(
             "Standardised scores",
@@ -95,6 +96,16 @@ def _draw(rows: Sequence[ZScoreRow], words: Vocabulary) -> Drawing | None:
     return drawing
 
 
+def _figures(rows: Sequence[ZScoreRow], report: ReportContext) -> Iterator[AnalysisFigure]:
+    yield AnalysisFigure(
+        "standardised",
+        "standardised",
+        "Means of z scores with their standard errors over all values (cf. Figure 4 of Mantiuk et "
+        "al. 2011).",
+        lambda _: _draw(rows, report.words),
+    )
+
+
 _Column = TableColumn[ZScoreRow]
 _TABLE: AnalysisTable[ZScoreRow, ZScoreRow] = AnalysisTable(
     "z_scores",
@@ -120,12 +131,9 @@ Z_SCORES = Analysis(
     about="Outcomes that are standardised within each person as well.",
     problems=_problems,
     tables=(_TABLE,),
-    figure=AnalysisFigure(
-        "standardised",
-        "Means of z scores with their standard errors over all values (cf. Figure 4 of Mantiuk et "
-        "al. 2011).",
-        _draw,
-    ),
+    figures=_figures,
+    figure_kinds=("standardised",),
     place=60,
+    order=80,
     methods=_methods,
 )

@@ -18,7 +18,7 @@ from vrcomfort.report.measures.model import (
     in_steps,
     number_of,
 )
-from vrcomfort.report.study_data import cut_short, trial_s
+from vrcomfort.report.study_data import cut_short, length_s, seen_s
 from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.rating_courses import RatingCourse
 
@@ -44,16 +44,21 @@ TRIAL_QUANTITIES = {
     "dropped_percent": Quantity("Dropped frames", "%", "lower", "the share of late frames"),
     "missed_refreshes": Quantity("Missed refreshes", "", "lower", "refreshes without a new frame"),
     "length_s": Quantity("Length of exposure", "s", "", "from the start of an exposure to its end"),
+    "seen_s": Quantity("Seen time", "s", "", "the time in which the stimulus was seen"),
     "live_s": Quantity("Live time", "s", "", "the time in which new frames were seen"),
     "frozen_s": Quantity("Frozen time", "s", "lower", "the time for which a frame stood still"),
     "hidden_s": Quantity("Hidden time", "s", "", "the time in which no frame was seen"),
     "unfocused_s": Quantity("Time behind a menu", "s", "", "the time with a menu in front"),
+    "off_s": Quantity("Headset off", "s", "lower", "the time in which nobody wore the headset"),
+    "not_drawn_s": Quantity("Not drawn", "s", "", "the time without pictures"),
+    "half_rate_s": Quantity("Half rate", "s", "lower", "the time of late frames"),
+    "untracked_s": Quantity("Untracked", "s", "lower", "the time without a measured head pose"),
 }
 
 
 def trial_values(study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
     """Yield the value of each exposure: a column of trials.csv, or one of `TRIAL_QUANTITIES`."""
-    derived = {"length_s", "dropped_percent"}
+    derived = {"length_s", "seen_s", "dropped_percent"}
     if measure.quantity not in derived:
         _check_column(study.trials, measure.quantity, "trials.csv")
     for trial in study.trials:
@@ -64,9 +69,11 @@ def trial_values(study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
 
 def _of_trial(trial: dict[str, str], name: str) -> Fraction | None:
     if name == "length_s":
-        # Without live time, a trial's length is that from its start to its end.
-        length = trial_s({**trial, "live_s": ""})
+        length = length_s(trial)
         return None if length is None else exactly(length)
+    if name == "seen_s":
+        seen = seen_s(trial)
+        return None if seen is None else exactly(seen)
     if name == "dropped_percent":
         frames, dropped = (_cell(trial, each, "trials.csv") for each in ("frames", "dropped"))
         return 100 * dropped / frames if frames and dropped is not None else None

@@ -26,11 +26,12 @@ INDEPENDENT = ("mann_whitney", "welch_t", "student_t")
 Side = Literal["two-sided", "greater", "less"]
 FigureName = Literal[
     "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals", "ratings",
-    "survival", "gaze", "head", "standardised",
+    "survival", "gaze", "head",
 ]  # fmt: skip
+"""Those of analyses are added by `plan_files`."""
 TrialMeasure = Literal[
     "frames", "dropped", "dropped_percent", "missed_refreshes", "length_s", "live_s", "frozen_s",
-    "hidden_s", "unfocused_s",
+    "hidden_s", "unfocused_s", "seen_s", "off_s", "not_drawn_s", "half_rate_s", "untracked_s",
 ]  # fmt: skip
 Participants = Annotated[int, Field(ge=1, le=1_000_000)]
 

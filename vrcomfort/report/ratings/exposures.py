@@ -4,18 +4,29 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
-from vrcomfort.csv_table import number_in, number_or_none
+from vrcomfort.csv_table import number_in
 from vrcomfort.errors import InputError
+from vrcomfort.frame import DROPPED_INTERVAL_PERIODS
 from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.names import natural
 from vrcomfort.records.recording import Memory
-from vrcomfort.report.study_data import trial_s
+from vrcomfort.report.study_data import length_s, seen_s, trial_s
 from vrcomfort.report.withdrawals import undone_attempts
+from vrcomfort.seen_time import (
+    FRAME_COLUMNS,
+    SEEN,
+    UNSEEN,
+    SeenState,
+    ShownFrame,
+    display_intervals,
+    passed_between_ns,
+)
 from vrcomfort.stats.rating_courses import RatingCourse
 
 if TYPE_CHECKING:
@@ -34,49 +45,70 @@ MOST_UNPLACED_S = 0.05
 """Shorter differences of time and live time may be rounding, or a frame."""
 SHORTEST_FREEZE_S = 0.5
 """As in a session: a picture that stands still for longer makes ratings missed that fall due."""
-LATE_PERIODS = 1.2
-"""A frame that stands for longer stood still for all but its period."""
-_COLUMNS = ("session_s", "trial", "period_ns", "should_render")
+_COLUMNS = (
+    *("session_s", "trial"),
+    *(name for name in FRAME_COLUMNS if name != "session_state"),  # a menu hides no stimulus
+)
 
 
 @dataclass(frozen=True)
 class LiveTime:
-    """Live seconds of one exposure by seconds since its start."""
+    """Seen seconds of one exposure by seconds since its start."""
 
     since_start_s: Floats
     live_s: Floats
     freezes: tuple[tuple[float, float], ...]
-    """Onset in live seconds, and length, of each time of a frozen picture."""
+    """Onset in seen seconds, and length, of each time of a frozen picture."""
 
     def at(self, time_s: float) -> float:
-        """Return the live seconds at a time since the start."""
+        """Return the seen seconds at a time since the start."""
         return float(np.interp(time_s, self.since_start_s, self.live_s))
 
     @classmethod
-    def of(cls, frames_s: Floats, period_s: Floats, length_s: float) -> LiveTime:
-        """Return the live time of an exposure from its frames.
+    def of(cls, frames_s: Floats, shown_s: Floats, length_s: float) -> LiveTime:
+        """Return the seen time of an exposure from the frames that were seen.
 
         Parameters
         ----------
         frames_s
             Display time of each frame, since the start of the exposure, ascending, shape (n,).
-        period_s
-            Period of each frame, shape (n,).
+        shown_s
+            For how long each was seen, shape (n,); at most until the next one.
         length_s
             Length of the exposure.
         """
-        ends = np.append(frames_s[1:], max(length_s, float(frames_s[-1])))
-        passed = ends - frames_s
-        late = passed > LATE_PERIODS * period_s
-        shown = np.where(late, period_s, passed)
-        # Live time rises while a frame is shown, and stands still from there to the next frame.
+        passed = _passed_s(frames_s, length_s)
+        shown = np.minimum(shown_s, passed)
+        # Seen time rises while a frame is shown, and stands still from there to the next frame.
         knots = np.column_stack([frames_s, frames_s + shown]).ravel()
         live = np.concatenate([[0.0], np.cumsum(shown)])
         at_knots = np.column_stack([live[:-1], live[1:]]).ravel()
         still = passed - shown
         long = np.flatnonzero(still > SHORTEST_FREEZE_S)
         freezes = tuple((float(live[i + 1]), float(still[i])) for i in long)
-        return cls(np.append(knots, ends[-1]), np.append(at_knots, live[-1]), freezes)
+        end_s = frames_s[-1] + passed[-1]
+        return cls(np.append(knots, end_s), np.append(at_knots, live[-1]), freezes)
+
+
+def _passed_s(frames_s: Floats, length_s: float) -> Floats:
+    """Return the time from each frame to the next, of the last one to the exposure's end."""
+    return np.diff(frames_s, append=max(length_s, float(frames_s[-1])))
+
+
+def _shown_s(frames: pd.DataFrame) -> Floats:
+    """Return for how long each frame of an exposure was seen, inf until the next one's time.
+
+    0 where nothing was seen of it.
+    """
+    blank = frames.astype(object).where(frames.notna(), None)
+    cells = blank.assign(session_state=None).to_dict("records")
+    rows = [ShownFrame.of_row({str(name): cell for name, cell in row.items()}) for row in cells]
+    found = [0.0 if each.state in UNSEEN else each.period_ns / 1e9 for each in rows]
+    for number, (before, frame) in enumerate(pairwise(rows)):
+        seen = sum(ns for state, ns in display_intervals(before, frame) if state in SEEN)
+        whole = seen == passed_between_ns(before, frame) and frame.state not in UNSEEN
+        found[number] = np.inf if whole else seen / 1e9
+    return np.array(found)
 
 
 class LiveClock:
@@ -102,17 +134,25 @@ class LiveClock:
         start, end = float(trial["start_s"]), float(trial["end_s"])
         mine = frames[(frames["trial"] == float(trial["trial"])) & (frames["session_s"] >= start)]
         mine = mine[mine["session_s"] <= end].sort_values("session_s")
+        if trial.get(SeenState.OFF.column):
+            mine = mine.dropna(subset=["xr_time_ns"])
+            shown = _shown_s(mine)
+            mine, shown = mine[shown > 0], shown[shown > 0]
+        else:  # before version 5: while frames are not visible, the one before stands
+            mine, shown = mine[mine["should_render"] != 0], None
         if len(mine) < 2:
             return None
         at_s = mine["session_s"].to_numpy(dtype=np.float64) - start
-        return LiveTime.of(at_s, mine["period_ns"].to_numpy(dtype=np.float64) / 1e9, end - start)
+        if shown is None:
+            period_s = mine["period_ns"].to_numpy(dtype=np.float64) / 1e9
+            late = _passed_s(at_s, end - start) > DROPPED_INTERVAL_PERIODS * period_s
+            shown = np.where(late, period_s, np.inf)
+        return LiveTime.of(at_s, shown, end - start)
 
 
 def _lost_s(trial: Mapping[str, str]) -> float:
-    start, end, live = (
-        number_or_none(trial.get(name) or "") for name in ("start_s", "end_s", "live_s")
-    )
-    return 0.0 if start is None or end is None or live is None else end - start - live
+    length, seen = length_s(trial), seen_s(trial)
+    return 0.0 if length is None or seen is None else length - seen
 
 
 def _owner(session: Session) -> tuple[str, str]:
@@ -122,14 +162,13 @@ def _owner(session: Session) -> tuple[str, str]:
 
 
 def _frames(session: Session) -> pd.DataFrame:
-    """Return the visible frames; none of a damaged recording, which the page reports elsewhere."""
+    """Return the frames; none of a damaged recording, which the page reports elsewhere."""
     try:
         columns = session.recording().columns(_COLUMNS, Memory())
     except InputError:
         columns = dict.fromkeys(_COLUMNS, np.empty(0))
-    frames = pd.DataFrame(columns).dropna()
-    # While frames are not visible, the one before stands.
-    return frames[frames["should_render"] != 0]
+    whole = ["session_s", "trial", "period_ns", "should_render"]
+    return pd.DataFrame(columns).dropna(subset=whole)
 
 
 Key = tuple[str, str, str, str]
@@ -152,7 +191,7 @@ class RatedExposure:
     course
         Its ratings; empty where nothing was rated.
     ended_s
-        Length of the exposure: live time, where that was recorded.
+        Length of the exposure: seen time, where that was recorded.
     ending
         One of `ENDINGS`, `INTERRUPTED` or `UNKNOWN`.
     not_live_s
@@ -160,7 +199,7 @@ class RatedExposure:
     unplaced
         Whether no frames place these seconds; times of ratings are then those since the start.
     freezes
-        Onset in live seconds, and length, of each time of a frozen picture.
+        Onset in seen seconds, and length, of each time of a frozen picture.
     """
 
     participant: str
@@ -210,7 +249,7 @@ def rated_exposures(
     without
         Excluded participants.
     clock
-        Live time, from frames.
+        Seen time, from frames.
 
     Raises
     ------

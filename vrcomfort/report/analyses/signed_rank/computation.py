@@ -1,36 +1,24 @@
-"""Wilcoxon's signed-rank tests of a plan's contrasts of pairs, with t tests of the same pairs."""
+"""Computation of the signed-rank tests: rows, intervals, and t tests of the same pairs."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vrcomfort.report.analyses.contract import (
-    Analysis,
     AnalysisData,
-    AnalysisSet,
-    AnalysisTable,
-    Sentence,
 )
 from vrcomfort.report.descriptives import Description, DescriptionWithInterval, describe
 from vrcomfort.report.families import (
     Decision,
-    difference_in_words,
-    disagreement,
-    interval_title,
-    mean_and_sd,
-    p_in_words,
-    too_few_in_words,
 )
-from vrcomfort.report.orders import OneOrder, in_words, one_order
+from vrcomfort.report.orders import OneOrder, one_order
 from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up
 from vrcomfort.report.rows import HIDDEN, INLINE
 from vrcomfort.report.withdrawals import lost_signs
-from vrcomfort.report.words import NONE, fraction, interval, number
-from vrcomfort.stats.ranks import fewest_for_interval
 from vrcomfort.stats.signed_rank import SignedRank, signed_rank, worst_rank
 from vrcomfort.stats.t_tests import paired_t
 
@@ -38,15 +26,13 @@ if TYPE_CHECKING:
     from vrcomfort.report.contrasts import Compared
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
-    from vrcomfort.report.rows import Cells
-    from vrcomfort.report.vocabulary import Vocabulary
     from vrcomfort.stats.effects import EffectSize
     from vrcomfort.stats.ranks import Alternative
     from vrcomfort.stats.shift import Shift
     from vrcomfort.stats.signed_rank import Zeros
 
+
 FEWEST_PAIRS = 2
-_DESCRIBED = ("mean", "mean_low", "mean_high", "sd", "median", "q1", "q3")
 
 
 @dataclass(frozen=True)
@@ -151,7 +137,8 @@ class SignedRankRow:
         return self.decision.simultaneous or self.found
 
 
-def _compute(data: AnalysisData, _: Sequence[object]) -> list[SignedRankRow]:
+def compute(data: AnalysisData, _: Sequence[object]) -> list[SignedRankRow]:
+    """Test each contrast of pairs that names no other test, on each outcome."""
     return [
         _row(data, contrast, outcome.name)
         for contrast in data.contrasts
@@ -206,19 +193,11 @@ def _tested(row: SignedRankRow, pairs: Pairs, plan: Plan, signs: list[int]) -> S
     return replace(row, p=ranked.p, decision=decision, found=found)
 
 
-def with_intervals(data: AnalysisData, rows: Sequence[SignedRankRow]) -> list[SignedRankRow]:
-    """Return rows with the intervals of the level at which each decides in its family."""
-    return [_with_intervals(data, row) for row in rows]
-
-
-def _with_intervals(data: AnalysisData, row: SignedRankRow) -> SignedRankRow:
-    level, plan = row.decision.level, data.plan
-    if level is None or level >= 1 - plan.confidence:
-        return row
-    pairs = pair_up(data.scored, row.outcome, *row.sides, complete=plan.needs_every_score)
-    test = _signed_rank(pairs, plan, row.alternative, 1 - level)
-    intervals = SignedRankIntervals(test.shift, test.effect)
-    return replace(row, decision=replace(row.decision, simultaneous=intervals))
+def intervals(data: AnalysisData, row: SignedRankRow, level: float) -> SignedRankIntervals:
+    """Return the estimates with the intervals of a level."""
+    pairs = pair_up(data.scored, row.outcome, *row.sides, complete=data.complete)
+    test = _signed_rank(pairs, data.plan, row.alternative, 1 - level)
+    return SignedRankIntervals(test.shift, test.effect)
 
 
 def _too_few(scored: Exposures, outcome: str, contrast: Compared, n: int) -> str:
@@ -311,117 +290,3 @@ def describe_pairs(
             **vars(describe(pairs.differences * pairs.unit)), mean_low=low, mean_high=high
         ),
     }
-
-
-def _sentences(row: SignedRankRow, words: Vocabulary) -> Iterator[Sentence]:
-    a, b = words.condition(row.a), words.condition(row.b)
-    name, found = words.outcome(row.outcome), row.found
-    if found is None:
-        yield Sentence(f"{name}: {a} and {b} could not be compared ({row.not_tested}).")
-        return
-    if found.effect is None and not row.ranked_worst:
-        yield Sentence(f"{name}: nobody’s score differed between {a} and {b} (n = {row.n}).")
-        return
-    size, few = found.descriptives, too_few_in_words(row.decision, row.confidence, found.zeros)
-    of_a, of_b = f"{a} ({mean_and_sd(size[row.a])})", f"{b} ({mean_and_sd(size[row.b])})"
-    said = difference_in_words(row.decision, of_a, of_b, "under", few)
-    order = f" But {in_words(row.confounded, words.condition)}." if row.confounded else ""
-    yield Sentence(
-        f"{name}: {said}; {_shift(row, words)}, n\u00a0=\u00a0{row.n}.",
-        f"{found.method.capitalize()} {p_in_words(row.p, row.decision)}; Z\u00a0=\u00a0"
-        f"{number(found.z)}, r\u00a0=\u00a0{_rank_biserial(row, words)}.{order}",
-    )
-
-
-def _shift(row: SignedRankRow, words: Vocabulary) -> str:
-    shift = row.reported.shift if row.reported else None
-    whose = ""
-    if row.ranked_worst:
-        stayed = row.n - len(row.ranked_worst)
-        whose = f" of the {stayed} who stayed (the test ranks those who left as worst)"
-    percent, found = interval_title(row.decision, row.confidence), interval(shift)
-    estimate = number(shift.estimate if shift else None)
-    of = f"difference{whose} {estimate} {words.unit(row.outcome)}".rstrip()
-    if found == NONE:
-        return f"{of} (no {percent}: too few differences)"
-    return f"{of}, {percent} {found}{disagreement(row.decision.verdict, shift)}"
-
-
-def _rank_biserial(row: SignedRankRow, words: Vocabulary) -> str:
-    effect = row.reported.effect if row.reported else None
-    if effect is None:
-        return f"{NONE} (nobody’s score differed)"
-    r = fraction(effect.estimate)
-    if effect.low is not None:
-        return f"{r} {interval(effect, bounded=True)}{disagreement(row.decision.verdict, effect)}"
-    few = row.n - (row.found.zeros if row.found else 0) < fewest_for_interval(effect.confidence)
-    a = words.condition(row.a)
-    reason = "too few differences other than 0" if few else f"{a} has no score but 0"
-    return f"{r} (no {interval_title(row.decision, row.confidence)}: {reason})"
-
-
-def _csv(row: SignedRankRow) -> Iterator[Cells]:
-    found, decision = row.found, row.decision
-    shift = found.shift if found else None
-    effect = found.effect if found else None
-    holm = decision.simultaneous
-    cells: dict[str, object] = {
-        "a": row.a, "b": row.b, "outcome": row.outcome, "n": row.n,
-        "zeros": found and found.zeros, "ties": found and found.ties,
-        "zero_method": found and found.zero_method, "alternative": row.alternative,
-        "w_plus": found and found.w_plus, "w_minus": found and found.w_minus,
-        "z": found and found.z, "p_exact": found and found.p_exact,
-        "p_asymptotic": found and found.p_asymptotic, "p": row.p,
-        "method": found and found.method, "p_holm": decision.p_holm,
-        **_interval("hodges_lehmann", shift),
-        "hodges_lehmann_low_closed": shift and shift.low_closed,
-        "hodges_lehmann_high_closed": shift and shift.high_closed,
-        "hodges_lehmann_holds_rejected_zero": shift and shift.holds_rejected_zero,
-        **_interval("rank_biserial", effect),
-        "verdict": decision.verdict, "smallest_p": decision.smallest_p, "level": decision.level,
-        **_ends("hodges_lehmann_holm", holm.shift if holm else None),
-        **_ends("rank_biserial_holm", holm.effect if holm else None),
-    }  # fmt: skip
-    for name, described in (found.descriptives if found else {}).items():
-        cells |= {
-            f"{stat}_{name}": getattr(described, stat)
-            for stat in _DESCRIBED
-            if hasattr(described, stat)
-        }
-    yield {
-        **cells,
-        "planned_a": row.needed[0],
-        "planned_b": row.needed[1],
-        "timepoint_a": row.sides[0].timepoint or None,
-        "timepoint_b": row.sides[1].timepoint or None,
-        "ranked_worst": len(row.ranked_worst),
-        "confidence": row.confidence,
-        "shift_interval": row.shift_interval,
-        "family": decision.family,
-        "not_tested": row.not_tested,
-    }
-
-
-def _interval(name: str, found: Shift | EffectSize | None) -> Cells:
-    return {name: found and found.estimate, **_ends(name, found)}
-
-
-def _ends(name: str, found: Shift | EffectSize | None) -> Cells:
-    return {f"{name}_low": found and found.low, f"{name}_high": found and found.high}
-
-
-def _csv_of_t(row: SignedRankRow) -> Iterator[Cells]:
-    if row.found and row.found.t_test:
-        yield {"a": row.a, "b": row.b, "outcome": row.outcome, **asdict(row.found.t_test)}
-
-
-TESTS: Analysis[SignedRankRow] = Analysis(
-    "tests",
-    AnalysisSet.COMPLETE_PAIRS,
-    _compute,
-    tables=(AnalysisTable("tests", csv=_csv), AnalysisTable("t_tests", csv=_csv_of_t)),
-    place=0,
-    by_outcome=True,
-    sentences=_sentences,
-    analysed=lambda row: row.participants,
-)

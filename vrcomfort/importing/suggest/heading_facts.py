@@ -15,7 +15,7 @@ _ITEM = "{item}"
 _PART = re.compile(r"[^\W_]+|[\W_]+")
 
 
-def moments(
+def heading_facts(
     contexts: Sequence[tuple[str, ...]], vocabulary: LabVocabulary, *, numbers: str = "condition"
 ) -> tuple[list[dict[str, str]], list[OpenDoubt]]:
     """Return for each questionnaire of a row the facts that its headings say, and doubts.
@@ -85,7 +85,9 @@ def _numbered_times(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> Non
         when = each.get("timepoint", "")
         each["timepoint"] = names.get(when, when)
     shown = ", ".join(f"{old.upper()} {names.get(old, old)}" for old in said)
-    doubts.append(OpenDoubt("Which moments are T0, T1 …: before exposure, after it, later?", shown))
+    doubts.append(
+        OpenDoubt("Which timepoints are T0, T1 …: before exposure, after it, later?", shown)
+    )
 
 
 def _two_unnamed(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
