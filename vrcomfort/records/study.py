@@ -85,7 +85,7 @@ def open_study(
     try:
         make_folders(study, study, access)
     except OSError as error:
-        message = f"cannot make this study folder: {error.strerror}; choose another --out"
+        message = f"cannot make this study folder: {error.strerror}; choose another output folder"
         raise InputError(message, file=study) from error
     _keep_instruments(study, protocol, access)
     text = json_of(_description(protocol, seed or 0, access))
@@ -134,7 +134,7 @@ def _keep_instruments(study: Path, protocol: Protocol, access: Access) -> None:
             replace_text(file, text, access)
         elif read_text(file, "instrument") != text:
             message = f"this study was begun with another text of `{name}`"
-            hint = "give the changed instrument another name, or choose another --out"
+            hint = "give the changed instrument another name, or choose another output folder"
             raise InputError(f"{message}; {hint}", file=file)
 
 
@@ -195,14 +195,14 @@ def _same_study(file: Path, protocol: Protocol, seed: int | None, group_readable
     name, kept = content["protocol"], int(content["seed"])
     if name != protocol.name:
         message = f"this folder holds a study with protocol `{name}`, not `{protocol.name}`"
-        raise InputError(f"{message}; choose another --out", file=file)
+        raise InputError(f"{message}; choose another output folder", file=file)
     if seed not in {None, kept}:
         message = f"this study was begun with seed {kept}, not {seed}"
-        raise InputError(f"{message}; leave --seed out, or choose another --out", file=file)
+        raise InputError(f"{message}; leave --seed out, or choose another output folder", file=file)
     if group_readable and access_of(file.parent) != GROUP:
         message = "this study was begun for its owner's eyes alone"
         raise InputError(
-            f"{message}; leave --group-readable out, or choose another --out", file=file
+            f"{message}; leave --group-readable out, or choose another output folder", file=file
         )
     return kept
 
