@@ -464,16 +464,14 @@ def test_a_title_of_any_text_is_that_of_the_instrument_of_courses() -> None:
 @pytest.mark.parametrize("name", ["[bold]x[a]", "a*b?", "st\udcfcdy", "a\nb", "=1+1", "\x1b[31m"])
 def test_a_file_of_any_name_is_suggested_and_imported(tmp_path, name):
     file = tmp_path / f"{name}.csv"
-    file.write_text(
-        "\n".join([",".join(["who", *ITEMS]), *(f"P{n}" + ",1" * len(ITEMS) for n in "123")])
-    )
+    rows = [f"P{number}{',1' * len(ITEMS)}" for number in "123"]
+    file.write_text("\n".join([",".join(["who", *ITEMS]), *rows]))
     found = suggest_mapping([file])
-    text = found.text.replace('answer = ""', 'answer = "yes"')
-    assert text.encode()
-    mapping = parse_mapping(text, tmp_path / "map.toml")
-    assert len(import_files([file], mapping.mapping, mapping.instruments).responses) == 3 * len(
-        ITEMS
-    )
+    assert found.text.encode()
+    (tmp_path / "map.toml").write_text(found.text.replace('answer = ""', 'answer = "yes"'), "utf-8")
+    loaded = load_mapping(tmp_path / "map.toml")
+    imported = import_files([file], loaded.mapping, loaded.instruments)
+    assert len(imported.responses) == 3
 
 
 def test_marks_of_byte_order_are_no_text(tmp_path):
