@@ -49,16 +49,18 @@ def test_a_freeze_is_flagged_and_its_ratings_are_missed(tmp_path: Path) -> None:
     period_s = median(int(row["period_ns"]) for row in frames) / 1e9
     off_s = PERIODS * period_s
     assert trial["status"] == "completed"
-    # Each frame was live for a period of the display; the runtime is slow for a while after it.
-    assert float(trial["live_s"]) == pytest.approx(len(frames) * period_s, abs=off_s)
-    assert float(trial["live_s"]) <= SHOWN_S - still_s + off_s
+    # The runtime is slow for a while after it: then frames come at half rate.
+    moving_s = float(trial["live_s"]) + float(trial["half_rate_s"])
+    assert moving_s >= (len(frames) - 1) * period_s - off_s
+    assert moving_s <= SHOWN_S - still_s + off_s
     # The last frame may come late, too.
     shown_s = [int(row["xr_time_ns"]) / 1e9 for row in frames]
     late_s = max(shown_s[-1] - shown_s[0] - SHOWN_S, 0.0)
-    whole_s = float(trial["live_s"]) + float(trial["frozen_s"])
+    whole_s = moving_s + float(trial["frozen_s"])
     assert whole_s == pytest.approx(SHOWN_S + late_s, abs=off_s)
     missed = int(trial["missed_refreshes"])
-    assert missed == pytest.approx(float(trial["frozen_s"]) / period_s, abs=PERIODS)
+    assert float(trial["frozen_s"]) >= still_s - off_s
+    assert missed == pytest.approx(whole_s / period_s - len(frames), abs=PERIODS)
     flags = json.loads((running.folder / "manifest.json").read_text())["timing_flags"]
     assert "the picture stood still for" in flags[0]
     assert read_rows(running.folder / "timing.csv")[0]["flagged"] == "1"

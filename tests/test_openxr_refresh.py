@@ -86,12 +86,38 @@ def test_a_period_that_nothing_tells_is_measured_before_the_first_frame(
     assert rate_hz == pytest.approx(1e9 / measured_ns)
 
 
+@pytest.mark.usefixtures("no_rates")
 def test_a_period_that_is_predicted_is_recorded_as_such(
     ctx: moderngl.Context, feed: RemoteFeed
 ) -> None:
     with headset(ctx, feed) as session:
         next(session.frames())
         assert session.details["frame_period"] == "predicted by the runtime"
+
+
+class Doubling:
+    """A runtime that predicts twice the period, and later none, while frames come as before."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def __call__(self, follow: Any, session: Any, info: Any, state: Any) -> int:
+        result, self.count = follow(session, info, state), self.count + 1
+        if self.count > 20:
+            state.contents.predicted_display_period *= 2 if self.count < 100 else 0
+        return int(result)
+
+
+def test_the_period_is_that_of_the_start_and_another_one_is_told(
+    ctx: moderngl.Context, feed: RemoteFeed
+) -> None:
+    with headset(ctx, feed, xrWaitFrame=Doubling()) as session:
+        periods = {frame.period_ns for frame in islice(session.frames(), 120)}
+        told = [each for each in session.take_events() if each.name.startswith("refresh_rate")]
+    assert periods == {50_000_000}
+    (changed,) = told
+    assert changed.name == "refresh_rate_changed"
+    assert changed.detail == "the runtime predicts a period of 100.00 ms; 50.00 ms at the start"
 
 
 @pytest.mark.usefixtures("no_rates")

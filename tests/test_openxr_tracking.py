@@ -252,4 +252,5 @@ def test_a_new_refresh_rate_is_an_event(ctx: moderngl.Context, feed: RemoteFeed)
         events(session)
         sent.waiting.append(xr.EventDataDisplayRefreshRateChangedFB(90.0, 72.0))
         next(frames)
-        assert events(session) == [("refresh_rate_changed", "from 90 Hz to 72 Hz")]
+        detail = "from 90 Hz to 72 Hz; 50.00 ms at the start"
+        assert events(session) == [("refresh_rate_changed", detail)]
