@@ -306,6 +306,15 @@ def length_s(trial: Mapping[str, str]) -> float | None:
     return None if start is None or end is None else end - start
 
 
+def undone_attempts(study: StudyData) -> set[tuple[str, ...]]:
+    """Return the attempts in which somebody withdrew, and an operator took it back."""
+    return {
+        (of.participant, str(of.session), str(undone.trial), str(undone.attempt))
+        for of in study.manifests
+        for undone in of.withdrawals_undone
+    }
+
+
 def cut_short(trial: Mapping[str, str]) -> bool:
     """Return whether an exposure ended before its time: what was done in it had less time.
 

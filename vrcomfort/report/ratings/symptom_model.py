@@ -15,7 +15,7 @@ from vrcomfort.stats.t_tests import paired_t
 
 if TYPE_CHECKING:
     from vrcomfort.report.plan.ratings import RatingAnalysis
-    from vrcomfort.report.ratings.exposures import RatedExposure
+    from vrcomfort.report.rated_exposures import RatedExposure
 
 
 @dataclass(frozen=True)
