@@ -58,8 +58,13 @@ def _untracked(study: StudyData) -> dict[str, float]:
 
 def frame_rows(study: StudyData) -> list[dict[str, Any]]:
     """Return what the frames of each exposure say, with its condition; a row an exposure."""
+    states = {*recorded_states(study), SeenState.UNTRACKED.column}
+    lacking = {state.column for state in SeenState} - states
     return [
-        {"condition": condition, **frames.cells()}
+        {
+            "condition": condition,
+            **{name: cell for name, cell in frames.cells().items() if name not in lacking},
+        }
         for condition, frames in frames_by_condition(study)
     ]
 
