@@ -90,6 +90,15 @@ def _may_not_skip() -> bool:
 
 
 @pytest.fixture(scope="session", autouse=True)
+def _consents_of_their_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """What a test consents to is not kept among the consents of who runs the tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("XDG_CONFIG_HOME", "APPDATA"):
+            patch.setenv(name, str(tmp_path_factory.mktemp("consents")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
 def _no_waiting_for_the_disk() -> Iterator[None]:
     """Nothing but a power cut tells what is synced: tests of it look at the calls themselves."""
     with pytest.MonkeyPatch.context() as patch:

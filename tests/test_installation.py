@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import ast
 import importlib
+import os
 import re
+import subprocess
+import sys
+import sysconfig
 import tomllib
+import venv
 from importlib.metadata import requires
 from pathlib import Path
 
+import pytest
+
 import vrcomfort
+from vrcomfort.cli.doctor import EXTRAS as LISTED
 
 ROOT = Path(__file__).resolve().parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
@@ -49,7 +57,11 @@ def test_every_remedy_names_packages_of_the_project():
         )
         for node in ast.walk(ast.parse(text)) if "pip_install" in text else ():
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "pip_install":
-                names |= {name_of(text_of(each, file)) for each in node.args}
+                names |= {
+                    name_of(text_of(each, file))
+                    for each in node.args
+                    if not isinstance(each, ast.Attribute)  # of EXTRAS, see below
+                }
     assert {"pylsl", "pyserial", "miniaudio", "distributed", "pyopenxr"} <= names
     assert names <= known()
 
@@ -77,3 +89,70 @@ def test_the_console_belongs_to_the_installation():
     }
     assert "starlette" in imported
     assert {"starlette", "uvicorn", "websockets"} <= own
+
+
+def test_doctor_lists_all_extras():
+    extras = {name: listed for name, listed in EXTRAS.items() if name != "dev"}
+    assert {each.name: [each.package] for each in LISTED} == {
+        name: [name_of(each) for each in listed] for name, listed in extras.items()
+    }
+    assert EXTRAS["dev"][0] == f"vrcomfort[{','.join(sorted(extras))}]"
+
+
+def remedy(python: Path, path: Path, again: str = "False") -> str:
+    """Return what is to be typed where this Python lacks pylsl."""
+    code = f"from vrcomfort.errors import pip_install; print(pip_install('pylsl', again={again}))"
+    run = subprocess.run(
+        [python, "-c", code],
+        env={**os.environ, "PYTHONPATH": str(ROOT), "PATH": str(path)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return run.stdout.strip()
+
+
+def test_the_remedy_is_for_the_environment_that_lacks_the_package(tmp_path):
+    """Also where it is not active: the first pip of the path may be another's."""
+    here = Path(sys.executable)
+    assert remedy(here, Path(sysconfig.get_path("scripts"))) == "pip install pylsl"
+    command = remedy(here, tmp_path, "True")
+    assert command == f"{here} -m pip install --force-reinstall pylsl"
+    asked = [*command.split()[:3], "--version"]
+    assert subprocess.run(asked, capture_output=True, check=False).returncode == 0
+
+
+def test_the_remedy_is_for_environments_of_uv_and_of_pipx(tmp_path):
+    without_pip = tmp_path / "an environment"
+    venv.create(without_pip, symlinks=True)
+    python = without_pip / "bin" / "python"
+    assert remedy(python, tmp_path) == f'uv pip install --python "{python}" pylsl'
+    assert " --reinstall " in remedy(python, tmp_path, "True")
+    (without_pip / "pipx_metadata.json").write_text("{}")
+    assert remedy(python, tmp_path) == "pipx inject vrcomfort pylsl"
+
+
+def test_without_the_extra_a_video_is_refused_before_anything_is_drawn(tmp_path):
+    """And `doctor` says what to install."""
+    (tmp_path / "av.py").write_text("raise ModuleNotFoundError('No module named av', name='av')")
+    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}"}
+    command = [sys.executable, "-c", "from vrcomfort.cli import main; main()"]
+    trace = ROOT / "scenes" / "temple_walk.csv"
+    words = ["play", trace, "--scene", "temple", "--out", "new", "--video", "film.mp4"]
+    run = subprocess.run(
+        [*command, *words],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 2
+    assert re.fullmatch(r"error: videos need PyAV \(.*\); .*pip install av\n", run.stderr)
+    assert not (tmp_path / "new").exists()
+
+
+def test_without_flip_a_reference_is_refused_before_anything_is_drawn(monkeypatch):
+    monkeypatch.setitem(sys.modules, "flip_evaluator", None)
+    with pytest.raises(vrcomfort.InputError, match=r"FLIP needs flip-evaluator .* install flip-e"):
+        vrcomfort.render_views("nosuch", reference_samples=4)

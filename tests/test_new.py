@@ -16,7 +16,6 @@ from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.draft import HIGH
 from vrcomfort.questionnaire import find_instrument
-from vrcomfort.session.ratings import due_times
 
 
 def new(*words: str):
@@ -78,7 +77,7 @@ def test_ratings_come_at_times_at_which_people_can_answer_them(tmp_path, minutes
     for each in protocol.ratings:
         assert each.timeout_s >= 10
         assert each.every_s >= 2 * each.timeout_s
-        assert due_times(each, protocol.exposure_s, np.random.default_rng(0))
+        assert each.due_times(protocol.exposure_s, np.random.default_rng(0))
 
 
 def test_it_passes_check_with_its_rehearsal(tmp_path):

@@ -47,7 +47,7 @@ def fake_bindings(folder: Path, error: str) -> str:
 @pytest.mark.parametrize(
     ("error", "words"),
     [
-        ("ModuleNotFoundError('no', name='xr')", 'are not installed; pip install "pyopenxr>='),
+        ("ModuleNotFoundError('no', name='xr')", 'pip install "pyopenxr>='),
         ("ImportError('no')", "cannot be loaded (no)"),
         (
             "OSError('libopenxr_loader.so: cannot open shared object file')",

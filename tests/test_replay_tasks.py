@@ -14,6 +14,7 @@ import pytest
 from tests.support.exchange import cell
 from tests.support.session import run as run_session
 from tests.support.study import Scripted, read_rows
+from tests.support.tasks import with_own_tasks
 from vrcomfort.api.playback import shipped_walk
 from vrcomfort.api.rendering import describe_machine, make_renderer
 from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
@@ -22,7 +23,7 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.inputs import HandInput, Inputs
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.protocol import load_protocol, with_task_code
+from vrcomfort.protocol import load_protocol
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.replay import Comparison, ReplaySelection, read_session, replay
 from vrcomfort.scene.data import Scene
@@ -175,7 +176,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("busy")
     (folder / "busy.toml").write_text(PROTOCOL)
     (folder / "juggle.py").write_text(OWN)
-    protocol = with_task_code(load_protocol(folder / "busy.toml"))
+    protocol = with_own_tasks(load_protocol(folder / "busy.toml"))
     scene = temple()
     headset = Busy(shipped_walk("temple"), image_size_px=SIZE_PX, refresh_hz=36)
     renderer = make_renderer(SIZE_PX, hash_every=3)

@@ -253,11 +253,11 @@ def test_few_nodes_are_shown_and_the_others_summed(study):
     recorded(session)
     on_nodes(session, np.roll(names, 30))
     found = found_in(study)
-    rows = [row for row in found.results["nodes"] if row["situation"] == "dof_off"]
+    rows = [row for row in found.results.nodes if row.situation == "dof_off"]
     most = [f"n{k:02d}" for k in range(13, 3, -1)]
-    assert [row["node"] for row in rows] == [*most, "", "4 others"]
-    assert sum(row["share"] for row in rows) == pytest.approx(1)
-    assert rows[-1]["share"] == pytest.approx((5 + 6 + 7 + 8) / (N - 10))
+    assert [row.node for row in rows] == [*most, "", "4 others"]
+    assert sum(row.share for row in rows) == pytest.approx(1)
+    assert rows[-1].share == pytest.approx((5 + 6 + 7 + 8) / (N - 10))
     assert len(found.nodes) == 15
 
 

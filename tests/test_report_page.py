@@ -4,6 +4,7 @@ import csv
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -157,7 +158,7 @@ def test_scores_of_zero_in_one_condition_are_a_difference(tmp_path):
     ],
 )
 def test_ends_that_are_not_in_an_interval_are_written_so(found, written):
-    assert interval(found) == written
+    assert interval(SimpleNamespace(**found)) == written
 
 
 def test_where_r_and_p_disagree_about_zero_is_counted(tmp_path):

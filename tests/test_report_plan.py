@@ -475,7 +475,7 @@ def test_more_pairs_than_the_exact_test_takes_are_a_deviation(tmp_path):
 def test_the_hash_is_that_of_the_text(tmp_path):
     study = read_study(foreign(tmp_path / "questionnaires.csv", SCORES))
     one, two = read_plan(HEAD, None), read_plan(HEAD + "# a word\n", None)
-    assert analyse(study, one)[0]["plan"]["sha256"] == one.sha256 != two.sha256
+    assert analyse(study, one)[0].plan.sha256 == one.sha256 != two.sha256
 
 
 def test_every_seed_is_recorded(tmp_path):

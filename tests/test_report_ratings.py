@@ -10,14 +10,14 @@ from tests.support.rated import RatedStudy, with_drop_outs
 from tests.support.report import manifest
 from vrcomfort.errors import InputError
 from vrcomfort.records.recording import NEEDED
+from vrcomfort.report.analyses.contract import SectionData
 from vrcomfort.report.build import build_report
+from vrcomfort.report.exclusions import PERSON, ExcludedByRule
 from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.ratings import analyse_time_courses
 from vrcomfort.report.ratings.exposures import LiveClock, LiveTime, rated_exposures
+from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import read_study
-
-NOTHING_ELSE = {"labels": {}, "exclusions": [], "tests": []}
-"""What the rest of a report has said so far."""
 
 
 def plan_of(**ratings):
@@ -25,9 +25,18 @@ def plan_of(**ratings):
     return read_plan('name = "p"\ntitle = "p"\n[ratings]\n' + "\n".join(lines) + "\n", None)
 
 
+def data_of(folder, *exclusions, **ratings):
+    """Return the data of a report that compares nothing."""
+    return SectionData(read_study(folder), plan_of(**ratings), [], {}, [], exclusions)
+
+
 def courses_of(study, folder, **ratings):
-    there = study.write(folder)
-    return analyse_time_courses(read_study(there), plan_of(**ratings), NOTHING_ELSE)
+    return analyse_time_courses(data_of(study.write(folder), **ratings))
+
+
+def results_of(study, folder, **ratings):
+    """Return the part of results.json."""
+    return as_json(courses_of(study, folder, **ratings).results)
 
 
 def two_conditions(*, people=6):
@@ -39,7 +48,7 @@ def two_conditions(*, people=6):
 
 
 def test_nobody_left(tmp_path):
-    found = courses_of(two_conditions(), tmp_path, threshold=7).results
+    found = results_of(two_conditions(), tmp_path, threshold=7)
     ratings = found["ratings"]
     assert found["leaving"] is None
     assert (ratings["exposures"], ratings["people"], ratings["missed"]) == (12, 6, 0)
@@ -56,7 +65,7 @@ def test_everybody_left_at_once(tmp_path):
     study = RatedStudy()
     for person in range(5):
         study.expose(f"P{person}", "a", [4, 9], ended_s=25.0, status="withdrawn")
-    found = courses_of(study, tmp_path, threshold=15).results
+    found = results_of(study, tmp_path, threshold=15)
     leaving = found["leaving"]
     assert (leaving["n"], leaving["came"]) == (5, 5)
     (curve,) = leaving["curves"]
@@ -78,7 +87,7 @@ def test_those_who_left_change_the_result_as_assumed(tmp_path):
         study.expose(f"P{person}", "b", [5, 6] if gone else [4, 4, 5, 6],
                      ended_s=25.0 if gone else None,
                      status="withdrawn" if gone else "completed")  # fmt: skip
-    rows = courses_of(study, tmp_path).results["ratings"]["sensitivity"]
+    rows = results_of(study, tmp_path)["ratings"]["sensitivity"]
     found = {(row["summary"], row["analysis"]): row for row in rows}
     assert found["mean", "completers"]["n"] == 6
     assert found["mean", "all available"]["n"] == 8
@@ -105,7 +114,7 @@ def test_the_stop_rule_counts_as_leaving_and_an_undone_withdrawal_does_not(tmp_p
 def test_all_ratings_missed(tmp_path):
     study = RatedStudy().expose("P1", "a", [None, None]).expose("P2", "b", [None])
     courses = courses_of(study, tmp_path)
-    ratings = courses.results["ratings"]
+    ratings = as_json(courses.results)["ratings"]
     assert (ratings["missed"], ratings["without_answer"]) == (3, 2)
     assert ratings["curves"] == ratings["reached"] == []
     assert courses.curves is None
@@ -113,7 +122,7 @@ def test_all_ratings_missed(tmp_path):
 
 
 def test_one_rating_of_one_person(tmp_path):
-    ratings = courses_of(RatedStudy().expose("P1", "a", [4]), tmp_path).results["ratings"]
+    ratings = results_of(RatedStudy().expose("P1", "a", [4]), tmp_path)["ratings"]
     (row,) = ratings["curves"]
     assert (row["mean"], row["n"], row["low"]) == (4, 1, None)
     assert ratings["summaries"][0] == {
@@ -127,7 +136,7 @@ def test_one_condition_has_no_effects_and_its_curve_an_interval(tmp_path):
     study = RatedStudy()
     for person in range(6):
         study.expose(f"P{person}", "a", [1, 2, person]).expose(f"P{person}", "a", [0, 3, 4])
-    ratings = courses_of(study, tmp_path).results["ratings"]
+    ratings = results_of(study, tmp_path)["ratings"]
     assert ratings["models"][0]["not_fitted"] == "no effect has two levels in the data"
     assert ratings["curves"][-1]["low"] < ratings["curves"][-1]["mean"]
     assert [t["by"] for t in ratings["reached"][0]["log_rank"]] == ["position", "position"]
@@ -136,23 +145,19 @@ def test_one_condition_has_no_effects_and_its_curve_an_interval(tmp_path):
 def test_no_ratings_and_no_trials_have_nothing(tmp_path):
     folder = two_conditions().write(tmp_path)
     (folder / "trials.csv").unlink()
-    study = read_study(folder)
-    found = analyse_time_courses(study, plan_of(), NOTHING_ELSE).results
-    assert found["leaving"] is None
-    assert not found["ratings"]["endings_recorded"]
+    found = analyse_time_courses(data_of(folder))
+    assert found.leaving is None
+    assert not found.ratings.counts.endings_recorded
     with pytest.raises(InputError, match="nothing was rated with `misc`; ratings are of: fms"):
-        analyse_time_courses(study, plan_of(instrument="misc"), NOTHING_ELSE)
+        analyse_time_courses(data_of(folder, instrument="misc"))
 
 
 def test_who_is_excluded_is_in_nothing(tmp_path):
     folder = two_conditions().write(tmp_path)
     people = (folder / "participants.csv").read_text("utf-8")
     (folder / "participants.csv").write_text(people.replace("P1,,completed", "P1,,excluded"))
-    rule = {"participant": "P2", "what": "participant"}
-    found = analyse_time_courses(
-        read_study(folder), plan_of(), {**NOTHING_ELSE, "exclusions": [rule]}
-    )
-    assert found.results["ratings"]["people"] == 4
+    rule = ExcludedByRule("age", "P2", PERSON, "too old")
+    assert analyse_time_courses(data_of(folder, rule)).ratings.counts.people == 4
 
 
 def test_a_rating_that_is_no_number_is_told(tmp_path):

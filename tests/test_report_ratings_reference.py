@@ -14,9 +14,9 @@ from vrcomfort.importing.convert import import_files
 from vrcomfort.importing.mapping import load_mapping
 from vrcomfort.importing.study import write_study
 from vrcomfort.report.build import build_report, choose_plan
-from vrcomfort.report.ratings import analyse_time_courses
 from vrcomfort.report.results import analyse
-from vrcomfort.report.rows import as_json, rounded
+from vrcomfort.report.rows import as_json
+from vrcomfort.report.sections import run_sections
 from vrcomfort.report.study_data import read_study
 
 FMS = Path(__file__).parent / "data" / "fms"
@@ -41,7 +41,8 @@ def results(study):
     data = read_study(study)
     plan = choose_plan(data, FMS / "plan.toml")
     found, _ = analyse(data, plan)
-    return as_json(found | rounded(analyse_time_courses(data, plan, found).results))
+    sections = run_sections(found.for_sections(data))
+    return as_json(found.with_sections(sections))
 
 
 SEARCH = 1e-8

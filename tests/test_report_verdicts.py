@@ -3,7 +3,7 @@
 import random
 import re
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
 
 import pytest
 
@@ -13,11 +13,11 @@ from vrcomfort.report.analyses import outcome_sentences, sentences
 from vrcomfort.report.derived_plan import plan_of
 from vrcomfort.report.families import disagreement, holds, is_shown
 from vrcomfort.report.plan_files import load_plan
-from vrcomfort.report.results import analyse
+from vrcomfort.report.results import Results, analyse
 from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import read_study
-from vrcomfort.report.vocabulary import Vocabulary
 from vrcomfort.report.words import interval, p_value
+from vrcomfort.stats.means import MeanInterval
 from vrcomfort.stats.multiplicity import holm, holm_levels
 
 SHOWN = re.compile(r"higher (?:under|in) |lower (?:under|in) |more preferred|more of one went")
@@ -74,7 +74,7 @@ def random_study(folder: Path, seed: int) -> Path:
     return foreign(folder / "questionnaires.csv", scores).parent
 
 
-def analysed(folder: Path, text: str) -> dict[str, Any]:
+def analysed(folder: Path, text: str) -> Results:
     """Return the results of a study, without a page."""
     study = read_study(folder)
     file = folder / "plan.toml"
@@ -106,8 +106,9 @@ def test_no_sentence_contradicts_an_interval_beside_it(tmp_path, seed):
     if "preferences" in design:
         choices = choices.replace('alternative = "less"\n', "")
     results = analysed(random_study(tmp_path, seed), PLAN.format(choices=choices) + design)
-    words = Vocabulary.of(results)
-    said = [line for _, line in outcome_sentences(results, words)] + sentences(results, words)
+    words = results.vocabulary
+    rows = results.rows
+    said = [line for _, line in outcome_sentences(rows, words)] + sentences(rows, words)
     assert said
     for line in said:
         if "could not be" in line.claim or "nobody" in line.claim:
@@ -121,7 +122,7 @@ def test_the_default_intervals_agree_with_the_decision_by_construction(tmp_path,
     """Of the differences in points: those of r may not, and say so."""
     design = DESIGNS[seed % 3]
     results = analysed(random_study(tmp_path, seed), PLAN.format(choices="") + design)
-    for row in (*results["tests"], *results["comparisons"]):
+    for row in (*results.tests, *results.comparisons):
         decision = row.decision
         if row.not_tested:
             assert decision.verdict is None
@@ -254,8 +255,8 @@ def test_who_left_and_is_ranked_worst_is_not_in_the_interval_of_who_stayed(tmp_p
     ],
 )
 def test_an_end_that_is_not_zero_is_not_printed_as_zero(found, written):
-    assert interval(found) == written
-    assert interval({"low": 0.2, "high": 0.9996}, null=1.0) == "[0.20,\u00a00.9996]"
+    assert interval(SimpleNamespace(**found)) == written
+    assert interval(MeanInterval(0.2, 0.9996), null=1.0) == "[0.20,\u00a00.9996]"
 
 
 @pytest.mark.parametrize(
@@ -270,6 +271,6 @@ def test_the_derived_plan_of_many_conditions_has_no_contradiction_either(tmp_pat
     scores = {f"P{i}": {c: chance.choice((0, 1, 4, 9)) for c in "abcd"} for i in range(10)}
     study = read_study(foreign(tmp_path / "q.csv", scores))
     results = analyse(study, plan_of(study))[0]
-    words = Vocabulary.of(results)
-    for _, line in outcome_sentences(results, words):
+    words = results.vocabulary
+    for _, line in outcome_sentences(results.rows, words):
         assert not contradictions(line.text, line.claim), line.text

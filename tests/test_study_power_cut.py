@@ -25,6 +25,7 @@ from vrcomfort.records import (
     TrialRow,
 )
 from vrcomfort.records.row_files import SYNC_EVERY_S
+from vrcomfort.records.session_rows import GazeValidationRow
 
 TRIAL = TrialRow("P1", 1, 1, 1, 1, "a", "s", 0.0, 1.0, "completed", None, 1, 0, 9, 0)
 RATING = RatingRow("P1", 1, 1, "a", 1.0, 0.5, "fms", 3, 0)
@@ -76,7 +77,12 @@ def disk(monkeypatch: pytest.MonkeyPatch) -> Disk:
     return Disk(monkeypatch)
 
 
-@pytest.mark.parametrize("row", [RATING, EventRow(0.0, 0.0, "start"), TRIAL])
+VALIDATION = GazeValidationRow(
+    "P1", 1, 1, 1, 1, 0.0, 1, "left", 0.0, 0.0, 1.0, 9, 90.0, 0.5, 0.1, 0.1
+)
+
+
+@pytest.mark.parametrize("row", [RATING, EventRow(0.0, 0.0, "start"), TRIAL, VALIDATION])
 def test_a_row_that_is_waited_for_is_safe(tmp_path, disk, row):
     with Recorder(tmp_path, "P1", 1) as recorder:
         recorder.write(row)

@@ -17,8 +17,9 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.protocol.session_steps import Practice
+from vrcomfort.records.json_file import ManifestShape
 from vrcomfort.report.study_data import read_study
-from vrcomfort.report.withdrawals import early_endings
+from vrcomfort.report.withdrawals import EarlyEnding, early_endings
 from vrcomfort.respondent import SimulatedRespondent, Withdrew
 from vrcomfort.session import NoPictures, StillHeadset
 from vrcomfort.session.dry_run import dry_run
@@ -155,8 +156,9 @@ def test_what_never_went_well_enough_may_end_it(tmp_path, ends, status):
     assert (content["ended"]["by"], content["ended"]["ends"]) == ("practice", ends)
     assert rows(tmp_path, "trials") == []
     assert not verify_study(tmp_path / "S").faults
-    (counted,) = early_endings(SimpleNamespace(trials=[], manifests=[content]))
-    assert counted == {"ends": ends, "by": "practice", "n": 1}
+    manifest = ManifestShape.model_validate(content)
+    (counted,) = early_endings(SimpleNamespace(trials=[], manifests=[manifest]))
+    assert counted == EarlyEnding(ends=ends, by="practice", n=1)
 
 
 class Interrupting(AheadHeadset):

@@ -22,7 +22,7 @@ from vrcomfort.exchange.verifying.study import verify_study
 from vrcomfort.records import read_participants, session_folder
 from vrcomfort.report.notices import _ended_early
 from vrcomfort.report.study_data import read_study
-from vrcomfort.report.withdrawals import count_withdrawals, find_withdrawals
+from vrcomfort.report.withdrawals import EarlyEnding, count_withdrawals, find_withdrawals
 
 RISE = '[[stop.score_rise]]\ninstrument = "ssq"\nscale = "T"\nby = 100.0\n'
 
@@ -128,10 +128,10 @@ def test_reports_count_each_kind_and_who_came_back_is_no_withdrawal(tmp_path):
     go(tmp_path, Scripted(withdraw_at_s=2.0), stop, text=text)
     study = read_study(tmp_path / "S")
     assert find_withdrawals(study) == []
-    assert count_withdrawals(study, [])["early_endings"] == [
-        {"ends": "exposure", "by": "rating", "n": 2},
-        {"ends": "session", "by": "participant", "n": 1},
-    ]
+    assert count_withdrawals(study, []).early_endings == (
+        EarlyEnding(ends="exposure", by="rating", n=2),
+        EarlyEnding(ends="session", by="participant", n=1),
+    )
     assert _ended_early(study) == [
         "ended before their time: 2 exposures by a rating, 1 session by the participant"
     ]

@@ -17,20 +17,20 @@ from typer.testing import CliRunner
 from tests.oracles.raycast import cast
 from tests.support.exchange import cell
 from tests.support.study import AheadHeadset, Scripted, read_rows
-from tests.support.tasks import PROTOCOL, do, doing_protocol, room
+from tests.support.tasks import PROTOCOL, do, doing_protocol, room, with_own_tasks
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.geometry import Pose, normalize, turn_to, yaw_pitch_roll
 from vrcomfort.headset.inputs import HandInput, Inputs
-from vrcomfort.protocol import with_task_code
+from vrcomfort.protocol import load_protocol, task_code_of
 from vrcomfort.report.measures import measure_of, values_of
 from vrcomfort.report.study_data import read_study
 from vrcomfort.scene.load import load_scene
 from vrcomfort.scene.markers import Markers
 from vrcomfort.scene.ray_cast import RayCaster
-from vrcomfort.tasks import Ball, Surroundings, TaskFrame, run_task_file
+from vrcomfort.tasks import Ball, Surroundings, TaskFrame, read_task_code
 from vrcomfort.tasks.aiming import Aiming
 from vrcomfort.tasks.exploration import Exploration
 from vrcomfort.tasks.fixation import Fixation
@@ -444,7 +444,7 @@ def test_the_task_of_the_docs_counts_nods(tmp_path):
     page = (Path(__file__).parents[1] / "docs/tasks.md").read_text(encoding="utf-8")
     (code,) = re.findall("```python\n(.*?)```", page, flags=re.DOTALL)
     (tmp_path / "count_nods.py").write_text(code)
-    settings, _ = run_task_file(tmp_path / "count_nods.py")
+    settings = read_task_code(tmp_path, ["count_nods.py"]).run("count_nods.py")
     task = settings(name="nod", kind="count_nods.py", depth_deg=10.0).start(around())
     for time_s, pitch_deg in enumerate([0, -15, -15, 0, -5, 0, -12, 3, 0]):
         pose = Pose(orientation=yaw_pitch_roll(0.0, np.radians(pitch_deg), 0.0))
@@ -483,7 +483,7 @@ def test_faults_of_a_task_file_are_told_where_it_is_run(tmp_path, code, keys, to
     (tmp_path / "nod.py").write_text(code)
     protocol = doing_protocol(tmp_path, PROTOCOL.replace('"aiming"', f'"nod.py"\n{keys}'))
     with pytest.raises(InputError, match=told) as refusal:
-        with_task_code(protocol)
+        with_own_tasks(protocol)
     assert refusal.value.line is not None
 
 
@@ -507,7 +507,7 @@ def test_a_task_file_in_a_folder_below_the_protocols_may_be_a_link_within_it(tmp
     (tmp_path / "now.py").symlink_to("tasks/nod.py")
     for kind in ("tasks/nod.py", "now.py"):
         protocol = doing_protocol(tmp_path, PROTOCOL.replace("aiming", kind))
-        assert with_task_code(protocol).task_code.keys() == {kind}
+        assert with_own_tasks(protocol).task_code.keys() == {kind}
 
 
 MARKING = """
@@ -546,7 +546,8 @@ def marked(tmp_path_factory):
     file = folder / "study.toml"
     file.write_text(text.replace("exposure_s = 20.0", "exposure_s = 1.0\nparticipants = 2"))
     words = ["simulate", str(file), "-n", "2", "--no-frames", "--out", str(folder / "data")]
-    told = CliRunner().invoke(app, words)
+    trust = task_code_of(load_protocol(file)).sha256
+    told = CliRunner().invoke(app, [*words, "--trust", trust])
     assert told.exit_code == 0, told.output
     assert re.search(r"the code of the task file nod\.py is run \(SHA-256 \w{64}\)", told.stderr)
     (folder / "ran").unlink()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -10,16 +11,33 @@ def pip_install(*packages: str, again: bool = False) -> str:
     """Return the install command for a missing or damaged package that pyproject.toml names.
 
     It names that package alone: vrcomfort is on no index, so its own extras can only be installed
-    from a checkout.
+    from a checkout. It adds to the environment that runs this, be that active or not, and made by
+    venv, pipx or uv.
 
-    >>> pip_install("pylsl")
-    'pip install pylsl'
-    >>> pip_install("pylsl>=1.17", again=True)
-    'pip install --force-reinstall "pylsl>=1.17"'
+    >>> pip_install("pylsl").endswith(" install pylsl")
+    True
     """
     # A shell reads < and > as redirections.
     quoted = (f'"{each}"' if set(each) & set("<>") else each for each in packages)
-    return " ".join(("pip install", *(["--force-reinstall"] if again else []), *quoted))
+    command, force = _installer()
+    return " ".join((command, *([force] if again else []), *quoted))
+
+
+def _installer() -> tuple[str, str]:
+    """Return the command that installs packages here, and its option that installs them again."""
+    import shutil  # noqa: PLC0415 - for a remedy alone: every command imports this module
+    import sysconfig  # noqa: PLC0415
+    from importlib.util import find_spec  # noqa: PLC0415
+
+    if (Path(sys.prefix) / "pipx_metadata.json").is_file():
+        return "pipx inject vrcomfort", "--force"
+    python = f'"{sys.executable}"' if " " in sys.executable else sys.executable
+    if find_spec("pip") is None:  # as uv makes environments
+        return f"uv pip install --python {python}", "--reinstall"
+    pip = shutil.which("pip")
+    if pip is not None and Path(pip).parent == Path(sysconfig.get_path("scripts")):
+        return "pip install", "--force-reinstall"
+    return f"{python} -m pip install", "--force-reinstall"
 
 
 class InputError(ValueError):

@@ -9,7 +9,7 @@ import trimesh
 
 from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus
-from vrcomfort.protocol import Protocol, load_protocol, with_task_code
+from vrcomfort.protocol import Protocol, load_protocol, task_code_of, with_task_code
 from vrcomfort.respondent import Respondent, SimulatedRespondent
 from vrcomfort.scene.data import Material, Node, Primitive, Scene
 from vrcomfort.session import RunOutcome
@@ -86,6 +86,11 @@ def in_the_room(headset: type[AheadHeadset] = AheadHeadset) -> dict[str, object]
     }
 
 
+def with_own_tasks(protocol: Protocol) -> Protocol:
+    """Return a protocol with its own tasks ready, as after a consent."""
+    return with_task_code(protocol, task_code_of(protocol))
+
+
 def do(
     folder: Path,
     text: str = PROTOCOL,
@@ -97,7 +102,7 @@ def do(
     **more: object,
 ) -> RunOutcome:
     """Run a participant through the study in `folder / "S"`."""
-    protocol = with_task_code(doing_protocol(folder, text).spoken(language))
+    protocol = with_own_tasks(doing_protocol(folder, text).spoken(language))
     who = respondent or SimulatedRespondent(protocol.simulation, participant=participant, seed=0)
     parts = {**in_the_room(headset), **more}
     return run(protocol, participant, study=folder / "S", respondent=who, **parts)

@@ -172,6 +172,8 @@ def write_report(
             memory=most,
             cluster=cluster,
         )
+    if study is not None and source != given:
+        note(f"{given}: understood without a mapping; how, {source / 'mapping.toml'} says")
     for sentence in (summary.without_primary, *summary.warnings):
         if sentence:
             note(sentence)
@@ -220,7 +222,6 @@ def _study_of(source: Path, out: Path, note: Note) -> Path:
     write_study(folder, found.imported, file, [source])
     for sentence in (*found.notes, *found.imported.notes):
         note(sentence)
-    note(f"{source}: understood without a mapping; how, {folder / 'mapping.toml'} says")
     return folder
 
 

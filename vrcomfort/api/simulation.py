@@ -14,6 +14,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
+    from vrcomfort.api.study_setup import AskForCode
     from vrcomfort.records.reader import Study
     from vrcomfort.session import RunOutcome
     from vrcomfort.traces.trace import Trace
@@ -31,6 +32,7 @@ def simulate_study(
     refresh_hz: float | None = None,
     trace: str | Path | None = None,
     language: str | None = None,
+    trust: str | None = None,
 ) -> Study:
     """Simulate participants P01, P02, … of a study and record them as `vrcomfort simulate` does.
 
@@ -60,6 +62,8 @@ def simulate_study(
         Head trace (CSV) with `frames`; the walk shipped with each scene without it.
     language : str, optional
         One of the protocol's languages; its first without it.
+    trust : str, optional
+        Consent to run the protocol's own Python files of this hash; it is kept.
 
     Returns
     -------
@@ -69,7 +73,8 @@ def simulate_study(
     Raises
     ------
     InputError
-        If no participant is left, a person was in a session, one was begun with other settings,
+        If no participant is left, nobody has consented to the protocol's Python files (the hash to
+        trust is named), a person was in a session, one was begun with other settings,
         or the folder holds another study.
 
     Examples
@@ -91,6 +96,7 @@ def simulate_study(
         refresh_hz=refresh_hz,
         exposure_s=exposure_s,
         frames=frames,
+        trust=trust,
     )
     finish(outcomes)
     return Study(out)
@@ -124,6 +130,8 @@ def simulate_sessions(
     exposure_s: float | None = None,
     group_readable: bool = False,
     frames: bool = True,
+    trust: str | None = None,
+    ask: AskForCode | None = None,
     note: Note = as_warning,
     progress: Progress = no_progress,
 ) -> list[RunOutcome]:
@@ -152,6 +160,8 @@ def simulate_sessions(
         exposure_s,
         durability="session_end",  # a power cut costs a session that can be simulated again
         frames=frames,
+        trust=trust,
+        ask=ask,
         note=note,
     )
     resume_check = ResumeCheck(protocol, playback if frames else None, exposure_s)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from enum import StrEnum
@@ -14,7 +14,8 @@ from typing import Protocol as Shape
 from vrcomfort.api.outputs import Note, as_warning
 from vrcomfort.api.playback import PlaybackSetup
 from vrcomfort.api.rendering import describe_machine, make_renderer
-from vrcomfort.protocol import Protocol, with_task_code
+from vrcomfort.errors import InputError
+from vrcomfort.protocol import Protocol, task_code_of, with_task_code
 from vrcomfort.protocol.load import missing_wording
 
 if TYPE_CHECKING:
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
     from vrcomfort.session.interfaces import HeadsetFor, Renderer
     from vrcomfort.session.operator_control import OperatorControl
     from vrcomfort.session.panel_screen import PanelScreen
+    from vrcomfort.tasks import TaskCode
+
+    AskForCode = Callable[[TaskCode], bool]
 
     class LiveHeadset(Headset, Shape):
         """A headset that is worn, or a window on a desktop."""
@@ -87,14 +91,18 @@ class StudySetup:
         False: time jumps from one event to the next, and nothing is drawn.
     group_readable, durability
         See `session.open_enrolment` and `session.SessionSettings`.
+    trust
+        Hash of the protocol's own Python files, as somebody's consent to run them.
+    ask
+        Asks for that consent; without it, it is the hash or an earlier one.
     note
         Takes sentences on the scenes and the code of tasks.
 
     Raises
     ------
     InputError
-        If exposures would be longer than the protocol's, or the file of an own task, which is run
-        here, cannot be.
+        If exposures would be longer than the protocol's, nobody has consented to its Python files,
+        or one of them, which are run here, cannot be.
     """
 
     def __init__(
@@ -108,6 +116,8 @@ class StudySetup:
         group_readable: bool = False,
         durability: Durability = "each_row",
         frames: bool = True,
+        trust: str | None = None,
+        ask: AskForCode | None = None,
         note: Note = as_warning,
     ) -> None:
         self._study = study
@@ -117,8 +127,10 @@ class StudySetup:
         self._exposure_s = exposure_s
         _require_places(protocol)
         _require_instructions(protocol)
-        self._protocol = with_task_code(protocol)
-        for file, sha256 in self._protocol.task_code.items():
+        code = task_code_of(protocol)
+        _require_trust(code, trust, ask)
+        self._protocol = with_task_code(protocol, code)
+        for file, sha256 in code.hashes.items():
             note(f"the code of the task file {file} is run (SHA-256 {sha256})")
         self._group_readable = group_readable
         self._durability = durability
@@ -230,6 +242,22 @@ class StudySetup:
 
         settings, seed = self._protocol.simulation, enrolment.design.seed
         return SimulatedRespondent(settings, participant=enrolment.participant, seed=seed)
+
+
+def _require_trust(code: TaskCode, given: str | None, ask: AskForCode | None) -> None:
+    """Raise `InputError` where this user has not consented to run a protocol's Python files."""
+    from vrcomfort.records.trusted_code import is_trusted, require_given_hash, trust
+
+    if given is not None:
+        require_given_hash(code, given)
+        trust(code)
+    elif code.files and not is_trusted(code):
+        if ask is None or not ask(code):
+            files = ", ".join(sorted(code.files))
+            message = f"this protocol runs Python files of its own ({files}), which can do whatever"
+            message = f"{message} you can; nobody has consented to them as they are now; read them"
+            raise InputError(f"{message}, then: --trust {code.sha256}", file=code.folder)
+        trust(code)
 
 
 def _require_places(protocol: Protocol) -> None:

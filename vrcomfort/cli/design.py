@@ -13,6 +13,7 @@ from vrcomfort.api.outputs import output_folder
 from vrcomfort.cli.options import Json, ProtocolArgument, Quiet, Seed, StudySeed, output_option
 from vrcomfort.cli.terminal import answer, console, progress_bar
 from vrcomfort.design import Audit, Design, FactorAudit, StudyAudit, audit, build_design
+from vrcomfort.json_text import json_of
 from vrcomfort.protocol import Protocol, Sequence, load_protocol
 
 if TYPE_CHECKING:
@@ -273,13 +274,12 @@ def _facts(question: Question, rows: list[PowerRow], seed: int, studies: int) ->
 
 def _write(folder: Path, question: Question, rows: list[PowerRow], facts: dict[str, Any]) -> None:
     from vrcomfort.report.power import cells, draw_power
-    from vrcomfort.report.results import to_json
     from vrcomfort.report.tables import to_csv
 
     drawing = draw_power(question, rows)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "power.csv").write_text(to_csv([cells(row) for row in rows]), encoding="utf-8")
-    (folder / "power.json").write_text(to_json(facts), encoding="utf-8")
+    (folder / "power.json").write_text(json_of(facts) + "\n", encoding="utf-8")
     (folder / "power.svg").write_text(drawing.svg, encoding="utf-8")
     (folder / "power.png").write_bytes(drawing.png())
 

@@ -7,7 +7,8 @@ import sys
 import warnings
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Annotated
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 from rich.table import Table
@@ -46,6 +47,23 @@ class DoctorFinding:
     remedy: str = ""
     needed: bool = True
     details: tuple[str, ...] = ()
+
+
+class Extra(NamedTuple):
+    """An extra of pyproject.toml: a package that a few options need."""
+
+    name: str
+    package: str
+    use: str
+
+
+EXTRAS = (
+    Extra("video", "av", "play --video"),
+    Extra("lsl", "pylsl", "run --lsl"),
+    Extra("ttl", "pyserial", "run --ttl"),
+    Extra("sound", "miniaudio", "instructions that are heard"),
+    Extra("cluster", "distributed", "report --cluster and tradeoff --cluster"),
+)
 
 
 # The part of `doctor` that looks for a headset: bindings, runtime, headset, session, timing.
@@ -199,8 +217,8 @@ def _examine(*, timing: bool) -> Iterator[DoctorFinding]:
     finding, ctx = _opengl()
     yield finding
     yield _windows()
-    yield _video()
     yield _data()
+    yield from map(_extra, EXTRAS)
     yield from examine_openxr(ctx, timing=timing)
     if ctx is not None:
         ctx.release()
@@ -256,16 +274,6 @@ def _windows() -> DoctorFinding:
     return DoctorFinding("windows", True, kind + screen, needed=False)
 
 
-def _video() -> DoctorFinding:
-    import av
-
-    codecs = [name for name in ("libx264", "mpeg4") if name in av.codecs_available]
-    remedy = f"reinstall PyAV from its wheel: {pip_install('av', again=True)}"
-    return DoctorFinding(
-        "video encoder", bool(codecs), ", ".join(codecs) or "none", "" if codecs else remedy
-    )
-
-
 def _data() -> DoctorFinding:
     try:
         scenes = sorted(path.stem for path in data_folder("scenes").glob("*.glb"))
@@ -273,3 +281,28 @@ def _data() -> DoctorFinding:
         return DoctorFinding("scenes", False, "none", str(error))
     remedy = "" if scenes else "reinstall vrcomfort"
     return DoctorFinding("scenes", bool(scenes), ", ".join(scenes) or "none", remedy)
+
+
+def _extra(extra: Extra) -> DoctorFinding:
+    part = f"extra {extra.name}"
+    try:
+        found = f"{extra.package} {version(extra.package)}"
+    except PackageNotFoundError:
+        remedy = f"for {extra.use}: {pip_install(extra.package)}"
+        return DoctorFinding(part, False, f"no {extra.package}", remedy, needed=False)
+    if extra.package == "av":
+        try:
+            codecs = _codecs()
+        except InputError as error:
+            return DoctorFinding(part, False, found, str(error), needed=False)
+        if not codecs:
+            remedy = f"reinstall PyAV from its wheel: {pip_install('av', again=True)}"
+            return DoctorFinding(part, False, f"{found} without an encoder", remedy, needed=False)
+        found += f", {', '.join(codecs)}"
+    return DoctorFinding(part, True, f"{found}: {extra.use}", needed=False)
+
+
+def _codecs() -> list[str]:
+    from vrcomfort.render.output import require_video
+
+    return [name for name in ("libx264", "mpeg4") if name in require_video().codecs_available]

@@ -94,6 +94,12 @@ GroupReadable = Annotated[
         "--group-readable", help="A new study's files are for your group, too, not for you alone."
     ),
 ]
+TrustOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="HASH", help="Consent to run the protocol's own Python files of this hash."
+    ),
+]
 TraceOption = Annotated[
     Path | None, typer.Option(help="Head trace (CSV); without it, the walk shipped with the scene.")
 ]

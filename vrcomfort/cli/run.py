@@ -30,13 +30,14 @@ from vrcomfort.cli.options import (
     StudyFolder,
     StudySeed,
     TraceOption,
+    TrustOption,
     declared_by,
     parse_covariates,
     parse_size,
     typed_words,
 )
 from vrcomfort.cli.session_devices import open_console, open_outlets, open_speaker
-from vrcomfort.cli.terminal import complain, console, dialogue, progress_bar, warn
+from vrcomfort.cli.terminal import ask_for_code, complain, console, dialogue, progress_bar, warn
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.headset.watchdog import EXIT_RUNTIME_LOST, Watchdog
 from vrcomfort.protocol import Protocol, load_protocol
@@ -137,6 +138,7 @@ class RunOptions:
         str | None, typer.Option(metavar="DAY", help="Day of the consent; today without it.")
     ] = None
     language: LanguageOption = None
+    trust: TrustOption = None
     group_readable: GroupReadable = False
     quiet: Quiet = False
 
@@ -346,6 +348,8 @@ def run(ctx: typer.Context, options: RunOptions) -> None:
         options.seed,
         options.exposure_s,
         group_readable=options.group_readable,
+        trust=options.trust,
+        ask=ask_for_code,
         note=warn,
     )
     options.require_console()

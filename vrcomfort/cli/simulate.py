@@ -27,10 +27,11 @@ from vrcomfort.cli.options import (
     StudyFolder,
     StudySeed,
     TraceOption,
+    TrustOption,
     output_option,
     parse_size,
 )
-from vrcomfort.cli.terminal import console, progress_bar, warn
+from vrcomfort.cli.terminal import ask_for_code, console, progress_bar, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
 
@@ -54,6 +55,7 @@ def simulate(
         bool, typer.Option("--frames/--no-frames", help="Draw every frame, or let time jump.")
     ] = True,
     language: LanguageOption = None,
+    trust: TrustOption = None,
     group_readable: GroupReadable = False,
     quiet: Quiet = False,
 ) -> None:
@@ -80,6 +82,8 @@ def simulate(
         exposure_s=exposure_s,
         group_readable=group_readable,
         frames=frames,
+        trust=trust,
+        ask=ask_for_code,
         note=warn,
         progress=partial(progress_bar, quiet=quiet),
     )

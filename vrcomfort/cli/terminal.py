@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Event, Thread
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import typer
 from rich.console import Console, ConsoleOptions, RenderableType
@@ -21,6 +21,9 @@ from rich.table import Column
 from rich.text import Text
 
 from vrcomfort.escaping import escape_unprintable
+
+if TYPE_CHECKING:
+    from vrcomfort.tasks import TaskCode
 
 EXIT_BAD_INPUT = 2  # as Typer and most Unix programs end where they were typed wrongly
 
@@ -72,6 +75,17 @@ def console(quiet: bool = False, *, wrap: bool = False) -> Console:
 def dialogue() -> Console:
     """Return where a person is asked: beside a progress bar, lines stand above it."""
     return _errors if sys.stdout.isatty() and sys.stderr.isatty() else console()
+
+
+def ask_for_code(code: TaskCode) -> bool:
+    """Ask at the terminal whether a protocol's Python files may run; False without a terminal."""
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        return False
+    warn("this protocol runs Python files of its own, which can do whatever you can:")
+    for name, sha256 in sorted(code.hashes.items()):
+        _errors.print(f"  {code.folder / name}  (SHA-256 {sha256})")
+    question = "Have you read them, and may they run? The consent is kept until they change"
+    return typer.confirm(question, default=False, err=True)
 
 
 def ask_to_type(question: str) -> None:

@@ -1,7 +1,12 @@
 """Protocols: a study's stimuli, order, questions and timing, read from TOML and validated."""
 
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
-from vrcomfort.protocol.load import load_protocol, parse_protocol, with_task_code
+from vrcomfort.protocol.load import (
+    load_protocol,
+    parse_protocol,
+    task_code_of,
+    with_task_code,
+)
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import Allocation, Covariate, Group, Order, Sequence, Trial
 from vrcomfort.protocol.questions import Ask, Ratings, Unfocused
@@ -27,5 +32,6 @@ __all__ = [
     "Unfocused",
     "load_protocol",
     "parse_protocol",
+    "task_code_of",
     "with_task_code",
 ]

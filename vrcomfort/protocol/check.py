@@ -124,17 +124,8 @@ def _named_key(path: Path, kind: str, known: Iterable[str]) -> Iterator[Problem]
 
 def _ratings(protocol: Protocol) -> Iterator[Problem]:
     for index, ratings in enumerate(protocol.ratings):
-        path: Path = ("ratings", index)
-        if ratings.every_s + ratings.timeout_s > protocol.longest_s:
-            message = "no rating fits into an exposure: every_s + timeout_s is more than exposure_s"
-            yield Problem(path, f"{message}; shorten them, or remove [[ratings]]")
-        if ratings.jitter_s > ratings.every_s / 2:
-            message = "two questions could change places: `jitter_s` is more than half of `every_s`"
-            yield Problem((*path, "jitter_s"), f"{message}; make it smaller")
-        for key in sorted({"stop_in_a_row", "stop_ends"} & ratings.model_fields_set):
-            if ratings.stop_at is None:
-                message = f"`{key}` does nothing without `stop_at`; remove it or add that"
-                yield Problem((*path, key), message)
+        for problem in ratings.problems(protocol.longest_s):
+            yield Problem(("ratings", index, *problem.path), problem.message)
     yield from repeated(("ratings",), [each.instrument for each in protocol.ratings])
 
 

@@ -27,7 +27,16 @@ from vrcomfort.settings import (
     repeated,
 )
 from vrcomfort.settings.include import Source
-from vrcomfort.tasks import OwnTask, TaskSettings, own_task_file, run_task_file
+from vrcomfort.tasks import (
+    OwnTask,
+    TaskCode,
+    TaskSettings,
+    declared_settings,
+    installed_task,
+    own_task_file,
+    read_task_code,
+    run_installed_task,
+)
 
 MOST_ITEMS = 16
 """Room of the list of all answers, on the panel in the headset."""
@@ -330,38 +339,72 @@ def find_tasks(protocol: Protocol) -> tuple[dict[str, TaskSettings], list[Proble
             message = f"`{NO_TASK}` says that there is no task; give this one another name"
             faults.append(Problem(("tasks", index, "name"), message))
         found[task.name] = task
-        if isinstance(task, OwnTask):
+        if isinstance(task, OwnTask) and installed_task(task.kind) is None:
             try:
-                own_task_file(_folder(protocol), task.kind)
+                model = declared_settings(own_task_file(_folder(protocol), task.kind))
             except InputError as error:
                 faults.append(Problem(("tasks", index, "kind"), str(error)))
+                continue
+            if model is not None:
+                faults += _taken(model, task, index)[1]
     return found, faults + list(_unknown_tasks(protocol))
 
 
-def with_task_code(protocol: Protocol) -> Protocol:
+def _taken(
+    model: type[TaskSettings], task: OwnTask, index: int
+) -> tuple[TaskSettings | None, list[Problem]]:
+    """Return an entry of [[tasks]] as a model of its settings, or what the model finds wrong."""
+    try:
+        return model.model_validate(task.model_dump(), strict=True), []
+    except ValidationError as error:
+        found = problems_of(model, error)
+    return None, [
+        Problem(("tasks", index, *each.path), each.message, each.missing) for each in found
+    ]
+
+
+def task_code_of(protocol: Protocol) -> TaskCode:
+    """Read the Python files of a protocol's own tasks, and all that these import; run none.
+
+    Tasks of installed packages are not among them.
+
+    Raises
+    ------
+    InputError
+        If one cannot be read, or lies outside of the protocol's folder.
+    """
+    own = (task.kind for task in protocol.tasks if isinstance(task, OwnTask))
+    return read_task_code(_folder(protocol), (k for k in own if installed_task(k) is None))
+
+
+def with_task_code(protocol: Protocol, code: TaskCode) -> Protocol:
     """Return the protocol with its own tasks ready to start: this runs their Python files.
 
-    Only what is about to hold a session calls it. Until then the settings of an own task are an
-    `OwnTask`, whatever keys they have.
+    Only what is about to hold a session calls it, after the consent to `code`. Until then the
+    settings of an own task are an `OwnTask`, whatever keys they have.
 
     Raises
     ------
     InputError
         If a file cannot be run, or does not take the settings.
     """
-    own = [(k, task) for k, task in enumerate(protocol.tasks) if isinstance(task, OwnTask)]
-    ready, ran, faults = dict(protocol._tasks), {}, []
-    for index, task in own:
+    ready, faults = dict(protocol._tasks), []
+    ran = code.hashes
+    for index, task in enumerate(protocol.tasks):
+        if not isinstance(task, OwnTask):
+            continue
         try:
-            model, ran[task.kind] = run_task_file(own_task_file(_folder(protocol), task.kind))
-            ready[task.name] = model.model_validate(task.model_dump(), strict=True)
+            if (installed := installed_task(task.kind)) is not None:
+                model, ran[task.kind] = run_installed_task(installed)
+            else:
+                model = code.run(task.kind)
         except InputError as error:
             faults.append(Problem(("tasks", index, "kind"), str(error)))
-        except ValidationError as error:
-            faults += [
-                Problem(("tasks", index, *each.path), each.message, each.missing)
-                for each in problems_of(model, error)
-            ]
+            continue
+        settings, wrong = _taken(model, task, index)
+        faults += wrong
+        if settings is not None:
+            ready[task.name] = settings
     if faults:
         raise protocol.first_fault(faults)
     prepared = protocol.model_copy()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Literal, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -12,6 +12,9 @@ from vrcomfort.protocol.conditions import Seconds
 from vrcomfort.protocol.order import Covariate
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.settings import KeyPath, Problem, Settings, Word, did_you_mean
+
+if TYPE_CHECKING:
+    import numpy as np
 
 Rest = Annotated[float, Field(ge=0, le=86_400)]
 """Seconds, up to a day."""
@@ -60,6 +63,27 @@ class Ratings(Settings):
     stop_ends: Literal["exposure", "session", "study"] = "study"
     """`exposure`: the session goes on after its questions. `session`: the participant may come back
     for the next. `study`: the participant's study."""
+
+    def due_times(self, duration_s: float, rng: np.random.Generator) -> list[float]:
+        """Return when a question is due: as long as the time to answer lies within an exposure."""
+        last_s = duration_s - self.timeout_s
+        count = max(int(last_s / self.every_s + 1e-9), 0)
+        shifts = rng.uniform(-self.jitter_s, self.jitter_s, count + 1).round(3)
+        times = [self.every_s * (n + 1) + float(shift) for n, shift in enumerate(shifts)]
+        return [due for due in times if due <= last_s]
+
+    def problems(self, longest_s: float) -> Iterator[Problem]:
+        """Yield keys that do not go with each other, or with the longest exposure."""
+        if self.every_s + self.timeout_s > longest_s:
+            message = "no rating fits into an exposure: every_s + timeout_s is more than exposure_s"
+            yield Problem((), f"{message}; shorten them, or remove [[ratings]]")
+        if self.jitter_s > self.every_s / 2:
+            message = "two questions could change places: `jitter_s` is more than half of `every_s`"
+            yield Problem(("jitter_s",), f"{message}; make it smaller")
+        for key in sorted({"stop_in_a_row", "stop_ends"} & self.model_fields_set):
+            if self.stop_at is None:
+                message = f"`{key}` does nothing without `stop_at`; remove it or add that"
+                yield Problem((key,), message)
 
 
 Asked = Annotated[str, Field(min_length=1, max_length=300)]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from operator import itemgetter
 from pathlib import Path
@@ -101,10 +101,6 @@ class ExposureFrames:
         if self.half_rate_s is None:
             return self.live_s
         return self.live_s + self.unfocused_s + self.half_rate_s + (self.untracked_s or 0.0)
-
-    def cells(self) -> dict[str, Any]:
-        """Return column → value."""
-        return asdict(self)
 
 
 @dataclass(frozen=True)

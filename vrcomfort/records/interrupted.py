@@ -26,20 +26,14 @@ from vrcomfort.records.disk import (
     replace_text,
     sync_folder,
 )
-from vrcomfort.records.exposure_rows import OVER, DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
+from vrcomfort.records.exposure_rows import OVER, PracticeRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
-from vrcomfort.records.interruptions import OF_FRAMES
+from vrcomfort.records.interruptions import KEPT, OF_FRAMES
 from vrcomfort.records.json_file import damaged
 from vrcomfort.records.reader import Session
 from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import OPTIONAL_ROWS, SCHEMA_VERSION, SESSION_ROWS, columns_of_version
-from vrcomfort.records.session_rows import (
-    ClockRow,
-    EventRow,
-    QuestionnaireRow,
-    ScreeningRow,
-    TextRow,
-)
+from vrcomfort.records.session_rows import QuestionnaireRow
 from vrcomfort.records.tables import RecordedRow, split_line, text_rows
 
 
@@ -255,7 +249,7 @@ def repair_session(folder: Path, planned: Sequence[Trial], access: Access = OWNE
     whose = {"participant": manifest["participant"], "session": manifest["session"]}
     trials = list(_checked_trials(session, planned, whose))
     frames = _Frames.read(session, trials, begun)
-    end_s = max(_ends(session, trials, whose), default=0.0)
+    end_s = max(_ends(session, whose), default=0.0)
     end_s = round(max(end_s, frames.last_s), _DECIMALS)
     attempts: dict[int, int] = {}
     for row in trials:
@@ -427,26 +421,12 @@ class _Frames:
         self.last_s = max(self.last_s, row["session_s"])
 
 
-def _ends(
-    session: Session, trials: Sequence[RecordedRow], whose: Mapping[str, Any]
-) -> Iterator[float]:
-    """Yield when each thing on record ended."""
-    for row in trials:
-        yield row["end_s"]
-    columns: Mapping[type[Row], tuple[str, ...]] = {
-        QuestionnaireRow: ("answered_s",),
-        RatingRow: ("onset_s", "latency_s"),
-        EventRow: ("onset_s", "duration_s"),
-        TaskRow: ("onset_s", "reaction_s"),
-        DialRow: ("onset_s",),
-        TextRow: ("answered_s",),
-        ScreeningRow: ("decided_s",),
-        PracticeRow: ("end_s",),
-        ClockRow: ("session_s",),
-    }
-    for row_type, parts in columns.items():
-        for row in _of(whose, session.rows(row_type, repaired=True)):
-            yield sum(row[part] or 0.0 for part in parts)
+def _ends(session: Session, whose: Mapping[str, Any]) -> Iterator[float]:
+    """Yield when each thing on record was over, but for frames."""
+    for each in KEPT:
+        if each.row_type not in (FrameRow, *OF_FRAMES):
+            for row in _of(whose, session.rows(each.row_type, repaired=True)):
+                yield sum(row[part] or 0.0 for part in each.over_s)
 
 
 def _write_killed(

@@ -1,11 +1,13 @@
 """Rows that an interruption may lose: one account for recorder, resume and verify.
 
-After a signal nothing is missing. After SIGKILL rows are missing that were not in their files yet,
-after a power cut those that were not on the disk (`SAFE_AFTER_S`), and after a full disk those that
-it refused; in each file these are the last of the run. `RELIES_ON` is the order in which files are
-written and synced, so that a row never refers to one that the recorder holds back. A power cut may
-still keep the younger of two files, for a disk writes what was not synced in any order. The event
-`session_resumed`, and `earlier_runs` in the manifest, tell of each interruption.
+`KEPT` says of each file how old a row is at most that may be missing, which rows it relies on, and
+when what it tells was over. The recorder syncs by it, resume goes on by it after everything on
+record, and verify allows no more. After a signal nothing is missing. After SIGKILL rows are missing
+that were not in their files yet, after a power cut those that were not on the disk, and after a
+full disk those that it refused; in each file these are the last of the run. A row is written and
+synced after those that it relies on, so that it never refers to one that the recorder holds back. A
+power cut may still keep the younger of two files, for a disk writes what was not synced in any
+order. The event `session_resumed`, and `earlier_runs` in the manifest, tell of each interruption.
 """
 
 from __future__ import annotations
@@ -34,27 +36,62 @@ from vrcomfort.records.session_rows import (
 )
 from vrcomfort.records.tables import RecordedRow
 
-OF_FRAMES: tuple[type[Row], ...] = (GazeRow, ImageRow, BallRow)
-"""Their rows have the time of a frame."""
-
-_IN_ORDER: tuple[type[Row], ...] = (
-    FrameRow, *OF_FRAMES, ClockRow, RatingRow, TaskRow, DialRow, QuestionnaireRow, TextRow,
-    ScreeningRow, GazeValidationRow, PracticeRow, TimingRow, EventRow, TrialRow,
-)  # fmt: skip
-WRITTEN_IN_ORDER = tuple(each.FILE for each in _IN_ORDER)
-"""Files, each after those that its rows refer to."""
-
-RELIES_ON: Mapping[str, frozenset[str]] = {
-    **{each.FILE: frozenset({FrameRow.FILE}) for each in OF_FRAMES},
-    EventRow.FILE: frozenset({QuestionnaireRow.FILE}),
-    TrialRow.FILE: frozenset(WRITTEN_IN_ORDER[:-1]),
-}
-"""File → files whose waiting rows are written, and synced, before its own."""
-
 SYNC_EVERY_S = 0.5
 """So long may a row of a frame wait for its sync: less than promised, for slow disks."""
+SAFE_AT_ONCE_S = 0.2
+"""What is promised of rows that are synced as they come."""
 SAFE_AFTER_S = 1.2
-"""What is promised: a row that was handed over so long ago is on the disk."""
+"""What is promised of the others: a row that was handed over so long ago is on the disk."""
+
+
+class Kept(NamedTuple):
+    """What is kept of a file, whatever happens.
+
+    Parameters
+    ----------
+    safe_after_s
+        A row that was handed over so long ago is not lost to a power cut.
+    over_s
+        Columns whose sum is when that was over what a row tells, on the session's clock.
+    relies_on
+        Files whose waiting rows are written, and synced, before its own.
+    """
+
+    row_type: type[Row]
+    safe_after_s: float
+    over_s: tuple[str, ...]
+    relies_on: frozenset[str] = frozenset()
+
+
+_OF_A_FRAME = frozenset({FrameRow.FILE})
+_BEFORE_TRIAL: tuple[Kept, ...] = (
+    Kept(FrameRow, SAFE_AFTER_S, ("session_s",)),
+    Kept(GazeRow, SAFE_AFTER_S, ("session_s",), _OF_A_FRAME),
+    Kept(ImageRow, SAFE_AFTER_S, ("session_s",), _OF_A_FRAME),
+    Kept(BallRow, SAFE_AFTER_S, ("session_s",), _OF_A_FRAME),
+    Kept(ClockRow, SAFE_AFTER_S, ("session_s",)),
+    Kept(RatingRow, SAFE_AT_ONCE_S, ("onset_s", "latency_s")),
+    Kept(TaskRow, SAFE_AT_ONCE_S, ("onset_s", "reaction_s")),
+    Kept(DialRow, SAFE_AT_ONCE_S, ("onset_s",)),
+    Kept(QuestionnaireRow, SAFE_AT_ONCE_S, ("answered_s",)),
+    Kept(TextRow, SAFE_AT_ONCE_S, ("answered_s",)),
+    Kept(ScreeningRow, SAFE_AT_ONCE_S, ("decided_s",)),
+    Kept(GazeValidationRow, SAFE_AT_ONCE_S, ("onset_s",)),
+    Kept(PracticeRow, SAFE_AT_ONCE_S, ("end_s",)),
+    Kept(TimingRow, SAFE_AFTER_S, ()),
+    Kept(EventRow, SAFE_AT_ONCE_S, ("onset_s", "duration_s"), frozenset({QuestionnaireRow.FILE})),
+)
+KEPT: tuple[Kept, ...] = (
+    *_BEFORE_TRIAL,
+    Kept(TrialRow, SAFE_AT_ONCE_S, ("end_s",), frozenset(e.row_type.FILE for e in _BEFORE_TRIAL)),
+)
+"""Of each file of a session, each after those that its rows refer to."""
+
+WRITTEN_IN_ORDER = tuple(each.row_type.FILE for each in KEPT)
+RELIES_ON: Mapping[str, frozenset[str]] = {each.row_type.FILE: each.relies_on for each in KEPT}
+SYNCED_AT_ONCE = tuple(each.row_type for each in KEPT if each.safe_after_s == SAFE_AT_ONCE_S)
+OF_FRAMES = tuple(each.row_type for each in KEPT if each.relies_on == _OF_A_FRAME)
+"""Their rows have the time of a frame."""
 
 RESUMED = "session_resumed"
 """The event with which each run after the first begins."""

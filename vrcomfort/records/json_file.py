@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from datetime import datetime
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
@@ -138,13 +138,15 @@ class _Trial(_Part):
     condition: str
 
 
-class _Sequence(_Part):
+class TrialSequence(_Part):
+    """An order of conditions, session after session."""
+
     sessions: list[list[_Trial]]
 
 
 class _Order(_Part):
     rule: str
-    sequences: list[_Sequence] = []
+    sequences: list[TrialSequence] = []
 
 
 class _OrderOfPart(_Part):
@@ -152,7 +154,9 @@ class _OrderOfPart(_Part):
     trials: list[_Trial]
 
 
-class _PartOfStudy(_Part):
+class PartOfStudy(_Part):
+    """A part with orders of its own."""
+
     orders: list[_OrderOfPart] = []
     repeats: Number = 1
 
@@ -179,7 +183,7 @@ class SettingsShape(_Part):
     views: list[_View] = []
     conditions: list[_Named] = []
     order: _Order | None = None
-    parts: list[_PartOfStudy] = []
+    parts: list[PartOfStudy] = []
     groups: list[_Named] = []
     practice: list[_Named] = []
     adjustments: list[_Adjustment] = []
@@ -254,10 +258,17 @@ class ImportShape(_File):
 
 
 _ENCODER = json.JSONEncoder(ensure_ascii=False)
+Shape = TypeVar("Shape", bound=BaseModel)
 
 
 def read_json(file: Path, model: type[BaseModel], what: str) -> dict[str, Any]:
-    """Return the content of a file that has the shape of `model`.
+    """Return the content of a file that has the shape of `model`; see `read_shape`."""
+    content, _ = _read(file, model, what)
+    return content if isinstance(content, dict) else {}
+
+
+def read_shape(file: Path, model: type[Shape], what: str) -> Shape:
+    """Return the content of a file as a `model`.
 
     Parameters
     ----------
@@ -271,6 +282,11 @@ def read_json(file: Path, model: type[BaseModel], what: str) -> dict[str, Any]:
     InputError
         If it cannot be read, is no JSON, or a newer version of this program wrote it.
     """
+    _, shape = _read(file, model, what)
+    return shape
+
+
+def _read(file: Path, model: type[Shape], what: str) -> tuple[Any, Shape]:
     text = read_text(file, what)
     content = parse_json(text, file, what=what)
     if isinstance(content, dict):
@@ -278,12 +294,10 @@ def read_json(file: Path, model: type[BaseModel], what: str) -> dict[str, Any]:
     path, fault = ((), "") if _is_finite(content) else next(_endless(content), ((), ""))
     if not fault:
         try:
-            model.model_validate(content)
+            return content, model.model_validate(content)
         except ValidationError as error:
             path, fault = _in_words(error.errors()[0])
-    if fault:
-        raise damaged(file, what, fault, text=text, path=path)
-    return content if isinstance(content, dict) else {}
+    raise damaged(file, what, fault, text=text, path=path)
 
 
 def indented(content: Mapping[str, Any]) -> str:

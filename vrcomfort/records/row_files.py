@@ -13,19 +13,18 @@ from typing import Literal, TypeAlias
 from vrcomfort.files import read_bytes
 from vrcomfort.records.appended_file import AppendedFile, ExternalChange
 from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
-from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
+from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.frame_rows import FrameRow
-from vrcomfort.records.interruptions import RELIES_ON, SYNC_EVERY_S, WRITTEN_IN_ORDER
+from vrcomfort.records.interruptions import (
+    RELIES_ON,
+    SYNC_EVERY_S,
+    SYNCED_AT_ONCE,
+    WRITTEN_IN_ORDER,
+)
 from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import SESSION_ROWS
-from vrcomfort.records.session_rows import EventRow, QuestionnaireRow, ScreeningRow, TextRow
 
 Durability: TypeAlias = Literal["each_row", "session_end"]
-
-_SYNCED_AT_ONCE = (
-    TrialRow, QuestionnaireRow, RatingRow, TaskRow, DialRow, TextRow, ScreeningRow, PracticeRow,
-    EventRow,
-)  # fmt: skip
 
 
 class RowFiles:
@@ -36,8 +35,8 @@ class RowFiles:
     resumed
         Append to the files that are there, and mark the rows.
     durability
-        "each_row": rows of trials, answers, ratings and events are on the disk when `write`
-        returns, all others within `SYNC_EVERY_S`, and those of a trial before the trial's row.
+        "each_row": rows of `SYNCED_AT_ONCE` are on the disk when `write` returns, all others
+        within `SYNC_EVERY_S`, and those of a trial before the trial's row.
         "session_end": nothing is synced before `sync` or `close`.
 
     Raises
@@ -97,7 +96,7 @@ class RowFiles:
                 self._try(row.FILE, partial(self._append, row))
             self._flush_all()
             if self._each_row:
-                self._sync_due({row.FILE for row in rows if isinstance(row, _SYNCED_AT_ONCE)})
+                self._sync_due({row.FILE for row in rows if isinstance(row, SYNCED_AT_ONCE)})
             self._raise_fault()
 
     def due_in_s(self) -> float | None:

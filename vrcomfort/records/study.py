@@ -104,18 +104,20 @@ def opened_study(
     int
         The study's seed.
     """
-    is_new = not (study / DESCRIPTION).exists()
-    made = [each for each in (study, *study.parents) if not each.exists()]
+    own = [study / INSTRUMENTS / f"{name}.toml" for name in protocol.own_instruments]
+    places = (*own, study / DESCRIPTION, study / INSTRUMENTS, study, *study.parents)
+    made = [each for each in places if not each.exists()]
     try:
         yield open_study(study, protocol, seed=seed, group_readable=group_readable)
     finally:
+        is_new = study / DESCRIPTION in made
         if is_new and not ((study / ParticipantRow.FILE).exists() or any(study.glob("sub-*"))):
-            own = [study / INSTRUMENTS / f"{name}.toml" for name in protocol.own_instruments]
-            for file in (*own, study / DESCRIPTION):
-                file.unlink(missing_ok=True)
-            for folder in (study / INSTRUMENTS, *made):
-                with suppress(OSError):  # others have something in it, or it is not there
-                    folder.rmdir()
+            for each in made:
+                with suppress(OSError):  # another has put something there, or nobody
+                    if each.is_dir():
+                        each.rmdir()
+                    else:
+                        each.unlink()
 
 
 def _keep_instruments(study: Path, protocol: Protocol, access: Access) -> None:

@@ -18,6 +18,16 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
 
 
+@dataclass(frozen=True)
+class Unscored:
+    """A questionnaire, or an exposure, without a score, and why."""
+
+    participant: str
+    questionnaire: str
+    reason: str
+    place: str
+
+
 def kept_by_the_experimenter(study: StudyData) -> list[Sheet]:
     """Leave out those whom participants.csv calls excluded; `why_not` gives the reason."""
     gone = {p["participant"] for p in study.participants if p["status"] == "excluded"}
@@ -56,7 +66,7 @@ def timepoints_of(plan: Plan) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for name in named if name))
 
 
-def last_runs(sheets: list[Sheet], plan: Plan, excluded: list[dict[str, str]]) -> list[Sheet]:
+def last_runs(sheets: list[Sheet], plan: Plan, excluded: list[Unscored]) -> list[Sheet]:
     """Leave out what was asked again later; but each run of a session needs its baseline."""
     last: dict[tuple[str, ...], int] = {}
     for sheet in sheets:
@@ -72,10 +82,9 @@ def last_runs(sheets: list[Sheet], plan: Plan, excluded: list[dict[str, str]]) -
     return [sheet for sheet in sheets if counts(sheet)]
 
 
-def left_out(sheet: Sheet, reason: str) -> dict[str, str]:
+def left_out(sheet: Sheet, reason: str) -> Unscored:
     """Return the row that says why a questionnaire is not scored."""
-    what = {"participant": sheet.participant, "questionnaire": sheet.name, "reason": reason}
-    return {**what, "place": sheet.place}
+    return Unscored(sheet.participant, sheet.name, reason, sheet.place)
 
 
 @dataclass(frozen=True)

@@ -5,27 +5,24 @@ from __future__ import annotations
 import gc
 import os
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import spare
 from vrcomfort.report.analyses import ReportContext, outcome_sentences, sentences
-from vrcomfort.report.analyses.contract import SectionData
 from vrcomfort.report.derived_plan import plan_of
 from vrcomfort.report.figures import draw_figures
 from vrcomfort.report.page import render_page
 from vrcomfort.report.plan import Plan
 from vrcomfort.report.plan_files import find_plan, load_plan, shipped_files
-from vrcomfort.report.records import records
 from vrcomfort.report.reproduce import r_script
 from vrcomfort.report.residuals import residuals_of
-from vrcomfort.report.results import PLAN_FILE, analyse, to_json
-from vrcomfort.report.rows import rounded
+from vrcomfort.report.results import PLAN_FILE, analyse, results_json
 from vrcomfort.report.sections import run_sections
-from vrcomfort.report.study_data import of_one_kind, read_study, with_frames
+from vrcomfort.report.study_data import SIMULATED, of_one_kind, read_study, with_frames
 from vrcomfort.report.tables import all_tables
 from vrcomfort.report.vocabulary import Vocabulary
 from vrcomfort.report.writing import file_name, name_of_study, write_report
@@ -35,6 +32,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.records.recording import Memory
     from vrcomfort.report.canvas import Drawing
+    from vrcomfort.report.results import Results
     from vrcomfort.report.study_data import StudyData
 
 
@@ -143,26 +141,17 @@ def _build(
     """Analyse what was read, and write everything; see `build_report`."""
     chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
-    results |= rounded(records(study, scored, chosen, results))
-    sections = run_sections(SectionData(study, chosen, results, memory))
-    for section in sections:
-        results |= section.results
-        results["labels"] |= {
-            name: name for name in section.conditions if name not in results["labels"]
-        }
-        results["quality"]["reading"] += section.notes
-    results["study"]["source"] = name or name_of_study(source)
-    results["date"] = _today()
-    words = Vocabulary.of(results)
-    per_condition = results["participants"]["exposures_per_condition"].values()
-    context = ReportContext(
-        words, chosen, several=max(per_condition, default=0) > 1, drawn=bool(forms)
-    )
+    sections = run_sections(results.for_sections(study, memory))
+    called = replace(results.study, source=name or name_of_study(source))
+    results = replace(results.with_sections(sections), study=called, date=_today())
+    words = results.vocabulary
+    several = max(results.participants.exposures_per_condition.values(), default=0) > 1
+    context = ReportContext(words, chosen, several=several, drawn=bool(forms))
     figures: dict[str, Drawing] = {}
     if forms:
         left = [
-            residuals_of(scored, chosen, results["tests"], outcome["name"])
-            for outcome in results["outcomes"]
+            residuals_of(scored, chosen, results.tests, outcome.name)
+            for outcome in results.outcomes
         ]
         figures = draw_figures(study, results, scored, left, sections, context)
     files: dict[str, str | bytes] = {
@@ -174,9 +163,9 @@ def _build(
         **{f"tables/{name}": text for name, text in all_tables(results, scored, sections).items()},
         **_figure_files(figures, forms),
     }
-    results["files"] = ["results.json", *files]
-    spare(_read(source, plan, out), [out / name for name in results["files"]])
-    write_report(out, {"results.json": to_json(results), **files})
+    results = replace(results, files=("results.json", *files))
+    spare(_read(source, plan, out), [out / name for name in results.files])
+    write_report(out, {"results.json": results_json(results), **files})
     return _summary(out, results, words)
 
 
@@ -238,42 +227,42 @@ def _read(source: Path, plan: str | Path | None, out: Path) -> list[Path]:
 def _of_one_kind(study: StudyData, simulated: bool | None) -> StudyData:
     """Real and simulated participants are in no table together."""
     if simulated is None:
-        simulated = all(each.get("respondent") == "simulated" for each in study.manifests)
+        simulated = all(each.respondent == SIMULATED for each in study.manifests)
         simulated = simulated and bool(study.manifests)
     return of_one_kind(study, simulated=simulated)
 
 
-def _summary(out: Path, results: dict[str, Any], words: Vocabulary) -> ReportSummary:
-    quality = results["quality"]
+def _summary(out: Path, results: Results, words: Vocabulary) -> ReportSummary:
+    quality = results.quality
     excluded = [
-        f"{row['place']}: {row['participant']}, {row['questionnaire']}: {row['reason']}"
-        for row in quality["excluded_questionnaires"]
+        f"{row.place}: {row.participant}, {row.questionnaire}: {row.reason}"
+        for row in quality.excluded_questionnaires
     ]
     return ReportSummary(
         index=out / "index.html",
         results=out / "results.json",
-        tables=tuple(out / name for name in results["files"] if name.startswith("tables/")),
-        figures=tuple(out / name for name in results["files"] if name.startswith("figures/")),
-        plan=results["plan"]["name"],
-        participants=results["participants"]["n"],
-        analysed=len(results["participants"]["analysed"]),
-        withdrawn=results["withdrawals"]["n"],
-        without_primary=results["without_primary"] or "",
+        tables=tuple(out / name for name in results.files if name.startswith("tables/")),
+        figures=tuple(out / name for name in results.files if name.startswith("figures/")),
+        plan=results.plan.name,
+        participants=results.participants.n,
+        analysed=len(results.participants.analysed),
+        withdrawn=results.withdrawals.n,
+        without_primary=results.without_primary or "",
         headlines=tuple(_headlines(results, words)),
         warnings=(
-            *quality["reading"],
-            *_changed(quality["protocol_versions"]),
+            *quality.reading,
+            *_changed(quality.protocol_versions),
             *excluded,
-            *results["notices"],
+            *results.notices,
         ),
     )
 
 
-def _headlines(results: dict[str, Any], words: Vocabulary) -> Iterator[str]:
+def _headlines(results: Results, words: Vocabulary) -> Iterator[str]:
     """Yield the answers, called secondary where the planned primary outcome is not in the data."""
-    called = "Secondary: " if results["without_primary"] else ""
-    answered = [sentence for _, sentence in outcome_sentences(results, words)]
-    for line in (*answered, *sentences(results, words)):
+    called = "Secondary: " if results.without_primary else ""
+    answered = [sentence for _, sentence in outcome_sentences(results.rows, words)]
+    for line in (*answered, *sentences(results.rows, words)):
         yield f"{called}{line.text}"
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vrcomfort.records.names import natural
 
@@ -13,21 +14,50 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
-Row = dict[str, Any]
+
+@dataclass(frozen=True)
+class CarryOver:
+    """How often a condition was met right before another one."""
+
+    before: str
+    after: str
+    n: int
+
+
+@dataclass(frozen=True)
+class OrderMet:
+    """The conditions of each session in their order, and how many people met them so."""
+
+    sessions: tuple[tuple[str, ...], ...]
+    n: int
+
+
+@dataclass(frozen=True)
+class Counterbalancing:
+    """The orders that were met.
+
+    Parameters
+    ----------
+    positions
+        Condition → count at each place of a session (of the study, if a session has one exposure).
+    carry_over
+        Within sessions.
+    balanced
+        Whether every condition stands equally often in every position.
+    """
+
+    positions: dict[str, list[int]]
+    carry_over: tuple[CarryOver, ...]
+    orders: tuple[OrderMet, ...]
+    balanced: bool
 
 
 def counterbalancing(
     table: pd.DataFrame, conditions: Iterable[str], analysed: Iterable[str]
-) -> dict[str, Any] | None:
+) -> Counterbalancing | None:
     """Count positions and carry-over over the scored exposures of those analysed.
 
-    Returns
-    -------
-    dict or None
-        `positions`: condition → count at each place of a session (of the study, if a session has
-        one exposure); `carry_over`: before, after and count within those; `orders`: the orders of
-        conditions and how many people met each; `balanced`: of positions. None where the data do
-        not say the order, or have no conditions.
+    None where the data do not say the order, or have no conditions.
     """
     part = table[table["participant"].isin(list(analysed)) & (table["position"] > 0)]
     names = [name for name in conditions if (part["condition"] == name).any()]
@@ -38,15 +68,13 @@ def counterbalancing(
     places = Counter((name, place) for _, run in runs for place, name in enumerate(run))
     positions = {name: [places[name, place] for place in range(longest)] for name in names}
     carried = Counter(pair for _, run in runs for pair in pairwise(run))
-    orders = _orders(runs)
-    return {
-        "positions": positions,
-        "carry_over": [
-            {"before": a, "after": b, "n": carried[a, b]} for a in names for b in names
-        ] if carried else [],
-        "orders": orders,
-        "balanced": all(len(set(column)) == 1 for column in zip(*positions.values(), strict=True)),
-    }  # fmt: skip
+    pairs = [(a, b) for a in names for b in names] if carried else []
+    return Counterbalancing(
+        positions,
+        tuple(CarryOver(a, b, carried[a, b]) for a, b in pairs),
+        _orders(runs),
+        all(len(set(column)) == 1 for column in zip(*positions.values(), strict=True)),
+    )
 
 
 def _runs(part: pd.DataFrame) -> list[tuple[str, list[str]]]:
@@ -60,10 +88,10 @@ def _runs(part: pd.DataFrame) -> list[tuple[str, list[str]]]:
     return [(key[0], [name for _, name in sorted(found[key])]) for key in ordered]
 
 
-def _orders(runs: list[tuple[str, list[str]]]) -> list[Row]:
+def _orders(runs: list[tuple[str, list[str]]]) -> tuple[OrderMet, ...]:
     met: dict[str, list[list[str]]] = defaultdict(list)
     for who, run in runs:
         met[who].append(run)
     counts = Counter(tuple(map(tuple, sessions)) for sessions in met.values())
     listed = sorted(counts.items(), key=lambda each: (-each[1], each[0]))
-    return [{"sessions": [list(run) for run in order], "n": n} for order, n in listed]
+    return tuple(OrderMet(order, n) for order, n in listed)

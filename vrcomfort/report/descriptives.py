@@ -11,7 +11,7 @@ from vrcomfort.records.names import natural
 from vrcomfort.report.asked import timepoints_of
 from vrcomfort.report.pairs import in_a_test
 from vrcomfort.report.rows import INLINE
-from vrcomfort.stats.means import mean_interval
+from vrcomfort.stats.means import MeanInterval, mean_interval
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -46,6 +46,11 @@ class DescriptionWithInterval(Description):
 
     mean_low: float | None
     mean_high: float | None
+
+    @property
+    def interval(self) -> MeanInterval:
+        """Return the interval of the mean."""
+        return MeanInterval(self.mean_low, self.mean_high)
 
 
 @dataclass(frozen=True)
@@ -101,7 +106,7 @@ def describe_with_interval(
 
 
 def describe_all(
-    scored: Exposures, plan: Plan, conditions: list[str], tests: Sequence[Tested]
+    scored: Exposures, plan: Plan, conditions: Sequence[str], tests: Sequence[Tested]
 ) -> list[DescribedRow]:
     """Describe the scores of each condition, in points; see `DescribedRow`."""
     return [
@@ -122,7 +127,7 @@ def _primary(
     scored: Exposures,
     plan: Plan,
     outcome: str,
-    conditions: list[str],
+    conditions: Sequence[str],
     tests: Sequence[Tested],
 ) -> _Described:
     found: _Described = []
@@ -135,7 +140,7 @@ def _primary(
     return found
 
 
-def _exposures(scored: Exposures, outcome: str, conditions: list[str]) -> _Described:
+def _exposures(scored: Exposures, outcome: str, conditions: Sequence[str]) -> _Described:
     values = scored.table[outcome].to_numpy(dtype=float) * scored.units[outcome]
     there = ~np.isnan(values)
     cells = scored.looked_up(("cells",), lambda: _cells(scored.table, conditions))
@@ -149,7 +154,7 @@ def _exposures(scored: Exposures, outcome: str, conditions: list[str]) -> _Descr
     ]
 
 
-def _moments(scored: Exposures, plan: Plan, outcome: str, conditions: list[str]) -> _Described:
+def _moments(scored: Exposures, plan: Plan, outcome: str, conditions: Sequence[str]) -> _Described:
     """Describe the raw scores at each timepoint of the plan, in the order of time."""
     table, unit = scored.moments.dropna(subset=[outcome]), scored.units[outcome]
     cells = dict(list(table.groupby(["timepoint", "condition"])[outcome]))
@@ -164,7 +169,7 @@ def _moments(scored: Exposures, plan: Plan, outcome: str, conditions: list[str])
 _Cells = list[tuple[str, str, str, "NDArray[np.bool_]"]]
 
 
-def _cells(table: pd.DataFrame, conditions: list[str]) -> _Cells:
+def _cells(table: pd.DataFrame, conditions: Sequence[str]) -> _Cells:
     """Return grouping, level, condition and rows of each description."""
     parts = [(ALL, "", np.ones(len(table), dtype=bool))]
     for by in ("scene", "position", "session"):

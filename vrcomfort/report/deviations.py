@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeAlias
 
 from vrcomfort.records.names import natural
 from vrcomfort.report.notices import names
@@ -13,14 +13,17 @@ from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.signed_rank import EXACT_UP_TO
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    from vrcomfort.report.analyses import AnalysisData, Rows
     from vrcomfort.report.analyses.comparisons import ComparisonRow
     from vrcomfort.report.analyses.equivalence import EquivalenceRow
     from vrcomfort.report.analyses.signed_rank import SignedRankRow
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
+
+    Compared: TypeAlias = SignedRankRow | ComparisonRow | EquivalenceRow
 
 
 @dataclass(frozen=True)
@@ -32,19 +35,25 @@ class Deviation:
     participants: tuple[str, ...]
 
 
-def deviations(
-    study: StudyData, scored: Exposures, plan: Plan, results: dict[str, Any]
-) -> list[Deviation]:
-    """Return every deviation."""
+def deviations(data: AnalysisData, rows: Rows, labels: Mapping[str, str]) -> list[Deviation]:
+    """Return every deviation; `labels` are those of the sides of contrasts."""
+    study, scored, plan = data.study, data.scored, data.plan
+
+    def in_words(test: Compared) -> str:
+        a, b = (labels.get(side, side) for side in (test.a, test.b))
+        return f"{scored.titles[test.outcome]}, {a} minus {b}"
+
     return [
         *_numbers(study, plan),
         *_excluded_without_a_rule(study, plan),
         *_named_and_absent(study, plan),
         *_outcomes(study, scored),
         *_timepoints(study, plan),
-        *_baseline(scored, plan, results),
-        *_tests(results, plan),
-        *_models(results),
+        *_baseline(scored, plan),
+        *_not_compared((*rows["comparisons"], *rows["equivalence"]), in_words),
+        *_not_compared(rows["tests"], in_words),
+        *_other_method(rows["tests"], plan, in_words),
+        *_models(rows, scored, plan),
     ]
 
 
@@ -101,9 +110,8 @@ def _timepoints(study: StudyData, plan: Plan) -> Iterator[Deviation]:
         yield _deviation("timepoint_not_found", f"no questionnaire is of `{name}` ({hint})")
 
 
-def _baseline(scored: Exposures, plan: Plan, results: dict[str, Any]) -> Iterator[Deviation]:
-    titles = _titles(results)
-    raw = [titles[name] for name, basis in scored.bases.items() if basis == "raw_post"]
+def _baseline(scored: Exposures, plan: Plan) -> Iterator[Deviation]:
+    raw = [scored.titles[name] for name, basis in scored.bases.items() if basis == "raw_post"]
     if plan.scores == "difference_from_baseline" and raw:
         text = (
             f"there is no baseline to subtract from {', '.join(raw)}: raw scores after exposure "
@@ -112,50 +120,40 @@ def _baseline(scored: Exposures, plan: Plan, results: dict[str, Any]) -> Iterato
         yield _deviation("no_baseline", text)
 
 
-def _titles(results: dict[str, Any]) -> dict[str, str]:
-    return {each["name"]: each["title"] for each in results["outcomes"]}
-
-
-def _tests(results: dict[str, Any], plan: Plan) -> Iterator[Deviation]:
-    tests = results["tests"]
-    yield from _not_compared(results)
-    for reason in dict.fromkeys(test.not_tested for test in tests if test.not_tested):
-        untested = [_in_words(t, results) for t in tests if t.not_tested == reason]
-        yield _deviation("not_tested", f"no test of {'; '.join(untested)}: {reason}")
-    fallen = [t for t in tests if t.found and t.found.method != plan.p_value]
-    if fallen:
-        what = "; ".join(_in_words(test, results) for test in fallen)
-        text = f"p is {fallen[0].found.method} with more than {EXACT_UP_TO} pairs: {what}"
-        yield _deviation("other_method", text)
-
-
-def _not_compared(results: dict[str, Any]) -> Iterator[Deviation]:
-    """Yield why a comparison by another test, or an equivalence, could not be made."""
-    untested = [row for row in (*results["comparisons"], *results["equivalence"]) if row.not_tested]
+def _not_compared(
+    tests: Sequence[Compared], in_words: Callable[[Compared], str]
+) -> Iterator[Deviation]:
+    """Yield why comparisons could not be made."""
+    untested = [row for row in tests if row.not_tested]
     for reason in dict.fromkeys(row.not_tested for row in untested):
-        which = [_in_words(row, results) for row in untested if row.not_tested == reason]
+        which = [in_words(row) for row in untested if row.not_tested == reason]
         yield _deviation("not_tested", f"no test of {'; '.join(which)}: {reason}")
 
 
-def _in_words(test: SignedRankRow | ComparisonRow | EquivalenceRow, results: dict[str, Any]) -> str:
-    labels, name = results["labels"], _titles(results)[test.outcome]
-    a, b = (labels.get(side, side) for side in (test.a, test.b))
-    return f"{name}, {a} minus {b}"
+def _other_method(
+    tests: Sequence[SignedRankRow], plan: Plan, in_words: Callable[[Compared], str]
+) -> Iterator[Deviation]:
+    """Yield of which tests p is not the planned one."""
+    fallen = [(test, test.found.method) for test in tests if test.found]
+    fallen = [(test, method) for test, method in fallen if method != plan.p_value]
+    if fallen:
+        what = "; ".join(in_words(test) for test, _ in fallen)
+        text = f"p is {fallen[0][1]} with more than {EXACT_UP_TO} pairs: {what}"
+        yield _deviation("other_method", text)
 
 
-def _models(results: dict[str, Any]) -> Iterator[Deviation]:
+def _models(rows: Rows, scored: Exposures, plan: Plan) -> Iterator[Deviation]:
     for key, name in (("anova", "ANOVA"), ("mixed_models", "mixed model")):
-        for reason in dict.fromkeys(row.not_tested for row in results[key] if row.not_tested):
-            whose = [
-                _titles(results)[row.outcome] for row in results[key] if row.not_tested == reason
-            ]
+        untested = [row for row in rows[key] if row.not_tested]
+        for reason in dict.fromkeys(row.not_tested for row in untested):
+            whose = [scored.titles[row.outcome] for row in untested if row.not_tested == reason]
             yield _deviation("not_tested", f"no {name} of {', '.join(whose)}: {reason}")
-    wanted = {factor["name"] for factor in results["plan"]["anova"]}
-    made = [set(row.fit.factors) for row in results["anova"] if row.fit]
+    wanted = {factor.name for factor in plan.anova}
+    made = [set(row.fit.factors) for row in rows["anova"] if row.fit]
     if made and (absent := sorted(wanted - set.union(*made))):
         text = f"{', '.join(absent)} has one level in the data and is not in the ANOVA"
         yield _deviation("factor_left_out", text)
-    left = {name for row in results["mixed_models"] if row.fit for name in row.fit.left_out}
+    left = {name for row in rows["mixed_models"] if row.fit for name in row.fit.left_out}
     if left:
         text = (
             f"{', '.join(sorted(left))} cannot be told apart from the other effects and "

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from vrcomfort.report.study_data import length_s
 from vrcomfort.settings import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     import pandas as pd
 
@@ -21,43 +21,73 @@ if TYPE_CHECKING:
     from vrcomfort.report.plan import Exclusion, Plan
     from vrcomfort.report.study_data import StudyData
 
-Found = dict[str, str]
 Key = tuple[str, str, str]
 """Participant, session and number of an exposure."""
+PERSON = "participant"
+"""What is excluded where it is somebody with all exposures."""
 
 
-def apply_rules(scored: Exposures, study: StudyData, plan: Plan) -> tuple[Exposures, list[Found]]:
-    """Return what is left, and one row per exclusion: participant, rule, what, and why.
+@dataclass(frozen=True)
+class ExcludedByRule:
+    """A participant, or an exposure, that a rule of the plan leaves out."""
+
+    rule: str
+    participant: str
+    what: str
+    reason: str
+
+    @property
+    def is_person(self) -> bool:
+        """Return whether it is the participant with all exposures."""
+        return self.what == PERSON
+
+
+@dataclass(frozen=True)
+class AppliedRule:
+    """A rule of the plan in words, and how many participants or exposures it leaves out."""
+
+    name: str
+    text: str
+    reason: str
+    excluded: int
+
+
+def apply_rules(
+    scored: Exposures, study: StudyData, plan: Plan
+) -> tuple[Exposures, list[ExcludedByRule]]:
+    """Return what is left, and one row per exclusion.
 
     Raises
     ------
     InputError
         If a rule goes by something that the data do not have.
     """
-    found: list[Found] = []
+    found: list[ExcludedByRule] = []
     gone: set[Key] = set()
     for index, rule in enumerate(plan.exclusions):
         _check(rule, index, scored, study, plan)
         for key, why in _hits(rule, scored, study, plan):
             whole = rule.removes == "participant"
-            what = "participant" if whole else f"session {key[1]}, exposure {key[2]}"
-            row = {"rule": rule.name, "participant": key[0], "what": what, "reason": why}
+            what = PERSON if whole else f"session {key[1]}, exposure {key[2]}"
+            row = ExcludedByRule(rule.name, key[0], what, why)
             if row not in found:
                 found.append(row)
             gone.add((key[0], "", "") if whole else key)
-    found.sort(key=lambda row: natural(row["participant"]))
+    found.sort(key=lambda row: natural(row.participant))
     return _without(scored, gone), found
 
 
-def rules_in_words(plan: Plan, scored: Exposures, found: list[Found]) -> list[dict[str, Any]]:
+def rules_in_words(
+    plan: Plan, scored: Exposures, found: Sequence[ExcludedByRule]
+) -> list[AppliedRule]:
     """Return each rule, and how many rows of `apply_rules` are due to it."""
     return [
-        {
-            "name": rule.name,
-            "text": _in_words(rule, plan, scored),
-            "reason": rule.reason,
-            "excluded": sum(row["rule"] == rule.name for row in found),
-        }
+        AppliedRule(
+            rule.name,
+            _in_words(rule, plan, scored),
+            rule.reason,
+            excluded=sum(row.rule == rule.name for row in found),
+        )
         for rule in plan.exclusions
     ]
 

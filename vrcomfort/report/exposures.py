@@ -12,6 +12,7 @@ import pandas as pd
 from vrcomfort.errors import InputError
 from vrcomfort.report.asked import (
     Scorer,
+    Unscored,
     check_timepoints,
     kept_by_the_experimenter,
     last_runs,
@@ -19,7 +20,7 @@ from vrcomfort.report.asked import (
     timepoints_of,
 )
 from vrcomfort.report.baselines import Baselines, Values
-from vrcomfort.report.facts import Facts
+from vrcomfort.report.facts import SAME_EXPOSURE, Facts, Row, RowKey
 from vrcomfort.report.measures import Measure
 from vrcomfort.report.measuring import Beside, exposure_of, measured, unmeasured
 from vrcomfort.report.outcomes import Outcome, items_of, known_outcomes, outcome_of_plan
@@ -33,13 +34,11 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
 
 Basis = Literal["difference_from_baseline", "raw_post", "measured"]
-Row = dict[str, Any]
 Found = TypeVar("Found")
 COLUMNS = (
     "participant", "session", "number", "position", "timepoint", "condition", "scene", "part",
     "early", "sequence", "group",
 )  # fmt: skip
-_SAME = ("participant", "session", "number", "timepoint", "condition", "scene", "part")
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ class Exposures:
         Same columns, without items, of raw scores at every timepoint of the plan. The baseline of
         an exposure has a row of its own, with the condition of the exposure.
     excluded
-        Questionnaires left out: participant, what, reason.
+        Questionnaires left out, and why.
     planned_of
         Outcome → condition → exposures that a participant of the study has; see
         `planned_exposures`.
@@ -88,7 +87,7 @@ class Exposures:
     table: pd.DataFrame
     recovery: pd.DataFrame
     moments: pd.DataFrame
-    excluded: tuple[dict[str, str], ...]
+    excluded: tuple[Unscored, ...]
     planned_of: dict[str, dict[str, int]]
     people: dict[str, dict[str, str]]
     found: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
@@ -216,11 +215,11 @@ class _Work:
         self._study, self._plan, self._facts = study, plan, facts
         self._outcomes = outcomes
         self._items: dict[str, tuple[str, str]] = {}
-        self._excluded: list[dict[str, str]] = []
+        self._excluded: list[Unscored] = []
         self._bases: dict[str, Basis] = {}
         self._planned: dict[str, dict[str, int]] = {}
-        self._after: dict[tuple[Any, ...], Row] = {}
-        self._moments: dict[tuple[Any, ...], Row] = {}
+        self._after: dict[RowKey, Row] = {}
+        self._moments: dict[RowKey, Row] = {}
 
     def add(self, kept: list[Sheet], instrument: Instrument) -> None:
         """Score the sheets of one instrument."""
@@ -328,9 +327,9 @@ def _table(rows: list[Row], columns: list[str]) -> pd.DataFrame:
     return table.astype(dict.fromkeys(words, object))
 
 
-def _put(rows: dict[tuple[Any, ...], Row], row: Row, values: Values) -> None:
+def _put(rows: dict[RowKey, Row], row: Row, values: Values) -> None:
     """Add scores to the row of the same moment; instruments asked together share it."""
-    rows.setdefault(tuple(row[name] for name in _SAME), dict(row)).update(values)
+    rows.setdefault(tuple(row[name] for name in SAME_EXPOSURE), dict(row)).update(values)
 
 
 def _minus(after: Values, before: Values | None) -> Values:
@@ -349,6 +348,7 @@ def _steps(rows: Iterable[Row], name: str) -> int:
 def _whole(rows: list[Row], steps: dict[str, int]) -> list[Row]:
     for row in rows:
         for name, times in steps.items():
-            if row.get(name) is not None:
-                row[name] = int(row[name] * times)
+            score = row.get(name)
+            if score is not None and not isinstance(score, str):
+                row[name] = int(score * times)
     return rows

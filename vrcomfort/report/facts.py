@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from vrcomfort.records.names import natural
@@ -14,6 +15,14 @@ if TYPE_CHECKING:
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
 
+Cell = str | int | float | Fraction | None
+Row = dict[str, Cell]
+"""Column → cell of an exposure: what it is of, and its scores and answers."""
+RowKey = tuple[Cell, ...]
+SAME_EXPOSURE = (
+    "participant", "session", "number", "timepoint", "condition", "scene", "part",
+)  # fmt: skip
+"""The columns that are alike in rows of one exposure."""
 Exposure = tuple[str, str, str]
 """Participant, session, number."""
 BETWEEN = ("sequence", "group")
@@ -49,7 +58,7 @@ class Facts:
         }
         return cls(_positions(exposures), trials, conditions, _people(study))
 
-    def row(self, sheet: Sheet) -> dict[str, str | int]:
+    def row(self, sheet: Sheet) -> Row:
         """Return the columns of a questionnaire's row that are not scores."""
         key = (sheet.participant, sheet.session, number_of(sheet))
         trial = self.trials.get(key, {})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.patches import Rectangle
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.flow import FlowLoss, FlowStage
     from vrcomfort.report.residuals import Residuals
+    from vrcomfort.report.results import Results
     from vrcomfort.report.sections import Section
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.symptoms import RecoveryRow, SymptomRow
@@ -55,7 +56,7 @@ MOST_PEOPLE = 60
 
 def draw_figures(
     study: StudyData,
-    results: dict[str, Any],
+    results: Results,
     scored: Exposures,
     residuals: list[Residuals],
     sections: list[Section],
@@ -63,24 +64,23 @@ def draw_figures(
 ) -> dict[str, Drawing]:
     """Return name → drawing of every figure that the data allow."""
     drawn: dict[str, Drawing | None] = {}
-    words = report.words
-    wanted = results["plan"]["figures"]
+    words, wanted = report.words, results.plan.figures
     for place, outcome in enumerate(words.outcomes):
         if _wanted(wanted, "subscales" if place else "paired"):
-            tests = [test for test in results["tests"] if test.outcome == outcome]
+            tests = [test for test in results.tests if test.outcome == outcome]
             drawn[f"estimation_{outcome}"] = estimation_figure(scored, tests, words)
     of_analyses = [
         (each, of_outcome)
-        for of_outcome, each in analysis_figures(results, report)
+        for of_outcome, each in analysis_figures(results.rows, report)
         if _wanted(wanted, each.kind)
     ]
     drawn |= {each.name: each.draw(scored) for each, of_outcome in of_analyses if of_outcome}
-    drawn["flow"] = flow_figure(results["flow"])
-    for instrument in dict.fromkeys(row.instrument for row in results["symptoms"]):
-        rows = [row for row in results["symptoms"] if row.instrument == instrument]
+    drawn["flow"] = flow_figure(results.flow)
+    for instrument in dict.fromkeys(row.instrument for row in results.symptoms):
+        rows = [row for row in results.symptoms if row.instrument == instrument]
         drawn[f"symptoms_{instrument}"] = symptom_figure(rows, instrument, words)
-    drawn["recovery"] = recovery_figure(scored, results["recovery_course"], words)
-    withdrew = {each["participant"] for each in results["withdrawals"]["list"]}
+    drawn["recovery"] = recovery_figure(scored, results.recovery_course, words)
+    withdrew = {each.participant for each in results.withdrawals.list}
     drawn["exposures"] = exposure_figure(list(study.trials), withdrew, words)
     drawn["residuals"] = residual_figure(residuals, words)
     drawn |= section_figures(sections, words)

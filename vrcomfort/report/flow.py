@@ -55,9 +55,9 @@ def participant_flow(
     study: StudyData,
     scored: Exposures,
     plan: Plan,
-    found: list[Withdrawal],
+    found: Sequence[Withdrawal],
     tests: Sequence[Tested],
-    analysed: list[str],
+    analysed: Sequence[str],
 ) -> list[FlowStage]:
     """Return the stages of the flow chart.
 
@@ -111,5 +111,5 @@ def _reasons(scored: Exposures) -> dict[str, str]:
     """Return participant → the first reason for which a questionnaire was not scored."""
     found: dict[str, str] = {}
     for row in scored.excluded:
-        found.setdefault(row["participant"], row["reason"].partition(":")[0])
+        found.setdefault(row.participant, row.reason.partition(":")[0])
     return found

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vrcomfort.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
+
+    from vrcomfort.records.json_file import DescribedShape, ManifestShape
 
 _RESTORE = "restore it from a copy"
 
@@ -38,32 +40,32 @@ def unreadable(source: Path) -> list[str]:
 
 def gaps(
     source: Path,
-    description: Mapping[str, Any],
+    description: DescribedShape | None,
     participants: Sequence[Mapping[str, str]],
-    manifests: Sequence[Mapping[str, Any]],
+    manifests: Sequence[ManifestShape],
 ) -> list[str]:
     """Say what is missing of a study that vrcomfort recorded; of other folders, nothing.
 
     Parameters
     ----------
     description
-        The content of dataset_description.json; empty where there is none, or a damaged one.
+        That of dataset_description.json; None where there is none, or a damaged one.
     manifests
         Those that are used.
     """
-    if "seed" not in description and not any("seed" in each for each in manifests):
+    if not manifests and (description is None or "seed" not in description.model_fields_set):
         return []
     sessions = sorted(each for each in source.glob("sub-*/ses-*") if each.is_dir())
     if not sessions:
         return []
     found = []
-    if not description:
+    if description is None or not description.model_fields_set:
         message = "conditions are called as in the protocol"
         found.append(f"dataset_description.json is missing or not used: {message}; {_RESTORE}")
     if not participants:
         message = "who withdrew, or is excluded, is not known"
         found.append(f"participants.csv is missing, or nobody is in it: {message}; {_RESTORE}")
-    used = {f"sub-{each['participant']}/ses-{each['session']}" for each in manifests}
+    used = {f"sub-{each.participant}/ses-{each.session}" for each in manifests}
     for folder in sessions:
         name = folder.relative_to(source).as_posix()
         if name not in used and not _is_unreadable(folder / "manifest.json"):

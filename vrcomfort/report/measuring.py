@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Sheet
+from vrcomfort.report.asked import Unscored
+from vrcomfort.report.facts import SAME_EXPOSURE, Cell, Row, RowKey
 from vrcomfort.report.measures import Measure, MeasuredValue, values_of
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
-
-Row = dict[str, Any]
 
 
 def measured(study: StudyData, plan: Plan, measure: Measure) -> list[MeasuredValue]:
@@ -41,7 +43,7 @@ def exposure_of(value: MeasuredValue, timepoint: str) -> Sheet:
 _WHOSE = ("participant", "session", "trial", "condition")
 
 
-def unmeasured(value: MeasuredValue, measure: Measure) -> dict[str, str]:
+def unmeasured(value: MeasuredValue, measure: Measure) -> Unscored:
     """Return the row that says why an exposure has no value."""
     where = [
         f"session {value.session}" if value.session else "",
@@ -49,18 +51,17 @@ def unmeasured(value: MeasuredValue, measure: Measure) -> dict[str, str]:
         value.condition,
     ]
     name = ", ".join(part for part in (measure.name, *where) if part)
-    what = {"participant": value.participant, "questionnaire": name, "reason": value.reason}
-    return {**what, "place": f"{measure.source}.csv"}
+    return Unscored(value.participant, name, value.reason, f"{measure.source}.csv")
 
 
 class Beside:
     """The rows of exposures at one timepoint, found by the exposure or by person and condition."""
 
-    def __init__(self, rows: dict[tuple[Any, ...], Row], timepoint: str) -> None:
+    def __init__(self, rows: dict[RowKey, Row], timepoint: str) -> None:
         self._rows = rows
-        self._of_exposure: dict[tuple[Any, ...], Row] = {}
-        self._of_condition: dict[tuple[Any, ...], list[Row]] = defaultdict(list)
-        self._of_person: dict[str, list[Row]] = defaultdict(list)
+        self._of_exposure: dict[RowKey, Row] = {}
+        self._of_condition: dict[RowKey, list[Row]] = defaultdict(list)
+        self._of_person: dict[Cell, list[Row]] = defaultdict(list)
         for row in rows.values():
             if row["timepoint"] == timepoint:
                 self._index(row)
@@ -72,7 +73,7 @@ class Beside:
         self._of_condition[row["participant"], row["condition"]].append(row)
         self._of_person[row["participant"]].append(row)
 
-    def put(self, row: Row, name: str, number: Any) -> None:
+    def put(self, row: Row, name: str, number: Fraction) -> None:
         """Add a measure to the row of its exposure, if there is one, else as a row of its own.
 
         What is said of a person (under a condition), of no one exposure, goes to the only one.
@@ -85,12 +86,9 @@ class Beside:
         found = same[0] if len(same) == 1 else None
         if found is None or name in found:
             found = dict(row)
-            key = tuple(row[each] for each in _SAME)
+            key = tuple(row[each] for each in SAME_EXPOSURE)
             while key in self._rows:
                 key = (*key, name)
             self._rows[key] = found
             self._index(found)
         found[name] = number
-
-
-_SAME = ("participant", "session", "number", "timepoint", "condition", "scene", "part")

@@ -2,45 +2,43 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vrcomfort.report.analyses import MethodsParagraph, methods_paragraphs
 from vrcomfort.report.descriptives import TIMEPOINT
 from vrcomfort.report.references import is_known
 from vrcomfort.report.sections import section_paragraphs
-from vrcomfort.report.vocabulary import answers_in_words, short
 from vrcomfort.stats.means import RESAMPLES, SEED
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
 
     from vrcomfort.report.analyses import ReportContext
+    from vrcomfort.report.results import Results
     from vrcomfort.report.sections import Section
-    from vrcomfort.report.vocabulary import Vocabulary
-
-Results = dict[str, Any]
+    from vrcomfort.report.vocabulary import ReportedInstrument, Vocabulary
 
 
 def methods(
     results: Results, report: ReportContext, sections: Iterable[Section]
 ) -> list[MethodsParagraph]:
     """Return the paragraphs on everything that this report holds."""
-    plan = results["plan"]
+    plan = results.plan
     return [
         method
         for method in (
             _scoring(results, report.words),
             _people(results),
-            *methods_paragraphs(results, report, "primary"),
-            *methods_paragraphs(results, report, "tests"),
+            *methods_paragraphs(results.rows, report, "primary"),
+            *methods_paragraphs(results.rows, report, "tests"),
             _describing(),
-            *methods_paragraphs(results, report, "sensitivity"),
-            *methods_paragraphs(results, report, "models", "order"),
+            *methods_paragraphs(results.rows, report, "sensitivity"),
+            *methods_paragraphs(results.rows, report, "models", "order"),
             _withdrawals(results),
             *section_paragraphs(sections),
             _figures(results) if report.drawn else None,
             _answering(results),
-            MethodsParagraph("Choices", plan["note"]) if plan["note"] else None,
+            MethodsParagraph("Choices", plan.note) if plan.note else None,
         )
         if method
     ]
@@ -48,10 +46,10 @@ def methods(
 
 def basis_sentence(results: Results) -> str:
     """Say what the scores are; nothing where there are only measures."""
-    if results["score_basis"] == "measured":
+    if results.score_basis == "measured":
         return ""
-    if results["score_basis"] == "difference_from_baseline":
-        sides = [side.timepoint for test in results["tests"] for side in test.sides]
+    if results.score_basis == "difference_from_baseline":
+        sides = [side.timepoint for test in results.tests for side in test.sides]
         moments = "Comparisons of timepoints are of raw scores. " if any(sides) else ""
         other = "Other scores" if moments else "Scores"
         return (
@@ -71,53 +69,53 @@ def basis_sentence(results: Results) -> str:
 
 def has_baseline(results: Results) -> bool:
     """Return whether any exposure has scores before it."""
-    baseline = results["plan"]["baseline_timepoint"]
-    return any(row.by == TIMEPOINT and row.level == baseline for row in results["descriptives"])
+    baseline = results.plan.baseline_timepoint
+    return any(row.by == TIMEPOINT and row.level == baseline for row in results.descriptives)
 
 
 def _scoring(results: Results, words: Vocabulary) -> MethodsParagraph | None:
-    several = any(n > 1 for n in results["participants"]["exposures_per_condition"].values())
+    several = any(n > 1 for n in results.participants.exposures_per_condition.values())
     repeated = (
         " Where a condition has several exposures their integer sums are added before testing "
         "and reported as the mean per exposure."
         if several
         else ""
     )
-    if not results["outcomes"]:
+    if not results.outcomes:
         return None
     if not words.instruments:
         return MethodsParagraph("Measures", f"{_measures(results)}{repeated}".strip())
     incomplete = (
         "Missing answers count as the mean of the others of their score where enough are given."
-        if results["plan"]["missing_items"] == "prorate"
+        if results.plan.missing_items == "prorate"
         else "Incomplete questionnaires were not scored."
     )
     text = (
         f"{' '.join(map(_instrument, words.instruments))} {incomplete} "
         f"{basis_sentence(results)}{repeated} {_measures(results)}".rstrip()
     )
-    cited = [f"instrument_{each['name']}" for each in words.instruments]
+    cited = [f"instrument_{each.name}" for each in words.instruments]
     return MethodsParagraph("Scores", text, tuple(key for key in cited if is_known(key)))
 
 
 def _measures(results: Results) -> str:
     """Say what each measure is, and which direction is the good one."""
-    named = [each for each in results["outcomes"] if each["basis"] == "measured"]
+    named = [each for each in results.outcomes if each.basis == "measured"]
     return " ".join(
-        f"{each['title']}{' in ' + each['unit_label'] if each['unit_label'] else ''} is "
-        f"{each['definition']}{'; ' + each['better'] + ' is better' if each['better'] else ''}."
+        f"{each.title}{' in ' + each.unit_label if each.unit_label else ''} is "
+        f"{each.definition}{'; ' + each.better + ' is better' if each.better else ''}."
         for each in named
     )
 
 
-def _instrument(asked: Mapping[str, Any]) -> str:
+def _instrument(asked: ReportedInstrument) -> str:
     """Say what was asked, after whom it was scored, and how."""
-    known = f"{short(asked)}; " if short(asked) != asked["title"] else ""
-    count, scale = len(asked["items"]), answers_in_words(asked)
+    known = f"{asked.short}; " if asked.short != asked.title else ""
+    count, scale = len(asked.items), asked.answers
     items = f"{count} items, {scale}" if count > 1 else scale
-    after = f" after {asked['citation']}" if asked["citation"] else ""
-    rule = f": {asked['rule']}" if asked["rule"] else ""
-    return f"The {asked['title']} ({known}{items}) was scored{after}{rule}."
+    after = f" after {asked.citation}" if asked.citation else ""
+    rule = f": {asked.rule}" if asked.rule else ""
+    return f"The {asked.title} ({known}{items}) was scored{after}{rule}."
 
 
 def _people(results: Results) -> MethodsParagraph:
@@ -125,7 +123,7 @@ def _people(results: Results) -> MethodsParagraph:
         "Participants",
         "A participant is in a test with a score of every planned exposure of both its conditions. "
         "How many are planned, the protocol says, or else the most frequent number. "
-        f"{results['participants']['n']} people were enrolled; the flow chart follows CONSORT "
+        f"{results.participants.n} people were enrolled; the flow chart follows CONSORT "
         "(Schulz et al., 2010).",
         ("schulz_2010",),
     )
@@ -144,10 +142,10 @@ def _describing() -> MethodsParagraph:
 
 
 def _withdrawals(results: Results) -> MethodsParagraph | None:
-    found = results["withdrawals"]
-    if not found["n"]:
+    found = results.withdrawals
+    if not found.n:
         return None
-    fisher = found["by_first_condition"].get("fisher_p") is not None
+    fisher = found.by_first_condition.fisher_p is not None
     text = (
         "Withdrawals are counted by condition, scene and position. In the sensitivity analyses "
         "each is ranked as worse than every observed difference (worst-rank analysis; Lachin, "
@@ -160,7 +158,8 @@ def _withdrawals(results: Results) -> MethodsParagraph | None:
 
 
 def _figures(results: Results) -> MethodsParagraph | None:
-    if all(test.not_tested for test in (*results["tests"], *results["comparisons"])):
+    tests, others = results.tests, results.comparisons
+    if all(row.not_tested for row in tests) and all(row.not_tested for row in others):
         return None
     return MethodsParagraph(
         "Figures",
@@ -172,7 +171,7 @@ def _figures(results: Results) -> MethodsParagraph | None:
 
 
 def _answering(results: Results) -> MethodsParagraph | None:
-    if not results["answering"]["times"]:
+    if not results.answering.times:
         return None
     return MethodsParagraph(
         "Answering times",

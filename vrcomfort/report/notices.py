@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.questionnaire import Answer
     from vrcomfort.report.analyses.signed_rank import SignedRankRow
+    from vrcomfort.report.exclusions import ExcludedByRule
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.orders import OneOrder
     from vrcomfort.report.pairs import Side
@@ -34,7 +35,7 @@ def notices(
     study: StudyData,
     scored: Exposures,
     tests: Sequence[SignedRankRow],
-    exclusions: list[dict[str, str]],
+    exclusions: Sequence[ExcludedByRule],
     of_choices: Collection[str] = (),
 ) -> list[str]:
     """Return the sentences, without their full stops.
@@ -57,8 +58,8 @@ def notices(
 
 def _shortened(study: StudyData) -> list[str]:
     """Say that exposures were shown for less than the protocol's time: so are times in them."""
-    shown = [m.get("exposure_override_s") for m in study.manifests]
-    lengths = sorted({each for each in shown if isinstance(each, int | float)})
+    shown = [each.exposure_override_s for each in study.manifests]
+    lengths = sorted({each for each in shown if each is not None})
     if not lengths:
         return []
     sessions = sum(each in lengths for each in shown)
@@ -96,12 +97,12 @@ def _short_forms(study: StudyData) -> list[str]:
 
 
 def _losses(
-    study: StudyData, tests: Sequence[SignedRankRow], exclusions: list[dict[str, str]]
+    study: StudyData, tests: Sequence[SignedRankRow], exclusions: Sequence[ExcludedByRule]
 ) -> list[str]:
     """Say where more than a tenth of those who met either side are not in the test."""
     found = []
     excluded = {p["participant"] for p in study.participants if p["status"] == "excluded"}
-    excluded |= {row["participant"] for row in exclusions if row["what"] == "participant"}
+    excluded |= {row.participant for row in exclusions if row.is_person}
     primary = {(test.a, test.b): test for test in reversed(tests)}
     for test in reversed(primary.values()):
         people = _of_both(study, [_met(study, side) for side in test.sides]) - excluded
@@ -176,9 +177,9 @@ def _screened(study: StudyData) -> list[str]:
 def _ended_early(study: StudyData) -> list[str]:
     """Say how many exposures and sessions ended before their time, while the study went on."""
     parts = [
-        f"{each['n']} {each['ends']}{'s' if each['n'] > 1 else ''} by {_BY[each['by']]}"
+        f"{each.n} {each.ends}{'s' if each.n > 1 else ''} by {_BY[each.by]}"
         for each in early_endings(study)
-        if each["ends"] != "study" and each["by"] in _BY
+        if each.ends != "study" and each.by in _BY
     ]
     return [f"ended before their time: {', '.join(parts)}"] if parts else []
 

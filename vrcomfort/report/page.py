@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from markupsafe import Markup
 
@@ -13,6 +13,7 @@ from vrcomfort.report.analyses import page_analyses
 from vrcomfort.report.answers import answers
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT, DescribedRow
 from vrcomfort.report.references import entries
+from vrcomfort.report.results import PLAN_FILE
 from vrcomfort.report.sections import section_names
 from vrcomfort.report.withdrawals import with_labels
 from vrcomfort.web_page import inline_svg, page_templates
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.analyses import PageAnalysis, ReportContext
     from vrcomfort.report.analyses.contract import AnalysisFigure
     from vrcomfort.report.canvas import Drawing
+    from vrcomfort.report.results import Results
     from vrcomfort.report.sections import Section
     from vrcomfort.report.symptoms import SymptomRow
 
@@ -35,7 +37,7 @@ _VARIABLES = {colour.light: f"var({colour.variable})" for colour in palette.ALL}
 
 
 def render_page(
-    results: dict[str, Any],
+    results: Results,
     figures: dict[str, Drawing],
     report: ReportContext,
     forms: Sequence[str],
@@ -53,12 +55,13 @@ def render_page(
         The analyses with a section of their own.
     """
     paragraphs, vocabulary = methods.methods(results, report, sections), report.words
-    analyses = list(page_analyses(results, report))
+    analyses = list(page_analyses(results.rows, report))
     return (
         _templates()
         .get_template(TEMPLATE)
         .render(
             r=results,
+            plan_file=PLAN_FILE,
             labelled=partial(with_labels, labels=vocabulary.labels),
             forms=[form.upper() for form in forms],
             words=vocabulary,
@@ -67,7 +70,7 @@ def render_page(
             answers=answers(results, vocabulary),
             figures={name: _inlined(drawing.svg, name) for name, drawing in figures.items()},
             several=report.several,
-            symptoms=_by_instrument(results["symptoms"]),
+            symptoms=_by_instrument(results.symptoms),
             methods=paragraphs,
             references=entries(key for method in paragraphs for key in method.cited),
             basis=methods.basis_sentence(results),
@@ -98,11 +101,11 @@ def _templates() -> Environment:
 
 
 def _shown_above(
-    results: dict[str, Any], analyses: Sequence[PageAnalysis], figures: Mapping[str, Drawing]
+    results: Results, analyses: Sequence[PageAnalysis], figures: Mapping[str, Drawing]
 ) -> AnalysisFigure | None:
     """Return the figure of the primary comparison, where no signed-rank test has one."""
-    primary = next((each["name"] for each in results["outcomes"]), "")
-    if results["without_primary"] or f"estimation_{primary}" in figures:
+    primary = next((each.name for each in results.outcomes), "")
+    if results.without_primary or f"estimation_{primary}" in figures:
         return None
     named = (each for analysis in analyses for each in analysis.figures)
     return next((f for f in named if f.outcome == primary and f.name in figures), None)
@@ -118,10 +121,10 @@ def _variable(colour: re.Match[str]) -> str:
     return _VARIABLES.get(colour[0], colour[0])
 
 
-def _described(results: dict[str, Any]) -> list[DescribedRow]:
+def _described(results: Results) -> list[DescribedRow]:
     """Return the descriptions of tested participants by condition; differences of a single pair."""
-    tests, order = results["tests"], [each["name"] for each in results["outcomes"]]
-    rows = [row for row in results["descriptives"] if row.by == PRIMARY]
+    tests, order = results.tests, [each.name for each in results.outcomes]
+    rows = [row for row in results.descriptives if row.by == PRIMARY]
     if len({(test.a, test.b) for test in tests}) == 1:
         rows += [
             DescribedRow(test.outcome, PRIMARY, "", None, test.found.descriptives["difference"])
@@ -131,12 +134,12 @@ def _described(results: dict[str, Any]) -> list[DescribedRow]:
     return sorted(rows, key=lambda row: order.index(row.outcome))
 
 
-def _moments(results: dict[str, Any]) -> list[DescribedRow]:
+def _moments(results: Results) -> list[DescribedRow]:
     """Return the raw scores by timepoint where timepoints are compared, or nothing is."""
-    sides = [side for test in results["tests"] for side in test.sides]
+    sides = [side for test in results.tests for side in test.sides]
     if sides and not any(side.timepoint for side in sides):
         return []
-    return [row for row in results["descriptives"] if row.by == TIMEPOINT]
+    return [row for row in results.descriptives if row.by == TIMEPOINT]
 
 
 class _InstrumentAnswers(NamedTuple):

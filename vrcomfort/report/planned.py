@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from vrcomfort.questionnaire import Sheet
+    from vrcomfort.records.json_file import ManifestShape, PartOfStudy, TrialSequence
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
 
@@ -34,23 +35,28 @@ def planned_exposures(
 
 def _of_the_protocol(study: StudyData, plan: Plan, instrument: str) -> dict[str, int]:
     """Return the exposures per condition of the sequence, or of the crossing with the scenes."""
-    asked = {"timepoint": plan.exposure_timepoint, "when": "after_trial", "instrument": instrument}
     for manifest in reversed(study.manifests):
-        settings = manifest.get("settings", {})
-        order, scenes = settings.get("order"), settings.get("scenes")
-        asks = any(asked.items() <= each.items() for each in settings.get("questionnaires", []))
-        if not asks or order is None or scenes is None:
+        settings = manifest.settings
+        order = settings.order
+        has_scenes = "scenes" in settings.model_fields_set
+        if order is None or not has_scenes or not asks_after_exposures(manifest, plan, instrument):
             continue
-        if order["rule"] == "parts":
-            groups = [each["name"] for each in settings.get("groups", [])]
-            parts = settings.get("parts", [])
-            return _alike([_of_parts(parts, group) for group in groups or [""]])
-        if order["rule"] != "explicit":
-            return {each["name"]: len(scenes) for each in settings.get("conditions", [])}
-        trials = [Counter(_conditions_of(sequence)) for sequence in order.get("sequences", [])]
+        if order.rule == "parts":
+            groups = [each.name for each in settings.groups]
+            return _alike([_of_parts(settings.parts, group) for group in groups or [""]])
+        if order.rule != "explicit":
+            return {each.name: len(settings.scenes) for each in settings.conditions}
+        trials = [Counter(_conditions_of(sequence)) for sequence in order.sequences]
         alike = {c: {found[c] for found in trials} for found in trials for c in found}
         return {c: numbers.pop() for c, numbers in alike.items() if len(numbers) == 1}
     return {}
+
+
+def asks_after_exposures(manifest: ManifestShape, plan: Plan, instrument: str) -> bool:
+    """Return whether a session's protocol asks an instrument after each exposure."""
+    wanted = (plan.exposure_timepoint, "after_trial", instrument)
+    asked = manifest.settings.questionnaires
+    return any((each.timepoint, each.when, each.instrument) == wanted for each in asked)
 
 
 def _alike(groups: list[Counter[str]]) -> dict[str, int]:
@@ -62,20 +68,20 @@ def _alike(groups: list[Counter[str]]) -> dict[str, int]:
     return {name: each.pop() for name, each in numbers.items() if len(each) == 1}
 
 
-def _of_parts(parts: list[dict[str, Any]], group: str) -> Counter[str]:
+def _of_parts(parts: list[PartOfStudy], group: str) -> Counter[str]:
     """Return the exposures per condition of written parts; a group's orders have the same trials.
 
     None are known where a rule makes the orders of a part.
     """
     counts: Counter[str] = Counter()
     for part in parts:
-        orders = [o for o in part.get("orders", []) if not group or o.get("group") in (None, group)]
+        orders = [each for each in part.orders if not group or each.group in (None, group)]
         if not orders:
             return Counter()
-        for trial in orders[0]["trials"]:
-            counts[trial["condition"]] += part.get("repeats", 1)
+        for trial in orders[0].trials:
+            counts[trial.condition] += part.repeats
     return counts
 
 
-def _conditions_of(sequence: dict[str, Any]) -> list[str]:
-    return [trial["condition"] for session in sequence["sessions"] for trial in session]
+def _conditions_of(sequence: TrialSequence) -> list[str]:
+    return [trial.condition for session in sequence.sessions for trial in session]

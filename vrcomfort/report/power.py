@@ -20,6 +20,7 @@ from vrcomfort.report.exclusions import apply_rules
 from vrcomfort.report.exposures import score_exposures
 from vrcomfort.report.pairs import pair_up
 from vrcomfort.report.plan_files import find_plan, load_plan
+from vrcomfort.report.rows import Cells
 from vrcomfort.report.study_data import read_study
 from vrcomfort.stats.power import (
     Generator,
@@ -295,9 +296,9 @@ def _row(question: Question, n: int, p: np.ndarray[Any, Any]) -> PowerRow:
     )
 
 
-def cells(row: PowerRow) -> dict[str, Any]:
+def cells(row: PowerRow) -> Cells:
     """Return a row of ``power.csv``."""
-    found: dict[str, Any] = {"participants": row.n, "studies": row.power.studies}
+    found: dict[str, float] = {"participants": row.n, "studies": row.power.studies}
     for name, power in (("", row.power), ("holm_", row.adjusted), ("t_test_", row.t_test)):
         if power is not None:
             found |= {f"{name}power": power.share, f"{name}power_low": power.low,

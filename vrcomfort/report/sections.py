@@ -5,7 +5,7 @@ Another one is a `SectionAnalysis`, its template in ``analysis/report``, and a l
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,8 @@ from vrcomfort.report.ratings import RATINGS
 from vrcomfort.report.rows import rounded
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.rows import Cells
     from vrcomfort.report.vocabulary import Vocabulary
@@ -30,7 +32,7 @@ class Section:
 
     analysis: SectionAnalysis[Any]
     found: Any
-    results: dict[str, Any]
+    results: Mapping[str, DataclassInstance | None]
 
     @property
     def is_on_page(self) -> bool:
@@ -75,6 +77,6 @@ def section_paragraphs(sections: Iterable[Section]) -> list[MethodsParagraph]:
     return [method for each in sections for method in each.analysis.methods(each.found)]
 
 
-def section_names() -> dict[str, Any]:
+def section_names() -> dict[str, Mapping[str, str]]:
     """Return the names that the templates of all sections use, by variable."""
     return {name: names for each in SECTIONS for name, names in each.names.items()}

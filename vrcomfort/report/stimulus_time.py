@@ -3,23 +3,67 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort.csv_table import whole_or_none
+from vrcomfort.recordings import ExposureFrames
+from vrcomfort.report.rows import HIDDEN, INLINE
 from vrcomfort.seen_time import SeenState
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from vrcomfort.recordings import ExposureFrames
     from vrcomfort.report.study_data import StudyData
 
 _BEFORE_5 = ("live_s", "frozen_s", "hidden_s", "unfocused_s")
 """The states that studies before version 5 of the schema tell apart."""
-MOVEMENT = (
-    "head_path_m", "head_turning_deg", "avatar_path_m", "focus_travel_dioptre",
-    "focus_lag_dioptre", "blur_changes",
-)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class ConditionTime:
+    """What was shown under a condition.
+
+    Parameters
+    ----------
+    seconds
+        State of seen time → seconds; None where none were recorded.
+    """
+
+    condition: str
+    exposures: int
+    frames: int
+    dropped_percent: float | None
+    seconds: dict[str, float | None] = field(metadata=INLINE)
+
+
+@dataclass(frozen=True)
+class ConditionMovement:
+    """How the head moved and focus changed: means over the exposures of a condition."""
+
+    condition: str
+    exposures: int
+    head_path_m: float | None
+    head_turning_deg: float | None
+    avatar_path_m: float | None
+    focus_travel_dioptre: float | None
+    focus_lag_dioptre: float | None
+    blur_changes: float | None
+
+
+@dataclass(frozen=True)
+class FrameMeasures:
+    """What the frames of an exposure say.
+
+    Parameters
+    ----------
+    cells
+        The same by column: without the states of seen time that the study does not tell apart.
+    """
+
+    condition: str
+    frames: ExposureFrames = field(metadata=HIDDEN)
+    cells: dict[str, Any] = field(metadata=INLINE)
 
 
 def recorded_states(study: StudyData) -> tuple[str, ...]:
@@ -29,55 +73,49 @@ def recorded_states(study: StudyData) -> tuple[str, ...]:
     return (*_BEFORE_5, *others) if later else _BEFORE_5
 
 
-def stimulus_time(study: StudyData, conditions: Iterable[str]) -> list[dict[str, Any]]:
+def stimulus_time(study: StudyData, conditions: Iterable[str]) -> list[ConditionTime]:
     """Add up the seconds of each condition's exposures; blank (None) where none were recorded."""
     untracked, states = _untracked(study), recorded_states(study)
     found = []
     for condition in conditions:
         trials = [trial for trial in study.trials if trial["condition"] == condition]
-        said = [trial for trial in trials if trial.get("live_s")]
         shown = sum(whole_or_none(trial.get("frames")) or 0 for trial in trials)
         dropped = sum(whole_or_none(trial.get("dropped")) or 0 for trial in trials)
-        found.append({
-            "condition": condition, "exposures": len(trials), "frames": shown,
-            "dropped_percent": 100 * dropped / shown if shown else None,
-            **{name: sum(float(t[name] or 0) for t in said) if said else None for name in states},
-            **({} if "untracked_s" in states else {"untracked_s": untracked.get(condition)}),
-        })  # fmt: skip
-    return found if any(row["frames"] for row in found) else []
+        said = [trial for trial in trials if trial.get("live_s")]
+        seconds = {n: sum(float(t[n] or 0) for t in said) if said else None for n in states}
+        seconds.setdefault("untracked_s", untracked.get(condition))
+        share = 100 * dropped / shown if shown else None
+        found.append(ConditionTime(condition, len(trials), shown, share, seconds))
+    return found if any(row.frames for row in found) else []
 
 
 def _untracked(study: StudyData) -> dict[str, float]:
     """Add up by condition the frames in which the headset did not measure the head's pose."""
     seconds: dict[str, float] = defaultdict(float)
-    for condition, frames in frames_by_condition(study):
-        if frames.untracked_s is not None:
-            seconds[condition] += frames.untracked_s
+    for row in frame_measures(study):
+        if row.frames.untracked_s is not None:
+            seconds[row.condition] += row.frames.untracked_s
     return dict(seconds)
 
 
-def frame_rows(study: StudyData) -> list[dict[str, Any]]:
-    """Return what the frames of each exposure say, with its condition; a row an exposure."""
-    states = {*recorded_states(study), SeenState.UNTRACKED.column}
-    lacking = {state.column for state in SeenState} - states
-    return [
-        {
-            "condition": condition,
-            **{name: cell for name, cell in frames.cells().items() if name not in lacking},
-        }
-        for condition, frames in frames_by_condition(study)
-    ]
-
-
-def movement(study: StudyData, conditions: Iterable[str]) -> list[dict[str, Any]]:
+def movement(study: StudyData, conditions: Iterable[str]) -> list[ConditionMovement]:
     """Return the means over each condition's exposures of what their frames say."""
     found = []
-    rows = frames_by_condition(study)
+    rows = frame_measures(study)
     for condition in conditions:
-        mine = [frames for name, frames in rows if name == condition]
-        means = {name: _mean(getattr(frames, name) for frames in mine) for name in MOVEMENT}
+        mine = [row.frames for row in rows if row.condition == condition]
         if mine:
-            found.append({"condition": condition, "exposures": len(mine), **means})
+            row = ConditionMovement(
+                condition,
+                len(mine),
+                head_path_m=_mean(each.head_path_m for each in mine),
+                head_turning_deg=_mean(each.head_turning_deg for each in mine),
+                avatar_path_m=_mean(each.avatar_path_m for each in mine),
+                focus_travel_dioptre=_mean(each.focus_travel_dioptre for each in mine),
+                focus_lag_dioptre=_mean(each.focus_lag_dioptre for each in mine),
+                blur_changes=_mean(each.blur_changes for each in mine),
+            )
+            found.append(row)
     return found
 
 
@@ -86,12 +124,22 @@ def _mean(values: Iterable[float | None]) -> float | None:
     return sum(known) / len(known) if known else None
 
 
-def frames_by_condition(study: StudyData) -> list[tuple[str, ExposureFrames]]:
-    """Return the condition of each exposure that counts, its last attempt, and its frames."""
+def frame_measures(study: StudyData) -> list[FrameMeasures]:
+    """Return what the frames of each exposure that counts, its last attempt, say."""
     of = {_key(trial): trial["condition"] for trial in study.trials}
     keys = ((each.participant, each.session, each.trial, each.attempt) for each in study.frames)
     pairs = zip(keys, study.frames, strict=True)
-    return [(of[key], frames) for key, frames in pairs if key in of]
+    states = {*recorded_states(study), SeenState.UNTRACKED.column}
+    lacking = {state.column for state in SeenState} - states
+    return [
+        FrameMeasures(
+            of[key],
+            frames,
+            {name: cell for name, cell in frames.cells().items() if name not in lacking},
+        )
+        for key, frames in pairs
+        if key in of
+    ]
 
 
 def _key(trial: dict[str, str]) -> tuple[str, str, int, int]:

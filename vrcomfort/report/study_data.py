@@ -7,9 +7,6 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
-
-from pydantic import BaseModel
 
 from vrcomfort.csv_table import CsvTable, number_or_none, whole_or_none
 from vrcomfort.errors import InputError
@@ -27,7 +24,13 @@ from vrcomfort.questionnaire import (
 from vrcomfort.recordings import ExposureFrames, frame_measures
 from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
-from vrcomfort.records.json_file import DamagedError, DescribedShape, ManifestShape, read_json
+from vrcomfort.records.json_file import (
+    DamagedError,
+    DescribedShape,
+    ManifestShape,
+    Shape,
+    read_shape,
+)
 from vrcomfort.records.names import natural
 from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.recording import Memory
@@ -43,6 +46,8 @@ _KEYS = (
     "group", "part",
 )  # fmt: skip
 NEEDED = ("participant", "item", "response")
+SIMULATED = "simulated"
+"""The respondent of a simulated participant's sessions."""
 _NEEDED_ELSEWHERE: Mapping[type[Row], tuple[str, ...]] = {
     ParticipantRow: ("participant",),
     TrialRow: ("participant", "session", "trial", "condition", "scene", "status"),
@@ -78,7 +83,7 @@ class StudyData:
     participants: tuple[dict[str, str], ...]
     trials: tuple[dict[str, str], ...]
     ratings: tuple[dict[str, str], ...]
-    manifests: tuple[dict[str, Any], ...]
+    manifests: tuple[ManifestShape, ...]
     files: int
     warnings: tuple[str, ...]
     frames: tuple[ExposureFrames, ...] = ()
@@ -106,8 +111,7 @@ class StudyData:
     def planned_participants(self) -> int | None:
         """Return how many participants the protocol plans, where a session's manifest says so."""
         for manifest in reversed(self.manifests):
-            planned: int | None = manifest.get("settings", {}).get("participants")
-            if planned:
+            if planned := manifest.settings.participants:
                 return planned
         return None
 
@@ -168,7 +172,7 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
     only = None if instrument is None else find_instrument(instrument, known=known)
     if only is not None:
         known[only.name] = only
-    known = _as_asked(known, description.get("not_asked", {}))
+    known = _as_asked(known, description.not_asked if description else {})
     only = None if only is None else known[only.name]
     sheets = [
         sheet
@@ -185,9 +189,9 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
     warnings += gaps(source, description, participants, manifests)
     dials = _of_last_attempts(_table(folder, DialRow, warnings))
     return StudyData(
-        title=str(description.get("name") or source.resolve().name),
-        protocol=description.get("protocol"),
-        labels=description.get("conditions", {}),
+        title=(description.name if description else "") or source.resolve().name,
+        protocol=_protocol(description),
+        labels=description.conditions if description else {},
         instruments=known,
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
         participants=participants,
@@ -218,10 +222,7 @@ def of_one_kind(study: StudyData, *, simulated: bool) -> StudyData:
     InputError
         If the study has none of that kind.
     """
-    kinds = {
-        str(each.get("participant")): each.get("respondent") == "simulated"
-        for each in study.manifests
-    }
+    kinds = {each.participant: each.respondent == SIMULATED for each in study.manifests}
     everybody = people_of(study)
     kept = {name for name in everybody if kinds.get(name, False) == simulated}
     what = "simulated" if simulated else "real"
@@ -233,27 +234,21 @@ def of_one_kind(study: StudyData, *, simulated: bool) -> StudyData:
     other = "real" if simulated else "simulated"
     note = f"this study has {len(kept)} {what} and {left} {other} participants; only the {what} are"
     hint = "leave --simulated out" if simulated else "give --simulated"
-    rows: dict[str, Any] = {
-        name: tuple(
-            row
-            for row in getattr(study, name)
-            if kinds.get(str(row.get("participant", "")), False) == simulated
-        )
-        for name in (
-            "participants",
-            "trials",
-            "ratings",
-            "manifests",
-            "tasks",
-            "dials",
-            "screening",
-        )
-    }
+
+    def of_them(rows: tuple[dict[str, str], ...]) -> tuple[dict[str, str], ...]:
+        return tuple(r for r in rows if kinds.get(r.get("participant", ""), False) == simulated)
+
     return replace(
         study,
         sheets=tuple(sheet for sheet in study.sheets if sheet.participant in kept),
+        participants=of_them(study.participants),
+        trials=of_them(study.trials),
+        ratings=of_them(study.ratings),
+        manifests=tuple(each for each in study.manifests if kinds[each.participant] == simulated),
+        tasks=of_them(study.tasks),
+        dials=of_them(study.dials),
+        screening=of_them(study.screening),
         warnings=(*study.warnings, f"{note} in this report; for the others {hint}"),
-        **rows,
     )
 
 
@@ -392,8 +387,8 @@ def _slid(dials: Iterable[dict[str, str]]) -> Iterator[dict[str, str]]:
 
 
 def _stored(
-    file: Path, model: type[BaseModel], what: str, source: Path, warnings: list[str]
-) -> dict[str, Any] | None:
+    file: Path, model: type[Shape], what: str, source: Path, warnings: list[str]
+) -> Shape | None:
     """Read JSON of a study; what is of another shape is told with its place, and not used.
 
     Raises
@@ -402,22 +397,28 @@ def _stored(
         If it is no JSON, or a newer version of this program wrote it.
     """
     try:
-        return read_json(file, model, what)
+        return read_shape(file, model, what)
     except DamagedError as error:
         place = f"{file.relative_to(source).as_posix()}, line {error.line}"
         warnings.append(f"{place}: not used, because it is no whole {what}: {error.fault}")
         return None
 
 
-def _description(source: Path, warnings: list[str]) -> dict[str, Any]:
-    """Read the description of a study, an import or another dataset; empty without one."""
+def _description(source: Path, warnings: list[str]) -> DescribedShape | None:
+    """Read the description of a study, an import or another dataset; None without one."""
     file = source / DESCRIPTION
     if not file.is_file():
-        return {}
-    return _stored(file, DescribedShape, "study description", source, warnings) or {}
+        return None
+    return _stored(file, DescribedShape, "study description", source, warnings)
 
 
-def _manifests(source: Path, warnings: list[str]) -> tuple[dict[str, Any], ...]:
+def _protocol(description: DescribedShape | None) -> str | None:
+    """Return the protocol that a description names; one without the key has none."""
+    named = description is not None and "protocol" in description.model_fields_set
+    return description.protocol if description and named else None
+
+
+def _manifests(source: Path, warnings: list[str]) -> tuple[ManifestShape, ...]:
     there = source.rglob("manifest.json") if source.is_dir() else ()
     files = sorted(there, key=lambda path: natural(path.as_posix()))
     found = (_stored(file, ManifestShape, "manifest", source, warnings) for file in files)

@@ -6,7 +6,7 @@ import csv
 import io
 import re
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
@@ -17,7 +17,8 @@ from vrcomfort.report.rows import Cells, as_json, cells
 from vrcomfort.report.sections import Section, section_tables
 from vrcomfort.report.symptoms import RecoveryRow
 
-Row = dict[str, Any]
+if TYPE_CHECKING:
+    from vrcomfort.report.results import Results
 
 _FORMULA = re.compile(r"'*[=+\-@\t\r\n]")
 """How a text begins that a spreadsheet would compute, or might once it has cut the blank off; and,
@@ -25,10 +26,10 @@ so that one apostrophe can be taken off again, a text that begins with apostroph
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
 
 
-def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> dict[str, str]:
+def all_tables(results: Results, scored: Exposures, sections: Iterable[Section]) -> dict[str, str]:
     """Return file name → CSV text."""
     columns = ["participant", "session", "position", "condition", "scene", "early"]
-    weights = results["weights"]
+    weights = results.weights
     factors = model_columns(results, scored)
     exposures = [
         {
@@ -42,51 +43,52 @@ def all_tables(results: Row, scored: Exposures, sections: Iterable[Section]) -> 
     ]
     tables: dict[str, Sequence[Cells]] = {
         "scores": exposures,
-        **csv_tables(results),
-        "sensitivity": list(map(cells, results["sensitivity"])),
-        "smallest_effects": list(map(cells, results["smallest_effects"])),
-        "descriptives": list(map(cells, results["descriptives"])),
-        "symptoms": as_json(results["symptoms"]),
-        "recovery": [_recovery(row) for row in results["recovery_course"]],
-        "flow": _flow(results["flow"]),
-        "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
-        "stimulus_time": results["stimulus_time"],
-        "movement": results["movement"],
-        "frame_measures": results["frame_measures"],
-        "straight_lined": results["answering"]["straight_lined"],
-        "withdrawals": results["withdrawals"]["list"],
-        "early_endings": results["withdrawals"]["early_endings"],
-        "left_out": results["participants"]["left_out"],
-        "in_some_tests": results["participants"]["in_some_tests"],
-        "exclusions": results["exclusions"],
+        **csv_tables(results.rows),
+        "sensitivity": as_json(results.sensitivity),
+        "smallest_effects": as_json(results.smallest_effects),
+        "descriptives": as_json(results.descriptives),
+        "symptoms": as_json(results.symptoms),
+        "recovery": [_recovery(row) for row in results.recovery_course],
+        "flow": _flow(results.flow),
+        "carry_over": as_json(results.counterbalancing.carry_over)
+        if results.counterbalancing
+        else (),
+        "stimulus_time": as_json(results.stimulus_time),
+        "movement": as_json(results.movement),
+        "frame_measures": as_json(results.frame_measures),
+        "straight_lined": as_json(results.answering.straight_lined),
+        "withdrawals": as_json(results.withdrawals.list),
+        "early_endings": as_json(results.withdrawals.early_endings),
+        "left_out": as_json(results.participants.left_out),
+        "in_some_tests": as_json(results.participants.in_some_tests),
+        "exclusions": as_json(results.exclusions),
         "deviations": [
-            cells(row) | {"participants": " ".join(row.participants)}
-            for row in results["deviations"]
+            cells(row) | {"participants": " ".join(row.participants)} for row in results.deviations
         ],
-        "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
+        "excluded_questionnaires": as_json(results.quality.excluded_questionnaires),
         **section_tables(sections),
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
 
 
-def model_columns(results: Row, scored: Exposures) -> dict[str, list[Any]]:
+def model_columns(results: Results, scored: Exposures) -> dict[str, list[Any]]:
     """Return the level of each exposure in the factors of the models, as ``reproduce.R`` reads it.
 
     Columns are called ``anova: NAME`` and ``mixed: NAME``; there are none of an ANOVA over time,
     whose scores are not those of exposures.
     """
-    plan, table = results["plan"], scored.table
-    made = {name for found in results["anova"] if found.fit for name in found.fit.factors}
-    over_time = any(factor["column"] == "timepoint" for factor in plan["anova"])
+    plan, table = results.plan, scored.table
+    made = {name for found in results.rows["anova"] if found.fit for name in found.fit.factors}
+    over_time = any(factor.column == "timepoint" for factor in plan.anova)
     found: dict[str, list[Any]] = {}
-    for factor in [] if over_time else plan["anova"]:
-        if factor["name"] in made:
-            levels = column_of(scored, table, factor["column"]).map(
-                lambda value, names=factor["levels"]: names.get(str(value), str(value)),
+    for factor in () if over_time else plan.anova:
+        if factor.name in made:
+            levels = column_of(scored, table, factor.column).map(
+                lambda value, names=factor.levels: names.get(str(value), str(value)),
                 na_action="ignore",
             )
-            found[f"anova: {factor['name']}"] = _or_none(levels)
-    for name in (*plan["mixed_model"], *plan["covariates"]):
+            found[f"anova: {factor.name}"] = _or_none(levels)
+    for name in (*plan.mixed_model, *plan.covariates):
         found[f"mixed: {name}"] = _or_none(column_of(scored, table, name))
     return found
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import tomllib
 from collections import Counter
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vrcomfort.resources import data_folder
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from vrcomfort.report.exposures import Basis
 
 BASES = {
     "difference_from_baseline": "change from baseline",
@@ -18,6 +20,53 @@ BASES = {
     "measured": "",
 }
 """What the scores of an outcome are; a measure has its unit instead."""
+
+
+@dataclass(frozen=True)
+class ReportedOutcome:
+    """An outcome: what it is called, and what its numbers mean."""
+
+    name: str
+    title: str
+    instrument: str
+    unit: float
+    basis: Basis
+    parts: tuple[str, ...]
+    unit_label: str
+    better: str
+    definition: str
+
+
+@dataclass(frozen=True)
+class ReportedItem:
+    """A question of an instrument."""
+
+    name: str
+    text: str
+
+
+@dataclass(frozen=True)
+class ReportedInstrument:
+    """An instrument that outcomes are scores of."""
+
+    name: str
+    short: str
+    title: str
+    citation: str
+    rule: str
+    asks: str
+    answers: str
+    low: float
+    high: float
+    items: tuple[ReportedItem, ...]
+
+
+@dataclass(frozen=True)
+class ReportedCondition:
+    """A condition, and what readers call it."""
+
+    name: str
+    label: str
 
 
 @dataclass(frozen=True)
@@ -63,22 +112,28 @@ class Vocabulary:
     units: Mapping[str, float]
     bases: Mapping[str, str]
     unit_labels: Mapping[str, str]
-    instruments: tuple[Mapping[str, Any], ...]
+    instruments: tuple[ReportedInstrument, ...]
     same: SameFigures
 
     @classmethod
-    def of(cls, results: Mapping[str, Any]) -> Vocabulary:
-        """Return the words of a report's results."""
-        outcomes = results["outcomes"]
+    def of(
+        cls,
+        conditions: Iterable[ReportedCondition],
+        labels: Mapping[str, str],
+        outcomes: Sequence[ReportedOutcome],
+        instruments: tuple[ReportedInstrument, ...],
+        protocol: str | None,
+    ) -> Vocabulary:
+        """Return the words of a report; `labels` are those of all sides of comparisons."""
         return cls(
-            conditions={c["name"]: c["label"] for c in results["conditions"]},
-            labels=results["labels"],
-            outcomes=_titles(results),
-            units={each["name"]: each["unit"] for each in outcomes},
-            bases={each["name"]: BASES[each["basis"]] for each in outcomes},
-            unit_labels={each["name"]: each["unit_label"] for each in outcomes},
-            instruments=tuple(results["instruments"]),
-            same=SameFigures.of(results["study"]["protocol"]),
+            conditions={each.name: each.label for each in conditions},
+            labels=labels,
+            outcomes=_titles(outcomes, instruments),
+            units={each.name: each.unit for each in outcomes},
+            bases={each.name: BASES[each.basis] for each in outcomes},
+            unit_labels={each.name: each.unit_label for each in outcomes},
+            instruments=instruments,
+            same=SameFigures.of(protocol),
         )
 
     def condition(self, name: str) -> str:
@@ -110,26 +165,27 @@ class Vocabulary:
     @property
     def scores(self) -> str:
         """Return how captions call the outcomes, such as SSQ scores and measures."""
-        asked = " and ".join(short(each).removesuffix(" scores") for each in self.instruments)
+        asked = " and ".join(each.short.removesuffix(" scores") for each in self.instruments)
         measures = "measures" if "" in self.bases.values() else ""
         named = [name for name in (f"{asked} scores" if asked else "", measures) if name]
         return " and ".join(named) or "outcomes"
 
     def item(self, instrument: str, name: str) -> str:
         """Return a question's wording."""
-        found = next((i for i in self.instruments if i["name"] == instrument), {"items": ()})
-        return next((i["text"] for i in found["items"] if i["name"] == name), name)
+        asked = (
+            item for each in self.instruments if each.name == instrument for item in each.items
+        )
+        return next((item.text for item in asked if item.name == name), name)
 
     def asks(self, instruments: Iterable[str]) -> str:
         """Return what items (of all instruments, if none) are: symptoms, if all ask those."""
         names = set(instruments)
-        found = [i for i in self.instruments if not names or i["name"] in names]
-        return "symptoms" if found and all(i["asks"] == "symptoms" for i in found) else "questions"
+        found = [each for each in self.instruments if not names or each.name in names]
+        return "symptoms" if found and all(i.asks == "symptoms" for i in found) else "questions"
 
     def answers(self, instrument: str) -> str:
         """Return the range of an instrument's answers, such as 0 to 3."""
-        found = next((i for i in self.instruments if i["name"] == instrument), None)
-        return answers_in_words(found) if found else ""
+        return next((each.answers for each in self.instruments if each.name == instrument), "")
 
     def term(self, text: str) -> str:
         """Return a term of a model, such as ``condition: a − b``, with labels."""
@@ -140,32 +196,22 @@ class Vocabulary:
             levels = " − ".join(map(self.condition, levels.split(" − ")))
         return f"{factor}: {levels}"
 
-    def not_fitted(self, model: Mapping[str, Any]) -> str:
+    def not_fitted(self, reason: str, term: str | None) -> str:
         """Return why a model has no numbers, with labels in the term that it is about."""
-        reason, term = str(model["not_fitted"]), model["term"]
         return reason if term is None else reason.replace(term, self.term(term))
 
 
-def short(instrument: Mapping[str, Any]) -> str:
-    """Return what sentences call an instrument."""
-    return str(instrument["short"])
-
-
-def answers_in_words(instrument: Mapping[str, Any]) -> str:
-    """Return the range of an instrument's answers."""
-    return str(instrument["answers"])
-
-
-def _titles(results: Mapping[str, Any]) -> dict[str, str]:
+def _titles(
+    outcomes: Sequence[ReportedOutcome], instruments: Iterable[ReportedInstrument]
+) -> dict[str, str]:
     """Return score → title; with the instrument's name where two have the same one."""
-    outcomes = results["outcomes"]
-    count = Counter(each["title"] for each in outcomes)
-    shorts = {each["name"]: short(each) for each in results["instruments"]}
+    count = Counter(each.title for each in outcomes)
+    shorts = {each.name: each.short for each in instruments}
     return {
-        each["name"]: each["title"]
-        if count[each["title"]] == 1
-        else f"{shorts[each['instrument']]} {each['title'].lower()}"
-        if each["instrument"] in shorts
-        else f"{each['title']} ({each['name']})"
+        each.name: each.title
+        if count[each.title] == 1
+        else f"{shorts[each.instrument]} {each.title.lower()}"
+        if each.instrument in shorts
+        else f"{each.title} ({each.name})"
         for each in outcomes
     }

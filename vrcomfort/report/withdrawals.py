@@ -14,6 +14,7 @@ from vrcomfort.stats.proportions import fisher_exact
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from vrcomfort.report.exclusions import ExcludedByRule
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.study_data import StudyData
 
@@ -35,6 +36,74 @@ class Withdrawal:
     after_s: float | None
     """Time into the exposure; None if it was over."""
     how: str
+
+
+@dataclass(frozen=True)
+class EarlyEnding:
+    """How often something ended exposures, sessions or studies before their time."""
+
+    ends: str
+    by: str
+    n: int
+
+
+@dataclass(frozen=True)
+class LevelWithdrawals:
+    """Exposures started, and withdrawals during and after them, of a level."""
+
+    level: str
+    exposures: int
+    during: int
+    after: int
+
+
+@dataclass(frozen=True)
+class FirstConditionWithdrawals:
+    """Participants by the condition that they met first, and how many of them withdrew."""
+
+    level: str
+    participants: int
+    withdrawals: int
+
+
+@dataclass(frozen=True)
+class WithdrawalsByFirst:
+    """Withdrawals by first condition, with Fisher's exact test of two conditions."""
+
+    rows: tuple[FirstConditionWithdrawals, ...]
+    fisher_p: float | None
+
+
+@dataclass(frozen=True)
+class WithdrawalCounts:
+    """The withdrawals of a study; key `withdrawals` of results.json."""
+
+    recorded: bool
+    n: int
+    list: tuple[Withdrawal, ...]
+    early_endings: tuple[EarlyEnding, ...]
+    by_condition: tuple[LevelWithdrawals, ...]
+    by_scene: tuple[LevelWithdrawals, ...]
+    by_position: tuple[LevelWithdrawals, ...]
+    by_first_condition: WithdrawalsByFirst
+
+
+@dataclass(frozen=True)
+class MissingParticipant:
+    """A participant who is in no test, or not in all of them, and why."""
+
+    participant: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class SequenceCounts:
+    """Participants of a planned sequence."""
+
+    sequence: str
+    participants: int
+    withdrew: int
+    analysed: int
 
 
 def find_withdrawals(study: StudyData) -> list[Withdrawal]:
@@ -65,24 +134,23 @@ def _comes_back(trial: Mapping[str, str]) -> bool:
 def screened_out(study: StudyData) -> set[str]:
     """Return whose study an experimenter has ended by a screening rule."""
     return {
-        str(manifest.get("participant"))
+        manifest.participant
         for manifest in study.manifests
-        if manifest.get("status") == "withdrawn"
-        and (manifest.get("ended") or {}).get("by") == "screening"
+        if manifest.status == "withdrawn" and (manifest.ended or {}).get("by") == "screening"
     }
 
 
-def early_endings(study: StudyData) -> list[dict[str, Any]]:
+def early_endings(study: StudyData) -> list[EarlyEnding]:
     """Count what ended exposures, sessions and studies before their time, and by what."""
     counts: Counter[tuple[str, str]] = Counter()
     for trial in study.trials:
         if trial["status"] == "completed" and trial.get("abort_code"):
             counts["exposure", trial["abort_code"]] += 1
     for manifest in study.manifests:
-        ended = manifest.get("ended") or {}
-        if manifest.get("status") in {"ended", "withdrawn"} and ended:
+        ended = manifest.ended
+        if manifest.status in {"ended", "withdrawn"} and ended:
             counts[str(ended.get("ends")), str(ended.get("by"))] += 1
-    return [{"ends": ends, "by": by, "n": count} for (ends, by), count in sorted(counts.items())]
+    return [EarlyEnding(ends, by, count) for (ends, by), count in sorted(counts.items())]
 
 
 def _attempt(trial: dict[str, str]) -> tuple[str, ...]:
@@ -92,9 +160,9 @@ def _attempt(trial: dict[str, str]) -> tuple[str, ...]:
 def undone_attempts(study: StudyData) -> set[tuple[str, ...]]:
     """Return the attempts in which somebody withdrew, and an operator took it back."""
     return {
-        (str(of.get("participant")), str(of.get("session")), str(u["trial"]), str(u["attempt"]))
+        (of.participant, str(of.session), str(undone.trial), str(undone.attempt))
         for of in study.manifests
-        for u in of.get("withdrawals_undone") or ()
+        for undone in of.withdrawals_undone
     }
 
 
@@ -129,41 +197,40 @@ def _from_trial(trial: dict[str, str]) -> Withdrawal:
     )
 
 
-def count_withdrawals(study: StudyData, found: list[Withdrawal]) -> dict[str, Any]:
+def count_withdrawals(study: StudyData, found: Sequence[Withdrawal]) -> WithdrawalCounts:
     """Count by condition, scene, position and by the condition that was met first."""
     first = first_conditions(study)
-    return {
-        "recorded": bool(study.trials or study.participants),
-        "n": len(found),
-        "list": [vars(each) for each in found],
-        "early_endings": early_endings(study),
-        "by_condition": _by(study, found, lambda t: t["condition"], lambda w: w.condition),
-        "by_scene": _by(study, found, lambda t: t["scene"], lambda w: w.scene),
-        "by_position": _by(
+    return WithdrawalCounts(
+        recorded=bool(study.trials or study.participants),
+        n=len(found),
+        list=tuple(found),
+        early_endings=tuple(early_endings(study)),
+        by_condition=_by(study, found, lambda t: t["condition"], lambda w: w.condition),
+        by_scene=_by(study, found, lambda t: t["scene"], lambda w: w.scene),
+        by_position=_by(
             study,
             found,
             lambda t: f"session {t['session']}, exposure {t['trial']}",
             lambda w: f"session {w.session}, exposure {w.position}",
         ),
-        "by_first_condition": _by_first(first, {each.participant for each in found}),
-    }
+        by_first_condition=_by_first(first, {each.participant for each in found}),
+    )
 
 
 def _by(
     study: StudyData,
-    found: list[Withdrawal],
+    found: Sequence[Withdrawal],
     of_trial: Callable[[dict[str, str]], str],
     of_withdrawal: Callable[[Withdrawal], str],
-) -> list[dict[str, Any]]:
+) -> tuple[LevelWithdrawals, ...]:
     """Exposures started, and withdrawals during and after them, per level."""
     started = Counter(map(of_trial, study.trials))
     during = Counter(of_withdrawal(w) for w in found if w.how != AFTER)
     after = Counter(of_withdrawal(w) for w in found if w.how == AFTER and w.condition)
-    return [
-        {"level": level, "exposures": started[level], "during": during[level],
-         "after": after[level]}
+    return tuple(
+        LevelWithdrawals(level, started[level], during[level], after[level])
         for level in sorted(started, key=natural)
-    ]  # fmt: skip
+    )
 
 
 def first_conditions(study: StudyData) -> dict[str, str]:
@@ -174,18 +241,15 @@ def first_conditions(study: StudyData) -> dict[str, str]:
     return first
 
 
-def _by_first(first: dict[str, str], gone: set[str]) -> dict[str, Any]:
+def _by_first(first: dict[str, str], gone: set[str]) -> WithdrawalsByFirst:
     groups = sorted(set(first.values()), key=natural)
     left = Counter(condition for name, condition in first.items() if name in gone)
     total = Counter(first.values())
     counts = [[left[group], total[group] - left[group]] for group in groups]
-    return {
-        "rows": [
-            {"level": group, "participants": total[group], "withdrawals": left[group]}
-            for group in groups
-        ],
-        "fisher_p": fisher_exact(counts) if len(groups) == 2 and gone else None,
-    }
+    return WithdrawalsByFirst(
+        tuple(FirstConditionWithdrawals(group, total[group], left[group]) for group in groups),
+        fisher_exact(counts) if len(groups) == 2 and gone else None,
+    )
 
 
 def lost_signs(found: Sequence[Withdrawal], a: str, b: str) -> dict[str, int]:
@@ -201,15 +265,15 @@ def everybody(study: StudyData) -> list[str]:
 def why_not(
     study: StudyData,
     scored: Exposures,
-    found: list[Withdrawal],
-    exclusions: list[dict[str, str]],
+    found: Sequence[Withdrawal],
+    exclusions: Sequence[ExcludedByRule],
     *,
     in_every_test: set[str],
-) -> list[dict[str, str]]:
+) -> list[MissingParticipant]:
     """Return everybody else, who is in no test or not in all, with all known reasons."""
     reasons: dict[str, list[str]] = defaultdict(list)
-    for each in found:
-        reasons[each.participant].append(_in_words(each, study.labels))
+    for withdrawal in found:
+        reasons[withdrawal.participant].append(_in_words(withdrawal, study.labels))
     for person in study.participants:
         if person["status"] == "withdrawn" and person.get("note"):
             reasons[person["participant"]].append(f"note: {person['note']}")
@@ -217,15 +281,15 @@ def why_not(
             note = person.get("note") or "no reason noted"
             reasons[person["participant"]].append(f"excluded by the experimenter ({note})")
     for row in exclusions:
-        what = "" if row["what"] == "participant" else f"{row['what']}: "
-        reasons[row["participant"]].append(f"{what}rule {row['rule']} ({row['reason']})")
-    for row in scored.excluded:
-        what = with_labels(row["questionnaire"], study.labels)
-        reasons[row["participant"]].append(f"{what}: {row['reason']}")
+        what = "" if row.is_person else f"{row.what}: "
+        reasons[row.participant].append(f"{what}rule {row.rule} ({row.reason})")
+    for each in scored.excluded:
+        what = with_labels(each.questionnaire, study.labels)
+        reasons[each.participant].append(f"{what}: {each.reason}")
     asked = "not every exposure has a questionnaire"
     default = [asked if study.sheets else "no value of what was compared"]
     return [
-        {"participant": name, "reason": "; ".join(reasons.get(name) or default)}
+        MissingParticipant(name, "; ".join(reasons.get(name) or default))
         for name in everybody(study)
         if name not in in_every_test
     ]
@@ -270,17 +334,17 @@ def _one_sequence_each(study: StudyData) -> dict[str, str]:
 
 
 def sequences(
-    study: StudyData, analysed: list[str], found: list[Withdrawal]
-) -> list[dict[str, Any]]:
+    study: StudyData, analysed: Sequence[str], found: Sequence[Withdrawal]
+) -> list[SequenceCounts]:
     """Count participants, withdrawals and analysed per sequence."""
     sequence = _one_sequence_each(study)
     gone = {each.participant for each in found}
     return [
-        {
-            "sequence": name,
-            "participants": sum(each == name for each in sequence.values()),
-            "withdrew": sum(sequence.get(p) == name for p in gone),
-            "analysed": sum(sequence.get(p) == name for p in analysed),
-        }
+        SequenceCounts(
+            name,
+            participants=sum(each == name for each in sequence.values()),
+            withdrew=sum(sequence.get(p) == name for p in gone),
+            analysed=sum(sequence.get(p) == name for p in analysed),
+        )
         for name in sorted(set(sequence.values()), key=natural)
     ]

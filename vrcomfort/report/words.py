@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
 
 MINUS = "−"
@@ -45,8 +44,6 @@ def interval(found: Any, digits: int = 2, *, bounded: bool = False, null: float 
 
     An end beside the value of no difference, `null`, is not rounded to it.
     """
-    if isinstance(found, dict):  # the rows of time courses and gaze
-        found = SimpleNamespace(**found)
     if found is None or (found.low is None and found.high is None):
         return NONE
     low, high = found.low, found.high

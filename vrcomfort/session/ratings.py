@@ -285,17 +285,8 @@ def schedules_of(
                 each,
                 protocol.rated(each),
                 respondent,
-                due_times(each, duration_s, np.random.default_rng((*key, index))),
+                each.due_times(duration_s, np.random.default_rng((*key, index))),
             )
             for index, each in enumerate(protocol.ratings)
         ]
     )
-
-
-def due_times(settings: Ratings, duration_s: float, rng: np.random.Generator) -> list[float]:
-    """Return when a question is due: as long as the time to answer lies within the exposure."""
-    last_s = duration_s - settings.timeout_s
-    count = max(int(last_s / settings.every_s + 1e-9), 0)
-    shifts = rng.uniform(-settings.jitter_s, settings.jitter_s, count + 1).round(3)
-    times = [settings.every_s * (n + 1) + float(shift) for n, shift in enumerate(shifts)]
-    return [due for due in times if due <= last_s]

@@ -7,7 +7,7 @@ effect; `low` and `high` are its interval. Numbers are those of a report of the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
@@ -34,11 +34,14 @@ if TYPE_CHECKING:
     from vrcomfort.stats.anova import AnovaEffect, SumsOfSquares
     from vrcomfort.stats.correlation import Method
     from vrcomfort.stats.effects import EffectSize
+    from vrcomfort.stats.mixed import Estimate
     from vrcomfort.stats.ranks import Alternative
     from vrcomfort.stats.shift import Shift
     from vrcomfort.stats.signed_rank import PValue, Zeros
     from vrcomfort.stats.t_tests import Variances
 
+Row = dict[str, Any]
+"""Column → cell of a line of a result."""
 STEPS = (1.0, 0.1, 0.01, 0.001)
 """Steps of a scale that are tried where none is given: ranks need exact ties, and sums of weighted
 answers (3.74, 9.54 …) are whole numbers of hundredths."""
@@ -100,21 +103,22 @@ def wilcoxon(
     """
     table = _paired(data, dv, within, subject)
     step = _step(table.to_numpy(), unit)
-    rows = []
-    for a, b in _pairs_of(table.columns, within):
+
+    def compare(a: Any, b: Any) -> Row:
         both = table[[a, b]].dropna()
         first, second = (as_integers(both[each], step) for each in (a, b))
         test = _signed_rank.signed_rank(
             first - second, step, zeros=zeros, alternative=alternative, p_value=p_value,
             confidence=confidence,
         )  # fmt: skip
-        rows.append({
-            "A": a, "B": b, "n": test.n, "excluded": len(table) - test.n, "zeros": test.zeros,
+        return {
+            "n": test.n, "excluded": len(table) - test.n, "zeros": test.zeros,
             "ties": test.ties, "W_plus": test.w_plus, "W_minus": test.w_minus, "Z": test.z,
             "p": test.p, "method": test.method,
-            **_shift(test.shift), **_effect(test.effect, "rank_biserial", "rb_"),
-        })  # fmt: skip
-    return _with_holm(rows)
+            **_estimate(test.shift, "shift"), **_estimate(test.effect, "rank_biserial", "rb_"),
+        }  # fmt: skip
+
+    return _each_pair(table.columns, within, compare)
 
 
 def mwu(
@@ -152,19 +156,20 @@ def mwu(
     """
     groups = _groups(data, dv, between)
     step = _step(np.concatenate(list(groups.values())), unit)
-    rows = []
-    for a, b in _pairs_of(groups, between):
+
+    def compare(a: Any, b: Any) -> Row:
         first, second = (as_integers(groups[each], step) for each in (a, b))
         test = _mann_whitney.mann_whitney(
             first, second, step, alternative=alternative, p_value=p_value, confidence=confidence
         )
         assert test is not None  # noqa: S101 - every group has a value
-        rows.append({
-            "A": a, "B": b, "n_A": test.n_a, "n_B": test.n_b, "ties": test.ties, "U": test.u,
+        return {
+            "n_A": test.n_a, "n_B": test.n_b, "ties": test.ties, "U": test.u,
             "Z": test.z, "p": test.p, "method": test.method,
-            **_shift(test.shift), **_effect(test.effect, "rank_biserial", "rb_"),
-        })  # fmt: skip
-    return _with_holm(rows)
+            **_estimate(test.shift, "shift"), **_estimate(test.effect, "rank_biserial", "rb_"),
+        }  # fmt: skip
+
+    return _each_pair(groups, between, compare)
 
 
 def ttest(
@@ -207,23 +212,26 @@ def ttest(
     """
     if (within is None or subject is None) == (between is None):
         raise InputError("give `within` and `subject` for pairs, or `between` for groups")
-    rows = []
     if between is not None:
         groups = _groups(data, dv, between)
-        for a, b in _pairs_of(groups, between):
+
+        def compare_groups(a: Any, b: Any) -> Row:
             found = _t_tests.two_sample_t(
                 groups[a], groups[b], variances=variances, alternative=alternative,
                 confidence=confidence,
             )  # fmt: skip
-            rows.append({"A": a, "B": b, **_t_row(found)})
-        return _with_holm(rows)
+            return _t_row(found)
+
+        return _each_pair(groups, between, compare_groups)
     table = _paired(data, dv, str(within), str(subject))
-    for a, b in _pairs_of(table.columns, str(within)):
+
+    def compare(a: Any, b: Any) -> Row:
         both = table[[a, b]].dropna()
         differences = both[a].to_numpy(float) - both[b].to_numpy(float)
         found = _t_tests.paired_t(differences, alternative=alternative, confidence=confidence)
-        rows.append({"A": a, "B": b, **_t_row(found)})
-    return _with_holm(rows)
+        return _t_row(found)
+
+    return _each_pair(table.columns, str(within), compare)
 
 
 def friedman(
@@ -421,15 +429,8 @@ def mixed_model(
         data, value=dv, participant=subject, factors=_names(factors),
         references=dict(references or {}), covariates=_names(covariates), confidence=confidence,
     )  # fmt: skip
-    rows = [
-        {
-            "term": name, "estimate": each.estimate, "se": each.standard_error, "df": each.df,
-            "T": each.t, "p": each.p, "low": each.low, "high": each.high,
-        }
-        for name, each in {"intercept": fit.intercept, **fit.terms}.items()
-    ]  # fmt: skip
     return _frame(
-        rows,
+        _t_rows("term", {"intercept": fit.intercept, **fit.terms}),
         omnibus={name: asdict(each) for name, each in fit.omnibus.items()},
         participant_sd=fit.participant_sd,
         residual_sd=fit.residual_sd,
@@ -537,14 +538,8 @@ def crossover(
         f"{period}: {scores.columns[1]} − {scores.columns[0]}": found.period,
         f"sequence: {b}, {a} − {a}, {b}": found.sequence,
     }
-    rows = [
-        {
-            "effect": name, "estimate": each.estimate, "se": each.standard_error, "df": each.df,
-            "T": each.t, "p": each.p, "low": each.low, "high": each.high,
-        }
-        for name, each in effects.items()
-    ]  # fmt: skip
-    return _frame(rows, n={f"{a}, {b}": found.n_ab, f"{b}, {a}": found.n_ba})
+    sizes = {f"{a}, {b}": found.n_ab, f"{b}, {a}": found.n_ba}
+    return _frame(_t_rows("effect", effects), n=sizes)
 
 
 def corr(
@@ -676,8 +671,7 @@ def kaplan_meier(
     frames = []
     for name, rows in curves.items():
         found = _survival.kaplan_meier(
-            rows[time], rows[event], people=None if subject is None else rows[subject].astype(str),
-            confidence=confidence,
+            rows[time], rows[event], people=_ids(rows, subject), confidence=confidence
         )  # fmt: skip
         frames.append(pd.DataFrame({
             **({} if by is None else {by: name}),
@@ -711,10 +705,7 @@ def log_rank(
     InputError
         If there are fewer than two groups, no event, or nothing to compare within strata.
     """
-    found = _survival.log_rank(
-        data[time], data[event], data[by],
-        strata=None if strata is None else data[strata].astype(str),
-    )  # fmt: skip
+    found = _survival.log_rank(data[time], data[event], data[by], strata=_ids(data, strata))
     return pd.DataFrame({
         by: found.groups, "n": found.n, "observed": found.observed, "expected": found.expected,
         "chi2": found.chi_square, "df": found.df, "p": found.p,
@@ -752,7 +743,7 @@ def cox(
     """
     found = _survival.cox(
         data[time], data[event], {name: data[name] for name in _names(covariates)},
-        people=None if subject is None else data[subject].astype(str), confidence=confidence,
+        people=_ids(data, subject), confidence=confidence,
     )  # fmt: skip
     rows = [
         {
@@ -813,11 +804,23 @@ def _groups(data: pd.DataFrame, dv: str, between: str) -> dict[Any, NDArray[np.f
     return {name: part[dv].to_numpy(dtype=np.float64) for name, part in rows.groupby(between)}
 
 
-def _pairs_of(levels: Any, factor: str) -> list[tuple[Any, Any]]:
-    found = list(combinations(levels, 2))
-    if not found:
+def _ids(data: pd.DataFrame, column: str | None) -> pd.Series | None:
+    """Return the ids in an optional column as texts: 7 and "7" are one participant."""
+    return None if column is None else data[column].astype(str)
+
+
+def _each_pair(
+    levels: Iterable[Any], factor: str, compare: Callable[[Any, Any], Row]
+) -> pd.DataFrame:
+    """Return a row for each pair of levels, with Holm's p over all of them after the p of each."""
+    pairs = list(combinations(levels, 2))
+    if not pairs:
         raise InputError(f"{factor!r} has fewer than two levels with values")
-    return found
+    rows = [{"A": a, "B": b, **compare(a, b)} for a, b in pairs]
+    frame = pd.DataFrame(rows)
+    adjusted = holm([np.nan if row["p"] is None else row["p"] for row in rows])
+    frame.insert(list(frame).index("p") + 1, "p_holm", adjusted)
+    return frame
 
 
 def _step(values: NDArray[np.float64], unit: float | None) -> float:
@@ -832,26 +835,32 @@ def _step(values: NDArray[np.float64], unit: float | None) -> float:
     raise InputError("values are not whole steps of a scale; give its step as `unit`, as 3.74")
 
 
-def _shift(shift: Shift | None) -> dict[str, float | None]:
-    if shift is None:
-        return {"shift": None, "low": None, "high": None}
-    return {"shift": shift.estimate, "low": shift.low, "high": shift.high}
-
-
-def _effect(effect: EffectSize | None, name: str, prefix: str) -> dict[str, float | None]:
+def _estimate(found: Shift | EffectSize | None, name: str, prefix: str = "") -> Row:
+    """Return an estimate with the ends of its interval; without one, all three missing."""
     ends = (f"{prefix}low", f"{prefix}high")
-    if effect is None:
+    if found is None:
         return dict.fromkeys((name, *ends))
-    return {name: effect.estimate, ends[0]: effect.low, ends[1]: effect.high}
+    return {name: found.estimate, ends[0]: found.low, ends[1]: found.high}
 
 
-def _t_row(test: _t_tests.TTest | None) -> dict[str, float | None]:
+def _t_rows(key: str, effects: Mapping[str, Estimate]) -> list[Row]:
+    """Return a row for each effect of a model, whose names stand in column `key`."""
+    return [
+        {
+            key: name, "estimate": each.estimate, "se": each.standard_error, "df": each.df,
+            "T": each.t, "p": each.p, "low": each.low, "high": each.high,
+        }
+        for name, each in effects.items()
+    ]  # fmt: skip
+
+
+def _t_row(test: _t_tests.TTest | None) -> Row:
     if test is None:
         return {"n": None, "p": None}
     return {
         "n": test.n, "mean": test.mean, "se": test.standard_error, "df": test.df, "T": test.t,
         "p": test.p, "low": test.low, "high": test.high,
-        **_effect(test.hedges_g, "hedges_g", "g_"), "BF10": test.bayes_factor_10,
+        **_estimate(test.hedges_g, "hedges_g", "g_"), "BF10": test.bayes_factor_10,
     }  # fmt: skip
 
 
@@ -866,21 +875,13 @@ def _anova_frame(effects: Sequence[AnovaEffect], n: int, excluded: int) -> pd.Da
             "eps_hf": shape and shape.huynh_feldt, "p_hf": each.p_huynh_feldt,
             "W_mauchly": shape and shape.mauchly_w, "p_mauchly": shape and shape.mauchly_p,
             "ges": each.generalised_eta_squared,
-            **_effect(each.partial_eta_squared, "np2", "np2_"),
+            **_estimate(each.partial_eta_squared, "np2", "np2_"),
             "n": n, "excluded": excluded,
         })  # fmt: skip
     return pd.DataFrame(rows)
 
 
-def _with_holm(rows: list[dict[str, Any]]) -> pd.DataFrame:
-    """Return the rows with Holm's p after the p of each."""
-    frame = pd.DataFrame(rows)
-    adjusted = holm([np.nan if row["p"] is None else row["p"] for row in rows])
-    frame.insert(list(frame).index("p") + 1, "p_holm", adjusted)
-    return frame
-
-
-def _frame(rows: list[dict[str, Any]], **facts: Any) -> pd.DataFrame:
+def _frame(rows: list[Row], **facts: Any) -> pd.DataFrame:
     frame = pd.DataFrame(rows)
     frame.attrs.update(facts)
     return frame

@@ -11,7 +11,15 @@ from vrcomfort.tasks.base import (
     TaskSettings,
     angle_deg,
 )
-from vrcomfort.tasks.kinds import AnyTask, OwnTask, own_task_file, run_task_file
+from vrcomfort.tasks.declared import declared_settings
+from vrcomfort.tasks.kinds import AnyTask, OwnTask
+from vrcomfort.tasks.own_code import (
+    TaskCode,
+    installed_task,
+    own_task_file,
+    read_task_code,
+    run_installed_task,
+)
 
 Moment = TaskFrame
 """The name of `TaskFrame` in version 0.1, for task files of labs."""
@@ -26,9 +34,13 @@ __all__ = [
     "Result",
     "Surroundings",
     "Task",
+    "TaskCode",
     "TaskFrame",
     "TaskSettings",
     "angle_deg",
+    "declared_settings",
+    "installed_task",
     "own_task_file",
-    "run_task_file",
+    "read_task_code",
+    "run_installed_task",
 ]

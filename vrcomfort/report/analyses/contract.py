@@ -17,9 +17,12 @@ from vrcomfort.settings import Problem, did_you_mean
 from vrcomfort.web_page import escape_hidden
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from vrcomfort.records.recording import Memory
     from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.contrasts import Compared
+    from vrcomfort.report.exclusions import ExcludedByRule
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
@@ -377,15 +380,24 @@ class SectionData:
 
     Parameters
     ----------
-    results
-        Those of the report so far: conditions, tests, excluded participants.
+    conditions
+        Those of the report.
+    labels
+        Label of each condition and other side of a contrast, in the order of the report.
+    pairs
+        The pairs of conditions that are compared.
+    exclusions
+        The participants and exposures that rules of the plan leave out.
     memory
         The most that reading frames may take.
     """
 
     study: StudyData
     plan: Plan
-    results: Mapping[str, Any]
+    conditions: Sequence[str]
+    labels: Mapping[str, str]
+    pairs: Sequence[tuple[str, str]]
+    exclusions: Sequence[ExcludedByRule]
     memory: Memory | None = None
 
 
@@ -405,7 +417,7 @@ class SectionAnalysis(Generic[Found]):
     compute
         Makes the analysis, of the data and of the plan.
     results
-        Its keys of results.json.
+        What its keys of results.json hold; None where there is nothing.
     tables
         Name → lines of its CSV tables.
     figures
@@ -425,7 +437,7 @@ class SectionAnalysis(Generic[Found]):
     heading: str
     template: str
     compute: Callable[[SectionData], Found]
-    results: Callable[[Found], dict[str, Any]]
+    results: Callable[[Found], Mapping[str, DataclassInstance | None]]
     tables: Callable[[Found], Mapping[str, Sequence[Cells]]]
     figures: Callable[[Found, Vocabulary], Mapping[str, Drawing | None]]
     methods: Callable[[Found], Iterable[MethodsParagraph]]

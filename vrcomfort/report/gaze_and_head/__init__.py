@@ -16,10 +16,7 @@ GAZE_AND_HEAD = SectionAnalysis(
     heading="Gaze and head",
     template="report/gaze_and_head.html.j2",
     compute=lambda data: analyse_gaze_and_head(
-        data.study,
-        data.plan,
-        [condition["name"] for condition in data.results["conditions"]],
-        data.memory,
+        data.study, data.plan, list(data.conditions), data.memory
     ),
     results=lambda found: {"gaze_and_head": found.results},
     tables=gaze_and_head_tables,

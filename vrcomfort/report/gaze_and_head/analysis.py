@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from vrcomfort.report.gaze_and_head.exposures import (
     summarise_exposure,
     times_of,
 )
-from vrcomfort.report.rows import INLINE, as_json
+from vrcomfort.report.rows import INLINE
 from vrcomfort.stats.gaze_and_head import Map, angles_deg, saliency_map, unit_vectors
 
 if TYPE_CHECKING:
@@ -181,6 +181,27 @@ class SituatedExposure:
 
 
 @dataclass(frozen=True)
+class GazeAndHeadResults:
+    """Gaze and head motion; key `gaze_and_head` of results.json.
+
+    Parameters
+    ----------
+    nodes
+        Those on the page.
+    outside_map
+        Situation → share of the time outside the map.
+    """
+
+    exposures: list[ExposureRow]
+    situations: list[SituationRow]
+    zones: list[ZoneShare]
+    notes: list[str]
+    nodes: list[NodeShare]
+    outside_map: dict[str, float]
+    viewpoints: list[ViewpointRow]
+
+
+@dataclass(frozen=True)
 class GazeAndHeadAnalysis:
     """Gaze and head motion of a study.
 
@@ -211,19 +232,19 @@ class GazeAndHeadAnalysis:
     asked: GazeAndHead | None = None
 
     @property
-    def results(self) -> dict[str, Any] | None:
+    def results(self) -> GazeAndHeadResults | None:
         """Return the part of results.json; None where nothing was asked for."""
         if self.asked is None:
             return None
-        return {
-            "exposures": as_json(self.exposures),
-            "situations": as_json(self.situations),
-            "zones": as_json(self.zones),
-            "notes": self.notes,
-            "nodes": as_json(self.shown),
-            "outside_map": {name: found.outside for name, found in self.maps.items()},
-            "viewpoints": [as_json(each.row) for each in self.viewpoints],
-        }
+        return GazeAndHeadResults(
+            exposures=self.exposures,
+            situations=self.situations,
+            zones=self.zones,
+            notes=self.notes,
+            nodes=self.shown,
+            outside_map={name: found.outside for name, found in self.maps.items()},
+            viewpoints=[each.row for each in self.viewpoints],
+        )
 
 
 def analyse_gaze_and_head(

@@ -50,10 +50,9 @@ from vrcomfort.report.ratings.time_courses import (
 from vrcomfort.report.rows import INLINE, Cells, as_json, rounded
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
-    from vrcomfort.report.plan import Plan
-    from vrcomfort.report.study_data import StudyData
+    from vrcomfort.report.analyses.contract import SectionData
     from vrcomfort.stats.means import MeanCurves
 
 
@@ -125,31 +124,23 @@ class TimeCourseAnalysis:
     leaving: SurvivalAnalysis | None
 
     @property
-    def results(self) -> dict[str, Any]:
+    def results(self) -> dict[str, RatingTimeCourses | SurvivalAnalysis | None]:
         """Return the part of results.json."""
-        return {"ratings": as_json(self.ratings), "leaving": as_json(self.leaving)}
+        return {"ratings": self.ratings, "leaving": self.leaving}
 
 
-def analyse_time_courses(
-    study: StudyData, plan: Plan, results: Mapping[str, Any]
-) -> TimeCourseAnalysis:
+def analyse_time_courses(data: SectionData) -> TimeCourseAnalysis:
     """Analyse ratings during exposure, and time to withdrawal.
-
-    Parameters
-    ----------
-    results
-        Those of the report so far: conditions, contrasts and excluded participants.
 
     Raises
     ------
     InputError
         If the plan names an instrument that was not rated, or ratings are damaged.
     """
+    study, plan = data.study, data.plan
     instrument = rated_instrument(study, plan.ratings.instrument)
-    exposures = rated_exposures(
-        study, instrument, without=_left_out(study, results), clock=LiveClock(study)
-    )
-    conditions = _conditions(exposures, list(results["labels"]))
+    exposures = rated_exposures(study, instrument, without=_left_out(data), clock=LiveClock(study))
+    conditions = _conditions(exposures, list(data.labels))
     exposures = [e for e in exposures if e.condition in conditions]
     answered = [e for e in exposures if e.course.answered.ratings.size]
     curves = carried = None
@@ -160,18 +151,17 @@ def analyse_time_courses(
     ratings = None
     if any(e.course.times_s.size for e in exposures):
         points = curve_points(curves, carried, conditions)
-        ratings = _ratings(study, plan, results, exposures, conditions, instrument, points)
-    leaving = _leaving(plan, results, exposures, conditions)
+        ratings = _ratings(data, exposures, conditions, instrument, points)
+    leaving = _leaving(data, exposures, conditions)
     return TimeCourseAnalysis(
         exposures, conditions, plan.confidence, curves, carried, ratings, leaving
     )
 
 
-def _left_out(study: StudyData, results: Mapping[str, Any]) -> set[str]:
+def _left_out(data: SectionData) -> set[str]:
     """Return the participants excluded by the experimenter or by a rule of the plan."""
-    people = {p["participant"] for p in study.participants if p["status"] == "excluded"}
-    rules = {x["participant"] for x in results["exclusions"] if x["what"] == "participant"}
-    return people | rules
+    people = {p["participant"] for p in data.study.participants if p["status"] == "excluded"}
+    return people | {row.participant for row in data.exclusions if row.is_person}
 
 
 def _conditions(exposures: list[RatedExposure], labels: list[str]) -> list[str]:
@@ -180,17 +170,10 @@ def _conditions(exposures: list[RatedExposure], labels: list[str]) -> list[str]:
     return sorted(there, key=lambda name: (order.get(name, len(order)), natural(name)))
 
 
-def _pairs(results: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return the pairs of conditions that are compared."""
-    tests = [t for t in results["tests"] if not any(side.timepoint for side in t.sides)]
-    return list(dict.fromkeys((t.a, t.b) for t in tests))
-
-
-def reference_of(results: Mapping[str, Any], conditions: list[str]) -> str:
+def reference_of(data: SectionData, conditions: list[str]) -> str:
     """Return the reference condition: b of the only pair, or the first."""
-    pairs = _pairs(results)
-    if len(pairs) == 1 and pairs[0][1] in conditions:
-        return pairs[0][1]
+    if len(data.pairs) == 1 and data.pairs[0][1] in conditions:
+        return data.pairs[0][1]
     return conditions[0]
 
 
@@ -200,21 +183,20 @@ def _times(asked: tuple[float, ...], longest: float) -> list[float]:
 
 
 def _ratings(
-    study: StudyData,
-    plan: Plan,
-    results: Mapping[str, Any],
+    data: SectionData,
     exposures: list[RatedExposure],
     conditions: list[str],
     instrument: str,
     points: list[CurvePoint],
 ) -> RatingTimeCourses:
-    asked, known = plan.ratings, study.instruments.get(instrument)
+    plan = data.plan
+    asked, known = plan.ratings, data.study.instruments.get(instrument)
     rated = [e for e in exposures if e.course.times_s.size]
     answered = [e for e in rated if e.course.answered.ratings.size]
     values = np.concatenate([e.course.answered.ratings for e in rated])
     low, high = (known.low, known.high) if known else _range(values)
     threshold = (low + high) / 2 if asked.threshold is None else asked.threshold
-    reference = reference_of(results, conditions)
+    reference = reference_of(data, conditions)
     modelled = asked.symptom_model == "fast_slow"
     return RatingTimeCourses(
         instrument=instrument,
@@ -234,7 +216,7 @@ def _ratings(
         ),
         threshold=threshold,
         threshold_planned=asked.threshold is not None,
-        reached=_reached(plan, results, answered, conditions, threshold),
+        reached=_reached(data, answered, conditions, threshold),
         symptom_model=symptom_model(answered, conditions, asked, plan.confidence)
         if modelled
         else None,
@@ -263,8 +245,7 @@ def _counts(rated: list[RatedExposure]) -> RatingCounts:
 
 
 def _reached(
-    plan: Plan,
-    results: Mapping[str, Any],
+    data: SectionData,
     answered: list[RatedExposure],
     conditions: list[str],
     threshold: float,
@@ -272,6 +253,7 @@ def _reached(
     """Return the time to the threshold: of all, and, with withdrawals, under assumptions."""
     if not answered:
         return []
+    plan = data.plan
     times = _times(plan.ratings.times_s, max(e.ended_s for e in answered))
     ways = [ALL]
     if any(e.left for e in answered):
@@ -280,22 +262,22 @@ def _reached(
     for how in ways:
         events = times_to_threshold(answered, threshold, how=how)
         if events:
-            reference, pairs = reference_of(results, conditions), _pairs(results)
+            reference, pairs = reference_of(data, conditions), list(data.pairs)
             made = survival_analysis(events, conditions, pairs, times, reference, plan.confidence)
             found.append(ThresholdAnalysis(how, made))
     return found
 
 
 def _leaving(
-    plan: Plan, results: Mapping[str, Any], exposures: list[RatedExposure], conditions: list[str]
+    data: SectionData, exposures: list[RatedExposure], conditions: list[str]
 ) -> SurvivalAnalysis | None:
     """Return the time to withdrawal; None without recorded trials or without withdrawals."""
     events = times_to_withdrawal(exposures)
     if not any(e.came for e in events):
         return None
     times = _times((), max(e.time_s for e in events))
-    reference, pairs = reference_of(results, conditions), _pairs(results)
-    return survival_analysis(events, conditions, pairs, times, reference, plan.confidence)
+    reference, pairs = reference_of(data, conditions), list(data.pairs)
+    return survival_analysis(events, conditions, pairs, times, reference, data.plan.confidence)
 
 
 def course_tables(courses: TimeCourseAnalysis) -> dict[str, list[Cells]]:
