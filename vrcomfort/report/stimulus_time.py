@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.recordings import ExposureFrames
-from vrcomfort.report.rows import HIDDEN, INLINE
+from vrcomfort.report.rows import HIDDEN, INLINE, as_json
 from vrcomfort.seen_time import SeenState
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def frame_measures(study: StudyData) -> list[FrameMeasures]:
         FrameMeasures(
             of[key],
             frames,
-            {name: cell for name, cell in frames.cells().items() if name not in lacking},
+            {name: cell for name, cell in as_json(frames).items() if name not in lacking},
         )
         for key, frames in pairs
         if key in of
