@@ -157,7 +157,7 @@ def test_a_report_is_not_written_over_that_of_another_study(desk, run: Run) -> N
     before = everything_in(desk)
     code, _, err = run("report", "second", *out)
     assert code == 2
-    told = "holds the report of another study, first; choose another --out, or give --replace"
+    told = "holds the report of another study, first; choose another output folder, or replace it"
     assert err == f"error: page: {told}\n"
     for source in ("second/sub-P01/ses-1/questionnaires.csv", "wide.csv"):
         assert run("report", source, *out)[0] == 2

@@ -35,7 +35,7 @@ from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.rows import CellType, Column, Row, declared
 from vrcomfort.records.schema import SCHEMA_VERSION
 from vrcomfort.records.session_rows import EventRow, ParticipantRow, QuestionnaireRow
-from vrcomfort.records.study import read_description, read_participants, recorded_sessions
+from vrcomfort.records.study import ERASED, read_description, read_participants, recorded_sessions
 from vrcomfort.records.tables import (
     RecordedRow,
     cell_value,
@@ -204,8 +204,11 @@ class Study:
 
     @property
     def enrolled(self) -> list[ParticipantRow]:
-        """Return the rows of a recorded study's participants, in the order of enrolment."""
-        return read_participants(self.folder)
+        """Return the rows of a recorded study's participants, in the order of enrolment.
+
+        Those whose data were erased are not among them.
+        """
+        return [row for row in read_participants(self.folder) if row.status != ERASED]
 
     @property
     def sessions(self) -> tuple[Session, ...]:

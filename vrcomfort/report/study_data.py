@@ -36,7 +36,7 @@ from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.recording import Memory
 from vrcomfort.records.rows import Row
 from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow, ScreeningRow
-from vrcomfort.records.study import DESCRIPTION
+from vrcomfort.records.study import DESCRIPTION, ERASED
 from vrcomfort.report.gaps import gaps, unreadable
 from vrcomfort.seen_time import SEEN, SeenState
 from vrcomfort.workers import workers
@@ -337,6 +337,7 @@ def _table(folder: Study, row_type: type[Row], warnings: list[str]) -> tuple[dic
             found.require_numbers(_NUMBERS)
             rows += ({**dict.fromkeys(columns, ""), **row} for row in found.dicts())
     if row_type is ParticipantRow:
+        rows = [row for row in rows if row.get("status") != ERASED]
         _require_each_once(folder.folder, rows)
     return tuple(rows)
 

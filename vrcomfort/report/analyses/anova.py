@@ -431,13 +431,16 @@ anova_of <- function(found, columns) {
     compare(line, "sum of squares", line$sum_of_squares, univariate[row, 1], about, size = 1e-6)
     compare(line, "F", line$f, univariate[row, 2], about, size = 1e-6)
     compare(line, "p", line$p, univariate[row, 3], about)
+    p <- univariate[row, 3]
     if (rownames(univariate)[row] %in% rownames(corrected)) {
       epsilon <- corrected[rownames(univariate)[row], ]
       if (anyNA(epsilon)) next
       compare(line, "epsilon, GG", line$greenhouse_geisser, epsilon[["GG eps"]], about)
       compare(line, "p, GG", line$p_greenhouse_geisser, epsilon[["Pr(>F[GG])"]], about)
       compare(line, "epsilon, HF", line$huynh_feldt, min(1, epsilon[["HF eps"]]), about)
+      p <- epsilon[["Pr(>F[GG])"]]
     }
+    in_family(line, p, about)
   }
 }
 found <- read_if_there("anova")
