@@ -127,6 +127,22 @@ def test_a_refused_command_leaves_nothing_behind(desk, run: Run, line) -> None:
     assert everything_in(desk) == before
 
 
+def test_a_labs_own_instrument_stays_where_it_lay(desk, run: Run) -> None:
+    """The study's folder may be the protocol's, beside which its instruments lie."""
+    smoke = (data_folder("protocols") / "smoke.toml").read_text("utf-8")
+    own = 'instrument = "instruments/own.toml"\ntimepoint = "post"\nwhen = "after_trial"\n'
+    (desk / "mine.toml").write_text(f"{smoke}\n[[questionnaires]]\n{own}", "utf-8")
+    mine = (data_folder("instruments") / "sus.toml").read_text("utf-8")
+    (desk / "instruments").mkdir()
+    (desk / "instruments" / "own.toml").write_text(mine.replace('name = "sus"', 'name = "own"'))
+    before = everything_in(desk)
+    for out in (".", "new"):
+        code, _, err = run("run", "mine.toml", "--participant", "P01", "--out", out, "--resume")
+        assert code == 2
+        assert "no session of P01 was interrupted" in err
+        assert everything_in(desk) == before
+
+
 def test_every_command_is_refused_here() -> None:
     assert {line.split()[0] for line in CASES} == set(COMMANDS)
 
@@ -142,7 +158,7 @@ def test_a_report_is_not_written_over_that_of_another_study(desk, run: Run) -> N
     before = everything_in(desk)
     code, _, err = run("report", "second", *out)
     assert code == 2
-    told = "holds the report of another study, first; choose another --out, or give --replace"
+    told = "holds the report of another study, first; choose another output folder, or replace it"
     assert err == f"error: page: {told}\n"
     for source in ("second/sub-P01/ses-1/questionnaires.csv", "wide.csv"):
         assert run("report", source, *out)[0] == 2

@@ -12,6 +12,7 @@ from tests.support.study import AheadHeadset
 from vrcomfort.errors import InputError
 from vrcomfort.records import disk
 from vrcomfort.records.participants import add_note, exclude
+from vrcomfort.records.study import only_run
 
 
 def test_two_programs_cannot_run_one_participant(tmp_path):
@@ -54,3 +55,31 @@ def test_a_folder_that_cannot_be_locked_is_told_whoever_asks(tmp_path, monkeypat
         with pytest.raises(InputError, match=told.replace("lock is being held", "is being run")):
             act()
     assert (tmp_path / "S/participants.csv").read_bytes() == before
+
+
+def test_the_lock_of_nobody_recorded_goes_with_the_program(tmp_path):
+    (tmp_path / "S").mkdir()
+    with only_run(tmp_path / "S", "P01"):
+        assert (tmp_path / "S/sub-P01/lock").exists()
+        with pytest.raises(InputError, match="is being run"), only_run(tmp_path / "S", "P01"):
+            pass
+        assert (tmp_path / "S/sub-P01/lock").exists(), "another program still holds it"
+    assert not (tmp_path / "S/sub-P01").exists()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no open file can be removed there")
+def test_a_lock_file_that_was_removed_meanwhile_is_not_held(tmp_path, monkeypatch):
+    """Else two programs could each hold a file of that name."""
+    (tmp_path / "S").mkdir()
+    lock = disk._lock
+
+    def after_its_holder(stream, *, wait):
+        lock(stream, wait=wait)
+        (tmp_path / "S/sub-P01/lock").unlink()
+
+    monkeypatch.setattr(disk, "_lock", after_its_holder)
+    with (
+        pytest.raises(InputError, match="P01 is being run by another program"),
+        only_run(tmp_path / "S", "P01"),
+    ):
+        pytest.fail("the lock was held")

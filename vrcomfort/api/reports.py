@@ -109,8 +109,8 @@ def write_report(
     out : str or Path
         Folder for ``index.html``, ``results.json``, ``tables/`` and ``figures/``; made if absent.
     plan : Plan, str or Path, optional
-        An analysis plan, its file, or the name of a shipped one; without it, the protocol's own,
-        or one that is derived from the data.
+        An analysis plan as `load_plan` gives it, its file, or the name of a shipped one; without
+        it, the protocol's own, or one that is derived from the data.
     instrument : str, optional
         Name or file of the only questionnaire to report; all that were asked without it.
     simulated : bool, optional
@@ -150,12 +150,9 @@ def write_report(
     from vrcomfort.records.reader import Study
     from vrcomfort.records.recording import Memory
     from vrcomfort.report import build_report
-    from vrcomfort.report.plan import Plan
     from vrcomfort.report.writing import name_of_study, refuse_another_study
 
     folder = output_folder(Path(out))
-    if isinstance(plan, Plan):
-        plan = plan.file
     given = study.folder if isinstance(study, Study) else study
     given = _plan_with_files(plan) if given is None else Path(given)
     name = name_of_study(given)
@@ -254,7 +251,7 @@ def _study_of(source: Path, out: Path, note: Note) -> Path:
     return folder
 
 
-def _plan_with_files(plan: str | Path | None) -> Path:
+def _plan_with_files(plan: Plan | str | Path | None) -> Path:
     """Return the file of a plan that is to name the data, as no study is given.
 
     Raises
@@ -262,11 +259,13 @@ def _plan_with_files(plan: str | Path | None) -> Path:
     InputError
         If there is no plan.
     """
+    from vrcomfort.report.plan import Plan
     from vrcomfort.report.plan_files import find_plan
 
-    if plan is None:
-        raise InputError("give a study, or a --plan that names files in [data]")
-    return find_plan(plan)
+    file = plan.file if isinstance(plan, Plan) else plan
+    if file is None:
+        raise InputError("give a study, or a plan that names files in [data]")
+    return find_plan(file)
 
 
 def _study_of_plan(file: Path, out: Path, note: Note) -> Path:

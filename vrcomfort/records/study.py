@@ -87,7 +87,7 @@ def open_study(
     try:
         make_folders(study, study, access)
     except OSError as error:
-        message = f"cannot make this study folder: {error.strerror}; choose another --out"
+        message = f"cannot make this study folder: {error.strerror}; choose another output folder"
         raise InputError(message, file=study) from error
     _keep_instruments(study, protocol, access)
     text = json_of(_description(protocol, seed or 0, access))
@@ -106,18 +106,20 @@ def opened_study(
     int
         The study's seed.
     """
-    is_new = not (study / DESCRIPTION).exists()
-    made = [each for each in (study, *study.parents) if not each.exists()]
+    own = [study / INSTRUMENTS / f"{name}.toml" for name in protocol.own_instruments]
+    places = (*own, study / DESCRIPTION, study / INSTRUMENTS, study, *study.parents)
+    made = [each for each in places if not each.exists()]
     try:
         yield open_study(study, protocol, seed=seed, group_readable=group_readable)
     finally:
+        is_new = study / DESCRIPTION in made
         if is_new and not ((study / ParticipantRow.FILE).exists() or any(study.glob("sub-*"))):
-            own = [study / INSTRUMENTS / f"{name}.toml" for name in protocol.own_instruments]
-            for file in (*own, study / DESCRIPTION):
-                file.unlink(missing_ok=True)
-            for folder in (study / INSTRUMENTS, *made):
-                with suppress(OSError):  # others have something in it, or it is not there
-                    folder.rmdir()
+            for each in made:
+                with suppress(OSError):  # another has put something there, or nobody
+                    if each.is_dir():
+                        each.rmdir()
+                    else:
+                        each.unlink()
 
 
 def _keep_instruments(study: Path, protocol: Protocol, access: Access) -> None:
@@ -136,7 +138,7 @@ def _keep_instruments(study: Path, protocol: Protocol, access: Access) -> None:
             replace_text(file, text, access)
         elif read_text(file, "instrument") != text:
             message = f"this study was begun with another text of `{name}`"
-            hint = "give the changed instrument another name, or choose another --out"
+            hint = "give the changed instrument another name, or choose another output folder"
             raise InputError(f"{message}; {hint}", file=file)
 
 
@@ -197,14 +199,14 @@ def _same_study(file: Path, protocol: Protocol, seed: int | None, group_readable
     name, kept = content["protocol"], int(content["seed"])
     if name != protocol.name:
         message = f"this folder holds a study with protocol `{name}`, not `{protocol.name}`"
-        raise InputError(f"{message}; choose another --out", file=file)
+        raise InputError(f"{message}; choose another output folder", file=file)
     if seed not in {None, kept}:
         message = f"this study was begun with seed {kept}, not {seed}"
-        raise InputError(f"{message}; leave --seed out, or choose another --out", file=file)
+        raise InputError(f"{message}; leave --seed out, or choose another output folder", file=file)
     if group_readable and access_of(file.parent) != GROUP:
         message = "this study was begun for its owner's eyes alone"
         raise InputError(
-            f"{message}; leave --group-readable out, or choose another --out", file=file
+            f"{message}; leave --group-readable out, or choose another output folder", file=file
         )
     return kept
 
