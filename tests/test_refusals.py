@@ -69,6 +69,7 @@ tradeoff --effects focus --size 3 --out new
 undo-withdrawal empty P01 --reason x
 exclude empty P01 --reason x
 undo-exclusion empty P01 --reason x
+erase empty P01
 note nosuch P01 x
 verify empty
 status nosuch

@@ -14,6 +14,7 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 
 if TYPE_CHECKING:
+    from vrcomfort.records.choice import Choice
     from vrcomfort.records.reader import Study
     from vrcomfort.report import Form, ReportSummary
     from vrcomfort.report.plan import Plan
@@ -93,6 +94,8 @@ def write_report(
     forms: Sequence[Form] = ("svg", "png", "pdf"),
     memory: str = "512MB",
     cluster: str | None = None,
+    without: Sequence[str] = (),
+    accept_flagged: bool = False,
     replace: bool = False,
     note: Note = as_warning,
 ) -> ReportSummary:
@@ -118,6 +121,10 @@ def write_report(
         The most memory that reading frames may take.
     cluster : str, optional
         Address of a running Dask scheduler.
+    without : sequence of str
+        Sessions that are left out, such as ``"P07/ses-2"``; the report says so.
+    accept_flagged : bool
+        Verify the study, and say in the report what is wrong with it.
     replace : bool
         Write over the report of another study, too, if `out` holds one.
     note : callable
@@ -152,6 +159,7 @@ def write_report(
     if not replace:
         refuse_another_study(folder, name)
     most = Memory.of_text(memory)
+    choice, notes = _chosen(given, without, accept_flagged=accept_flagged)
     with _without_import_if_refused(folder):
         source = (
             _study_of(given, folder, note)
@@ -168,6 +176,8 @@ def write_report(
             forms=forms,
             memory=most,
             cluster=cluster,
+            without=choice.without,
+            notes=notes,
         )
     if study is not None and source != given:
         note(f"{given}: understood without a mapping; how, {source / 'mapping.toml'} says")
@@ -190,6 +200,25 @@ def _without_import_if_refused(out: Path) -> Iterator[None]:
             with suppress(OSError):  # not made, or with something in it
                 folder.rmdir()
         raise
+
+
+def _chosen(
+    source: Path, without: Sequence[str], *, accept_flagged: bool
+) -> tuple[Choice, list[str]]:
+    """Return what a report takes, and what it says of that.
+
+    Raises
+    ------
+    InputError
+        If a session that is to be left out is not there.
+    """
+    from vrcomfort.exchange.verifying import verify_study
+    from vrcomfort.records.choice import Choice
+
+    choice = Choice.of_texts(without, accept_flagged=accept_flagged)
+    choice.require_there(source)
+    faults = verify_study(source, without=choice.without).faults if accept_flagged else []
+    return choice, choice.sentences([str(each) for each in faults])
 
 
 def _study_of(source: Path, out: Path, note: Note) -> Path:

@@ -30,6 +30,7 @@ from vrcomfort.report.writing import file_name, name_of_study, write_report
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
 
+    from vrcomfort.records.choice import SessionName
     from vrcomfort.records.recording import Memory
     from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.results import Results
@@ -87,6 +88,8 @@ def build_report(
     forms: Collection[Form] = FORMS,
     memory: Memory | None = None,
     cluster: str | None = None,
+    without: Collection[SessionName] = (),
+    notes: Collection[str] = (),
 ) -> ReportSummary:
     """Write the report of a study.
 
@@ -116,6 +119,10 @@ def build_report(
         The most that reading frames may take; 512 MB without it.
     cluster
         Address of a running Dask scheduler, whose workers read the frames.
+    without
+        Sessions that are left out.
+    notes
+        Sentences that the report has among those on what was read.
 
     Raises
     ------
@@ -124,7 +131,8 @@ def build_report(
         overwrite what is read.
     """
     with _uncollected():
-        study = _of_one_kind(read_study(Path(source), instrument), simulated)
+        study = _of_one_kind(read_study(Path(source), instrument, without), simulated)
+    study = replace(study, warnings=(*notes, *study.warnings))
     study = with_frames(study, memory=memory, cluster=cluster)
     with _uncollected():
         return _build(study, Path(source), name, plan, Path(out), forms, memory)
