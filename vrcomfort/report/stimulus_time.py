@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.recordings import ExposureFrames
@@ -63,7 +63,7 @@ class FrameMeasures:
 
     condition: str
     frames: ExposureFrames = field(metadata=HIDDEN)
-    cells: dict[str, Any] = field(metadata=INLINE)
+    cells: dict[str, str | int | float | None] = field(metadata=INLINE)
 
 
 def recorded_states(study: StudyData) -> tuple[str, ...]:

@@ -163,7 +163,7 @@ def methods(rows: Sequence[ComparisonRow], _: ReportContext) -> Iterator[Methods
 
 def _csv(row: ComparisonRow) -> Iterator[Cells]:
     decision, numbers = row.decision, row.found.numbers if row.found else None
-    cells: dict[str, object] = {
+    cells = {
         "a": row.a, "b": row.b, "outcome": row.outcome, "test": row.test, "design": row.design,
         "alternative": row.alternative, "n_a": row.n_a, "n_b": row.n_b, "p": row.p,
         "not_tested": row.not_tested, "family": decision.family, "p_holm": decision.p_holm,

@@ -114,7 +114,7 @@ def _csv(row: SignedRankRow) -> Iterator[Cells]:
     shift = found.shift if found else None
     effect = found.effect if found else None
     holm = decision.simultaneous
-    cells: dict[str, object] = {
+    cells = {
         "a": row.a, "b": row.b, "outcome": row.outcome, "n": row.n,
         "zeros": found and found.zeros, "ties": found and found.ties,
         "zero_method": found and found.zero_method, "alternative": row.alternative,
