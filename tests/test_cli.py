@@ -390,7 +390,8 @@ def test_a_log_is_not_replaced_by_what_is_made_of_it(run: Run, tmp_path: Path) -
     (tmp_path / "soft.txt").symlink_to(log)
     (tmp_path / "hard.txt").hardlink_to(log)
     for out in (log, tmp_path / "soft.txt", tmp_path / "hard.txt", tmp_path / "." / "log.txt"):
-        assert_refused(run("import-trace", log, "--out", out), out.name, "choose another --out")
+        made = run("import-trace", log, "--out", out)
+        assert_refused(made, out.name, "choose another output folder")
         assert log.read_bytes() == before
 
 
@@ -400,7 +401,8 @@ def test_a_trace_is_not_replaced_by_its_playback(run: Run, tmp_path: Path) -> No
     assert run("import-trace", unity_log(tmp_path), "--out", played / "frames.csv")[0] == 0
     before = (played / "frames.csv").read_bytes()
     options = ("--scene", "temple", "--out", played)
-    assert_refused(run("play", played / "frames.csv", *options), "frames.csv", "another --out")
+    made = run("play", played / "frames.csv", *options)
+    assert_refused(made, "frames.csv", "another output folder")
     assert (played / "frames.csv").read_bytes() == before
 
 
@@ -418,7 +420,7 @@ def test_answers_are_not_replaced_by_their_report(run: Run, tmp_path: Path) -> N
     file.write_text("\n".join(rows) + "\n", encoding="utf-8")
     before = file.read_bytes()
     options = ("--figures", "none", "--out", tmp_path)
-    assert_refused(run("report", file, *options), "descriptives.csv", "another --out")
+    assert_refused(run("report", file, *options), "descriptives.csv", "another output folder")
     assert file.read_bytes() == before
     assert not (tmp_path / "index.html").exists()
 

@@ -178,7 +178,7 @@ def test_groups_and_covariates_that_cannot_be_are_told(tables, says):
 def test_explicit_sequences_name_their_groups(tmp_path):
     groups = '[[groups]]\nname = "x"\n[[groups]]\nname = "y"\n'
     x_alone = '[[groups]]\nname = "x"\n'
-    with pytest.raises(InputError, match="nobody's: with") as caught:
+    with pytest.raises(InputError, match="is of no group: with") as caught:
         tiny_protocol(tmp_path, PROTOCOL + x_alone)
     assert "2 more problems" in str(caught.value)
     with pytest.raises(InputError, match="no group `x`"):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import errno
+import inspect
 import io
 import json
 import os
 import re
 import sys
-import typing
 from importlib import import_module
 from pathlib import Path
 
@@ -52,7 +52,7 @@ CHECKED = {
     "answers", "beside", "cluster", "condition", "consent", "consented_on", "covariate", "effect",
     "effects", "eye", "figures", "format", "instrument", "language", "lens", "memory", "methods",
     "participant", "participants", "plan", "pose", "previous_pose", "protocol", "protocols",
-    "scene", "scenes", "show", "size", "trial", "ttl",
+    "scene", "scenes", "show", "size", "trial", "trust", "ttl",
 }  # fmt: skip
 """Parameters that name a file, or one of a few things that there are."""
 
@@ -77,8 +77,8 @@ def test_every_parameter_that_takes_a_text_is_tried_here_or_checked():
     names = {
         name
         for command in every.registered_commands
-        for name, hint in typing.get_type_hints(command.callback).items()
-        if "str" in str(hint)
+        for name, known in inspect.signature(command.callback, eval_str=True).parameters.items()
+        if "str" in str(known.annotation)
     }
     assert names == RECORDED | CHECKED
 

@@ -15,6 +15,7 @@ from tests.support.layouts import CONDITIONS, ENGLISH, ITEMS, PEOPLE, Truth, exa
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
 from vrcomfort.importing import import_files, load_mapping, parse_mapping, write_study
+from vrcomfort.importing.files import read_tables
 from vrcomfort.importing.made_instruments import course_instrument
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.suggest import suggest_mapping
@@ -458,3 +459,24 @@ def test_a_title_of_any_text_is_that_of_the_instrument_of_courses() -> None:
     fine = replace(ours.answers, low=0.00003, high=1.00003, step=0.5)
     finer = replace(ours, answers=fine)
     assert course_instrument(finer, ["mean"]).items[0].answers.low == 0.00003
+
+
+@pytest.mark.parametrize("name", ["[bold]x[a]", "a*b?", "st\udcfcdy", "a\nb", "=1+1", "\x1b[31m"])
+def test_a_file_of_any_name_is_suggested_and_imported(tmp_path, name):
+    file = tmp_path / f"{name}.csv"
+    rows = [f"P{number}{',1' * len(ITEMS)}" for number in "123"]
+    file.write_text("\n".join([",".join(["who", *ITEMS]), *rows]))
+    found = suggest_mapping([file])
+    assert found.text.encode()
+    (tmp_path / "map.toml").write_text(found.text.replace('answer = ""', 'answer = "yes"'), "utf-8")
+    loaded = load_mapping(tmp_path / "map.toml")
+    imported = import_files([file], loaded.mapping, loaded.instruments)
+    assert len(imported.responses) == 3
+
+
+def test_marks_of_byte_order_are_no_text(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text("\ufeffwho,\ufeffcondition\nP1,\ufeff\nP2,a\ufeff b\n", "utf-8")
+    (table,) = read_tables(file)
+    assert table.headings == ("who", "condition")
+    assert table.rows == (("P1", ""), ("P2", "a b"))

@@ -16,7 +16,7 @@ from vrcomfort.questionnaire import score_file, shipped_instruments
 from vrcomfort.recordings.exposures import measure
 from vrcomfort.records.recording import Memory
 from vrcomfort.report.measures.model import number_of
-from vrcomfort.report.ratings.exposures import _rating
+from vrcomfort.report.rated_exposures import _rating
 from vrcomfort.report.study_data import trial_s
 
 NONE = ("x", "1_000", "\u0661", "inf", "-Infinity", "nan", "NA", "1,5", "0x1", "1e999", "--1")

@@ -9,6 +9,7 @@ import json
 import runpy
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ import pytest
 from PIL import Image
 
 import vrcomfort
+from tests.support.report import foreign
 from vrcomfort import stats
 from vrcomfort.cli import main
 from vrcomfort.questionnaire import shipped_instruments
@@ -361,3 +363,23 @@ def _run(source: str, space: dict[str, object]) -> object:
         return eval(compile(ast.Expression(last.value), "cell", "eval"), space)  # noqa: S307
     exec(compile(ast.Module([last], []), "cell", "exec"), space)  # noqa: S102
     return None
+
+
+def test_a_report_is_of_the_plan_that_was_read_whatever_its_file_says_now(tmp_path: Path) -> None:
+    study = foreign(tmp_path / "questionnaires.csv", {f"P{i}": {"a": i, "b": 2} for i in range(7)})
+    file = tmp_path / "mine.toml"
+    file.write_text('name = "mine"\ntitle = "Mine"\noutcomes = ["T"]\nscores = "raw"\n', "utf-8")
+    plan = vrcomfort.load_plan(file)
+    file.write_text('name = "other"\ntitle = "Other"\n', "utf-8")
+    with warnings.catch_warnings(record=True):  # of data without a baseline
+        summary = vrcomfort.write_report(study, tmp_path / "out", plan=plan, forms=())
+    assert summary.plan == "mine"
+    assert (tmp_path / "out" / "plan.toml").read_text("utf-8") == plan.text
+
+
+def test_a_plan_with_other_settings_than_its_text_is_refused(tmp_path: Path) -> None:
+    study = foreign(tmp_path / "questionnaires.csv", {f"P{i}": {"a": i, "b": 2} for i in range(7)})
+    changed = vrcomfort.load_plan("default").model_copy(update={"confidence": 0.9})
+    with pytest.raises(vrcomfort.InputError, match="settings that are not in its text"):
+        vrcomfort.write_report(study, tmp_path / "out", plan=changed, forms=())
+    assert not (tmp_path / "out" / "index.html").exists()

@@ -69,6 +69,7 @@ tradeoff --effects focus --size 3 --out new
 undo-withdrawal empty P01 --reason x
 exclude empty P01 --reason x
 undo-exclusion empty P01 --reason x
+erase empty P01
 note nosuch P01 x
 verify empty
 status nosuch
@@ -157,7 +158,7 @@ def test_a_report_is_not_written_over_that_of_another_study(desk, run: Run) -> N
     before = everything_in(desk)
     code, _, err = run("report", "second", *out)
     assert code == 2
-    told = "holds the report of another study, first; choose another --out, or give --replace"
+    told = "holds the report of another study, first; choose another output folder, or replace it"
     assert err == f"error: page: {told}\n"
     for source in ("second/sub-P01/ses-1/questionnaires.csv", "wide.csv"):
         assert run("report", source, *out)[0] == 2

@@ -117,10 +117,7 @@ def test_comparisons_have_a_figure_each_where_the_plan_wants_pairs(tmp_path: Pat
 
 @pytest.fixture
 def words() -> Vocabulary:
-    return Vocabulary.of(
-        {"conditions": [], "labels": {}, "outcomes": [], "instruments": [],
-         "study": {"protocol": None}}
-    )  # fmt: skip
+    return Vocabulary.of((), labels={}, outcomes=(), instruments=(), protocol=None)
 
 
 @pytest.fixture

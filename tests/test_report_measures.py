@@ -16,16 +16,17 @@ from vrcomfort.report.measures import (
     Measure,
     MeasuredValue,
     MeasureSettings,
-    courses_of,
     fault_of,
     measure_of,
     values_of,
 )
 from vrcomfort.report.measures.model import in_steps
 from vrcomfort.report.plan_files import load_plan
+from vrcomfort.report.rated_exposures import rated_exposures
 from vrcomfort.report.results import analyse
 from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import read_study, with_frames
+from vrcomfort.stats.rating_courses import RatingCourse
 
 PEOPLE = tuple(f"P{i:02d}" for i in range(1, 9))
 COURSES = {"off": (1, 3, None, 8), "on": (0, 1, None, 2)}
@@ -53,6 +54,12 @@ def rated(folder: Path, *, left_early: str = "") -> Path:
         write_csv(session / "ratings.csv", RatingRow.columns(), rows)
         study.person(name, "a")
     return folder
+
+
+def course_of(study: Path, who: str) -> RatingCourse:
+    """Return the ratings of somebody's second exposure."""
+    exposures = rated_exposures(read_study(study), "fms")
+    return next(each.course for each in exposures if each.key[:3] == (who, "1", "2"))
 
 
 def of(study: Path, name: str, **said: object) -> dict[tuple[str, str], Fraction | None]:
@@ -90,7 +97,7 @@ def test_ratings_are_summed_up_over_those_that_were_answered(tmp_path: Path) -> 
 
 
 def test_slope_is_that_of_least_squares_per_minute(tmp_path: Path) -> None:
-    course = courses_of(read_study(rated(tmp_path / "study")))["P01", "1", "2"].ratings.answered
+    course = course_of(rated(tmp_path / "study"), "P01").answered
     assert course.times_s.tolist() == [0, 20, 60]
     at, ratings = course.times_s / 60, course.ratings
     expected = ((at - at.mean()) * (ratings - ratings.mean())).sum() / ((at - at.mean()) ** 2).sum()
@@ -110,10 +117,25 @@ def test_who_finished_below_a_threshold_ties_at_the_longest_and_who_left_has_non
 
 def test_ratings_after_the_end_of_the_last_attempt_do_not_count(tmp_path: Path) -> None:
     study = rated(tmp_path / "study", left_early="P04")
-    assert courses_of(read_study(study))["P04", "1", "2"].ratings.answered.times_s.tolist() == [
+    assert course_of(study, "P04").answered.times_s.tolist() == [
         0,
         20,
     ]
+
+
+def test_ratings_without_numbers_of_exposures_are_told_apart_by_condition(tmp_path: Path) -> None:
+    """As the time courses of the same ratings tell them apart."""
+    study = rated(tmp_path / "study")
+    for session in study.glob("sub-*/ses-1"):
+        (session / "trials.csv").unlink()
+        header, *lines = (session / "ratings.csv").read_text("utf-8").splitlines()
+        place = header.split(",").index("trial")
+        rows = [line.split(",") for line in lines]
+        rows = [[*row[:place], "", *row[place + 1 :]] for row in rows]
+        text = "\n".join([header, *map(",".join, rows), ""])
+        (session / "ratings.csv").write_text(text, "utf-8")
+    peaks = of(study, "ratings.peak")
+    assert (peaks["P01", "off"], peaks["P01", "on"]) == (8, 2)
 
 
 def test_an_exposure_with_no_answered_rating_is_left_out_with_its_reason(tmp_path: Path) -> None:

@@ -14,8 +14,8 @@ from vrcomfort.report.analyses.contract import SectionData
 from vrcomfort.report.build import build_report
 from vrcomfort.report.exclusions import PERSON, ExcludedByRule
 from vrcomfort.report.plan_files import read_plan
+from vrcomfort.report.rated_exposures import LiveClock, LiveTime, rated_exposures
 from vrcomfort.report.ratings import analyse_time_courses
-from vrcomfort.report.ratings.exposures import LiveClock, LiveTime, rated_exposures
 from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import read_study
 

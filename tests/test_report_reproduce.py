@@ -127,6 +127,74 @@ def test_r_adds_several_exposures_of_a_condition_and_adjusts_by_family(tmp_path)
     assert "interval, low" in found.stdout
 
 
+FAMILY = """
+name = "p"
+title = "P"
+outcomes = ["T", "N", "O"]
+scores = "raw"
+mixed_model = []
+anova = ANOVA
+[[contrasts]]
+a = "a"
+b = "b"
+[[contrasts]]
+a = "a"
+b = "b"
+test = "paired_t"
+[[contrasts]]
+a = "b"
+b = "c"
+test = "sign"
+[[families]]
+name = "scores"
+outcomes = ["T", "N"]
+analyses = ANALYSES
+"""
+
+
+def of_a_family(folder: Path, *analyses: str, anova: str = "[]") -> Path:
+    """Report tests, t tests and sign tests of one family; return the folder of the report."""
+    study = random_study(folder, 11)
+    plan, out = folder / "plan.toml", folder / "o"
+    text = FAMILY.replace("ANALYSES", str([*analyses]).replace("'", '"'))
+    plan.write_text(text.replace("ANOVA", anova), "utf-8")
+    build_report(study, plan=plan, out=out)
+    return out
+
+
+@needs_r
+def test_r_adjusts_tests_and_comparisons_of_a_family_together(tmp_path):
+    found = run(of_a_family(tmp_path, "tests"))
+    assert found.returncode == 0, found.stdout + found.stderr
+    assert found.stdout.count("p, Holm") == 6  # two outcomes, each by three tests
+    assert "the adjusted p values" not in found.stdout
+
+
+@needs_r
+def test_r_does_not_adjust_a_family_of_which_it_lacks_a_p(tmp_path):
+    out = of_a_family(tmp_path, "tests")
+    tests = out / "tables" / "tests.csv"
+    header, *lines = tests.read_text("utf-8").splitlines()
+    place = header.split(",").index("ranked_worst")
+    cells = lines[0].split(",")
+    assert cells[place] == "0"
+    cells[place] = "1"  # its assumed ranks are not among the scores
+    tests.write_text("\n".join([header, ",".join(cells), *lines[1:], ""]), "utf-8")
+    found = run(out)
+    assert found.returncode == 0, found.stdout + found.stderr
+    assert "Not made here: the adjusted p values of scores" in found.stdout
+    assert "p, Holm" not in found.stdout
+
+
+@needs_r
+def test_effects_of_an_anova_are_adjusted_with_the_tests_of_their_family(tmp_path):
+    factors = '[{name = "condition", column = "condition"}]'
+    found = run(of_a_family(tmp_path, "tests", "anova", anova=factors))
+    assert found.returncode == 0, found.stdout + found.stderr
+    assert found.stdout.count("p, Holm") == (8 if has_package("car") else 0)
+    assert ("the adjusted p values of scores" in found.stdout) != has_package("car")
+
+
 def has_package(name: str) -> bool:
     asks = f'quit(status = !requireNamespace("{name}", quietly = TRUE))'
     return RSCRIPT is not None and not subprocess.run([RSCRIPT, "-e", asks], check=False).returncode

@@ -212,7 +212,7 @@ def test_simulate_leaves_people_alone(tmp_path, monkeypatch, capsys):
     recorded = {file: file.read_bytes() for file in study.rglob("*") if file.is_file()}
     code, said = call(monkeypatch, capsys, "simulate", smoke_of(study), "-n", 2, "--out", study)
     assert (code, said.count("\n")) == (2, 1)
-    assert "begun with --respondent terminal; choose another --out" in said
+    assert "begun with --respondent terminal; choose another output folder" in said
     assert {file: file.read_bytes() for file in recorded} == recorded
 
 

@@ -15,7 +15,7 @@ from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.headset.timing import RefreshPeriod
 from vrcomfort.records import session_folder
-from vrcomfort.report.ratings.exposures import LiveClock, rated_exposures
+from vrcomfort.report.rated_exposures import LiveClock, rated_exposures
 from vrcomfort.report.study_data import read_study, trial_s
 from vrcomfort.seen_time import LIMITED, SEEN, UNSEEN, SeenState, SeenTime
 

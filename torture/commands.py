@@ -118,7 +118,7 @@ def torture(rig: Rig) -> Result:
     count = rig.count(4000, 2 * len(READINGS))
     limits: dict[str, Any] = {"name": _name_of, "gigabytes": 0, "case_s": CASE_S}
     with workers("torture.commands", folder, **limits) as pool:
-        outcomes = list(rig.all("commands", count, pool.run, limit_s=rig.count(1500, 45)))
+        outcomes = list(rig.all("commands", count, pool.run, limit_s=rig.count(900, 45)))
     how = (
         f"{len(READINGS)} pairs of a command and a file that it reads (protocols, plans, studies, "
         "recordings in CSV and Parquet, imports, mappings, workbooks, JSON), in turn: the file is "

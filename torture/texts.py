@@ -78,7 +78,7 @@ def torture(rig: Rig) -> Result:
     count = rig.count(100 * len(WAYS), 2 * len(WAYS))
     limits: dict[str, Any] = {"name": _name_of, "gigabytes": 0, "case_s": CASE_S}
     with workers("torture.texts", rig.place("texts"), **limits) as pool:
-        outcomes = list(rig.all("texts", count, pool.run, limit_s=rig.count(1500, 60)))
+        outcomes = list(rig.all("texts", count, pool.run, limit_s=rig.count(900, 45)))
     taken = sum(each.detail == "taken" for each in outcomes)
     how = (
         f"Texts (markup, formulas, commands of shells and of R, halves of characters, control "
@@ -141,7 +141,8 @@ def _send(way: Callable[[Path, str], Ended], text: str, *, runs: bool) -> Ended:
     for study in studies:
         found += [f"{each}" for each in _not_clean(study)]
         out = place / "report"
-        told = command(["report", str(study), "--out", str(out), "--figures", "svg", "--quiet"])
+        figures = "svg" if runs else "none"
+        told = command(["report", str(study), "--out", str(out), "--figures", figures, "--quiet"])
         if told.code == 0:
             found += _not_inert(out, runs=runs)
         elif told.code != 2 or "error: " not in told.said:
@@ -155,7 +156,9 @@ def _not_clean(study: Path) -> Iterator[str]:
     if told.code:
         yield f"verify: {told.code} {told.said[-300:]}"
     for file in study.rglob("*"):
-        if file.suffix in {".csv", ".json"} and BREAKING.search(file.read_bytes().decode()):
+        if file.suffix == ".json":
+            json.loads(file.read_bytes().decode())
+        if file.suffix == ".csv" and BREAKING.search(file.read_bytes().decode()):
             yield f"{file.name} has control characters"
         if file.suffix == ".csv":
             content = file.read_bytes().decode()
@@ -181,8 +184,8 @@ def _not_inert(out: Path, *, runs: bool) -> Iterator[str]:
     for file in out.rglob("*.csv"):
         for row in csv.reader(io.StringIO(file.read_bytes().decode(), newline="")):
             for cell in row:
-                formula = cell.startswith(("=", "+", "@", "\t", "\r"))
-                if formula or (cell.startswith("-") and not _is_number(cell)):
+                formula = cell.startswith(("=", "@", "\t", "\r"))
+                if formula or (cell.startswith(("+", "-")) and not _is_number(cell)):
                     yield f"{file.name}: the cell {cell[:40]!r} is a formula"
     script = out / "reproduce.R"
     if runs and _r() and script.exists():
@@ -405,6 +408,15 @@ def json_table(place: Path, text: str) -> Ended:
     return _import(place / "lab.json")
 
 
+def file_name(place: Path, text: str) -> Ended:
+    """Name a CSV file so."""
+    name = re.sub("[/\0]", "_", text).encode("utf-8", "surrogatepass")[:200]
+    file = place / f"{os.fsdecode(name)}.csv"
+    with file.open("w", encoding="utf-8", newline="") as stream:
+        csv.writer(stream).writerows(_lab("a"))
+    return _import(file)
+
+
 WAYS: Mapping[str, Callable[[Path, str], Ended]] = {
     "console": console,
     "terminal": terminal,
@@ -413,4 +425,5 @@ WAYS: Mapping[str, Callable[[Path, str], Ended]] = {
     "CSV": csv_table,
     "xlsx": workbook,
     "JSON": json_table,
+    "file names": file_name,
 }

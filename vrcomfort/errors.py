@@ -95,7 +95,7 @@ def spare(sources: Iterable[Path | None], outputs: Iterable[Path]) -> None:
     read = [source for source in sources if source is not None and source.exists()]
     for output in outputs:
         if output.exists() and any(output.samefile(source) for source in read):
-            message = "is read here, and would be overwritten; choose another --out"
+            message = "is read here, and would be overwritten; choose another output folder"
             raise InputError(message, file=output)
 
 

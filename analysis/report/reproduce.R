@@ -50,6 +50,14 @@ compare <- function(test, what, expected, found, about = paste(test$a, "minus", 
     R = signif(found, 9), difference = signif(difference, 2), wrong = !(difference <= largest))
 }
 
+# The p that R finds of each member of a family whose p values are adjusted together.
+in_families <- list()
+in_family <- function(line, p, about = paste(line$a, "minus", line$b)) {
+  if (!is.na(line$p_holm)) {
+    in_families[[length(in_families) + 1]] <<- list(line = line, p = p, about = about)
+  }
+}
+
 scores <- read_table("scores")
 # ANALYSES primary
 
@@ -79,6 +87,26 @@ means_of <- function(outcome, people, condition) {
 unbiased <- function(df) exp(lgamma(df / 2) - lgamma((df - 1) / 2) - log(df / 2) / 2)
 
 # ANALYSES tests
+
+# Holm's method over all p values of a family: of tests, comparisons and effects of ANOVAs.
+adjusted_in <- function(name) {
+  found <- read_if_there(name)
+  if ("p_holm" %in% names(found)) found$family[!is.na(found$p_holm)]
+}
+sizes <- table(unlist(lapply(c("tests", "comparisons", "anova"), adjusted_in)))
+for (family in names(sizes)) {
+  members <- Filter(function(each) each$line$family == family, in_families)
+  p_values <- vapply(members, function(each) each$p, 1)
+  if (length(members) < sizes[[family]] || anyNA(p_values)) {
+    not_here("the adjusted p values of", family, "(not every p of the family is made here)")
+    next
+  }
+  adjusted <- p.adjust(p_values, "holm")
+  for (k in seq_along(members)) {
+    line <- members[[k]]$line
+    compare(line, "p, Holm", line$p_holm, adjusted[k], members[[k]]$about)
+  }
+}
 
 table <- do.call(rbind, rows)
 if (is.null(table)) {

@@ -41,13 +41,13 @@ def output_folder(path: Path) -> Path:
         If `path` is a file, takes no files, or holds recordings, which are never overwritten.
     """
     if path.exists() and not path.is_dir():
-        raise InputError("is a file; --out needs a folder", file=path)
+        raise InputError("is a file; the output needs a folder", file=path)
     _refuse_recordings(path)
     there = next(each for each in (path, *path.absolute().parents) if each.exists())
     if not there.is_dir():
-        raise InputError("is a file; --out needs a folder", file=there)
+        raise InputError("is a file; the output needs a folder", file=there)
     if not os.access(there, os.W_OK):  # now, and not after minutes of work
-        raise InputError("cannot be written to; choose another --out", file=there)
+        raise InputError("cannot be written to; choose another output folder", file=there)
     return path
 
 
@@ -68,5 +68,5 @@ def output_file(path: Path, source: Path) -> Path:
 
 def _refuse_recordings(folder: Path) -> None:
     if any((folder / name).exists() for name in ("participants.csv", "manifest.json")):
-        message = "is a study folder, or a session of one; choose another --out for the results"
-        raise InputError(message, file=folder)
+        message = "is a study folder, or a session of one"
+        raise InputError(f"{message}; choose another output folder for the results", file=folder)

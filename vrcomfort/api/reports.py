@@ -14,6 +14,7 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 
 if TYPE_CHECKING:
+    from vrcomfort.records.choice import Choice
     from vrcomfort.records.reader import Study
     from vrcomfort.report import Form, ReportSummary
     from vrcomfort.report.plan import Plan
@@ -93,6 +94,8 @@ def write_report(
     forms: Sequence[Form] = ("svg", "png", "pdf"),
     memory: str = "512MB",
     cluster: str | None = None,
+    without: Sequence[str] = (),
+    accept_flagged: bool = False,
     replace: bool = False,
     note: Note = as_warning,
 ) -> ReportSummary:
@@ -106,8 +109,8 @@ def write_report(
     out : str or Path
         Folder for ``index.html``, ``results.json``, ``tables/`` and ``figures/``; made if absent.
     plan : Plan, str or Path, optional
-        An analysis plan, its file, or the name of a shipped one; without it, the protocol's own,
-        or one that is derived from the data.
+        An analysis plan as `load_plan` gives it, its file, or the name of a shipped one; without
+        it, the protocol's own, or one that is derived from the data.
     instrument : str, optional
         Name or file of the only questionnaire to report; all that were asked without it.
     simulated : bool, optional
@@ -118,6 +121,10 @@ def write_report(
         The most memory that reading frames may take.
     cluster : str, optional
         Address of a running Dask scheduler.
+    without : sequence of str
+        Sessions that are left out, such as ``"P07/ses-2"``; the report says so.
+    accept_flagged : bool
+        Verify the study, and say in the report what is wrong with it.
     replace : bool
         Write over the report of another study, too, if `out` holds one.
     note : callable
@@ -143,18 +150,16 @@ def write_report(
     from vrcomfort.records.reader import Study
     from vrcomfort.records.recording import Memory
     from vrcomfort.report import build_report
-    from vrcomfort.report.plan import Plan
     from vrcomfort.report.writing import name_of_study, refuse_another_study
 
     folder = output_folder(Path(out))
-    if isinstance(plan, Plan):
-        plan = plan.file
     given = study.folder if isinstance(study, Study) else study
     given = _plan_with_files(plan) if given is None else Path(given)
     name = name_of_study(given)
     if not replace:
         refuse_another_study(folder, name)
     most = Memory.of_text(memory)
+    choice, notes = _chosen(given, without, accept_flagged=accept_flagged)
     with _without_import_if_refused(folder):
         source = (
             _study_of(given, folder, note)
@@ -171,6 +176,8 @@ def write_report(
             forms=forms,
             memory=most,
             cluster=cluster,
+            without=choice.without,
+            notes=notes,
         )
     if study is not None and source != given:
         note(f"{given}: understood without a mapping; how, {source / 'mapping.toml'} says")
@@ -193,6 +200,25 @@ def _without_import_if_refused(out: Path) -> Iterator[None]:
             with suppress(OSError):  # not made, or with something in it
                 folder.rmdir()
         raise
+
+
+def _chosen(
+    source: Path, without: Sequence[str], *, accept_flagged: bool
+) -> tuple[Choice, list[str]]:
+    """Return what a report takes, and what it says of that.
+
+    Raises
+    ------
+    InputError
+        If a session that is to be left out is not there.
+    """
+    from vrcomfort.exchange.verifying import verify_study
+    from vrcomfort.records.choice import Choice
+
+    choice = Choice.of_texts(without, accept_flagged=accept_flagged)
+    choice.require_there(source)
+    faults = verify_study(source, without=choice.without).faults if accept_flagged else []
+    return choice, choice.sentences([str(each) for each in faults])
 
 
 def _study_of(source: Path, out: Path, note: Note) -> Path:
@@ -225,7 +251,7 @@ def _study_of(source: Path, out: Path, note: Note) -> Path:
     return folder
 
 
-def _plan_with_files(plan: str | Path | None) -> Path:
+def _plan_with_files(plan: Plan | str | Path | None) -> Path:
     """Return the file of a plan that is to name the data, as no study is given.
 
     Raises
@@ -233,11 +259,13 @@ def _plan_with_files(plan: str | Path | None) -> Path:
     InputError
         If there is no plan.
     """
+    from vrcomfort.report.plan import Plan
     from vrcomfort.report.plan_files import find_plan
 
-    if plan is None:
-        raise InputError("give a study, or a --plan that names files in [data]")
-    return find_plan(plan)
+    file = plan.file if isinstance(plan, Plan) else plan
+    if file is None:
+        raise InputError("give a study, or a plan that names files in [data]")
+    return find_plan(file)
 
 
 def _study_of_plan(file: Path, out: Path, note: Note) -> Path:

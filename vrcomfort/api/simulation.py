@@ -188,7 +188,7 @@ def simulate_sessions(
                     break
     if not outcomes:
         message = f"all sessions of all {participants} participants are recorded"
-        raise InputError(f"{message}; choose another --out, or more --participants", file=out)
+        raise InputError(f"{message}; choose another output folder, or more participants", file=out)
     return outcomes
 
 
@@ -224,7 +224,7 @@ def _is_over(study: Path, name: str, ended: list[str], sessions: int) -> bool:
 
 NO_HEADSET = "none"
 """The headset of a session without frames, as its manifest names it."""
-REMEDY = "go on with the same, or choose another --out"
+REMEDY = "go on with the same, or choose another output folder"
 
 
 class ResumeCheck:
@@ -264,7 +264,8 @@ class ResumeCheck:
     def _check(self, folder: Path, manifest: Mapping[str, Any]) -> None:
         if (respondent := manifest.get("respondent")) != RespondentKind.SIMULATED:
             message = f"this session was begun with --respondent {respondent}"
-            raise InputError(f"{message}; choose another --out for simulations", file=folder)
+            advice = "choose another output folder for simulations"
+            raise InputError(f"{message}; {advice}", file=folder)
         try:
             difference = next(self._differences(manifest), None)
         except (KeyError, TypeError, ValueError) as error:

@@ -102,6 +102,10 @@ COMMANDS = {
     "note": Listed(
         "participants", "Add a note on a participant to participants.csv, with its date."
     ),
+    "erase": Listed(
+        "participants",
+        "Delete everything that was recorded of a participant, on their request. Cannot be undone.",
+    ),
     "verify": Listed(
         "study_folder",
         "Check that a study folder is whole: files, rows, ids, times, checksums. Changes nothing.",

@@ -94,6 +94,14 @@ GroupReadable = Annotated[
         "--group-readable", help="A new study's files are for your group, too, not for you alone."
     ),
 ]
+WithoutOption = Annotated[
+    list[str] | None,
+    typer.Option("--without", metavar="SESSION", help="Leave a session out, such as P07/ses-2."),
+]
+AcceptFlaggedOption = Annotated[
+    bool,
+    typer.Option("--accept-flagged", help="Go on where verify finds faults; they are recorded."),
+]
 TrustOption = Annotated[
     str | None,
     typer.Option(

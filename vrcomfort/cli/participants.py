@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated
 
 import typer
 
 from vrcomfort.cli.options import Quiet, StudyArgument
-from vrcomfort.cli.terminal import console
+from vrcomfort.cli.terminal import console, warn
 
 Participant = Annotated[str, typer.Argument(metavar="PARTICIPANT", help="Such as P01.")]
 Reason = Annotated[str, typer.Option(help="Why; it is kept with the date.")]
@@ -19,6 +20,7 @@ def register(app: typer.Typer) -> None:
     app.command("undo-exclusion")(undo_exclusion)
     app.command("undo-withdrawal")(undo_withdrawal)
     app.command()(note)
+    app.command()(erase)
 
 
 def exclude(
@@ -64,6 +66,35 @@ def note(
 
     add_note(study, participant, text)
     console(quiet).print(f"noted of {participant}")
+
+
+def erase(
+    study: StudyArgument,
+    participant: Participant,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask at the terminal.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Delete everything that was recorded of a participant, on their request. Cannot be undone.
+
+    A row with a new name, the order and the day of the erasure stays in participants.csv, so that
+    the orders of the next participants stay balanced.
+
+    - `vrcomfort erase my_study P07`
+    """
+    from vrcomfort.records.erasure import erase as delete
+
+    if not yes and sys.stdin.isatty():
+        question = f"Delete all data of {participant} in {study}? This cannot be undone"
+        typer.confirm(question, default=False, abort=True, err=True)
+    done = delete(study, participant)
+    for file in done.mentions:
+        warn(f"{study / file} still names {participant}; make it again, mend it, or delete it")
+    row = f" {done.row} is the row that stays in participants.csv." if done.row else ""
+    console(quiet).print(f"{participant} is erased, with {done.sessions} sessions.{row}")
+    warn(
+        "not reached: reports, exports, copies and keys outside of this folder, backups, "
+        "recordings of other programs, and what a disk keeps of deleted files"
+    )
 
 
 def undo_withdrawal(

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vrcomfort.cli.options import Json, MemoryOption, Quiet, output_option
+from vrcomfort.cli.options import (
+    AcceptFlaggedOption,
+    Json,
+    MemoryOption,
+    Quiet,
+    WithoutOption,
+    output_option,
+)
 from vrcomfort.cli.terminal import answer, console, progress_bar, warn
 from vrcomfort.errors import InputError
 from vrcomfort.files import read_text
@@ -118,6 +125,8 @@ def report(
     replace: Annotated[
         bool, typer.Option("--replace", help="Write over the report of another study in --out.")
     ] = False,
+    without: WithoutOption = None,
+    accept_flagged: AcceptFlaggedOption = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -143,6 +152,8 @@ def report(
             forms=forms,
             memory=memory,
             cluster=cluster,
+            without=without or (),
+            accept_flagged=accept_flagged,
             replace=replace,
             note=warn,
         )

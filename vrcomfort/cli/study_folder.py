@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from vrcomfort.cli.options import Json, MemoryOption, Quiet, StudyArgument, output_option
+from vrcomfort.cli.options import (
+    AcceptFlaggedOption,
+    Json,
+    MemoryOption,
+    Quiet,
+    StudyArgument,
+    WithoutOption,
+    output_option,
+)
 from vrcomfort.cli.terminal import answer, console, progress_bar, warn
 
 if TYPE_CHECKING:
@@ -221,6 +229,8 @@ def anonymise(
         int | None,
         typer.Option(min=0, help="Of the new names, written nowhere; who knows it can undo them."),
     ] = None,
+    without: WithoutOption = None,
+    accept_flagged: AcceptFlaggedOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Copy a study with new ids, other dates, and without notes, head motion and gaze.
@@ -233,8 +243,11 @@ def anonymise(
     """
     from vrcomfort.exchange.anonymising import RECORD, AnonymisingOptions
     from vrcomfort.exchange.anonymising import anonymise as copy
+    from vrcomfort.records.choice import Choice
 
-    record = copy(study, out, AnonymisingOptions(seed, dates.value, keep_motion, keep_gaze, key))
+    choice = Choice.of_texts(without, accept_flagged=accept_flagged)
+    options = AnonymisingOptions(seed, dates.value, keep_motion, keep_gaze, key)
+    record = copy(study, out, options, choice)
     still = record["still_there"]
     for what in still["people_are_recognised_by"]:
         warn(f"{what} is kept: people can be recognised by it")
@@ -261,6 +274,8 @@ def export(
         typer.Option("--format", help="bids: BIDS 1.11.1; psych-ds: Psych-DS 1.5.1, tables alone."),
     ],
     out: Annotated[Path, output_option("--out", help="A new folder for the dataset.")],
+    without: WithoutOption = None,
+    accept_flagged: AcceptFlaggedOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Write a study as a dataset of BIDS (motion, gaze, events, answers) or Psych-DS (tables).
@@ -273,8 +288,10 @@ def export(
     """
     from vrcomfort.exchange.bids import export_bids
     from vrcomfort.exchange.psych_ds import export_psych_ds
+    from vrcomfort.records.choice import Choice
 
     write = export_bids if format_ is Format.BIDS else export_psych_ds
-    for sentence in write(study, out):
+    choice = Choice.of_texts(without, accept_flagged=accept_flagged)
+    for sentence in write(study, out, choice):
         warn(f"left out: {sentence}")
     console(quiet).print(f"{out}: a dataset in {format_.value}; its README.md says what is where")

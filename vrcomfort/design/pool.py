@@ -200,8 +200,11 @@ class Design:
         return self.groups.assign(self.people(before), self._bands(covariates))
 
     def _person(self, each: Enrolment) -> Person:
+        group = self.group_of(each.sequence)
+        if self.groups and self.groups.bands and each.status == "erased":
+            return Person(group, {}, counts=False)  # of whom nothing is known that divides groups
         bands = self._bands(each.covariates) if self.groups else {}
-        return Person(self.group_of(each.sequence), bands, self.counts(each))
+        return Person(group, bands, self.counts(each))
 
     def _bands(self, covariates: Mapping[str, str]) -> dict[str, str]:
         wanted = self.groups.bands if self.groups else {}

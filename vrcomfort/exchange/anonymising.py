@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -19,11 +19,18 @@ import numpy as np
 
 from vrcomfort import __version__
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.export_checks import new_folder, require_whole
+from vrcomfort.exchange.export_checks import (
+    flagged_sessions,
+    from_damaged,
+    new_folder,
+    require_whole,
+)
+from vrcomfort.exchange.verifying.findings import Finding
 from vrcomfort.files import read_text
 from vrcomfort.json_text import json_of
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.checksums import write_checksums
+from vrcomfort.records.choice import EVERYTHING, Choice, SessionName
 from vrcomfort.records.disk import Access, make_folders, replace_text
 from vrcomfort.records.events import EVENTS, shared_detail
 from vrcomfort.records.frame_rows import FrameRow
@@ -136,7 +143,9 @@ class AnonymisingOptions:
         return motion | (GAZE if self.keep_gaze or not gaze_recorded else ALWAYS)
 
 
-def anonymise(study: Path, out: Path, options: AnonymisingOptions) -> dict[str, Any]:
+def anonymise(
+    study: Path, out: Path, options: AnonymisingOptions, choice: Choice = EVERYTHING
+) -> dict[str, Any]:
     """Write the anonymous copy; return the content of its ``anonymised.json``.
 
     Raises
@@ -144,19 +153,29 @@ def anonymise(study: Path, out: Path, options: AnonymisingOptions) -> dict[str, 
     InputError
         If the study is an import or not whole, or `out` or the key cannot be where they should.
     """
-    require_whole(study)
+    faults = require_whole(study, choice)
     _require_room_for_key(study, out, options.key)
-    recorded = Study(study)
+    recorded = Study(study, without=choice.without)
     rows = recorded.enrolled
     names = new_names([row.participant for row in rows], options.seed)
     access = access_of(study)
     with new_folder(study, out) as draft:
         make_folders(draft, draft, access)
-        record = _write(recorded, draft, names, options, access)
+        said = {
+            "sessions_left_out": _anonymous(choice.without, names),
+            "sessions_with_faults": _anonymous(flagged_sessions(faults), names),
+        }
+        record = _write(recorded, draft, names, options, access, said, faults)
         if options.key is not None:
             lines = [csv_line(("participant", "anonymous"))]
             replace_text(options.key, "".join(lines + [csv_line(pair) for pair in names.items()]))
     return record
+
+
+def _anonymous(sessions: Iterable[SessionName], names: Mapping[str, str]) -> list[str]:
+    """Return sessions by the new names of their participants."""
+    known = (SessionName(names[s.participant], s.number) for s in sessions if s[0] in names)
+    return [str(each) for each in sorted(known)]
 
 
 def new_names(names: Sequence[str], seed: int | None) -> dict[str, str]:
@@ -184,6 +203,8 @@ def _write(
     names: Mapping[str, str],
     options: AnonymisingOptions,
     access: Access,
+    said: Mapping[str, Any],
+    faults: Sequence[Finding],
 ) -> dict[str, Any]:
     study = recorded.folder
     text = read_text(study / DESCRIPTION, "study description")
@@ -197,9 +218,10 @@ def _write(
         sessions = recorded.sessions_of(old)
         moved = _moved(rows[old], sessions, options)
         for session in sessions:
-            _Copy(session, out, names[old], moved, kept, access, unknown).write()
+            with from_damaged(session, faults):
+                _Copy(session, out, names[old], moved, kept, access, unknown).write()
     _write_participants(out, rows, names, kept, access)
-    record = _record(study, list(rows.values()), options, kept, unknown)
+    record = {**_record(study, list(rows.values()), options, kept, unknown), **said}
     replace_text(out / RECORD, json_of(record) + "\n", access)
     return record
 

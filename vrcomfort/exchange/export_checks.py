@@ -3,23 +3,58 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.exchange.verifying.findings import Finding
+from vrcomfort.records.choice import EVERYTHING, Choice, SessionName, session_name
+from vrcomfort.records.reader import Session
 
 
-def require_whole(study: Path) -> None:
-    """Raise `InputError` where a study is an import, or `vrcomfort verify` finds a fault."""
+def require_whole(study: Path, choice: Choice = EVERYTHING) -> list[Finding]:
+    """Return the faults that `vrcomfort verify` finds, where they are accepted.
+
+    Raises
+    ------
+    InputError
+        If the study is an import, a fault is not accepted, or what is to be left out is not there.
+    """
+    choice.require_there(study)
     if (study / "import.json").exists():
         message = "this is an import, and not a recorded study; hand its source on"
         raise InputError(message, file=study)
-    if faults := verify_study(study).faults:
+    faults = verify_study(study, without=choice.without).faults
+    if faults and not choice.accept_flagged:
         more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
         message = f"this study is not whole: {faults[0]}{more}; see vrcomfort verify"
-        raise InputError(message, file=study)
+        hint = "--without P07/ses-2 leaves a session out, --accept-flagged takes all as it is"
+        raise InputError(f"{message}; {hint}", file=study)
+    return faults
+
+
+def flagged_sessions(faults: Sequence[Finding]) -> set[SessionName]:
+    """Return the sessions in whose folders faults were found."""
+    places = (each.file.removeprefix("sub-").split("/") for each in faults)
+    named = (place for place in places if len(place) > 1)
+    return {session_name("/".join(place[:2])) for place in named if place[1].startswith("ses-")}
+
+
+@contextmanager
+def from_damaged(session: Session, faults: Sequence[Finding]) -> Iterator[None]:
+    """Say what to do where a session whose faults are accepted cannot be read for a copy."""
+    try:
+        yield
+    except (ValueError, LookupError, TypeError, OSError) as error:
+        if not faults:
+            raise
+        name = f"{session.participant}/ses-{session.number}"
+        message = (
+            f"this session is too damaged to be copied ({error}); leave it out: --without {name}"
+        )
+        raise InputError(message, file=session.folder) from error
 
 
 @contextmanager
@@ -44,3 +79,10 @@ def new_folder(study: Path, out: Path) -> Iterator[Path]:
         draft.rename(out)
     finally:
         shutil.rmtree(draft, ignore_errors=True)
+
+
+def said_of(choice: Choice, faults: Sequence[Finding]) -> str:
+    """Return the section of a README on what was left out and what was accepted; blank without."""
+    sentences = choice.sentences([str(each) for each in faults])
+    lines = "".join(f"- {each}\n" for each in sentences)
+    return f"\n## Not the whole study as recorded\n\n{lines}" if lines else ""

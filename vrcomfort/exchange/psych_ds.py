@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from vrcomfort import __version__
-from vrcomfort.exchange.export_checks import new_folder, require_whole
+from vrcomfort.exchange.export_checks import new_folder, require_whole, said_of
 from vrcomfort.json_text import json_of
+from vrcomfort.records.choice import EVERYTHING, Choice
 from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.reader import Study
 from vrcomfort.records.rows import Row
@@ -58,7 +59,7 @@ class _Table:
     rows: list[list[str]]
 
 
-def export_psych_ds(study: Path, out: Path) -> list[str]:
+def export_psych_ds(study: Path, out: Path, choice: Choice = EVERYTHING) -> list[str]:
     """Write a study as a Psych-DS dataset into a new folder; return its omissions.
 
     Raises
@@ -66,11 +67,11 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
     InputError
         If the study is an import or not whole, or the folder is there already.
     """
-    require_whole(study)
+    faults = require_whole(study, choice)
     description = read_description(study)
     name, protocol = str(description.get("name") or study.name), str(description["protocol"])
     label = re.sub("[^A-Za-z0-9]", "", protocol) or "comfort"
-    read = Study(study)
+    read = Study(study, without=choice.without)
     tables = [_participants(read, label)]
     tables += [_of_sessions(read, label, kind) for kind in (TrialRow, QuestionnaireRow, RatingRow)]
     some = {kind: _of_sessions(read, label, kind) for kind in _OPTIONAL}
@@ -84,6 +85,7 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
         names = {kind: f"data/{_file(label, kind)}" for kind in _KINDS}
         more = "".join(_OPTIONAL[k].format(**names) for k, table in some.items() if table.rows)
         readme = _README.format(name=name, protocol=protocol, more=more, **names)
+        readme += said_of(choice, faults)
         (draft / "README.md").write_text(readme, encoding="utf-8")
         content = _description(name, protocol, str(description.get("citation") or ""), there)
         text = json_of(content) + "\n"

@@ -17,7 +17,13 @@ from vrcomfort.exchange.designs import design_of, protocol_of
 from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.session_rows import ParticipantRow
-from vrcomfort.records.study import DESCRIPTION, enrolment_of, read_description
+from vrcomfort.records.study import (
+    DESCRIPTION,
+    ERASED,
+    enrolment_of,
+    read_description,
+    read_participants,
+)
 
 IMPORT = "import.json"
 OPEN = ("interrupted", "running or killed")
@@ -117,7 +123,7 @@ def status_of(study: Path) -> StudyState:
         raise InputError(f"this is no study folder: it has no {DESCRIPTION}", file=study)
     description = read_description(study)
     recorded = Study(study)
-    rows = recorded.enrolled
+    rows = read_participants(study)
     begun = {
         row.participant: [(each, _manifest(each)) for each in recorded.sessions_of(row.participant)]
         for row in rows
@@ -240,7 +246,7 @@ def _next_step(
     damaged = [each.number for each in sessions if each.status == "damaged"]
     if damaged:
         return f"session {damaged[0]} is damaged: vrcomfort verify says what to do", None
-    if row.status in {"withdrawn", "excluded", "completed"}:
+    if row.status in {"withdrawn", "excluded", ERASED, "completed"}:
         return "", None
     for each in sessions:
         if each.status in OPEN:

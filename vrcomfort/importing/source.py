@@ -148,4 +148,9 @@ def cell_text(value: Any) -> str:
         return str(int(value))
     if isinstance(value, datetime.datetime | datetime.date | datetime.time):
         return value.isoformat()
-    return " ".join(str(value).split())
+    return one_line(str(value))
+
+
+def one_line(text: str) -> str:
+    """Return a text with single spaces between its words, and without marks of byte order."""
+    return " ".join(text.replace("\ufeff", "").split())

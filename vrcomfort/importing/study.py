@@ -69,15 +69,15 @@ _ALL = frozenset((
 
 def _require_room(folder: Path) -> None:
     if folder.exists() and not folder.is_dir():
-        raise InputError("is a file; --out needs a folder", file=folder)
+        raise InputError("is a file; the output needs a folder", file=folder)
     there = {each.name for each in folder.iterdir()} if folder.exists() else set()
     if there and PROVENANCE not in there:
-        message = "holds files that are no import; choose another --out, a new folder"
+        message = "holds files that are no import; choose another output folder, a new one"
         raise InputError(message, file=folder)
     others = sorted(there - _ALL - {FOLDER})
     if others:
-        message = f"holds {others[0]} beside an import; choose another --out, or move it away"
-        raise InputError(message, file=folder)
+        message = f"holds {others[0]} beside an import"
+        raise InputError(f"{message}; choose another output folder, or move it away", file=folder)
 
 
 def _json(content: object) -> str:

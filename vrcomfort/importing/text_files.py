@@ -18,6 +18,7 @@ from vrcomfort.importing.source import (
     Grid,
     Reading,
     cell_text,
+    one_line,
     require_room,
 )
 from vrcomfort.json_text import parse_json, require_few_values
@@ -179,7 +180,7 @@ def _rows(text: str, separator: str, file: Path) -> list[list[str]]:
 
 def _trimmed(cell: str) -> str:
     """Return a cell with single spaces between its words, and none around it."""
-    return cell if cell.isalnum() else " ".join(cell.split())
+    return cell if cell.isalnum() else one_line(cell)
 
 
 def _decimal(rows: list[list[str]], separator: str) -> str:

@@ -115,10 +115,22 @@ def text_sha256(protocol: Protocol) -> str:
     return sha256_of(beside / protocol.consent.file)
 
 
+def erase_consents(study: Path, participant: str) -> None:
+    """Delete a participant's consents."""
+    with changing_participants(study):
+        rows = read_consents(study)
+        left = [row for row in rows if row.participant != participant]
+        if len(left) < len(rows):
+            _write(study, left)
+
+
 def note_consent(study: Path, row: ConsentRow) -> None:
     """Write a consent down; it is on the disk at return."""
     with changing_participants(study):
-        rows = [*read_consents(study), row]
-        lines = [csv_line(ConsentRow.columns())]
-        lines += [csv_line(each.cells()) for each in rows]
-        replace_text(study / ConsentRow.FILE, "".join(lines), access_of(study))
+        _write(study, [*read_consents(study), row])
+
+
+def _write(study: Path, rows: Sequence[ConsentRow]) -> None:
+    lines = [csv_line(ConsentRow.columns())]
+    lines += [csv_line(each.cells()) for each in rows]
+    replace_text(study / ConsentRow.FILE, "".join(lines), access_of(study))

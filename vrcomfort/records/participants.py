@@ -160,7 +160,7 @@ def mixed_kinds_notice(study: Path, *, simulated: bool) -> str:
     there, here = ("real", "simulated") if simulated else ("simulated", "real")
     return (
         f"this study has {there} participants ({', '.join(others[:3])}{more}) and gets {here} ones "
-        "now; reports keep them apart; choose another --out for a study of one kind"
+        "now; reports keep them apart; choose another output folder for a study of one kind"
     )
 
 

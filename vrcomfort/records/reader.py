@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort.csv_table import CsvTable, number_or_none, whole_or_none
 from vrcomfort.errors import InputError
+from vrcomfort.records.choice import SessionName
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.manifest import read_manifest
@@ -35,7 +36,7 @@ from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.rows import CellType, Column, Row, declared
 from vrcomfort.records.schema import SCHEMA_VERSION
 from vrcomfort.records.session_rows import EventRow, ParticipantRow, QuestionnaireRow
-from vrcomfort.records.study import read_description, read_participants, recorded_sessions
+from vrcomfort.records.study import ERASED, read_description, read_participants, recorded_sessions
 from vrcomfort.records.tables import (
     RecordedRow,
     cell_value,
@@ -181,6 +182,8 @@ class Study:
     ----------
     folder
         Its tables are read at any depth.
+    without
+        Sessions that are passed over.
 
     Raises
     ------
@@ -188,8 +191,9 @@ class Study:
         If there is no such file or folder. Reading raises one for what is damaged, with its place.
     """
 
-    def __init__(self, folder: str | Path) -> None:
+    def __init__(self, folder: str | Path, *, without: Collection[SessionName] = ()) -> None:
         self.folder = Path(folder)
+        self._without = frozenset(without)
         if not self.folder.exists():
             raise InputError("there is no such file or folder", file=self.folder)
 
@@ -204,8 +208,11 @@ class Study:
 
     @property
     def enrolled(self) -> list[ParticipantRow]:
-        """Return the rows of a recorded study's participants, in the order of enrolment."""
-        return read_participants(self.folder)
+        """Return the rows of a recorded study's participants, in the order of enrolment.
+
+        Those whose data were erased are not among them.
+        """
+        return [row for row in read_participants(self.folder) if row.status != ERASED]
 
     @property
     def sessions(self) -> tuple[Session, ...]:
@@ -219,7 +226,12 @@ class Study:
 
     def sessions_of(self, participant: str) -> list[Session]:
         """Return a participant's recorded sessions, by number."""
-        return [self.session(participant, n) for n in recorded_sessions(self.folder, participant)]
+        numbers = recorded_sessions(self.folder, participant)
+        return [
+            self.session(participant, number)
+            for number in numbers
+            if (participant, number) not in self._without
+        ]
 
     def session(self, participant: str, number: int) -> Session:
         """Return a session, recorded or not."""
@@ -346,7 +358,13 @@ class Study:
         """Return the files of a table at any depth, in the order of their names."""
         if self.folder.is_file():
             return [self.folder] if row_type is QuestionnaireRow else []
-        return sorted(self.folder.rglob(row_type.FILE), key=lambda path: natural(path.as_posix()))
+        return self.at_any_depth(row_type.FILE)
+
+    def at_any_depth(self, name: str) -> list[Path]:
+        """Return the files of a name, but for those of sessions that are passed over."""
+        left_out = {each.folder(self.folder) for each in self._without}
+        found = (each for each in self.folder.rglob(name) if each.parent not in left_out)
+        return sorted(found, key=lambda path: natural(path.as_posix()))
 
 
 def _relation(

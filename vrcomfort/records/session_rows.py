@@ -49,11 +49,14 @@ class ParticipantRow(Row):
     status: Annotated[
         str,
         Column(
-            "enrolled, completed, withdrawn (in analyses as far as they came) or excluded (in no "
-            "analysis)"
+            "enrolled, completed, withdrawn (in analyses as far as they came), excluded (in no "
+            "analysis) or erased (on request; the row has a new name, and no data)"
         ),
     ]
-    enrolled_at: Annotated[str, Column("When the participant was enrolled, ISO 8601")]
+    enrolled_at: Annotated[
+        str,
+        Column("When the participant was enrolled, ISO 8601", blank="their data were erased"),
+    ]
     note: Annotated[
         str, Column("Notes of experimenters and of sessions", blank="there are none", needs=TEXT)
     ] = ""

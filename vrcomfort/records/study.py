@@ -40,6 +40,8 @@ from vrcomfort.records.session_rows import LONGEST_TEXT, ParticipantRow
 from vrcomfort.records.tables import read_table
 
 DESCRIPTION = "dataset_description.json"
+ERASED = "erased"
+"""Status of the row that stays of somebody whose data were erased."""
 LONGEST_NOTES = 80_000
 """Characters of a participant's notes; the program's own notes have room beside."""
 
@@ -85,7 +87,7 @@ def open_study(
     try:
         make_folders(study, study, access)
     except OSError as error:
-        message = f"cannot make this study folder: {error.strerror}; choose another --out"
+        message = f"cannot make this study folder: {error.strerror}; choose another output folder"
         raise InputError(message, file=study) from error
     _keep_instruments(study, protocol, access)
     text = json_of(_description(protocol, seed or 0, access))
@@ -136,7 +138,7 @@ def _keep_instruments(study: Path, protocol: Protocol, access: Access) -> None:
             replace_text(file, text, access)
         elif read_text(file, "instrument") != text:
             message = f"this study was begun with another text of `{name}`"
-            hint = "give the changed instrument another name, or choose another --out"
+            hint = "give the changed instrument another name, or choose another output folder"
             raise InputError(f"{message}; {hint}", file=file)
 
 
@@ -197,14 +199,14 @@ def _same_study(file: Path, protocol: Protocol, seed: int | None, group_readable
     name, kept = content["protocol"], int(content["seed"])
     if name != protocol.name:
         message = f"this folder holds a study with protocol `{name}`, not `{protocol.name}`"
-        raise InputError(f"{message}; choose another --out", file=file)
+        raise InputError(f"{message}; choose another output folder", file=file)
     if seed not in {None, kept}:
         message = f"this study was begun with seed {kept}, not {seed}"
-        raise InputError(f"{message}; leave --seed out, or choose another --out", file=file)
+        raise InputError(f"{message}; leave --seed out, or choose another output folder", file=file)
     if group_readable and access_of(file.parent) != GROUP:
         message = "this study was begun for its owner's eyes alone"
         raise InputError(
-            f"{message}; leave --group-readable out, or choose another --out", file=file
+            f"{message}; leave --group-readable out, or choose another output folder", file=file
         )
     return kept
 
@@ -266,7 +268,7 @@ def _check_participants(found: CsvTable) -> None:
 _PARTICIPANT_CELLS = {
     "participant": re.compile(r"[A-Za-z0-9]{1,64}"),
     "sequence": re.compile(r"[A-Za-z0-9_-]+"),
-    "status": re.compile("enrolled|completed|withdrawn|excluded"),
+    "status": re.compile("enrolled|completed|withdrawn|excluded|erased"),
 }
 _PARTICIPANT_WORDS = {
     "participant": "a name is 1 to 64 letters (A to Z) and digits",
@@ -285,7 +287,7 @@ def enrolled(study: Path, participant: str) -> ParticipantRow | None:
     """
     for row in read_participants(study):
         if row.participant == participant:
-            if row.status in {"withdrawn", "excluded"}:
+            if row.status in {"withdrawn", "excluded", ERASED}:
                 raise InputError(_gone(study, participant, row.status))
             return row
     return None
@@ -402,30 +404,38 @@ def changing_participants(study: Path) -> AbstractContextManager[None]:
     return in_turn(file, access_of(study))
 
 
+def change_participants(
+    study: Path, change: Callable[[list[ParticipantRow]], list[ParticipantRow]]
+) -> None:
+    """Write the rows of all participants as `change` returns them; other programs wait."""
+    with changing_participants(study):
+        _write_participants(study, change(read_participants(study)))
+
+
 def set_status(study: Path, participant: str, status: str, note: str = "") -> None:
     """Change a participant's status; notes are added to those before."""
-    with changing_participants(study):
-        rows = read_participants(study)
-        changed = [
+    change_participants(
+        study,
+        lambda rows: [
             replace(row, status=status, note="; ".join(filter(None, [row.note, note])))
             if row.participant == participant
             else row
             for row in rows
-        ]
-        _write_participants(study, changed)
+        ],
+    )
 
 
 def set_fact(study: Path, participant: str, name: str, value: str) -> None:
     """Write a result of a session into the participant's row."""
-    with changing_participants(study):
-        rows = read_participants(study)
-        changed = [
+    change_participants(
+        study,
+        lambda rows: [
             replace(row, others=tuple({**dict(row.others), name: value}.items()))
             if row.participant == participant
             else row
             for row in rows
-        ]
-        _write_participants(study, changed)
+        ],
+    )
 
 
 def recorded_sessions(study: Path, participant: str) -> list[int]:

@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from vrcomfort.csv_table import whole_or_none
-from vrcomfort.errors import spare
+from vrcomfort.errors import InputError, spare
 from vrcomfort.report.analyses import ReportContext, outcome_sentences, sentences
 from vrcomfort.report.derived_plan import plan_of
 from vrcomfort.report.figures import draw_figures
 from vrcomfort.report.page import render_page
 from vrcomfort.report.plan import Plan
-from vrcomfort.report.plan_files import find_plan, load_plan, shipped_files
+from vrcomfort.report.plan_files import find_plan, load_plan, read_plan, shipped_files
 from vrcomfort.report.reproduce import r_script
 from vrcomfort.report.residuals import residuals_of
 from vrcomfort.report.results import PLAN_FILE, analyse, results_json
@@ -30,6 +30,7 @@ from vrcomfort.report.writing import file_name, name_of_study, write_report
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
 
+    from vrcomfort.records.choice import SessionName
     from vrcomfort.records.recording import Memory
     from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.results import Results
@@ -80,13 +81,15 @@ def build_report(
     source: Path,
     *,
     name: str | None = None,
-    plan: str | Path | None = None,
+    plan: Plan | str | Path | None = None,
     instrument: str | None = None,
     out: Path,
     simulated: bool | None = None,
     forms: Collection[Form] = FORMS,
     memory: Memory | None = None,
     cluster: str | None = None,
+    without: Collection[SessionName] = (),
+    notes: Collection[str] = (),
 ) -> ReportSummary:
     """Write the report of a study.
 
@@ -97,8 +100,9 @@ def build_report(
     name
         Of the source in results.json; without it, that of its folder or file.
     plan
-        An analysis plan, or the name of a shipped one; without one, the shipped plan of the
-        study's protocol, or one that is derived from the data. It is written beside the report.
+        An analysis plan, its file, or the name of a shipped one; without one, the shipped plan of
+        the study's protocol, or one that is derived from the data. Its text is written beside the
+        report.
     instrument
         The name or the file of the only instrument to report; all that were asked without it.
     simulated
@@ -115,6 +119,10 @@ def build_report(
         The most that reading frames may take; 512 MB without it.
     cluster
         Address of a running Dask scheduler, whose workers read the frames.
+    without
+        Sessions that are left out.
+    notes
+        Sentences that the report has among those on what was read.
 
     Raises
     ------
@@ -123,7 +131,8 @@ def build_report(
         overwrite what is read.
     """
     with _uncollected():
-        study = _of_one_kind(read_study(Path(source), instrument), simulated)
+        study = _of_one_kind(read_study(Path(source), instrument, without), simulated)
+    study = replace(study, warnings=(*notes, *study.warnings))
     study = with_frames(study, memory=memory, cluster=cluster)
     with _uncollected():
         return _build(study, Path(source), name, plan, Path(out), forms, memory)
@@ -133,7 +142,7 @@ def _build(
     study: StudyData,
     source: Path,
     name: str | None,
-    plan: str | Path | None,
+    plan: Plan | str | Path | None,
     out: Path,
     forms: Collection[Form],
     memory: Memory | None,
@@ -202,25 +211,34 @@ def _figure_files(figures: dict[str, Drawing], forms: Collection[Form]) -> dict[
     return files
 
 
-def choose_plan(study: StudyData, plan: str | Path | None) -> Plan:
+def choose_plan(study: StudyData, plan: Plan | str | Path | None) -> Plan:
     """Return the plan asked for; else the shipped one of the study's protocol; else a derived one.
 
     Raises
     ------
     InputError
-        If the plan cannot be found or is wrong, with line and column.
+        If the plan cannot be found or is wrong, with line and column, or has other settings than
+        its text, by which the report would be known.
     """
+    instruments = study.instruments.values()
+    if isinstance(plan, Plan):
+        read = read_plan(plan.text, plan.file, instruments) if plan.text else None
+        if plan != read:
+            message = "this plan has settings that are not in its text, which a report keeps"
+            raise InputError(f"{message}; write them to a file, and load that", file=plan.file)
+        return plan
     if plan is not None:
-        return load_plan(find_plan(plan), study.instruments.values())
+        return load_plan(find_plan(plan), instruments)
     file = shipped_files().get(study.protocol or "")
-    return load_plan(file, study.instruments.values()) if file else plan_of(study)
+    return load_plan(file, instruments) if file else plan_of(study)
 
 
-def _read(source: Path, plan: str | Path | None, out: Path) -> list[Path]:
+def _read(source: Path, plan: Plan | str | Path | None, out: Path) -> list[Path]:
     """Return what is read and must stay; a report's own plan.toml is written again as it was."""
     own = Path(out) / PLAN_FILE
-    file = None if plan is None else find_plan(plan)
-    again = file is None or (own.exists() and file.samefile(own))
+    given = plan.file if isinstance(plan, Plan) else plan
+    file = None if given is None else find_plan(given)
+    again = file is None or (own.exists() and file.exists() and file.samefile(own))
     return [Path(source), *([] if again or file is None else [file])]
 
 

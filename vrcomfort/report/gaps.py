@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 from vrcomfort.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
     from pathlib import Path
 
+    from vrcomfort.records.choice import SessionName
     from vrcomfort.records.json_file import DescribedShape, ManifestShape
 
 _RESTORE = "restore it from a copy"
@@ -43,6 +44,7 @@ def gaps(
     description: DescribedShape | None,
     participants: Sequence[Mapping[str, str]],
     manifests: Sequence[ManifestShape],
+    without: Collection[SessionName] = (),
 ) -> list[str]:
     """Say what is missing of a study that vrcomfort recorded; of other folders, nothing.
 
@@ -52,6 +54,8 @@ def gaps(
         That of dataset_description.json; None where there is none, or a damaged one.
     manifests
         Those that are used.
+    without
+        Sessions that are left out on request, of which nothing is missing.
     """
     if not manifests and (description is None or "seed" not in description.model_fields_set):
         return []
@@ -65,10 +69,15 @@ def gaps(
     if not participants:
         message = "who withdrew, or is excluded, is not known"
         found.append(f"participants.csv is missing, or nobody is in it: {message}; {_RESTORE}")
+    left_out = {each.folder(source) for each in without}
     used = {f"sub-{each.participant}/ses-{each.session}" for each in manifests}
     for folder in sessions:
         name = folder.relative_to(source).as_posix()
-        if name not in used and not _is_unreadable(folder / "manifest.json"):
+        if (
+            folder not in left_out
+            and name not in used
+            and not _is_unreadable(folder / "manifest.json")
+        ):
             message = "whether its participant was simulated is not known, and taken for no"
             found.append(f"{name}/manifest.json is missing or not used: {message}; {_RESTORE}")
     begun = {folder.parent.name.removeprefix("sub-") for folder in sessions}

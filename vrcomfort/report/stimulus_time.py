@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.recordings import ExposureFrames
-from vrcomfort.report.rows import INLINE
+from vrcomfort.report.rows import HIDDEN, INLINE, as_json
 from vrcomfort.seen_time import SeenState
 
 if TYPE_CHECKING:
@@ -53,10 +53,17 @@ class ConditionMovement:
 
 @dataclass(frozen=True)
 class FrameMeasures:
-    """What the frames of an exposure say."""
+    """What the frames of an exposure say.
+
+    Parameters
+    ----------
+    cells
+        The same by column: without the states of seen time that the study does not tell apart.
+    """
 
     condition: str
-    frames: ExposureFrames = field(metadata=INLINE)
+    frames: ExposureFrames = field(metadata=HIDDEN)
+    cells: dict[str, str | int | float | None] = field(metadata=INLINE)
 
 
 def recorded_states(study: StudyData) -> tuple[str, ...]:
@@ -122,7 +129,17 @@ def frame_measures(study: StudyData) -> list[FrameMeasures]:
     of = {_key(trial): trial["condition"] for trial in study.trials}
     keys = ((each.participant, each.session, each.trial, each.attempt) for each in study.frames)
     pairs = zip(keys, study.frames, strict=True)
-    return [FrameMeasures(of[key], frames) for key, frames in pairs if key in of]
+    states = {*recorded_states(study), SeenState.UNTRACKED.column}
+    lacking = {state.column for state in SeenState} - states
+    return [
+        FrameMeasures(
+            of[key],
+            frames,
+            {name: cell for name, cell in as_json(frames).items() if name not in lacking},
+        )
+        for key, frames in pairs
+        if key in of
+    ]
 
 
 def _key(trial: dict[str, str]) -> tuple[str, str, int, int]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from vrcomfort.questionnaire import (
     short_form,
 )
 from vrcomfort.recordings import ExposureFrames, frame_measures
+from vrcomfort.records.choice import SessionName
 from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.json_file import (
@@ -36,7 +37,7 @@ from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.recording import Memory
 from vrcomfort.records.rows import Row
 from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow, ScreeningRow
-from vrcomfort.records.study import DESCRIPTION
+from vrcomfort.records.study import DESCRIPTION, ERASED
 from vrcomfort.report.gaps import gaps, unreadable
 from vrcomfort.seen_time import SEEN, SeenState
 from vrcomfort.workers import workers
@@ -147,13 +148,17 @@ def conditions_in(study: StudyData, timepoint: str) -> list[str]:
     return sorted(found, key=lambda name: (order.get(name, len(order)), natural(name)))
 
 
-def read_study(source: Path, instrument: str | None = None) -> StudyData:
+def read_study(
+    source: Path, instrument: str | None = None, without: Collection[SessionName] = ()
+) -> StudyData:
     """Read a study folder, any folder with ``questionnaires.csv`` in it, or one such file.
 
     Parameters
     ----------
     instrument
         The name or the file of the only instrument to read; what rows without one are answers to.
+    without
+        Sessions that are passed over.
 
     Raises
     ------
@@ -161,7 +166,7 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
         If there is no questionnaire, or a table is wrong, with file, line and column.
     """
     warnings = unreadable(source) if source.is_dir() else []
-    folder = Study(source)
+    folder = Study(source, without=without)
     files = folder.files(QuestionnaireRow)
     if not files and not any(map(folder.files, _INSTEAD)):
         raise InputError("there is no questionnaires.csv in this folder", file=source)
@@ -185,8 +190,8 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
     if files and not sheets and not any(instead):
         raise InputError("no known questionnaire is answered in this table", file=source)
     participants = _table(folder, ParticipantRow, warnings)
-    manifests = _manifests(source, warnings)
-    warnings += gaps(source, description, participants, manifests)
+    manifests = _manifests(folder, warnings)
+    warnings += gaps(source, description, participants, manifests, without)
     dials = _of_last_attempts(_table(folder, DialRow, warnings))
     return StudyData(
         title=(description.name if description else "") or source.resolve().name,
@@ -306,6 +311,15 @@ def length_s(trial: Mapping[str, str]) -> float | None:
     return None if start is None or end is None else end - start
 
 
+def undone_attempts(study: StudyData) -> set[tuple[str, ...]]:
+    """Return the attempts in which somebody withdrew, and an operator took it back."""
+    return {
+        (of.participant, str(of.session), str(undone.trial), str(undone.attempt))
+        for of in study.manifests
+        for undone in of.withdrawals_undone
+    }
+
+
 def cut_short(trial: Mapping[str, str]) -> bool:
     """Return whether an exposure ended before its time: what was done in it had less time.
 
@@ -337,6 +351,7 @@ def _table(folder: Study, row_type: type[Row], warnings: list[str]) -> tuple[dic
             found.require_numbers(_NUMBERS)
             rows += ({**dict.fromkeys(columns, ""), **row} for row in found.dicts())
     if row_type is ParticipantRow:
+        rows = [row for row in rows if row.get("status") != ERASED]
         _require_each_once(folder.folder, rows)
     return tuple(rows)
 
@@ -418,9 +433,9 @@ def _protocol(description: DescribedShape | None) -> str | None:
     return description.protocol if description and named else None
 
 
-def _manifests(source: Path, warnings: list[str]) -> tuple[ManifestShape, ...]:
-    there = source.rglob("manifest.json") if source.is_dir() else ()
-    files = sorted(there, key=lambda path: natural(path.as_posix()))
+def _manifests(study: Study, warnings: list[str]) -> tuple[ManifestShape, ...]:
+    source = study.folder
+    files = study.at_any_depth("manifest.json") if source.is_dir() else []
     found = (_stored(file, ManifestShape, "manifest", source, warnings) for file in files)
     return tuple(content for content in found if content is not None)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort.errors import InputError
 from vrcomfort.records.names import natural
-from vrcomfort.report.study_data import people_of, trial_s
+from vrcomfort.report.study_data import people_of, trial_s, undone_attempts
 from vrcomfort.stats.proportions import fisher_exact
 
 if TYPE_CHECKING:
@@ -155,15 +155,6 @@ def early_endings(study: StudyData) -> list[EarlyEnding]:
 
 def _attempt(trial: dict[str, str]) -> tuple[str, ...]:
     return tuple(trial.get(name, "") for name in ("participant", "session", "trial", "attempt"))
-
-
-def undone_attempts(study: StudyData) -> set[tuple[str, ...]]:
-    """Return the attempts in which somebody withdrew, and an operator took it back."""
-    return {
-        (of.participant, str(of.session), str(undone.trial), str(undone.attempt))
-        for of in study.manifests
-        for undone in of.withdrawals_undone
-    }
 
 
 def _trials(study: StudyData) -> list[dict[str, str]]:

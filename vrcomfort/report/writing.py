@@ -87,7 +87,7 @@ def refuse_another_study(out: Path, name: str) -> None:
     before = study.get("source", name) if isinstance(study, dict) else name
     if before != name:
         message = f"holds the report of another study, {before}"
-        raise InputError(f"{message}; choose another --out, or give --replace", file=out)
+        raise InputError(f"{message}; choose another output folder, or replace it", file=out)
 
 
 def _make_room(path: Path) -> None:

@@ -140,7 +140,7 @@ class EventLog:
     def note(self, happened: HeadsetEvent) -> None:
         """Write a headset event between two frames; show the operator the urgent ones."""
         self.event_soon(happened.name, detail=happened.detail)
-        if happened.name == "unfocused":
+        if happened.name in ("unfocused", "headset_off"):
             self.tell("notice", WHOLE_SESSION, 0, 0, happened.detail)
 
     def event_soon(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:

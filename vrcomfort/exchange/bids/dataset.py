@@ -7,7 +7,7 @@ Sci. Data 11:716) and its eye tracking.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -23,8 +23,10 @@ from vrcomfort.exchange.bids.runs import (
     write_motion,
     write_tsv,
 )
-from vrcomfort.exchange.export_checks import new_folder, require_whole
+from vrcomfort.exchange.export_checks import from_damaged, new_folder, require_whole, said_of
+from vrcomfort.exchange.verifying.findings import Finding
 from vrcomfort.questionnaire import Instrument, instruments_in, shipped_instruments
+from vrcomfort.records.choice import EVERYTHING, Choice
 from vrcomfort.records.events import EVENTS, shared_detail
 from vrcomfort.records.exposure_rows import PracticeRow
 from vrcomfort.records.reader import Session, Study
@@ -194,7 +196,7 @@ anonymise` moves them, before an export.
 """
 
 
-def export_bids(study: Path, out: Path) -> list[str]:
+def export_bids(study: Path, out: Path, choice: Choice = EVERYTHING) -> list[str]:
     """Write a study as a BIDS dataset into a new folder; return a sentence for each omission.
 
     Raises
@@ -202,13 +204,13 @@ def export_bids(study: Path, out: Path) -> list[str]:
     InputError
         If the study is an import or not whole, or the folder is there already.
     """
-    require_whole(study)
+    faults = require_whole(study, choice)
     with new_folder(study, out) as draft:
-        return _write(study, draft)
+        return _write(study, draft, choice, faults)
 
 
-def _write(study: Path, out: Path) -> list[str]:
-    recorded = Study(study)
+def _write(study: Path, out: Path, choice: Choice, faults: Sequence[Finding]) -> list[str]:
+    recorded = Study(study, without=choice.without)
     description = recorded.description
     name, protocol = str(description.get("name") or study.name), str(description["protocol"])
     write_json(
@@ -221,6 +223,7 @@ def _write(study: Path, out: Path) -> list[str]:
         },
     )
     readme = _README.format(name=name, protocol=protocol, bids=BIDS_VERSION)
+    readme += said_of(choice, faults)
     (out / "README.md").write_text(readme, encoding="utf-8")
     people = recorded.enrolled
     task = re.sub("[^A-Za-z0-9]", "", protocol) or "exposure"
@@ -228,7 +231,8 @@ def _write(study: Path, out: Path) -> list[str]:
     begun = [row for row in people if recorded.sessions_of(row.participant)]
     for row in begun:
         for session in recorded.sessions_of(row.participant):
-            left_out += _session(session, out, task)
+            with from_damaged(session, faults):
+                left_out += _session(session, out, task)
     others = list(dict.fromkeys(key for row in begun for key, _ in row.others))
     columns = ("participant_id", "sequence", "status", *others)
     table = [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +11,10 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.session import check_order, verify_session
-from vrcomfort.files import sha256_of
+from vrcomfort.files import read_text, sha256_of
+from vrcomfort.json_text import parse_json
 from vrcomfort.records.checksums import CHECKSUMS
+from vrcomfort.records.choice import SessionName, session_name
 from vrcomfort.records.consents import read_consents
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
 from vrcomfort.records.json_file import DescribedShape, ImportShape, read_json
@@ -29,13 +31,20 @@ _OWN = {
 }  # fmt: skip
 
 
-def verify_study(study: Path, told: Callable[[], object] = lambda: None) -> Verified:
+def verify_study(
+    study: Path,
+    told: Callable[[], object] = lambda: None,
+    *,
+    without: Collection[SessionName] = (),
+) -> Verified:
     """Look at everything in a study folder; nothing is changed.
 
     Parameters
     ----------
     told
         Called after each session.
+    without
+        Sessions that are passed over, as are those that an anonymous copy was made without.
 
     Raises
     ------
@@ -52,15 +61,33 @@ def verify_study(study: Path, told: Callable[[], object] = lambda: None) -> Veri
         return found
     people = _participants(study, found)
     _strangers(study, people, found)
+    left_out = {*without, *_not_copied(study, found)}
     manifests = {
-        name: _sessions(study / f"sub-{name}", found, told)
+        name: _sessions(study / f"sub-{name}", found, told, left_out)
         for name in sorted(_folders(study) | set(people))
     }
     _consents(study, people, manifests, found)
     for name, sessions in sorted(manifests.items()):
         if name in people:
-            _agree(study, people[name], sessions, seed, found)
+            left = sum(each.participant == name for each in left_out)
+            _agree(study, people[name], sessions, seed, found, left)
     return found
+
+
+def _not_copied(study: Path, found: Verified) -> list[SessionName]:
+    """Return the sessions that an anonymous copy was made without, as its record says."""
+    file = study / _ANONYMISED
+    if not file.is_file():
+        return []
+    try:
+        said = parse_json(read_text(file, "record of a copy"), file)
+        texts = said.get("sessions_left_out", []) if isinstance(said, dict) else []
+        return [session_name(str(each)) for each in texts]
+    except InputError as error:
+        found.refusal(error, file)
+    except (ValueError, TypeError):
+        found.fault(file, "is no JSON; restore it from a copy")
+    return []
 
 
 def _consents(
@@ -144,12 +171,17 @@ def _strangers(study: Path, people: Mapping[str, ParticipantRow], found: Verifie
 
 
 def _sessions(
-    folder: Path, found: Verified, told: Callable[[], object]
+    folder: Path,
+    found: Verified,
+    told: Callable[[], object],
+    left_out: Collection[SessionName],
 ) -> dict[int, dict[str, Any] | None]:
     """Verify a participant's sessions; return session → manifest."""
     manifests: dict[int, dict[str, Any] | None] = {}
     for each in _entries(folder, found):
         number = re.fullmatch("ses-([1-9][0-9]{0,8})", each.name)
+        if number and (folder.name.removeprefix("sub-"), int(number[1])) in left_out:
+            continue
         if number and each.is_dir() and not each.is_symlink():
             found.counts["sessions"] += 1
             manifests[int(number[1])] = _session(each, found)
@@ -182,6 +214,7 @@ def _agree(
     manifests: Mapping[int, Mapping[str, Any] | None],
     seed: int | None,
     found: Verified,
+    left_out: int,
 ) -> None:
     """Compare a participant's row with the manifests of their sessions."""
     file = study / ParticipantRow.FILE
@@ -199,7 +232,7 @@ def _agree(
                 message = f"`{key}` is {manifest[key]}, and {where} says {there}"
                 found.fault(folder / "manifest.json", f"{message}; restore the changed file")
         planned = _check_session_order(folder, row, manifest, found) or planned
-    _check_status(file, row, statuses, planned, found)
+    _check_status(file, row, statuses, planned, found, left_out)
 
 
 def _check_status(
@@ -208,16 +241,17 @@ def _check_status(
     statuses: Mapping[int, str | None],
     planned: int | None,
     found: Verified,
+    left_out: int,
 ) -> None:
     who, completed = (
         row.participant,
         [n for n, each in statuses.items() if each in {"completed", "ended"}],
     )
     withdrew = [number for number, each in statuses.items() if each == "withdrawn"]
-    if row.status == "completed" and planned is not None and len(completed) < planned:
+    if row.status == "completed" and planned is not None and len(completed) + left_out < planned:
         message = f"{who} is completed, with {len(completed)} of {planned} sessions completed"
         found.fault(file, f"{message}; restore what is missing, or write enrolled")
-    elif row.status == "completed" and not statuses:
+    elif row.status == "completed" and not statuses and not left_out:
         found.fault(file, f"{who} is completed, and has no session; restore the folder")
     elif row.status == "enrolled" and withdrew:
         message = f"{who} is enrolled, and has withdrawn in session {withdrew[0]}"

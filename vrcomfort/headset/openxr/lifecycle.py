@@ -27,6 +27,7 @@ _NO_EVENT = bytes(xr.EventDataBuffer())[: xr.EventDataBuffer.varying.offset]
 ABSENT_NS = 500_000_000
 """A presence sensor that sees nobody for less has slipped: the picture stays."""
 SEEN = (State.VISIBLE, State.FOCUSED)
+TAKEN_OFF = "the headset is off: exposures wait until its sensor sees somebody"
 OUT_OF_REACH = (
     "a menu of the headset's is in front: the participant's controllers do not reach the program, "
     "and their stop button does not work now"
@@ -206,7 +207,8 @@ class Lifecycle:
 
     def _on_presence(self, event: Any) -> None:
         self.user_present = bool(event.is_user_present)
-        self._notify(HeadsetEvent("headset_on" if self.user_present else "headset_off"))
+        name, detail = ("headset_on", "") if self.user_present else ("headset_off", TAKEN_OFF)
+        self._notify(HeadsetEvent(name, detail))
 
 
 class Presence:

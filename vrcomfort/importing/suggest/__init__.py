@@ -14,13 +14,14 @@ from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.source import Reading, SourceTable
 from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
 from vrcomfort.importing.suggest.layouts import stands_on_its_side
-from vrcomfort.importing.suggest.table_draft import TableDraft
+from vrcomfort.importing.suggest.table_draft import TableDraft, pattern_of
 from vrcomfort.importing.suggest.vocabulary import (
     Known,
     LabVocabulary,
     read_vocabulary,
     shipped_vocabulary,
 )
+from vrcomfort.json_text import escape_surrogates
 from vrcomfort.questionnaire import Instrument, usual_instruments
 
 _TOP = (
@@ -99,7 +100,10 @@ def suggest_mapping(
     ]
     notes = tuple(dict.fromkeys(note for table in read for note in table.notes))
     return Suggestion(
-        top.text(), tuple(f"{d.question} Assumed: {d.assumed}" for d in doubts), notes, imported
+        escape_surrogates(top.text()),
+        tuple(f"{d.question} Assumed: {d.assumed}" for d in doubts),
+        notes,
+        imported,
     )
 
 
@@ -119,7 +123,7 @@ def _ignored_sheets(
     others = [d.table.sheet for d in drafts if d not in useful and d.table.sheet]
     if not others:
         return []
-    top.put("ignore_sheets", others)
+    top.put("ignore_sheets", [*map(pattern_of, others)])
     return [
         OpenDoubt(f"May the sheets {', '.join(others)} be left out? No answers were found.", "yes")
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
@@ -101,6 +102,11 @@ class AnswerColumns:
         return next((each for each in leading if self[each]), None)
 
 
+def pattern_of(name: str) -> str:
+    """Return the pattern of a name of a file or sheet: bytes that are no UTF-8 are any."""
+    return re.sub("[\ud800-\udfff]", "?", re.sub(r"[*?[]", r"[\g<0>]", name))
+
+
 class TableDraft:
     """The mapping of tables with the same headings.
 
@@ -138,10 +144,10 @@ class TableDraft:
 
     def _files(self) -> None:
         names = list(dict.fromkeys(table.file.name for table in self._tables))
-        self.draft.put("files", names)
+        self.draft.put("files", [*map(pattern_of, names)])
         sheets = list(dict.fromkeys(table.sheet for table in self._tables if table.sheet))
         if sheets:
-            self.draft.put("sheets", sheets)
+            self.draft.put("sheets", [*map(pattern_of, sheets)])
         read = self.table.reading
         values: dict[str, object] = {}
         alike_read = all(

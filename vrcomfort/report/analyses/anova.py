@@ -23,9 +23,9 @@ from vrcomfort.report.analyses.contract import (
     Remark,
     ReportContext,
     TableColumn,
-    by_reason,
     estimable,
     html,
+    missing_outcomes,
     p_in_html,
 )
 from vrcomfort.report.factors import is_between, level_of, points
@@ -107,6 +107,7 @@ def _fit(data: AnalysisData, outcome: str) -> AnovaFit:
     over_time = any(factor.column == "timepoint" for factor in plan.anova)
     table = points(scored.moments if over_time else scored.table, scored, outcome)
     made = [(f, level_of(scored, table, f)) for f in plan.anova]
+    # A plan may name factors that a study lacks, as the scenes of a study with one.
     made = [(f, levels) for f, levels in made if len(levels.dropna().unique()) > 1]
     if not made:
         raise InputError("no factor has two levels in the data")
@@ -163,6 +164,7 @@ def _with_every_score(
 
 def _residual_check(residuals: NDArray[np.float64]) -> ResidualCheck | None:
     flat = residuals.ravel()
+    # Of residuals that are rounding alone, or of three values, W says nothing.
     if not 4 <= flat.size <= MOST_FOR_SHAPIRO or np.ptp(flat) <= 1e-9:
         return None
     found = shapiro(flat)
@@ -228,11 +230,8 @@ def _csv_of_ranks(row: AnovaRow) -> Iterator[Cells]:
 
 def _remarks(rows: Sequence[AnovaRow], report: ReportContext) -> Iterator[Remark]:
     """Yield why there is none of some outcomes; and, among the assumptions, the residuals."""
-    words = report.words
-    for reason, missing in by_reason(rows, lambda row: row.not_tested).items():
-        named = ", ".join(words.outcome(row.outcome) for row in missing)
-        yield Remark(f"{named}: no ANOVA ({reason}).")
-    checks = [_residuals(row.outcome, row.fit, words) for row in rows if row.fit]
+    yield from missing_outcomes(rows, report, "ANOVA")
+    checks = [_residuals(row.outcome, row.fit, report.words) for row in rows if row.fit]
     if checks:
         yield Remark(
             html(
@@ -431,13 +430,16 @@ anova_of <- function(found, columns) {
     compare(line, "sum of squares", line$sum_of_squares, univariate[row, 1], about, size = 1e-6)
     compare(line, "F", line$f, univariate[row, 2], about, size = 1e-6)
     compare(line, "p", line$p, univariate[row, 3], about)
+    p <- univariate[row, 3]
     if (rownames(univariate)[row] %in% rownames(corrected)) {
       epsilon <- corrected[rownames(univariate)[row], ]
       if (anyNA(epsilon)) next
       compare(line, "epsilon, GG", line$greenhouse_geisser, epsilon[["GG eps"]], about)
       compare(line, "p, GG", line$p_greenhouse_geisser, epsilon[["Pr(>F[GG])"]], about)
       compare(line, "epsilon, HF", line$huynh_feldt, min(1, epsilon[["HF eps"]]), about)
+      p <- epsilon[["Pr(>F[GG])"]]
     }
+    in_family(line, p, about)
   }
 }
 found <- read_if_there("anova")

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from itertools import groupby
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, Protocol, TypeVar
 
 from markupsafe import Markup
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.rows import Cells, cells
-from vrcomfort.report.words import degrees, p_value
+from vrcomfort.report.words import degrees, interval, number, p_value
 from vrcomfort.settings import Problem, did_you_mean
 from vrcomfort.web_page import escape_hidden
 
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.vocabulary import Vocabulary
     from vrcomfort.report.withdrawals import Withdrawal
+    from vrcomfort.stats.mixed import Estimate
 
 Row = TypeVar("Row")
 Line = TypeVar("Line")
@@ -37,6 +38,7 @@ Section = Literal["primary", "tests", "order", "models", "assumptions", "sensiti
 ITALIC_N = Markup("<i>n</i>")
 ITALIC_P = Markup("<i>p</i>")
 ITALIC_SE = Markup("<i>SE</i>")
+ITALIC_T = Markup("<i>t</i>")
 P_HOLM = Markup("<i>p</i> Holm")
 WITHOUT_ZERO = " “Without 0”: the test rejects 0 between shifts that it does not reject."
 """Note below a table with such an interval; see `is_holed`."""
@@ -260,6 +262,7 @@ class AnalysisTable(Generic[Row, Line]):
         )
 
     def _lines(self, rows: Sequence[Row], report: ReportContext) -> Iterator[PageLine]:
+        # Neighbours only: rows stay in the order of the plan, which may come back to a pair.
         for _, members in groupby(rows, self.group_key):
             group = list(members)
             lines = [self._line(line, report.words) for row in group for line in self.lines(row)]
@@ -323,7 +326,8 @@ class Analysis(Generic[Row]):
         Figures of its rows, the names by which a plan can want them, and whether they stand side
         by side.
     section, place
-        Place on the page: of a section's analyses the smallest first.
+        Place on the page: of a section's analyses the smallest first. Places and orders are in
+        steps of ten, so that others fit between.
     order
         Place in results.json, among the CSV tables and in a section of reproduce.R: the smallest
         first.
@@ -504,3 +508,36 @@ def by_reason(rows: Iterable[Row], reason: Callable[[Row], str | None]) -> dict[
         if why := reason(row):
             found.setdefault(why, []).append(row)
     return {why: found[why] for why in sorted(found, key=str.lower)}
+
+
+class _OfOutcome(Protocol):
+    """A row on one outcome, which may have no numbers."""
+
+    @property
+    def outcome(self) -> str: ...
+
+    @property
+    def not_tested(self) -> str | None: ...
+
+
+def missing_outcomes(
+    rows: Iterable[_OfOutcome], report: ReportContext, what: str
+) -> Iterator[Remark]:
+    """Yield which outcomes an analysis could not be made of, a paragraph for each reason."""
+    for reason, missing in by_reason(rows, lambda row: row.not_tested).items():
+        named = ", ".join(report.words.outcome(row.outcome) for row in missing)
+        yield Remark(f"{named}: no {what} ({reason}).")
+
+
+def estimate_columns(
+    found: Callable[[Line], Estimate], ends: Text
+) -> tuple[TableColumn[Line], ...]:
+    """Return the columns on an estimate of a model and its t test; `ends` heads the intervals."""
+    return (
+        TableColumn("estimate", lambda line, _: number(found(line).estimate)),
+        TableColumn(ITALIC_SE, lambda line, _: number(found(line).standard_error)),
+        TableColumn("df", lambda line, _: degrees(found(line).df)),
+        TableColumn(ITALIC_T, lambda line, _: number(found(line).t)),
+        TableColumn(ITALIC_P, lambda line, _: p_value(found(line).p)),
+        TableColumn(ends, lambda line, _: interval(found(line))),
+    )

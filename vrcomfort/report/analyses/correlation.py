@@ -105,6 +105,8 @@ def _row(data: AnalysisData, asked: Correlated) -> CorrelationRow:
         x, y = _points(data, means, asked)
         people = sorted(means.index, key=natural)
         found = correlation(x, y, method=asked.method, confidence=confidence)
+        # The smallest p that these ranks, ties and all, can give: both in one order. Pearson's r of
+        # other values can be as close to 1 as one likes.
         one_way = correlation(np.sort(x), np.sort(y), method=asked.method)
         smallest = 0.0 if asked.method == "pearson" or one_way.p is None else one_way.p
     problem = None

@@ -7,13 +7,10 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from markupsafe import Markup
 
 from vrcomfort.errors import InputError
 from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import (
-    ITALIC_P,
-    ITALIC_SE,
     MOST_NAMED,
     Analysis,
     AnalysisData,
@@ -25,10 +22,10 @@ from vrcomfort.report.analyses.contract import (
     TableColumn,
     by_reason,
     estimable,
+    estimate_columns,
 )
 from vrcomfort.report.factors import points
 from vrcomfort.report.rows import INLINE
-from vrcomfort.report.words import degrees, interval, number, p_value
 from vrcomfort.stats.mixed import Crossover, Estimate, crossover
 
 if TYPE_CHECKING:
@@ -74,7 +71,7 @@ def _row(data: AnalysisData, a: str, b: str, outcome: str) -> CrossoverRow:
 def _fit(data: AnalysisData, a: str, b: str, outcome: str) -> CrossoverFit:
     table = points(data.scored.table, data.scored, outcome)
     planned = data.scored.planned_of[outcome]
-    if not data.complete:
+    if not data.complete:  # any number of exposures will do
         planned = dict.fromkeys(planned, 1)
     pair = table[table["condition"].isin([a, b])]
     if pair["condition"].nunique() < 2:
@@ -101,6 +98,7 @@ def _without_one_place(pair: pd.DataFrame) -> list[str]:
     """Return the few participants with one condition in several positions, as when repeated."""
     places = pair.groupby(["participant", "condition"])["position"].nunique()
     people = places[places > 1].index.get_level_values("participant").unique()
+    # A few came back to a condition; if most did, positions are no part of the design.
     if 2 * len(people) > pair["participant"].nunique():
         raise InputError("most participants met one condition in different positions")
     return sorted(map(str, people), key=natural)
@@ -180,18 +178,17 @@ def _effect(line: _Line, words: Vocabulary) -> str:
     }[line.effect]
 
 
+def _estimate_of(line: _Line) -> Estimate:
+    return line.found
+
+
 _Column = TableColumn[_Line]
 _TABLE: AnalysisTable[CrossoverRow, _Line] = AnalysisTable(
     "crossover",
     "Crossover analysis: condition, position and sequence (points)",
     (
         _Column("Effect", _effect, of_words=True),
-        _Column("estimate", lambda line, _: number(line.found.estimate)),
-        _Column(ITALIC_SE, lambda line, _: number(line.found.standard_error)),
-        _Column("df", lambda line, _: degrees(line.found.df)),
-        _Column(Markup("<i>t</i>"), lambda line, _: number(line.found.t)),
-        _Column(ITALIC_P, lambda line, _: p_value(line.found.p)),
-        _Column("95 % CI", lambda line, _: interval(line.found)),
+        *estimate_columns(_estimate_of, "95 % CI"),  # whatever the plan's confidence
     ),
     lines=_lines,
     group=_title,

@@ -122,7 +122,7 @@ def _row(data: AnalysisData, asked: Equivalent) -> EquivalenceRow:
         n = samples.a.size + samples.b.size
         people = (samples.people_a, samples.people_b)
     bounds = (asked.low, asked.high)
-    low, high = (test.low, test.high) if test else bounds
+    low, high = (test.low, test.high) if test else bounds  # results.json has the keys in any case
     found = None
     if test:
         found = EquivalenceFound(

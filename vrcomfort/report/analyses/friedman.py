@@ -44,6 +44,7 @@ class FriedmanRow:
 
 
 def _compute(data: AnalysisData, _: Sequence[object]) -> list[FriedmanRow]:
+    # Of two conditions it is a sign test, and the signed-rank test sees more.
     outcomes = data.scored.outcomes if len(data.conditions) > 2 else ()
     return [_row(data, each.name) for each in outcomes]
 
@@ -53,7 +54,7 @@ def _row(data: AnalysisData, outcome: str) -> FriedmanRow:
 
 
 def _found(data: AnalysisData, outcome: str) -> FriedmanFound:
-    """Test the integer sums of the planned scores."""
+    """Test the integer sums of the planned scores: of weighted scores, ties would be lost."""
     sides = [Side(condition) for condition in data.conditions]
     people, sums, _ = side_sums(data.scored, outcome, sides, complete=data.complete)
     return FriedmanFound(tuple(people), friedman(sums))

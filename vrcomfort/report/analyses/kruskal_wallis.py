@@ -80,6 +80,7 @@ def _found(data: AnalysisData, factor: Factor, outcome: str) -> KruskalWallisFou
         rows = with_every_score(rows, ["level"])
     group = dict(zip(rows["participant"], rows["level"], strict=True))
     names = sorted({str(level) for level in rows["level"].unique()}, key=natural)
+    # A side without a condition is every exposure; who lacks a planned one is out of `group` above.
     people, sums, _ = side_sums(scored, outcome, [Side()], complete=False)
     of = dict(zip(people, sums[:, 0], strict=True))
     groups = [np.array([v for who, v in of.items() if group.get(who) == name]) for name in names]

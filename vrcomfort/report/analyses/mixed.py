@@ -21,10 +21,11 @@ from vrcomfort.report.analyses.contract import (
     Remark,
     ReportContext,
     TableColumn,
-    by_reason,
     estimable,
+    estimate_columns,
     html,
     interval_heading,
+    missing_outcomes,
     percent,
     with_dot,
 )
@@ -91,6 +92,8 @@ def _fit(data: AnalysisData, outcome: str) -> MixedFit:
         except InputError:
             if len(factors) + len(covariates) == 1:
                 raise
+            # From the end, the least wanted effect; the first factor goes last of all, after the
+            # covariates. `left_out` has them in the order of the plan.
             left_out.insert(0, (covariates if len(factors) < 2 else factors).pop())
             continue
         return MixedFit(model, tuple(left_out))
@@ -146,9 +149,7 @@ def _csv_of_means(row: MixedRow) -> Iterator[Cells]:
 
 
 def _remarks(rows: Sequence[MixedRow], report: ReportContext) -> Iterator[Remark]:
-    for reason, missing in by_reason(rows, lambda row: row.not_tested).items():
-        named = ", ".join(report.words.outcome(row.outcome) for row in missing)
-        yield Remark(f"{named}: no mixed model ({reason}).")
+    yield from missing_outcomes(rows, report, "mixed model")
 
 
 def _title(row: MixedRow, _: Sequence[MixedRow], report: ReportContext) -> str:
@@ -238,18 +239,17 @@ def _caption_of_means(_: Sequence[MixedRow], report: ReportContext) -> str:
     )
 
 
+def _estimate_of(line: tuple[str, Estimate]) -> Estimate:
+    return line[1]
+
+
 _Term = TableColumn[tuple[str, Estimate]]
 _TABLE: AnalysisTable[MixedRow, tuple[str, Estimate]] = AnalysisTable(
     "mixed_models",
     "All available data: linear mixed model, random intercept per participant (points)",
     (
         _Term("Term", lambda line, words: words.term(line[0]), of_words=True),
-        _Term("estimate", lambda line, _: number(line[1].estimate)),
-        _Term(ITALIC_SE, lambda line, _: number(line[1].standard_error)),
-        _Term("df", lambda line, _: degrees(line[1].df)),
-        _Term(Markup("<i>t</i>"), lambda line, _: number(line[1].t)),
-        _Term(ITALIC_P, lambda line, _: p_value(line[1].p)),
-        _Term(interval_heading, lambda line, _: interval(line[1])),
+        *estimate_columns(_estimate_of, interval_heading),
     ),
     lines=_terms,
     group=_title,

@@ -104,7 +104,7 @@ def _row(data: AnalysisData, asked: Preferred, place: int) -> PreferenceRow:
     none = sum(counts[value] for value in asked.none)
     found = preference(counts[asked.a], counts[asked.b], none, confidence=confidence)
     preferring = counts[asked.a] + counts[asked.b]
-    smallest = preference(preferring, 0, none).p
+    smallest = preference(preferring, 0, none).p  # were all who prefer anything of one mind
     return PreferenceRow(
         asked.name, asked.label or asked.name, asked.a, asked.b,
         sum(counts.values()), sum(not value for _, value in said),

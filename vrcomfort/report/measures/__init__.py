@@ -7,8 +7,6 @@ name, a label, a unit and a direction of its own in ``[[measures]]``.
 from vrcomfort.report.measures.model import Limit, Measure, MeasuredValue, MeasureSettings
 from vrcomfort.report.measures.sources import (
     SOURCES,
-    ExposureRatings,
-    courses_of,
     definition_of,
     fault_of,
     measure_of,
@@ -17,12 +15,10 @@ from vrcomfort.report.measures.sources import (
 
 __all__ = [
     "SOURCES",
-    "ExposureRatings",
     "Limit",
     "Measure",
     "MeasureSettings",
     "MeasuredValue",
-    "courses_of",
     "definition_of",
     "fault_of",
     "measure_of",

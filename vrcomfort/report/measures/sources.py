@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.measures.model import (
@@ -18,6 +18,7 @@ from vrcomfort.report.measures.model import (
     in_steps,
     number_of,
 )
+from vrcomfort.report.rated_exposures import FINISHED, LiveClock, rated_exposures
 from vrcomfort.report.study_data import cut_short, length_s, seen_s
 from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.rating_courses import RatingCourse
@@ -169,44 +170,28 @@ RATING_QUANTITIES = {
 
 def rating_values(study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
     """Yield the value of each exposure of trials.csv or ratings.csv."""
-    courses = courses_of(study, measure.instrument)
-    trials = _trials_of(study)
-    longest = _longest_s(trials, courses)
-    for key in dict.fromkeys([*trials, *courses]):
-        trial, course = trials.get(key, {}), courses.get(key)
-        condition = course.condition if course else trial.get("condition", "")
-        if course is None or course.ratings.peak() is None:
-            reason = "no rating was answered" if course else "nothing was rated"
-            yield MeasuredValue(*key, condition, None, reason)
+    instrument = _rated_with(study, measure.instrument)
+    exposures = rated_exposures(study, instrument, clock=LiveClock(study))
+    longest = max((each.ended_s for each in exposures), default=0.0)
+    order = {key: place for place, key in enumerate(_trials_of(study))}
+    for each in sorted(exposures, key=lambda each: order.get(each.key[:3], len(order))):
+        if each.course.peak() is None:
+            reason = "no rating was answered" if each.course.times_s.size else "nothing was rated"
+            yield MeasuredValue(*each.key, None, reason)
             continue
         if measure.quantity == "time_to":
-            finished = trial.get("status", "completed") == "completed"
-            otherwise = longest if finished else None
-            found = _time_to(course.ratings, measure.threshold, otherwise)
+            otherwise = longest if each.ending in FINISHED else None
+            found = _time_to(each.course, measure.threshold, otherwise)
             reason = "left below the threshold"
         else:
-            summary = _SUMMARIES[measure.quantity](course.ratings)
+            summary = _SUMMARIES[measure.quantity](each.course)
             found = None if summary is None else exactly(summary)
             reason = "only one rating was answered"
-        yield MeasuredValue(*key, condition, found, "" if found is not None else reason)
+        yield MeasuredValue(*each.key, found, "" if found is not None else reason)
 
 
-class ExposureRatings(NamedTuple):
-    """The ratings of one exposure, from its start on, and its condition."""
-
-    condition: str
-    ratings: RatingCourse
-
-
-def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, ExposureRatings]:
-    """Return the ratings of each exposure with prompts.
-
-    Of an exposure that was begun again, those of the last attempt count.
-
-    Parameters
-    ----------
-    instrument
-        The one meant; blank: the only one.
+def _rated_with(study: StudyData, instrument: str) -> str:
+    """Return the instrument that is meant; blank: the only one.
 
     Raises
     ------
@@ -220,53 +205,7 @@ def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, Exposur
         raise InputError(f"ratings are of {', '.join(asked)}; name the instrument that is meant")
     if instrument and instrument not in asked:
         raise InputError(f"nothing was rated with {instrument}; ratings are of {', '.join(asked)}")
-    trials = _trials_of(study)
-    due: dict[Exposure, list[tuple[float, float]]] = defaultdict(list)
-    conditions: dict[Exposure, str] = {}
-    for row in study.ratings:
-        if instrument and row.get("instrument", "") != instrument:
-            continue
-        key = row.get("participant", ""), row.get("session", ""), row.get("trial", "")
-        trial = trials.get(key, {})
-        at_s, rating = _at_s(row, trial), _number(row.get("response", ""), row)
-        if at_s is None:
-            continue
-        conditions.setdefault(key, row.get("condition", "") or trial.get("condition", ""))
-        missed = rating is None or row.get("missed", "") not in {"", "0"}
-        due[key].append((at_s, math.nan if rating is None or missed else rating))
-    return {
-        key: ExposureRatings(conditions[key], RatingCourse.of(*zip(*each, strict=True)))
-        for key, each in due.items()
-    }
-
-
-def _at_s(row: dict[str, str], trial: dict[str, str]) -> float | None:
-    """Return the onset of a rating, from the start of the exposure; None in an earlier attempt."""
-    onset = _number(row.get("onset_s", ""), row) or 0.0
-    start, end = (_number(trial.get(name, ""), trial) for name in ("start_s", "end_s"))
-    if start is None or end is None:
-        return onset
-    return onset - start if start - 1e-6 <= onset <= end + 1e-6 else None
-
-
-def _number(text: str, row: dict[str, str]) -> float | None:
-    try:
-        found = number_of(text)
-    except ValueError:
-        who = row.get("participant", "")
-        message = f"a rating of {who} has `{text}` where a number is needed"
-        raise InputError(message) from None
-    return None if found is None else float(found)
-
-
-def _longest_s(
-    trials: dict[Exposure, dict[str, str]], courses: dict[Exposure, ExposureRatings]
-) -> float:
-    lengths = [float(course.ratings.times_s[-1]) for course in courses.values()]
-    for trial in trials.values():
-        start, end = (_number(trial.get(name, ""), trial) for name in ("start_s", "end_s"))
-        lengths += [] if start is None or end is None else [end - start]
-    return max(lengths, default=0.0)
+    return instrument or asked[0]
 
 
 def _time_to(

@@ -9,7 +9,7 @@ import numpy as np
 
 from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import MethodsParagraph
-from vrcomfort.report.ratings.exposures import (
+from vrcomfort.report.rated_exposures import (
     ALL,
     COMPLETERS,
     UNKNOWN,

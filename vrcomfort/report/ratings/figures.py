@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from vrcomfort.report.rated_exposures import RatedExposure
     from vrcomfort.report.ratings.analysis import TimeCourseAnalysis
-    from vrcomfort.report.ratings.exposures import RatedExposure
     from vrcomfort.report.vocabulary import Vocabulary
     from vrcomfort.stats.survival import KaplanMeier
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.analyses.contract import MethodsParagraph
-from vrcomfort.report.ratings.exposures import ALL, COMPLETERS, UNKNOWN, WORST
+from vrcomfort.report.rated_exposures import ALL, COMPLETERS, UNKNOWN, WORST
 from vrcomfort.report.rows import INLINE, Cells, as_json
 from vrcomfort.stats.survival import (
     Cox,
@@ -24,7 +24,7 @@ from vrcomfort.stats.survival import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from vrcomfort.report.ratings.exposures import RatedExposure
+    from vrcomfort.report.rated_exposures import RatedExposure
 
 
 @dataclass(frozen=True)

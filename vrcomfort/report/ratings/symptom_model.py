@@ -15,7 +15,7 @@ from vrcomfort.stats.t_tests import paired_t
 
 if TYPE_CHECKING:
     from vrcomfort.report.plan.ratings import RatingAnalysis
-    from vrcomfort.report.ratings.exposures import RatedExposure
+    from vrcomfort.report.rated_exposures import RatedExposure
 
 
 @dataclass(frozen=True)
@@ -218,13 +218,17 @@ def _person_lines(person: PersonFit) -> list[Cells]:
         "autocorrelation": person.autocorrelation,
     }
     return [
-        {"participant": person.participant, "condition": name, **level}
-        | (fitted if name in person.levels else {})
+        {
+            "participant": person.participant,
+            "condition": name,
+            **level,
+            **(fitted if name in person.levels else {}),
+        }
         for name, level in names
     ]
 
 
-def _columns(name: str, found: ParameterEstimate) -> dict[str, object]:
+def _columns(name: str, found: ParameterEstimate) -> dict[str, float | None]:
     return {name: found.estimate, f"{name}_low": found.low, f"{name}_high": found.high}
 
 

@@ -10,7 +10,7 @@ import pandas as pd
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.analyses.contract import MethodsParagraph
-from vrcomfort.report.ratings.exposures import ALL, CARRIED, COMPLETERS, WORST
+from vrcomfort.report.rated_exposures import ALL, CARRIED, COMPLETERS, WORST
 from vrcomfort.report.rows import INLINE, Cells
 from vrcomfort.stats.means import MeanCurves, mean_curves
 from vrcomfort.stats.mixed import Estimate, MixedModel, Pairwise, mixed_model
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vrcomfort.report.plan.ratings import Course
-    from vrcomfort.report.ratings.exposures import RatedExposure
+    from vrcomfort.report.rated_exposures import RatedExposure
     from vrcomfort.stats.rating_courses import RatingCourse
 
     Floats = NDArray[np.float64]

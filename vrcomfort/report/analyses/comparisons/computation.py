@@ -234,6 +234,7 @@ _TESTS: dict[str, Callable[[Any, Plan, Alternative, float], _Test | None]] = {
 
 def _smallest_of_ranks(samples: Any, plan: Plan, alternative: Alternative) -> float:
     """Return the smallest p of these ranks: one group entirely above the other."""
+    # Ties fall differently at the two ends, so that either group's being higher has a p of its own.
     ordered, n, m = np.sort(np.concatenate([samples.a, samples.b])), samples.a.size, samples.b.size
     ways = [(ordered[:n], ordered[n:]), (ordered[m:], ordered[:m])]
     tests = [

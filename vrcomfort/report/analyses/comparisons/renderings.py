@@ -163,7 +163,7 @@ def methods(rows: Sequence[ComparisonRow], _: ReportContext) -> Iterator[Methods
 
 def _csv(row: ComparisonRow) -> Iterator[Cells]:
     decision, numbers = row.decision, row.found.numbers if row.found else None
-    cells: dict[str, object] = {
+    cells = {
         "a": row.a, "b": row.b, "outcome": row.outcome, "test": row.test, "design": row.design,
         "alternative": row.alternative, "n_a": row.n_a, "n_b": row.n_b, "p": row.p,
         "not_tested": row.not_tested, "family": decision.family, "p_holm": decision.p_holm,
@@ -344,6 +344,7 @@ compare_means <- function(line, a, b) {
   compare(line, "t", line$value, unname(test$statistic), size = 1e-6)
   compare(line, "df", line$df, unname(test$parameter))
   compare(line, "p", line$p, test$p.value)
+  in_family(line, test$p.value)
   compare(line, "difference", line$difference_estimate, mean, size = 1e-6)
   compare(line, "interval, low", line$difference_low, test$conf.int[1], size = 1e-6)
   compare(line, "interval, high", line$difference_high, test$conf.int[2], size = 1e-6)
@@ -358,7 +359,11 @@ compare_ranks <- function(line, a, b) {
   compare(line, "U", line$value, sum(above))
   compare(line, "r", line$effect_estimate, 2 * mean(above) - 1, size = 1e-6)
   compare(line, "shift", line$difference_estimate, median(outer(a, b, "-")), size = 1e-6)
-  if (line$method == "exact") compare(line, "p, exact", line$p, rank_sum_p(a, b, line$alternative))
+  if (line$method == "exact") {
+    p <- rank_sum_p(a, b, line$alternative)
+    compare(line, "p, exact", line$p, p)
+    in_family(line, p)
+  }
 }
 
 compare_signs <- function(line, a, b) {
@@ -367,6 +372,7 @@ compare_signs <- function(line, a, b) {
   test <- binom.test(sum(d > 0), sum(d != 0), alternative =
     if (side == "two-sided") "two.sided" else side)
   compare(line, "p", line$p, test$p.value)
+  in_family(line, test$p.value)
   compare(line, "share above", line$effect_estimate, unname(test$estimate))
 }
 

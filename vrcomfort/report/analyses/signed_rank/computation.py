@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 
 FEWEST_PAIRS = 2
+"""One pair can be tested exactly, but a single sign is no result."""
 
 
 @dataclass(frozen=True)
@@ -179,6 +180,8 @@ def _tested(row: SignedRankRow, pairs: Pairs, plan: Plan, signs: list[int]) -> S
             pairs.differences, signs, zeros=plan.zeros, alternative=row.alternative,
             p_value=plan.p_value,
         )  # fmt: skip
+    # Whoever left has a rank beyond all others, but no score: shift, effect and means are of those
+    # who stayed.
     t_test = _t_test(pairs, plan, row.alternative)
     found = SignedRankFound(
         ranked.zeros, ranked.ties, test.zero_method, ranked.w_plus, ranked.w_minus, ranked.z,
@@ -248,6 +251,7 @@ def _smallest_p(pairs: Pairs, withdrawn: int, plan: Plan, alternative: Alternati
 
 
 def _interval_n(pairs: Pairs, plan: Plan) -> int | None:
+    # R's effectsize counts scores of the first condition where its formula means differences.
     return int(np.count_nonzero(pairs.a)) if plan.rank_biserial_interval == "effectsize" else None
 
 

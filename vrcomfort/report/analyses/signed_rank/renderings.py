@@ -114,7 +114,7 @@ def _csv(row: SignedRankRow) -> Iterator[Cells]:
     shift = found.shift if found else None
     effect = found.effect if found else None
     holm = decision.simultaneous
-    cells: dict[str, object] = {
+    cells = {
         "a": row.a, "b": row.b, "outcome": row.outcome, "n": row.n,
         "zeros": found and found.zeros, "ties": found and found.ties,
         "zero_method": found and found.zero_method, "alternative": row.alternative,
@@ -403,22 +403,20 @@ for (k in which(elsewhere)) {
   cat("Not made here:", done$outcome[k], done$a[k], "minus", done$b[k],
       "(its data are not in scores.csv)\n")
 }
-adjusted_here <- !(done$family %in% done$family[elsewhere])
-done$p_holm[!adjusted_here] <- NA
 done <- done[!elsewhere, , drop = FALSE]
-p_values <- rep(NA_real_, nrow(done))
 for (k in seq_len(nrow(done))) {
   test <- done[k, ]
   pairs <- pair_up(scores, test)
   d <- pairs$a - pairs$b
   exact <- test$method == "exact"
   found <- signed_rank(d, test$zero_method, test$alternative)
-  p_values[k] <- if (exact) found$p_exact else found$p_asymptotic
+  p <- if (exact) found$p_exact else found$p_asymptotic
+  in_family(test, p)
   compare(test, "n", test$n, length(d))
   compare(test, "W+", test$w_plus, found$w_plus)
   compare(test, "W-", test$w_minus, found$w_minus)
   compare(test, "Z", test$z, found$z)
-  compare(test, paste("p,", test$method), test$p, p_values[k])
+  compare(test, paste("p,", test$method), test$p, p)
   compare(test, "mean of a", test[[paste0("mean_", test$a)]], mean(pairs$a) * pairs$unit)
   compare(test, "mean of b", test[[paste0("mean_", test$b)]], mean(pairs$b) * pairs$unit)
   ranked <- signed_rank(d, "wilcox", test$alternative)
@@ -446,15 +444,6 @@ for (k in seq_len(nrow(done))) {
     of_coin <- coin::wilcoxsign_test(pairs$a ~ pairs$b, zero.method = method, alternative =
       if (side == "two-sided") "two.sided" else side, distribution = coin::exact())
     compare(test, "p, exact, of coin", test$p, as.numeric(coin::pvalue(of_coin)))
-  }
-}
-
-# Holm's method over the tests of a family.
-for (family in unique(done$family[!is.na(done$p_holm)])) {
-  members <- which(!is.na(done$p_holm) & done$family %in% family)
-  adjusted <- p.adjust(p_values[members], "holm")
-  for (k in seq_along(members)) {
-    compare(done[members[k], ], "p, Holm", done$p_holm[members[k]], adjusted[k])
   }
 }
 """

@@ -16,8 +16,7 @@ from vrcomfort.frame import DROPPED_INTERVAL_PERIODS
 from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.names import natural
 from vrcomfort.records.recording import Memory
-from vrcomfort.report.study_data import length_s, seen_s, trial_s
-from vrcomfort.report.withdrawals import undone_attempts
+from vrcomfort.report.study_data import length_s, seen_s, trial_s, undone_attempts
 from vrcomfort.seen_time import (
     FRAME_COLUMNS,
     SEEN,
@@ -175,6 +174,8 @@ Key = tuple[str, str, str, str]
 """Participant, session, trial and condition."""
 ENDINGS = {"completed": "completed", "withdrawn": "withdrew", "stopped": "stop rule"}
 INTERRUPTED, UNKNOWN = "interrupted", "not recorded"
+FINISHED = (ENDINGS["completed"], UNKNOWN)
+"""Endings of exposures that were watched to their end, as far as is known."""
 LEFT = ("withdrew", "stop rule")
 """Endings that tell of discomfort."""
 _NEAR_S = 1e-6
@@ -213,6 +214,11 @@ class RatedExposure:
     not_live_s: float = 0.0
     unplaced: bool = False
     freezes: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def key(self) -> Key:
+        """Return what tells it from others."""
+        return self.participant, self.session, self.trial, self.condition
 
     @property
     def left(self) -> bool:
@@ -258,10 +264,13 @@ def rated_exposures(
     """
     trials = {_key(t): t for t in study.trials if t["participant"] not in without}
     rows: dict[Key, list[dict[str, str]]] = defaultdict(list)
+    numbered = {key[:3]: key for key in trials if key[2]}
     for row in study.ratings:
         mine = row.get("instrument", "") == instrument
         if mine and row.get("participant", "") not in without:
-            rows[_key(row)].append(row)
+            key = _key(row)
+            # The trial says the condition, of which a rating may be silent.
+            rows[key if key in trials else numbered.get(key[:3], key)].append(row)
     undone = undone_attempts(study)
     keys = sorted({*trials, *rows}, key=lambda key: tuple(map(natural, key)))
     positions: Counter[str] = Counter()
