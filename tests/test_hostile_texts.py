@@ -52,7 +52,7 @@ CHECKED = {
     "answers", "beside", "cluster", "condition", "consent", "consented_on", "covariate", "effect",
     "effects", "eye", "figures", "format", "instrument", "language", "lens", "memory", "methods",
     "participant", "participants", "plan", "pose", "previous_pose", "protocol", "protocols",
-    "scene", "scenes", "show", "size", "trial", "trust", "ttl",
+    "scene", "scenes", "show", "size", "trial", "trust", "ttl", "without",
 }  # fmt: skip
 """Parameters that name a file, or one of a few things that there are."""
 
