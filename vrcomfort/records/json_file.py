@@ -257,6 +257,12 @@ class ImportShape(_File):
     """``import.json`` of an import: an object with any keys."""
 
 
+class CopyShape(_File):
+    """``anonymised.json`` of an anonymous copy."""
+
+    sessions_left_out: list[str] = []
+
+
 _ENCODER = json.JSONEncoder(ensure_ascii=False)
 Shape = TypeVar("Shape", bound=BaseModel)
 

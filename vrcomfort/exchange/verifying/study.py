@@ -11,13 +11,12 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.session import check_order, verify_session
-from vrcomfort.files import read_text, sha256_of
-from vrcomfort.json_text import parse_json
+from vrcomfort.files import sha256_of
 from vrcomfort.records.checksums import CHECKSUMS
 from vrcomfort.records.choice import SessionName, session_name
 from vrcomfort.records.consents import read_consents
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
-from vrcomfort.records.json_file import DescribedShape, ImportShape, read_json
+from vrcomfort.records.json_file import CopyShape, DescribedShape, ImportShape, read_json, read_shape
 from vrcomfort.records.reader import Session
 from vrcomfort.records.session_rows import ConsentRow, ParticipantRow, QuestionnaireRow
 from vrcomfort.records.study import DESCRIPTION, read_description, read_participants
@@ -80,13 +79,10 @@ def _not_copied(study: Path, found: Verified) -> list[SessionName]:
     if not file.is_file():
         return []
     try:
-        said = parse_json(read_text(file, "record of a copy"), file)
-        texts = said.get("sessions_left_out", []) if isinstance(said, dict) else []
-        return [session_name(str(each)) for each in texts]
+        said = read_shape(file, CopyShape, "record of a copy")
+        return [session_name(each) for each in said.sessions_left_out]
     except InputError as error:
         found.refusal(error, file)
-    except (ValueError, TypeError):
-        found.fault(file, "is no JSON; restore it from a copy")
     return []
 
 
