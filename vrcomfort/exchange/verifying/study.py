@@ -16,7 +16,13 @@ from vrcomfort.records.checksums import CHECKSUMS
 from vrcomfort.records.choice import SessionName, session_name
 from vrcomfort.records.consents import read_consents
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
-from vrcomfort.records.json_file import CopyShape, DescribedShape, ImportShape, read_json, read_shape
+from vrcomfort.records.json_file import (
+    CopyShape,
+    DescribedShape,
+    ImportShape,
+    read_json,
+    read_shape,
+)
 from vrcomfort.records.reader import Session
 from vrcomfort.records.session_rows import ConsentRow, ParticipantRow, QuestionnaireRow
 from vrcomfort.records.study import DESCRIPTION, read_description, read_participants
