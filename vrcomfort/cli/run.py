@@ -45,6 +45,7 @@ from vrcomfort.protocol import Protocol, load_protocol
 if TYPE_CHECKING:
     from vrcomfort.api.study_setup import HeadsetSetup
     from vrcomfort.cli.session_devices import ConsoleSetup
+    from vrcomfort.headset.base import Headset
     from vrcomfort.operator_interface import SessionProgress
     from vrcomfort.records.consents import Given
     from vrcomfort.respondent import Respondent
@@ -366,15 +367,21 @@ def run(ctx: typer.Context, options: RunOptions) -> None:
         enrolment = owned.enter_context(options.open_enrolment(study))
         _tell_of_the_other_kind(options.out, simulated=options.simulated)
         headset = owned.enter_context(options.connect(protocol, rehearsal, watchdog))
+        from vrcomfort.records.apparatus import differences_in
         from vrcomfort.session import run as run_sessions
 
         try:
             settings = _settings(owned, options, protocol, study, enrolment, headset)
+            shown_by = headset.headset if headset else playback.standing_in(protocol.scenes[0])
+            told = _differences_before(enrolment, settings, shown_by)
             outcome = run_sessions(enrolment, settings)
         except RuntimeLostError as error:
             complain(str(error))
             warn(how_to_go_on(ctx))
             raise typer.Exit(EXIT_RUNTIME_LOST) from error
+    for sentence in differences_in(options.out):  # of facts that were not known before
+        if sentence not in told:
+            warn(sentence)
     _tell(outcome, options.out, options.quiet)
     if outcome.status == "aborted":
         warn(how_to_go_on(ctx))
@@ -388,6 +395,21 @@ def _tell_of_the_other_kind(study: Path, *, simulated: bool) -> None:
 
     if told := mixed_kinds_notice(study, simulated=simulated):
         warn(told)
+
+
+def _differences_before(
+    enrolment: OpenEnrolment, settings: SessionSettings, shown_by: Headset
+) -> list[str]:
+    """Tell what the session will differ in from earlier ones of the study."""
+    from vrcomfort.records.apparatus import differences_in, facts_now
+    from vrcomfort.session import headset_facts
+
+    who = {"participant": enrolment.participant, "session": enrolment.numbers[0]}
+    now = {**who, **facts_now(settings.machine, headset_facts(shown_by))}
+    told = differences_in(enrolment.study, now)
+    for sentence in told:
+        warn(sentence)
+    return told
 
 
 def _settings(

@@ -74,6 +74,8 @@ def _show_status(state: StudyState) -> None:
     out.print(_people(state))
     out.print(f"Next new participant: {_next(state)}")
     out.print(_disk(state))
+    for sentence in state.differences:
+        warn(sentence)
 
 
 def _session(session: SessionState) -> str:

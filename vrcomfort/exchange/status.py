@@ -14,6 +14,7 @@ from vrcomfort import __version__
 from vrcomfort.design import Design
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of, protocol_of
+from vrcomfort.records.apparatus import differences
 from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.reader import Session, Study
 from vrcomfort.records.session_rows import ParticipantRow
@@ -88,6 +89,8 @@ class StudyState:
         Of the sessions' manifests, and the vrcomfort that recorded them → sessions.
     bytes_used, bytes_free
         Of the study's folder, and left on its disk.
+    differences
+        What its sessions differ in, of headset, image size, refresh rate, software and GPU.
     """
 
     study: str
@@ -106,6 +109,7 @@ class StudyState:
     vrcomfort: str = __version__
     bytes_used: int = 0
     bytes_free: int = 0
+    differences: list[str] = field(default_factory=list)
 
 
 def status_of(study: Path) -> StudyState:
@@ -143,6 +147,7 @@ def status_of(study: Path) -> StudyState:
         versions=dict(Counter(str(each["versions"].get("vrcomfort", "?")) for each in known)),
         bytes_used=sum(f.lstat().st_size for f in study.rglob("*") if f.is_file()),
         bytes_free=shutil.disk_usage(study).free,
+        differences=differences(known),
     )
     if design is not None and last is not None:
         _next_participant(state, rows, design)

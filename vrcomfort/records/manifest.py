@@ -17,7 +17,7 @@ from vrcomfort.records.json_file import ManifestShape, indented, read_json
 from vrcomfort.records.schema import SCHEMA_VERSION
 
 # Of those installed, the ones whose version can change a picture or a file.
-_PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow")
+_PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow", "pyopenxr")
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from vrcomfort.importing.rows import alike
 from vrcomfort.questionnaire import never_zero
+from vrcomfort.records.apparatus import KEYS, differences
 from vrcomfort.records.names import natural
 from vrcomfort.report.orders import in_words
 from vrcomfort.report.study_data import short_forms
@@ -49,6 +50,7 @@ def notices(
         *_ended_early(study),
         *_screened(study),
         *_shortened(study),
+        *differences(each.model_dump(include=KEYS) for each in study.manifests),
         *_repeated(scored),
         *_suspect_names(study),
         *_coded_from_one(study, of_choices),

@@ -1,0 +1,86 @@
+"""Sessions of one study that differ in size, rate, software or GPU are named, by one rule."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from tests.support.report import build_report
+from tests.support.study import smoke_with
+from vrcomfort.cli.app import app
+from vrcomfort.exchange.status import status_of
+from vrcomfort.records.apparatus import differences, differences_in
+
+FIRST = {
+    "participant": "P01",
+    "session": 1,
+    "headset": {"name": "playback", "image_size_px": [640, 800], "refresh_hz": 89.98},
+    "runtime": "SteamVR 2.5",
+    "gpu": "A",
+    "driver": "1",
+    "versions": {"vrcomfort": "0.2.0"},
+}
+
+
+def of(participant: str, **changed: object) -> dict[str, object]:
+    return FIRST | {"participant": participant} | changed
+
+
+def test_sessions_that_are_alike_have_no_sentence() -> None:
+    rate = {**FIRST["headset"], "refresh_hz": 90.01}  # type: ignore[dict-item]
+    assert differences([FIRST, of("P02"), of("P03", headset=rate)]) == []
+    unknown = {**FIRST["headset"], "refresh_hz": 0.0}  # type: ignore[dict-item]
+    assert differences([FIRST, of("P02", headset=unknown, driver="", versions={})]) == []
+
+
+@pytest.mark.parametrize(
+    ("changed", "sentence"),
+    [
+        ({"gpu": "B"}, "sessions differ in the GPU: A in P01/ses-1; B in P02/ses-1"),
+        ({"runtime": "X"}, "sessions differ in the runtime: SteamVR 2.5 in P01/ses-1; X in P02"),
+        ({"driver": "2"}, "sessions differ in the graphics driver: 1 in P01/ses-1; 2 in P02/ses-1"),
+        (
+            {"versions": {"vrcomfort": "0.3.0"}},
+            "sessions differ in the version of vrcomfort: 0.2.0 in P01/ses-1; 0.3.0 in P02/ses-1",
+        ),
+    ],
+)
+def test_each_fact_that_differs_is_a_sentence(changed: dict[str, object], sentence: str) -> None:
+    (found,) = differences([FIRST, of("P02", **changed)])
+    assert found.startswith(sentence)
+
+
+def test_a_session_that_went_on_elsewhere_is_named_with_both() -> None:
+    earlier = {key: value for key, value in of("P01", gpu="B").items() if key != "participant"}
+    (found,) = differences([FIRST | {"earlier_runs": [earlier]}])
+    assert found == "sessions differ in the GPU: B in P01/ses-1; A in P01/ses-1"
+
+
+def test_many_sessions_are_counted() -> None:
+    (found,) = differences([FIRST, *(of(f"P{n:02d}", gpu="B") for n in range(2, 9))])
+    assert found.endswith("B in P02/ses-1, P03/ses-1, P04/ses-1, P05/ses-1 and 3 more")
+
+
+def test_size_and_rate_are_named_by_run_status_and_report(tmp_path: Path) -> None:
+    protocol, study = smoke_with(tmp_path, 0.4), tmp_path / "study"
+
+    def run(participant: str, size: str, rate: str) -> str:
+        words = ["run", str(protocol), "--participant", participant, "--out", str(study), "-q"]
+        words += ["--respondent", "simulated", "--size", size, "--refresh-hz", rate]
+        done = CliRunner().invoke(app, words, catch_exceptions=False)
+        assert done.exit_code == 0
+        return " ".join(done.stderr.split())
+
+    size = "sessions differ in the image size of an eye: 32×40 in P01/ses-1; 40×48 in P02/ses-1"
+    rate = "sessions differ in the refresh rate: 10 Hz in P01/ses-1; 20 Hz in P02/ses-1"
+    assert "sessions differ" not in run("P01", "32x40", "10")
+    told = run("P02", "40x48", "20")
+    assert told.count(size) == told.count(rate) == 1
+    assert status_of(study).differences == differences_in(study) == [size, rate]
+    assert size in " ".join(CliRunner().invoke(app, ["status", str(study)]).stderr.split())
+    summary = build_report(study, out=tmp_path / "report")
+    page = summary.index.read_text("utf-8")
+    assert {size, rate} <= set(summary.warnings)
+    assert size[1:] in page  # a sentence there begins with a capital letter
