@@ -77,7 +77,9 @@ def study(tmp_path):
 
 
 def found_in(study, text=PLAN):
-    return analyse_gaze_and_head(read_study(study), read_plan(text, None), ["dof_off", "dof_on"])
+    return analyse_gaze_and_head(
+        read_study(study), read_plan(text, None).gaze_and_head, ["dof_off", "dof_on"]
+    )
 
 
 def shares_of(found):
@@ -158,7 +160,9 @@ def test_shots_of_a_task_are_events(study):
 
 def test_path_and_turning_are_those_of_the_frames_per_minute(study):
     data = with_frames(read_study(study))
-    (row,) = analyse_gaze_and_head(data, read_plan(PLAN, None), ["dof_off", "dof_on"]).exposures
+    (row,) = analyse_gaze_and_head(
+        data, read_plan(PLAN, None).gaze_and_head, ["dof_off", "dof_on"]
+    ).exposures
     # 5° and 1 cm there and back: four amplitudes a second.
     assert row.head_turning_deg_per_min == pytest.approx(60 * 20, rel=0.01)
     assert row.head_path_m_per_min == pytest.approx(60 * 0.04, rel=0.01)

@@ -30,8 +30,13 @@ def data_of(folder, *exclusions, **ratings):
     return SectionData(read_study(folder), plan_of(**ratings), [], {}, [], exclusions)
 
 
+def analysed(folder, *exclusions, **ratings):
+    data = data_of(folder, *exclusions, **ratings)
+    return analyse_time_courses(data, data.plan.ratings)
+
+
 def courses_of(study, folder, **ratings):
-    return analyse_time_courses(data_of(study.write(folder), **ratings))
+    return analysed(study.write(folder), **ratings)
 
 
 def results_of(study, folder, **ratings):
@@ -145,11 +150,11 @@ def test_one_condition_has_no_effects_and_its_curve_an_interval(tmp_path):
 def test_no_ratings_and_no_trials_have_nothing(tmp_path):
     folder = two_conditions().write(tmp_path)
     (folder / "trials.csv").unlink()
-    found = analyse_time_courses(data_of(folder))
+    found = analysed(folder)
     assert found.leaving is None
     assert not found.ratings.counts.endings_recorded
     with pytest.raises(InputError, match="nothing was rated with `misc`; ratings are of: fms"):
-        analyse_time_courses(data_of(folder, instrument="misc"))
+        analysed(folder, instrument="misc")
 
 
 def test_who_is_excluded_is_in_nothing(tmp_path):
@@ -157,7 +162,7 @@ def test_who_is_excluded_is_in_nothing(tmp_path):
     people = (folder / "participants.csv").read_text("utf-8")
     (folder / "participants.csv").write_text(people.replace("P1,,completed", "P1,,excluded"))
     rule = ExcludedByRule("age", "P2", PERSON, "too old")
-    assert analyse_time_courses(data_of(folder, rule)).ratings.counts.people == 4
+    assert analysed(folder, rule).ratings.counts.people == 4
 
 
 def test_a_rating_that_is_no_number_is_told(tmp_path):

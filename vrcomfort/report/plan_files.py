@@ -17,6 +17,7 @@ from vrcomfort.questionnaire import Instrument
 from vrcomfort.report.analyses import ANALYSES
 from vrcomfort.report.plan import Plan, problems
 from vrcomfort.report.plan.model import FigureName
+from vrcomfort.report.sections import SECTIONS
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import Problem, first_problem, parse_settings
 
@@ -26,20 +27,33 @@ def _entries(entry: Any) -> Any:
     return tuple.__class_getitem__((entry, ...))
 
 
-_FIGURES = Literal.__getitem__(
-    (*get_args(FigureName), *dict.fromkeys(kind for each in ANALYSES for kind in each.figure_kinds))
+_FIGURES = (
+    *get_args(FigureName),
+    *dict.fromkeys(kind for each in SECTIONS for kind in each.figure_kinds),
+    *dict.fromkeys(kind for each in ANALYSES for kind in each.figure_kinds),
 )
 _KEYS = {
     each.key: (_entries(each.asked), Field(default=(), description=each.about or None))
     for each in ANALYSES
     if each.asked
 }
+_SETTINGS = {
+    each.key: (
+        each.asked if each.default else each.asked | None,
+        Field(default=each.default, description=each.about),
+    )
+    for each in SECTIONS
+}
 _figures = Plan.model_fields["figures"]
 AnalysisPlan: type[Plan] = create_model(  # type: ignore[call-overload]
     "Plan",
     __base__=Plan,
     __doc__=Plan.__doc__,
-    figures=(_entries(_FIGURES), Field(default=(), description=_figures.description)),
+    figures=(
+        _entries(Literal.__getitem__(_FIGURES)),
+        Field(default=(), description=_figures.description),
+    ),
+    **_SETTINGS,
     **_KEYS,
 )
 """The model of a plan with the key of each analysis, and the names of their figures."""

@@ -1,6 +1,7 @@
 """The analyses with a section of their own on the page: ratings during exposure, gaze and head.
 
-Another one is a `SectionAnalysis`, its template in ``analysis/report``, and a line in `SECTIONS`.
+Another one is a `SectionAnalysis`, which declares its table of settings in plans as well, its template
+in ``analysis/report``, and a line in `SECTIONS`.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
     from vrcomfort.report.canvas import Drawing
+    from vrcomfort.report.plan import Plan
     from vrcomfort.report.rows import Cells
     from vrcomfort.report.vocabulary import Vocabulary
 
@@ -52,8 +54,13 @@ class Section:
 
 def run_sections(data: SectionData) -> list[Section]:
     """Make all analyses that the plan asks for and the data allow."""
-    made = ((each, each.compute(data)) for each in SECTIONS)
+    made = ((each, each.compute(data, _settings(data.plan, each))) for each in SECTIONS)
     return [Section(each, found, rounded(each.results(found))) for each, found in made]
+
+
+def _settings(plan: Plan, analysis: SectionAnalysis[Any]) -> Any:
+    """Return the settings of an analysis in a plan."""
+    return getattr(plan, analysis.key, analysis.default)
 
 
 def section_tables(sections: Iterable[Section]) -> dict[str, Sequence[Cells]]:

@@ -419,13 +419,17 @@ class SectionAnalysis(Generic[Found]):
     anchor, heading, template
         Of the section on the page.
     compute
-        Makes the analysis, of the data and of the plan.
+        Makes the analysis, of the data and of the settings in the plan (see `asked`).
+    asked, default, about
+        Type of its settings, the settings of a plan that does not have the key (None: the analysis
+        is not made), and the description of the key.
     results
         What its keys of results.json hold; None where there is nothing.
     tables
         Name → lines of its CSV tables.
-    figures
-        Name → drawing; None where there is nothing to draw.
+    figures, figure_kinds
+        Name → drawing, None where there is nothing to draw; and the names by which a plan can want
+        them.
     methods
         The paragraphs on what was made; what they cite stands in references.toml.
     conditions
@@ -440,11 +444,15 @@ class SectionAnalysis(Generic[Found]):
     anchor: str
     heading: str
     template: str
-    compute: Callable[[SectionData], Found]
+    asked: Any
+    compute: Callable[[SectionData, Any], Found]
     results: Callable[[Found], Mapping[str, DataclassInstance | None]]
     tables: Callable[[Found], Mapping[str, Sequence[Cells]]]
     figures: Callable[[Found, Vocabulary], Mapping[str, Drawing | None]]
     methods: Callable[[Found], Iterable[MethodsParagraph]]
+    default: Any = None
+    about: str = ""
+    figure_kinds: tuple[str, ...] = ()
     conditions: Callable[[Found], Iterable[str]] = lambda _: ()
     notes: Callable[[Found], Iterable[str]] = lambda _: ()
     names: Mapping[str, Mapping[str, str]] = field(default_factory=dict)

@@ -7,6 +7,7 @@ from vrcomfort.report.gaze_and_head.renderings import (
     gaze_and_head_tables,
     gaze_paragraphs,
 )
+from vrcomfort.report.gaze_and_head.settings import GazeAndHead
 
 __all__ = ["GAZE_AND_HEAD", "GazeAndHeadAnalysis", "analyse_gaze_and_head"]
 
@@ -15,12 +16,15 @@ GAZE_AND_HEAD = SectionAnalysis(
     anchor="gaze",
     heading="Gaze and head",
     template="report/gaze_and_head.html.j2",
-    compute=lambda data: analyse_gaze_and_head(
-        data.study, data.plan, list(data.conditions), data.memory
+    asked=GazeAndHead,
+    about="How gaze and head motion are analysed; None: they are not.",
+    compute=lambda data, asked: analyse_gaze_and_head(
+        data.study, asked, list(data.conditions), data.memory
     ),
     results=lambda found: {"gaze_and_head": found.results},
     tables=gaze_and_head_tables,
     figures=gaze_and_head_figures,
+    figure_kinds=("gaze", "head"),
     methods=gaze_paragraphs,
     notes=lambda found: found.notes,
 )

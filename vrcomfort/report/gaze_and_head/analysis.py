@@ -37,8 +37,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.records.reader import Session
     from vrcomfort.records.recording import Memory
-    from vrcomfort.report.plan import Plan
-    from vrcomfort.report.plan.gaze_and_head import GazeAndHead
+    from vrcomfort.report.gaze_and_head.settings import GazeAndHead
     from vrcomfort.report.study_data import StudyData
 
     Floats = NDArray[np.float64]
@@ -248,10 +247,12 @@ class GazeAndHeadAnalysis:
 
 
 def analyse_gaze_and_head(
-    study: StudyData, plan: Plan, conditions: list[str], memory: Memory | None = None
+    study: StudyData,
+    asked: GazeAndHead | None,
+    conditions: list[str],
+    memory: Memory | None = None,
 ) -> GazeAndHeadAnalysis:
     """Analyse gaze and head motion, as far as the plan asks for them and the files have them."""
-    asked = plan.gaze_and_head
     if asked is None:
         return GazeAndHeadAnalysis()
     rates = _head_rates(study)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.csv_table import CsvTable
     from vrcomfort.records.reader import Session
-    from vrcomfort.report.plan.gaze_and_head import GazeAndHead
+    from vrcomfort.report.gaze_and_head.settings import GazeAndHead
 
     Floats = NDArray[np.float64]
 

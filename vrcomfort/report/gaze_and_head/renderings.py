@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from vrcomfort.report.gaze_and_head.analysis import GazeAndHeadAnalysis
-    from vrcomfort.report.plan.gaze_and_head import GazeAndHead
+    from vrcomfort.report.gaze_and_head.settings import GazeAndHead
     from vrcomfort.report.vocabulary import Vocabulary
     from vrcomfort.stats.gaze_and_head import Map
 

@@ -15,8 +15,6 @@ from pydantic import Field, PrivateAttr
 from vrcomfort.errors import InputError
 from vrcomfort.report.measures import Limit, MeasureSettings
 from vrcomfort.report.plan.data_files import DataFiles
-from vrcomfort.report.plan.gaze_and_head import GazeAndHead
-from vrcomfort.report.plan.ratings import RatingAnalysis
 from vrcomfort.settings import Name, Settings
 from vrcomfort.settings.locate import locate
 
@@ -25,9 +23,8 @@ PAIRED = ("signed_rank", "paired_t", "sign")
 INDEPENDENT = ("mann_whitney", "welch_t", "student_t")
 Side = Literal["two-sided", "greater", "less"]
 FigureName = Literal[
-    "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals", "ratings",
-    "survival", "gaze", "head",
-]  # fmt: skip
+    "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals"
+]
 """Those of analyses are added by `plan_files`."""
 TrialMeasure = Literal[
     "frames", "dropped", "dropped_percent", "missed_refreshes", "length_s", "live_s", "frozen_s",
@@ -180,13 +177,9 @@ class Plan(Settings):
     """Fixed effects of the model of all available data, the most wanted first."""
     covariates: tuple[str, ...] = ()
     """Columns of participants.csv with numbers, added to the mixed model."""
-    gaze_and_head: GazeAndHead | None = None
-    """How gaze and head motion are analysed; None: they are not."""
     smallest_effect_power: Annotated[float, Field(ge=0.1, le=0.99)] | None = None
     """Say which effect the primary tests would have found with this power, at their number of
     pairs; None: do not."""
-    ratings: RatingAnalysis = RatingAnalysis()
-    """How ratings during exposure are analysed, where there are any."""
     figures: tuple[FigureName, ...] = ()
     """Figures wanted; empty: every one that the data allow."""
 

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from vrcomfort.report.analyses.contract import SectionData
+    from vrcomfort.report.ratings.settings import RatingAnalysis
     from vrcomfort.stats.means import MeanCurves
 
 
@@ -129,7 +130,7 @@ class TimeCourseAnalysis:
         return {"ratings": self.ratings, "leaving": self.leaving}
 
 
-def analyse_time_courses(data: SectionData) -> TimeCourseAnalysis:
+def analyse_time_courses(data: SectionData, asked: RatingAnalysis) -> TimeCourseAnalysis:
     """Analyse ratings during exposure, and time to withdrawal.
 
     Raises
@@ -138,7 +139,7 @@ def analyse_time_courses(data: SectionData) -> TimeCourseAnalysis:
         If the plan names an instrument that was not rated, or ratings are damaged.
     """
     study, plan = data.study, data.plan
-    instrument = rated_instrument(study, plan.ratings.instrument)
+    instrument = rated_instrument(study, asked.instrument)
     exposures = rated_exposures(study, instrument, without=_left_out(data), clock=LiveClock(study))
     conditions = _conditions(exposures, list(data.labels))
     exposures = [e for e in exposures if e.condition in conditions]
@@ -151,7 +152,7 @@ def analyse_time_courses(data: SectionData) -> TimeCourseAnalysis:
     ratings = None
     if any(e.course.times_s.size for e in exposures):
         points = curve_points(curves, carried, conditions)
-        ratings = _ratings(data, exposures, conditions, instrument, points)
+        ratings = _ratings(data, asked, exposures, conditions, instrument, points)
     leaving = _leaving(data, exposures, conditions)
     return TimeCourseAnalysis(
         exposures, conditions, plan.confidence, curves, carried, ratings, leaving
@@ -184,13 +185,14 @@ def _times(asked: tuple[float, ...], longest: float) -> list[float]:
 
 def _ratings(
     data: SectionData,
+    asked: RatingAnalysis,
     exposures: list[RatedExposure],
     conditions: list[str],
     instrument: str,
     points: list[CurvePoint],
 ) -> RatingTimeCourses:
     plan = data.plan
-    asked, known = plan.ratings, data.study.instruments.get(instrument)
+    known = data.study.instruments.get(instrument)
     rated = [e for e in exposures if e.course.times_s.size]
     answered = [e for e in rated if e.course.answered.ratings.size]
     values = np.concatenate([e.course.answered.ratings for e in rated])
@@ -216,7 +218,7 @@ def _ratings(
         ),
         threshold=threshold,
         threshold_planned=asked.threshold is not None,
-        reached=_reached(data, answered, conditions, threshold),
+        reached=_reached(data, answered, conditions, threshold, asked.times_s),
         symptom_model=symptom_model(answered, conditions, asked, plan.confidence)
         if modelled
         else None,
@@ -249,12 +251,13 @@ def _reached(
     answered: list[RatedExposure],
     conditions: list[str],
     threshold: float,
+    times_s: tuple[float, ...],
 ) -> list[ThresholdAnalysis]:
     """Return the time to the threshold: of all, and, with withdrawals, under assumptions."""
     if not answered:
         return []
     plan = data.plan
-    times = _times(plan.ratings.times_s, max(e.ended_s for e in answered))
+    times = _times(times_s, max(e.ended_s for e in answered))
     ways = [ALL]
     if any(e.left for e in answered):
         ways += [COMPLETERS, WORST]

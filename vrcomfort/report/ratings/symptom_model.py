@@ -14,8 +14,8 @@ from vrcomfort.stats.rating_courses import Constants, Parameter, SymptomFit, fit
 from vrcomfort.stats.t_tests import paired_t
 
 if TYPE_CHECKING:
-    from vrcomfort.report.plan.ratings import RatingAnalysis
     from vrcomfort.report.rated_exposures import RatedExposure
+    from vrcomfort.report.ratings.settings import RatingAnalysis
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vrcomfort.report.plan.ratings import Course
     from vrcomfort.report.rated_exposures import RatedExposure
+    from vrcomfort.report.ratings.settings import Course
     from vrcomfort.stats.rating_courses import RatingCourse
 
     Floats = NDArray[np.float64]
