@@ -1,7 +1,7 @@
 """The analyses with a section of their own on the page: ratings during exposure, gaze and head.
 
-Another one is a `SectionAnalysis`, which declares its table of settings in plans as well, its template
-in ``analysis/report``, and a line in `SECTIONS`.
+Another one is a `SectionAnalysis`, which declares its table of settings in plans as well, its
+template in ``analysis/report``, and a line in `SECTIONS`.
 """
 
 from __future__ import annotations
