@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort.report.analyses import ANALYSES, with_intervals
+from vrcomfort.report.analyses.anova import ANOVA
 from vrcomfort.report.families import Decision, decided
 from vrcomfort.stats.multiplicity import holm
 
@@ -45,12 +46,12 @@ class Decided:
 def decide_all(data: AnalysisData, rows: Mapping[str, Sequence[Any]]) -> Decided:
     """Return all rows with the decision of each test and the intervals of its level."""
     compared = [(each, row) for each in ANALYSES if each.by_outcome for row in rows[each.key]]
-    families, decisions, anovas = adjust(data.plan, [row for _, row in compared], rows["anova"])
+    families, decisions, anovas = adjust(data.plan, [row for _, row in compared], ANOVA.of(rows))
     found: dict[str, list[Any]] = {each.key: [] for each in ANALYSES if each.by_outcome}
     for (analysis, row), decision in zip(compared, decisions, strict=True):
         decided_row = replace(row, decision=decision)
         found[analysis.key].append(with_intervals(data, analysis, decided_row))
-    return Decided({**rows, **found, "anova": anovas}, families)
+    return Decided({**rows, **found, ANOVA.key: anovas}, families)
 
 
 def adjust(

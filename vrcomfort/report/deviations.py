@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from vrcomfort.records.names import natural
+from vrcomfort.report.analyses.anova import ANOVA
+from vrcomfort.report.analyses.comparisons import COMPARISONS
+from vrcomfort.report.analyses.equivalence import EQUIVALENCE
+from vrcomfort.report.analyses.mixed import MIXED_MODELS
+from vrcomfort.report.analyses.signed_rank import TESTS
 from vrcomfort.report.notices import names
 from vrcomfort.report.study_data import short_forms
 from vrcomfort.report.withdrawals import everybody
@@ -17,6 +22,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.report.analyses import AnalysisData, Rows
     from vrcomfort.report.analyses.comparisons import ComparisonRow
+    from vrcomfort.report.analyses.contract import Analysis
     from vrcomfort.report.analyses.equivalence import EquivalenceRow
     from vrcomfort.report.analyses.signed_rank import SignedRankRow
     from vrcomfort.report.exposures import Exposures
@@ -50,9 +56,9 @@ def deviations(data: AnalysisData, rows: Rows, labels: Mapping[str, str]) -> lis
         *_outcomes(study, scored),
         *_timepoints(study, plan),
         *_baseline(scored, plan),
-        *_not_compared((*rows["comparisons"], *rows["equivalence"]), in_words),
-        *_not_compared(rows["tests"], in_words),
-        *_other_method(rows["tests"], plan, in_words),
+        *_not_compared((*COMPARISONS.of(rows), *EQUIVALENCE.of(rows)), in_words),
+        *_not_compared(TESTS.of(rows), in_words),
+        *_other_method(TESTS.of(rows), plan, in_words),
         *_models(rows, scored, plan),
     ]
 
@@ -143,17 +149,20 @@ def _other_method(
 
 
 def _models(rows: Rows, scored: Exposures, plan: Plan) -> Iterator[Deviation]:
-    for key, name in (("anova", "ANOVA"), ("mixed_models", "mixed model")):
-        untested = [row for row in rows[key] if row.not_tested]
+    models: tuple[tuple[Analysis[Any], str], ...] = (
+        (ANOVA, "ANOVA"), (MIXED_MODELS, "mixed model")
+    )  # fmt: skip
+    for analysis, name in models:
+        untested = [row for row in analysis.of(rows) if row.not_tested]
         for reason in dict.fromkeys(row.not_tested for row in untested):
             whose = [scored.titles[row.outcome] for row in untested if row.not_tested == reason]
             yield _deviation("not_tested", f"no {name} of {', '.join(whose)}: {reason}")
     wanted = {factor.name for factor in plan.anova}
-    made = [set(row.fit.factors) for row in rows["anova"] if row.fit]
-    if made and (absent := sorted(wanted - set.union(*made))):
+    made = [set(row.fit.factors) for row in ANOVA.of(rows) if row.fit]
+    if made and (absent := sorted(wanted.difference(*made))):
         text = f"{', '.join(absent)} has one level in the data and is not in the ANOVA"
         yield _deviation("factor_left_out", text)
-    left = {name for row in rows["mixed_models"] if row.fit for name in row.fit.left_out}
+    left = {name for row in MIXED_MODELS.of(rows) if row.fit for name in row.fit.left_out}
     if left:
         text = (
             f"{', '.join(sorted(left))} cannot be told apart from the other effects and "

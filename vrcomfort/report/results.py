@@ -10,7 +10,9 @@ from vrcomfort import __version__
 from vrcomfort.json_text import json_of
 from vrcomfort.records.names import natural
 from vrcomfort.report.analyses import AnalysisData, analysed_people, run_analyses
+from vrcomfort.report.analyses.comparisons import COMPARISONS
 from vrcomfort.report.analyses.contract import SectionData
+from vrcomfort.report.analyses.signed_rank import TESTS
 from vrcomfort.report.answering import answering
 from vrcomfort.report.asked import unused_timepoints
 from vrcomfort.report.contrasts import check_groups, conditions_of, contrasts_of
@@ -70,6 +72,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.exclusions import AppliedRule, ExcludedByRule
     from vrcomfort.report.exposures import Basis, Exposures
     from vrcomfort.report.flow import FlowStage
+    from vrcomfort.report.pairs import Tested
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.quality import Quality
     from vrcomfort.report.sections import Section
@@ -207,12 +210,12 @@ class Results:
     @property
     def tests(self) -> Sequence[SignedRankRow]:
         """Return the signed-rank tests."""
-        return self.of_tests["tests"]
+        return TESTS.of(self.of_tests)
 
     @property
     def comparisons(self) -> Sequence[ComparisonRow]:
         """Return the comparisons by other tests."""
-        return self.of_tests["comparisons"]
+        return COMPARISONS.of(self.of_tests)
 
     def __getitem__(self, key: str) -> Any:
         """Return the rows of an analysis, or what a section found, as templates name them."""
@@ -263,7 +266,8 @@ def analyse(study: StudyData, plan: Plan) -> tuple[Results, Exposures]:
     scored, exclusions = apply_rules(score_exposures(study, plan), study, plan)
     data = _analysis_data(study, scored, plan)
     made = decide_all(data, run_analyses(data))
-    tests, compared = made.rows["tests"], [*made.rows["tests"], *made.rows["comparisons"]]
+    tests = TESTS.of(made.rows)
+    compared: list[Tested] = [*tests, *COMPARISONS.of(made.rows)]
     names, labels = _named(data), _labels(data)
     people = _participants(data, analysed_people(made.rows), exclusions)
     results = Results(

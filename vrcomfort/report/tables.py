@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from vrcomfort.report.analyses import csv_tables
+from vrcomfort.report.analyses.anova import ANOVA
 from vrcomfort.report.exposures import Exposures, column_of
 from vrcomfort.report.flow import FlowStage
 from vrcomfort.report.rows import Cells, as_json, cells
@@ -78,7 +79,7 @@ def model_columns(results: Results, scored: Exposures) -> dict[str, list[Any]]:
     whose scores are not those of exposures.
     """
     plan, table = results.plan, scored.table
-    made = {name for found in results.rows["anova"] if found.fit for name in found.fit.factors}
+    made = {name for found in ANOVA.of(results.rows) if found.fit for name in found.fit.factors}
     over_time = any(factor.column == "timepoint" for factor in plan.anova)
     found: dict[str, list[Any]] = {}
     for factor in () if over_time else plan.anova:

@@ -377,6 +377,10 @@ class Analysis(Generic[Row]):
     r_lines: str = ""
     r_functions: str = ""
 
+    def of(self, rows: Mapping[str, Sequence[Any]]) -> Sequence[Row]:
+        """Return its rows among those of all analyses, by key."""
+        return rows[self.key]
+
 
 @dataclass(frozen=True)
 class SectionData:
