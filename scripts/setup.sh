@@ -74,11 +74,13 @@ can_draw || {
     exit 2
 }
 
-# Tests of windows need a screen, here one without a monitor; those of a report's R script need R.
+# Tests of windows need a screen, here one without a monitor; those of a report's R script need R;
+# those of headsets a runtime that is built for them.
+has() { command -v "$1" >/dev/null || [ -e "$1" ]; }
 if [ "${1:-}" = --tests ]; then
-    for program in Xvfb xdotool Rscript; do
-        command -v "$program" >/dev/null ||
-            require "$program (for the tests)" xvfb xdotool libglx-mesa0 r-base-core
+    for needed in Xvfb xdotool Rscript cc /usr/include/openxr/openxr.h; do
+        has "$needed" || require "$needed (for the tests)" \
+            xvfb xdotool libglx-mesa0 r-base-core gcc libc6-dev libopenxr-dev
     done
 fi
 

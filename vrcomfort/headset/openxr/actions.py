@@ -192,10 +192,17 @@ class Actions:
     ----------
     runtime, session
         Whose controllers.
+
+    Attributes
+    ----------
+    reached
+        Whether the controllers were the session's when it last took their state: a menu of the
+        runtime's may have them before the runtime has told of it.
     """
 
     def __init__(self, runtime: Runtime, session: xr.Session) -> None:
         self._runtime, self._session = runtime, session
+        self.reached = False
         self._set = watched(
             xr.create_action_set, runtime.instance, xr.ActionSetCreateInfo("study", "Study", 0)
         )
@@ -226,7 +233,7 @@ class Actions:
 
     def sync(self) -> None:
         """Take the state of all buttons, once per frame."""
-        self._sync(self._session, self._sync_info)  # not focused: controllers read as inactive
+        self.reached = self._sync(self._session, self._sync_info) == 0  # else they read as inactive
 
     def read(self, stage: Stage, time_ns: int) -> Inputs:
         """Return the inputs of hands and eyes at `time_ns`."""

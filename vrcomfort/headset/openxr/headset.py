@@ -310,6 +310,7 @@ class OpenXrHeadset:
             time_ns,
             located=self._where.tracking.found,
             rendered=bool(timing.should_render),
+            reached=self._xr.actions.reached,
         )
         tracking = self._where.tracking
         frame = Frame(

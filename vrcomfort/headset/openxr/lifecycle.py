@@ -264,7 +264,13 @@ class Presence:
         return running
 
     def update(
-        self, inputs: Inputs, time_ns: int = 0, *, located: bool = True, rendered: bool = True
+        self,
+        inputs: Inputs,
+        time_ns: int = 0,
+        *,
+        located: bool = True,
+        rendered: bool = True,
+        reached: bool = True,
     ) -> bool:
         """Take note of a frame; return True where the participant comes back with it.
 
@@ -276,6 +282,8 @@ class Presence:
             Whether the head has ever been found: nothing is shown before.
         rendered
             Whether the runtime wants a picture: nothing is seen without.
+        reached
+            Whether the controllers are the session's, and not those of the runtime's menu.
 
         Raises
         ------
@@ -295,7 +303,7 @@ class Presence:
                 self.allow(0.0)
         elif time.monotonic() > self._until_s:
             raise asleep(self._patience_s)
-        if self._lifecycle.focused:  # else the runtime's own menu has the controllers
+        if self._lifecycle.focused and reached:
             self._notice(inputs)
         return before and not self.away
 
