@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from functools import cache, partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from markupsafe import Markup
 
 from vrcomfort.report import methods, palette, words
-from vrcomfort.report.analyses import page_analyses
-from vrcomfort.report.answers import answers
+from vrcomfort.report.analyses import Sentence, outcome_sentences, page_analyses, sentences
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT, DescribedRow
 from vrcomfort.report.references import entries
 from vrcomfort.report.results import PLAN_FILE
@@ -29,8 +29,11 @@ if TYPE_CHECKING:
     from vrcomfort.report.results import Results
     from vrcomfort.report.sections import Section
     from vrcomfort.report.symptoms import SymptomRow
+    from vrcomfort.report.vocabulary import Vocabulary
 
 TEMPLATE = "report.html.j2"
+MOST_ANSWERS = 8
+"""Of more, those on other outcomes than the first are in the tables alone."""
 _TAG = re.compile(r"<[a-z][^<>]*>")
 _COLOUR = re.compile("#[0-9a-f]{6}")
 _VARIABLES = {colour.light: f"var({colour.variable})" for colour in palette.ALL}
@@ -67,7 +70,7 @@ def render_page(
             words=vocabulary,
             shown_above=_shown_above(results, analyses, figures),
             analyses=analyses,
-            answers=answers(results, vocabulary),
+            answers=_answers(results, vocabulary),
             figures={name: _inlined(drawing.svg, name) for name, drawing in figures.items()},
             several=report.several,
             symptoms=_by_instrument(results.symptoms),
@@ -100,6 +103,39 @@ def _templates() -> Environment:
     return environment
 
 
+@dataclass(frozen=True)
+class OutcomeAnswers:
+    """The sentences on an outcome, or, with blank names, on what is of no single outcome."""
+
+    outcome: str
+    name: str
+    primary: bool
+    lines: list[Sentence]
+
+
+def _answers(results: Results, words: Vocabulary) -> list[OutcomeAnswers]:
+    """Return the sentences by outcome, in the plan's order.
+
+    Of many questions those of other outcomes than the first are in the tables alone. None is
+    primary where the planned primary outcome is not in the data.
+    """
+    said, order = outcome_sentences(results.rows, words), list(words.outcomes)
+    shown = order if len(said) <= MOST_ANSWERS else order[:1]
+    groups = [
+        OutcomeAnswers(
+            outcome,
+            words.outcome(outcome),
+            primary=outcome == order[0] and not results.without_primary,
+            lines=[sentence for name, sentence in said if name == outcome],
+        )
+        for outcome in shown
+        if any(name == outcome for name, _ in said)
+    ]
+    others = sentences(results.rows, words)
+    alone = OutcomeAnswers("", "", not (groups or results.without_primary), others)
+    return [*groups, alone] if others else groups
+
+
 def _shown_above(
     results: Results, analyses: Sequence[PageAnalysis], figures: Mapping[str, Drawing]
 ) -> AnalysisFigure | None:
@@ -127,7 +163,7 @@ def _described(results: Results) -> list[DescribedRow]:
     rows = [row for row in results.descriptives if row.by == PRIMARY]
     if len({(test.a, test.b) for test in tests}) == 1:
         rows += [
-            DescribedRow(test.outcome, PRIMARY, "", None, test.found.descriptives["difference"])
+            DescribedRow(test.outcome, PRIMARY, "", None, test.found.difference)
             for test in tests
             if test.found
         ]

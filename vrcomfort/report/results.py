@@ -16,7 +16,6 @@ from vrcomfort.report.analyses.signed_rank import TESTS
 from vrcomfort.report.answering import answering
 from vrcomfort.report.asked import unused_timepoints
 from vrcomfort.report.contrasts import check_groups, conditions_of, contrasts_of
-from vrcomfort.report.counterbalancing import counterbalancing
 from vrcomfort.report.decisions import decide_all
 from vrcomfort.report.derived_plan import with_outcomes
 from vrcomfort.report.descriptives import describe_all, describe_recovery
@@ -27,12 +26,12 @@ from vrcomfort.report.factors import check_columns, check_levels
 from vrcomfort.report.flow import participant_flow
 from vrcomfort.report.measures import Measure, definition_of
 from vrcomfort.report.notices import notices
+from vrcomfort.report.orders import counterbalancing
 from vrcomfort.report.outcomes import Outcome
 from vrcomfort.report.plan_files import in_order
 from vrcomfort.report.quality import quality
 from vrcomfort.report.rows import INLINE, as_json, rounded
-from vrcomfort.report.sensitivity import sensitivity
-from vrcomfort.report.smallest_effect import smallest_effects
+from vrcomfort.report.sensitivity import sensitivity, smallest_effects
 from vrcomfort.report.stimulus_time import frame_measures, movement, stimulus_time
 from vrcomfort.report.study_data import conditions_in
 from vrcomfort.report.symptoms import recovery_rows, symptom_rows
@@ -65,19 +64,18 @@ if TYPE_CHECKING:
     from vrcomfort.report.analyses.signed_rank import SignedRankRow
     from vrcomfort.report.answering import AnsweringPatterns
     from vrcomfort.report.contrasts import Compared
-    from vrcomfort.report.counterbalancing import Counterbalancing
     from vrcomfort.report.decisions import AdjustedFamily
     from vrcomfort.report.descriptives import DescribedRow, RecoveryScores
     from vrcomfort.report.deviations import Deviation
     from vrcomfort.report.exclusions import AppliedRule, ExcludedByRule
     from vrcomfort.report.exposures import Basis, Exposures
     from vrcomfort.report.flow import FlowStage
+    from vrcomfort.report.orders import Counterbalancing
     from vrcomfort.report.pairs import Tested
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.quality import Quality
     from vrcomfort.report.sections import Section
-    from vrcomfort.report.sensitivity import RepeatedTest
-    from vrcomfort.report.smallest_effect import SmallestEffectRow
+    from vrcomfort.report.sensitivity import RepeatedTest, SmallestEffectRow
     from vrcomfort.report.stimulus_time import ConditionMovement, ConditionTime, FrameMeasures
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.symptoms import RecoveryRow, SymptomRow

@@ -11,12 +11,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Protocol, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, normalize
+
+if TYPE_CHECKING:
+    from vrcomfort.scene.data import WalkableArea
 
 Mask: TypeAlias = NDArray[np.bool_]
 Indices: TypeAlias = NDArray[np.intp]
@@ -36,22 +39,6 @@ MAX_TURNS = 3
 """How often one walk may turn along another edge: twice in a corner."""
 
 
-class Area(Protocol):
-    """A piece of floor, as scenes have it: a simple polygon on a plane."""
-
-    @property
-    def polygon_xz(self) -> Array:
-        """Return (n, 2) x and z of the corners."""
-
-    @property
-    def height_m(self) -> float:
-        """Return the height of the plane at x = z = 0."""
-
-    @property
-    def slope_xz(self) -> tuple[float, float]:
-        """Return how much the plane rises per metre along x and along z."""
-
-
 @dataclass(frozen=True)
 class _Leg:
     """The result of a straight walk: its end, and the remainder that was not walked."""
@@ -66,7 +53,7 @@ class Floors:
     Where pieces overlap, feet are on the highest that they can reach by a step.
     """
 
-    def __init__(self, areas: Iterable[Area] = ()) -> None:
+    def __init__(self, areas: Iterable[WalkableArea] = ()) -> None:
         self._areas = tuple(areas)
         corners = [np.asarray(area.polygon_xz, dtype=np.float64) for area in self._areas]
         self._owner = np.repeat(np.arange(len(corners)), [len(each) for each in corners])

@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal, Protocol
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 from pydantic import Field
@@ -126,11 +126,8 @@ class Result:
     score: float | None = None
 
 
-class SceneObject(Protocol):
-    """A node of the scene: where it is at a time."""
-
-    def __call__(self, time_s: float) -> Ball:
-        """Return the ball around it."""
+SceneObject: TypeAlias = Callable[[float], Ball]
+"""A node of the scene: time of the scene in seconds → the ball around it."""
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vrcomfort.report.analyses.contract import (
-    AnalysisData,
-)
+from vrcomfort.report.analyses.contract import AnalysisData
 from vrcomfort.report.descriptives import Description, DescriptionWithInterval, describe
-from vrcomfort.report.families import (
-    Decision,
-)
+from vrcomfort.report.families import Decision
 from vrcomfort.report.orders import OneOrder, one_order
 from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up
 from vrcomfort.report.rows import HIDDEN, INLINE
@@ -34,6 +30,8 @@ if TYPE_CHECKING:
 
 FEWEST_PAIRS = 2
 """One pair can be tested exactly, but a single sign is no result."""
+_DIFFERENCE = "difference"
+"""Key of the description of the differences, beside the names of both sides."""
 
 
 @dataclass(frozen=True)
@@ -97,6 +95,11 @@ class SignedRankFound:
     descriptives: dict[str, Description]
     other_zeros: OtherZeros
     t_test: PairedTTest | None
+
+    @property
+    def difference(self) -> Description:
+        """Return the description of the differences."""
+        return self.descriptives[_DIFFERENCE]
 
 
 @dataclass(frozen=True)
@@ -290,7 +293,7 @@ def describe_pairs(
     return {
         names[0]: describe(pairs.a * pairs.unit),
         names[1]: describe(pairs.b * pairs.unit),
-        "difference": DescriptionWithInterval(
+        _DIFFERENCE: DescriptionWithInterval(
             **vars(describe(pairs.differences * pairs.unit)), mean_low=low, mean_high=high
         ),
     }
