@@ -7,17 +7,28 @@ Counts files, lines, classes, protocol classes, imports, public names that are u
 dictionaries in `report/`, and docstring summaries that are clauses; measures the longest import
 chain, the modules that one other module alone imports, and the modules whose functions run while
 a small study is reported. The figures are places to look, not limits.
+
+Forms of an SSQ answer: a study of two simulated participants is recorded and reported, and at every
+call and return of a function of the package its arguments and its result, and the first 40 members
+of each, are looked through for the answer to one item of the SSQ. A form is a type that has the
+item beside an answer: a dataclass with the item's name and a number in its fields, a mapping with
+it as a key, a data frame with it as a column or in the column `item`, a line of CSV. The
+questionnaire's own types, which have the items without answers, do not count. Passed are the
+modules of the functions whose arguments or results have a form.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import dataclasses
 import re
 import sys
 import tempfile
+import threading
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from types import FrameType
@@ -26,6 +37,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "vrcomfort"
 CLAUSE = re.compile(r"\b(what|who|whom|whose|whoever|whatever)\b", re.IGNORECASE)
 UNTYPED = re.compile(r"\b(?:dict|Mapping|MutableMapping)\[str, (?:Any|object)\]")
+SUBSCRIPT = re.compile(r'\["[a-z_0-9]+"\]')
 DEFINITIONS = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
@@ -100,33 +112,101 @@ def summaries(trees: Mapping[str, ast.Module]) -> list[str]:
     return [doc.split("\n\n")[0] for doc in docs if doc]
 
 
-def modules_run_by_a_report() -> int:
-    """Count the modules of the package whose functions run while a study of twelve is reported."""
+def vrcomfort(*words: str) -> None:
+    """Run a command in this process."""
     from vrcomfort.cli import main  # noqa: PLC0415 - only here is the program itself needed
 
+    sys.argv = ["vrcomfort", *words]
+    try:
+        main()
+    except SystemExit as ended:
+        if ended.code:
+            raise
+
+
+@contextmanager
+def profiled(see: Callable[[FrameType, str, object], None]) -> Iterator[None]:
+    """Show every call and return of a function of the package."""
+
+    def called(frame: FrameType, event: str, result: object) -> None:
+        code = frame.f_code
+        if code.co_name != "<module>" and code.co_filename.startswith(f"{PACKAGE}/"):
+            see(frame, event, result)
+
+    threading.setprofile(called)
+    sys.setprofile(called)
+    try:
+        yield
+    finally:
+        sys.setprofile(None)
+        threading.setprofile(None)
+
+
+def modules_run_by_a_report() -> int:
+    """Count the modules of the package whose functions run while a study of twelve is reported."""
     ran: set[str] = set()
-
-    def called(frame: FrameType, event: str, _: object) -> None:
-        if event == "call" and frame.f_code.co_name != "<module>":
-            ran.add(frame.f_code.co_filename)
-
-    def vrcomfort(*words: str) -> None:
-        sys.argv = ["vrcomfort", *words]
-        try:
-            main()
-        except SystemExit as ended:
-            if ended.code:
-                raise
-
     with tempfile.TemporaryDirectory() as folder:
         study = f"{folder}/study"
         vrcomfort("simulate", "smoke", "-n", "12", "--no-frames", "--out", study)
-        sys.setprofile(called)
-        try:
+        with profiled(lambda frame, _event, _result: ran.add(frame.f_code.co_filename)):
             vrcomfort("report", study, "--figures", "svg", "--out", f"{folder}/report")
-        finally:
-            sys.setprofile(None)
-    return sum(Path(name).is_relative_to(PACKAGE) for name in ran)
+    return len(ran)
+
+
+ITEM = "stomach_awareness"
+"""An item of the SSQ whose name is that of no score."""
+LINE_OF_CSV = re.compile(rf"\b{ITEM},\d")
+MOST_MEMBERS, DEEPEST = 40, 1
+
+
+def forms_in(value: object, depth: int = DEEPEST) -> set[str]:
+    """Return the types that have the item's answer in a value; see the head of this file."""
+    kind = type(value)
+    if isinstance(value, str | bytes):
+        text = value if isinstance(value, str) else value.decode(errors="replace")
+        return {"line of CSV"} if ITEM in text and LINE_OF_CSV.search(text) else set()
+    if kind.__name__ == "DataFrame":
+        items = value.columns  # type: ignore[attr-defined]
+        there = ITEM in items or ("item" in items and ITEM in set(value["item"]))  # type: ignore[index]
+        return {"DataFrame"} if there else set()
+    if kind.__module__.startswith("vrcomfort.questionnaire"):
+        return set()
+    members: list[object] = []
+    if isinstance(value, Mapping):
+        if isinstance(value.get(ITEM), str | int | float):
+            return {kind.__name__}
+        members = list(value.values())
+    elif dataclasses.is_dataclass(value):
+        members = [getattr(value, each.name, None) for each in dataclasses.fields(value)]
+        if any(isinstance(each, str) and each == ITEM for each in members) and any(
+            isinstance(each, int | float) or (isinstance(each, str) and each.isdecimal())
+            for each in members
+        ):
+            return {kind.__name__}
+    elif isinstance(value, list | tuple):
+        members = list(value)
+    found = (forms_in(each, depth - 1) for each in members[:MOST_MEMBERS] if depth)
+    return set().union(*found)
+
+
+def forms_of_an_answer() -> tuple[set[str], set[str]]:
+    """Return the forms of an SSQ answer from the participant to the page, and the modules."""
+    forms: set[str] = set()
+    passed: set[str] = set()
+
+    def see(frame: FrameType, event: str, result: object) -> None:
+        code = frame.f_code
+        names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
+        values = [result] if event == "return" else [frame.f_locals.get(name) for name in names]
+        if event in {"call", "return"} and (found := set().union(*map(forms_in, values))):
+            forms.update(found)
+            passed.add(code.co_filename)
+
+    with tempfile.TemporaryDirectory() as folder, profiled(see):
+        study = f"{folder}/study"
+        vrcomfort("simulate", "smoke", "-n", "2", "--no-frames", "--out", study)
+        vrcomfort("report", study, "--figures", "none", "--out", f"{folder}/report")
+    return forms, passed
 
 
 def main() -> None:
@@ -151,6 +231,7 @@ def main() -> None:
         ("longest import chain", len(chain)),
         ("modules with one importer", single_importers(imports)),
         ("untyped dictionaries in report/", sum(len(UNTYPED.findall(t)) for t in of_report)),
+        ("string subscripts in report/", sum(len(SUBSCRIPT.findall(t)) for t in of_report)),
         (
             "docstring summaries with what/who/whose",
             f"{100 * sum(map(bool, map(CLAUSE.search, firsts))) / len(firsts):.1f} %",
@@ -159,9 +240,14 @@ def main() -> None:
     ]
     if not options.static:
         rows.append(("modules run by one report", modules_run_by_a_report()))
+        forms, passed = forms_of_an_answer()
+        rows.append(("forms of an SSQ answer", len(forms)))
+        rows.append(("modules that an SSQ answer passes", len(passed)))
     for name, value in rows:
         print(f"{name:42} {value:>9}")
     print("\nused twice: " + (", ".join(twice) or "none"))
+    if not options.static:
+        print("forms of an SSQ answer: " + ", ".join(sorted(forms)))
 
 
 if __name__ == "__main__":
