@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import re
 import shutil
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -18,8 +20,10 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying import study as verifying
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.questionnaire import shipped_instruments
-from vrcomfort.records import read_participants, undo_withdrawal
+from vrcomfort.records import checksums, read_participants, undo_withdrawal
 from vrcomfort.records.checksums import CHECKSUMS, read_checksums, write_checksums
+from vrcomfort.records.disk import replace_text
+from vrcomfort.records.participants import add_note
 
 SESSION = "sub-P01/ses-1"
 Damage = Callable[[Path], None]
@@ -302,7 +306,10 @@ def test_an_import_is_checked_for_its_own_files(run, tmp_path: Path) -> None:
     assert verify_study(study).counts["rows of questionnaires.csv"] == 64
     edit(study / "questionnaires.csv", 2, lambda line: line.replace("P1", "P9", 1))
     (study / "mapping.toml").write_text("")
+    again = "has changed since the import; restore it from a copy, or import again"
     assert told(study) == [
+        f"mapping.toml: {again}",
+        f"questionnaires.csv: {again}",
         "mapping.toml: is not the mapping that import.json names; restore it, or import again",
         "questionnaires.csv, line 2: participants.csv has nobody called P9; import again",
     ]
@@ -326,3 +333,120 @@ def test_the_command_says_what_is_wrong_in_its_exit_code(run, study: Path, tmp_p
     assert (code, said["whole"], said["faults"][0]["line"]) == (1, False, 2)
     code, _, err = run("verify", tmp_path / "nowhere")
     assert (code, err.count("\n")) == (2, 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "changed"),
+    [
+        ("trials.csv", drop_row("trials.csv", 2)),
+        ("events.csv", drop_row("events.csv", 20)),
+        ("frames.csv", drop_row("frames.csv", 40)),
+        ("manifest.json", in_manifest(sequence="ba")),
+        ("manifest.json", in_manifest(seed=5)),
+        ("manifest.json", remove(f"{SESSION}/manifest.json")),
+        ("trials.csv", remove(f"{SESSION}/trials.csv")),
+        (
+            CHECKSUMS,
+            lambda study: edit(study / SESSION / CHECKSUMS, 4, lambda line: "0" + line[1:]),
+        ),
+        (CHECKSUMS, lambda study: edit(study / SESSION / CHECKSUMS, 3, lambda _: "")),
+    ],
+)
+def test_files_that_are_as_they_were_written_are_not_named(
+    study: Path, name: str, changed: Damage
+) -> None:
+    before = read_checksums(study / SESSION)
+    changed(study)
+    found = told(study)
+    assert found
+    assert {each.partition(":")[0].partition(",")[0] for each in found} == {f"{SESSION}/{name}"}
+    assert set(before) >= {"trials.csv", "manifest.json"}
+
+
+def test_a_change_of_the_list_of_participants_by_hand_is_a_note_that_names_columns(
+    study: Path,
+) -> None:
+    file = study / "participants.csv"
+    header, *rows = file.read_text().splitlines()
+    lines = [f"{header},age", *(f"{row}x,31" for row in rows)]
+    file.write_text("".join(f"{line}\n" for line in lines))
+    (note,) = map(str, verify_study(study).findings)
+    assert note.startswith(
+        "participants.csv: was changed by hand, not by vrcomfort: columns note, age;"
+    )
+    add_note(study, "P01", "late")
+    assert verify_study(study).findings == []
+
+
+def test_a_change_of_the_description_names_its_keys(study: Path) -> None:
+    file = study / "dataset_description.json"
+    content = json.loads(file.read_text())
+    file.write_text(json.dumps(content | {"seed": 5, "name": "other"}))
+    found = [str(each) for each in verify_study(study).findings]
+    assert "keys name, seed" in found[0]
+    assert {each.partition(":")[0] for each in found} == {file.name}
+
+
+def test_a_changed_list_of_participants_is_named_and_not_what_disagrees_with_it(
+    study: Path,
+) -> None:
+    file = study / "participants.csv"
+    whole = file.read_text()
+    for text in (
+        whole.replace("P01", "P07"), whole.splitlines(keepends=True)[0],
+        whole.replace(",ab,", ",ba,"), whole.replace("completed", "withdrawn"),
+    ):  # fmt: skip
+        assert text != whole
+        file.write_text(text)
+        found = {str(each).partition(":")[0] for each in verify_study(study).findings}
+        assert {each.partition(",")[0] for each in found} == {file.name}
+    file.write_text(whole)
+    shutil.rmtree(study / "sub-P01/ses-2")
+    (fault,) = told(study)
+    assert fault.startswith("sub-P01: P01 is completed, with 1 of 2 sessions completed")
+
+
+def test_a_program_that_is_killed_while_it_writes_the_list_leaves_no_finding(
+    study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    left = 0
+
+    def dying(*arguments: Any, **options: Any) -> None:
+        nonlocal left
+        left -= 1
+        if left < 0:
+            raise KeyboardInterrupt
+        replace_text(*arguments, **options)
+
+    monkeypatch.setattr(checksums, "replace_text", dying)
+    died = []
+    for writes in range(4):
+        left = writes
+        try:
+            add_note(study, "P01", f"note {writes}")
+        except KeyboardInterrupt:
+            died.append(writes)
+        assert verify_study(study).findings == []
+    assert died == [0, 1, 2]
+
+
+def test_a_study_of_an_older_version_gets_its_list_with_the_first_change(study: Path) -> None:
+    (study / CHECKSUMS).unlink()
+    (note,) = map(str, verify_study(study).findings)
+    assert note.startswith(f"{CHECKSUMS}: is missing (older versions wrote none)")
+    add_note(study, "P01", "late")
+    assert set(read_checksums(study)) >= {"participants.csv", "participants.csv: note"}
+    assert verify_study(study).findings == []
+    (study / CHECKSUMS).write_text("x\n")
+    add_note(study, "P01", "later")
+    (fault,) = told(study)
+    assert fault.startswith(f"{CHECKSUMS}, line 1: this is no checksum")
+
+
+@pytest.mark.skipif(shutil.which("sha256sum") is None, reason="sha256sum is not here")
+def test_lists_of_checksums_are_read_by_sha256sum(study: Path) -> None:
+    for folder in (study, study / SESSION):
+        words = ["sha256sum", "--check", "--strict", CHECKSUMS]
+        done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        assert done.stderr == ""

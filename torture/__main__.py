@@ -26,6 +26,7 @@ from torture import (
     scenes,
     signals,
     table,
+    tampered,
     texts,
 )
 from torture.case import Result, Rig
@@ -41,6 +42,7 @@ TORTURES: dict[str, Callable[[Rig], Result]] = {
     "power_cut": power_cut.torture,
     "disk_full": disk_full.torture,
     "resumed": resumed.torture,
+    "tampered": tampered.torture,
     "damaged": damaged.torture,
     "inputs": inputs.torture,
     "commands": commands.torture,

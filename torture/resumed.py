@@ -61,6 +61,11 @@ def case(folder: Path, number: int, seed: int) -> dict[str, str]:
     return {"name": name, "fault": OTHER if faults else "", "detail": "; ".join(faults[:3])}
 
 
+def manifest_of(study: Path) -> Path:
+    """Return the file of the session's manifest."""
+    return study / f"sub-{WHO}" / "ses-1" / "manifest.json"
+
+
 def _fate(number: int) -> str:
     return FATES[number % len(FATES)]
 
@@ -135,7 +140,7 @@ def judge(folder: Path, seed: int, first: str) -> tuple[str, list[str]]:
     for name in fates:
         fate = _meet(folder, name, random)
         before = {each.stat().st_ino: each.stat().st_size for each in study.rglob("*.csv")}
-        resume = (study / f"sub-{WHO}" / "ses-1" / "manifest.json").exists()
+        resume = manifest_of(study).exists()
         code, _ = steps.run(partial(work, study, resume=resume), fate, case)
         names.append("to the end" if name == "none" else f"{name} at {fate.step}")
         if code == steps.FELL:
@@ -154,8 +159,7 @@ def judge(folder: Path, seed: int, first: str) -> tuple[str, list[str]]:
 
 def _not_over(study: Path, case: Path) -> list[str]:
     """Return what a session said that cannot go on."""
-    file = study / f"sub-{WHO}" / "ses-1" / "manifest.json"
-    if json.loads(file.read_text())["status"] == "completed":
+    if json.loads(manifest_of(study).read_text())["status"] == "completed":
         return []
     said = case / "said.txt"
     return [f"is not over; said: {said.read_text() if said.exists() else 'nothing'}"]

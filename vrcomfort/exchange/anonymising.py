@@ -29,7 +29,7 @@ from vrcomfort.exchange.verifying.findings import Finding
 from vrcomfort.files import read_text
 from vrcomfort.json_text import json_of
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
-from vrcomfort.records.checksums import write_checksums
+from vrcomfort.records.checksums import replace_listed, write_checksums
 from vrcomfort.records.choice import EVERYTHING, Choice, SessionName
 from vrcomfort.records.disk import Access, make_folders, replace_text
 from vrcomfort.records.events import EVENTS, shared_detail
@@ -208,7 +208,7 @@ def _write(
 ) -> dict[str, Any]:
     study = recorded.folder
     text = read_text(study / DESCRIPTION, "study description")
-    replace_text(out / DESCRIPTION, text, access)
+    replace_listed(out / DESCRIPTION, text, access)
     _copy_instruments(study, out, access)
     rows = {row.participant: row for row in recorded.enrolled}
     of_gaze = (name for name, table in TABLES.items() if table.NEEDS == GAZE)
@@ -269,7 +269,7 @@ def _write_participants(
     for row in sorted(blank, key=lambda each: each.participant):
         more = [dict(row.others).get(name, "") for name in others]
         lines.append(csv_line((*row.cells(), *more)))
-    replace_text(out / ParticipantRow.FILE, "".join(lines), access)
+    replace_listed(out / ParticipantRow.FILE, "".join(lines), access)
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from vrcomfort.importing.mapping import MappingFile
 from vrcomfort.importing.rows import Imported
 from vrcomfort.json_text import json_of
 from vrcomfort.questionnaire import FOLDER
+from vrcomfort.records.checksums import CHECKSUMS, replace_listed
 from vrcomfort.records.disk import OWNER, make_folders, replace_text
 from vrcomfort.records.exposure_rows import RatingRow
 from vrcomfort.records.names import check_study
@@ -54,10 +55,13 @@ def write_study(
     make_folders(folder, folder, OWNER)
     if own:
         make_folders(folder, folder / FOLDER, OWNER)
-    for stale in _ALL - texts.keys():
+    for stale in {*_ALL, CHECKSUMS} - texts.keys():
         (folder / stale).unlink(missing_ok=True)
     for name, text in texts.items():
-        replace_text(folder / name, text, OWNER)
+        if "/" in name:
+            replace_text(folder / name, text, OWNER)
+        else:
+            replace_listed(folder / name, text, OWNER)
     return [folder / name for name in texts]
 
 
@@ -74,7 +78,7 @@ def _require_room(folder: Path) -> None:
     if there and PROVENANCE not in there:
         message = "holds files that are no import; choose another output folder, a new one"
         raise InputError(message, file=folder)
-    others = sorted(there - _ALL - {FOLDER})
+    others = sorted(there - _ALL - {FOLDER, CHECKSUMS})
     if others:
         message = f"holds {others[0]} beside an import"
         raise InputError(f"{message}; choose another output folder, or move it away", file=folder)

@@ -19,6 +19,7 @@ from vrcomfort.files import read_text
 from vrcomfort.json_text import json_of
 from vrcomfort.protocol import Protocol
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
+from vrcomfort.records.checksums import CHECKSUMS, replace_listed
 from vrcomfort.records.disk import (
     GROUP,
     OWNER,
@@ -91,7 +92,7 @@ def open_study(
         raise InputError(message, file=study) from error
     _keep_instruments(study, protocol, access)
     text = json_of(_description(protocol, seed or 0, access))
-    replace_text(file, text + "\n", access)
+    replace_listed(file, text + "\n", access)
     return seed or 0
 
 
@@ -107,7 +108,8 @@ def opened_study(
         The study's seed.
     """
     own = [study / INSTRUMENTS / f"{name}.toml" for name in protocol.own_instruments]
-    places = (*own, study / DESCRIPTION, study / INSTRUMENTS, study, *study.parents)
+    lists = study / DESCRIPTION, study / CHECKSUMS
+    places = (*own, *lists, study / INSTRUMENTS, study, *study.parents)
     made = [each for each in places if not each.exists()]
     try:
         yield open_study(study, protocol, seed=seed, group_readable=group_readable)
@@ -519,5 +521,5 @@ def _write_participants(study: Path, rows: list[ParticipantRow]) -> None:
     for row in rows:
         more = [dict(row.others).get(name, "") for name in others]
         lines.append(csv_line((*row.cells(), *more)))
-    replace_text(study / ParticipantRow.FILE, "".join(lines), access_of(study))
+    replace_listed(study / ParticipantRow.FILE, "".join(lines), access_of(study))
     _participants.cache_clear()

@@ -49,11 +49,15 @@ class Verified:
     counts
         What was counted → how many: participants, sessions, rows of each kind of file, files whose
         checksum holds.
+    intact, altered
+        Files that are as their checksum says, and others that have one.
     """
 
     study: Path
     findings: list[Finding] = field(default_factory=list)
     counts: Counter[str] = field(default_factory=Counter)
+    intact: set[Path] = field(default_factory=set)
+    altered: set[Path] = field(default_factory=set)
 
     @property
     def faults(self) -> list[Finding]:
@@ -73,6 +77,25 @@ class Verified:
         """Add something that should be known."""
         self.findings.append(Finding(self._name(file), None, message, fault=False))
 
+    def suspect(self, file: Path, other: Path) -> Path:
+        """Return which of two files that disagree to name: the one that was altered, if one was."""
+        return other if other in self.altered and file not in self.altered else file
+
+    def leave_out_consequences(self) -> None:
+        """Leave out faults of intact files where another file of that participant was altered.
+
+        Files are compared with each other: what is wrong in one is seen in the others, too.
+        """
+        altered = {_whose(self._name(each)) for each in self.altered}
+
+        def follows(finding: Finding) -> bool:
+            whose = _whose(finding.file)
+            return self.study / finding.file in self.intact and bool(
+                altered & {whose, ""} if whose else altered
+            )
+
+        self.findings = [each for each in self.findings if not (each.fault and follows(each))]
+
     def refusal(self, error: InputError, file: Path) -> None:
         """Add a reader's error on a file."""
         self.fault(file if error.file is None else Path(error.file), error.message, error.line)
@@ -85,6 +108,12 @@ class Verified:
 
     def _name(self, file: Path) -> str:
         return file.relative_to(self.study).as_posix() if file != self.study else "."
+
+
+def _whose(file: str) -> str:
+    """Return the folder of a participant that a file is in; blank: it is of all."""
+    folder = file.partition("/")[0]
+    return folder if folder.startswith("sub-") else ""
 
 
 def note_version(folder: Path, version: int, found: Verified) -> None:

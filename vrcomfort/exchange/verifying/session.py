@@ -114,12 +114,15 @@ def check_checksums(folder: Path, found: Verified, *, ended: bool) -> None:
     for name, checksum in known.items():
         each = folder / name
         if not each.is_file() or each.is_symlink():
+            found.altered.add(each)
             if name not in {row.FILE for row in SESSION_ROWS}:  # the others have been told
                 found.fault(each, f"is missing, and {CHECKSUMS} has it; restore it from a copy")
-        elif sha256_of(each) == checksum.sha256:
+        elif checksum.fits(sha256_of(each)):
+            found.intact.add(each)
             found.counts["files as they were when their session ended"] += 1
         else:
             message = f"has changed since the session ended ({CHECKSUMS}, line {checksum.line})"
+            found.altered.add(each)
             found.fault(each, f"{message}; restore it from a copy, or write down why")
     for name in sorted(_OWN - known.keys() - {CHECKSUMS}):
         if (folder / name).exists():
@@ -155,6 +158,7 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
         manifest = read_manifest(folder)
     except InputError as error:
         found.refusal(error, folder / "manifest.json")
+        check_checksums(folder, found, ended=False)
         return None
     found.counts[f"sessions {manifest['status']}"] += 1
     version = manifest.get("schema_version", 1)

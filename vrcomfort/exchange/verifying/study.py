@@ -11,8 +11,8 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.session import check_order, verify_session
-from vrcomfort.files import sha256_of
-from vrcomfort.records.checksums import CHECKSUMS
+from vrcomfort.files import read_text, sha256_of
+from vrcomfort.records.checksums import CHECKSUMS, Checksum, changed_parts, read_checksums
 from vrcomfort.records.choice import SessionName, session_name
 from vrcomfort.records.consents import read_consents
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
@@ -31,8 +31,8 @@ from vrcomfort.records.tables import read_table
 IMPORT = "import.json"
 _ANONYMISED = "anonymised.json"
 _OWN = {
-    DESCRIPTION, ParticipantRow.FILE, ConsentRow.FILE, "instruments", ".participants.lock",
-    _ANONYMISED,
+    DESCRIPTION, ParticipantRow.FILE, ConsentRow.FILE, CHECKSUMS, "instruments",
+    ".participants.lock", _ANONYMISED,
 }  # fmt: skip
 
 
@@ -60,23 +60,63 @@ def verify_study(
     if not imported and not any((study / name).exists() for name in (DESCRIPTION, "sub-P01")):
         raise InputError(f"this is no study folder: it has no {DESCRIPTION}", file=study)
     found = Verified(study)
+    check_listed(study, found)
     seed = _description(study, found, imported=imported)
     if imported:
         _imported(study, found)
+        found.leave_out_consequences()
         return found
     people = _participants(study, found)
     _strangers(study, people, found)
     left_out = {*without, *_not_copied(study, found)}
     manifests = {
         name: _sessions(study / f"sub-{name}", found, told, left_out)
-        for name in sorted(_folders(study) | set(people))
+        for name in sorted(_folders(study) | set(people or ()))
     }
     _consents(study, people, manifests, found)
     for name, sessions in sorted(manifests.items()):
-        if name in people:
+        if people and name in people:
             left = sum(each.participant == name for each in left_out)
             _agree(study, people[name], sessions, seed, found, left)
+    found.leave_out_consequences()
     return found
+
+
+def check_listed(study: Path, found: Verified) -> None:
+    """Compare the files about the whole study with their checksums.
+
+    Labs edit them: a change is a note, which names the columns or keys.
+    """
+    file = study / CHECKSUMS
+    if not file.exists():
+        found.note(file, "is missing (older versions wrote none): changes cannot be seen")
+        return
+    try:
+        known = read_checksums(study)
+    except InputError as error:
+        found.refusal(error, file)
+        return
+    for name in (each for each in known if (study / each).is_file()):
+        if known[name].fits(sha256_of(study / name)):
+            found.intact.add(study / name)
+        else:
+            found.altered.add(study / name)
+            _tell_change(study / name, known, found)
+
+
+def _tell_change(file: Path, known: Mapping[str, Checksum], found: Verified) -> None:
+    """Tell of a file about the whole study that is not as it was written."""
+    kind = {DESCRIPTION: "keys", ParticipantRow.FILE: "columns"}.get(file.name)
+    if kind is None:
+        found.fault(file, "has changed since the import; restore it from a copy, or import again")
+        return
+    try:
+        parts = changed_parts(known, file.name, read_text(file, "text"))
+    except InputError:  # which is told where its content is read
+        return
+    where = f"{kind} {', '.join(parts)}" if parts else "its form, not its content"
+    message = f"was changed by hand, not by vrcomfort: {where}"
+    found.note(file, f"{message}; nothing to do where that is right")
 
 
 def _not_copied(study: Path, found: Verified) -> list[SessionName]:
@@ -94,7 +134,7 @@ def _not_copied(study: Path, found: Verified) -> list[SessionName]:
 
 def _consents(
     study: Path,
-    people: Mapping[str, ParticipantRow],
+    people: Mapping[str, ParticipantRow] | None,
     manifests: Mapping[str, Mapping[int, Mapping[str, Any] | None]],
     found: Verified,
 ) -> None:
@@ -107,7 +147,8 @@ def _consents(
     except InputError as error:
         found.refusal(error, file)
         return
-    for who in sorted({name for name, _ in given} - set(people)):
+    unlisted = sorted({name for name, _ in given} - set(people or ()))
+    for who in unlisted if people is not None else ():
         found.fault(file, f"{who} is not in {ParticipantRow.FILE}; restore the changed file")
     for name, sessions in sorted(manifests.items()):
         for number, manifest in sorted(sessions.items()):
@@ -141,16 +182,17 @@ def _description(study: Path, found: Verified, *, imported: bool) -> int | None:
     return int(seed) if seed is not None else None
 
 
-def _participants(study: Path, found: Verified) -> dict[str, ParticipantRow]:
+def _participants(study: Path, found: Verified) -> dict[str, ParticipantRow] | None:
+    """Return name → row; None, and a finding, where the list cannot be read."""
     file = study / ParticipantRow.FILE
     if not file.exists():
         found.fault(file, "is missing; restore it from a copy")
-        return {}
+        return None
     try:
         rows = read_participants(study)
     except InputError as error:
         found.refusal(error, file)
-        return {}
+        return None
     found.counts["participants"] = len(rows)
     return {row.participant: row for row in rows}
 
@@ -159,17 +201,27 @@ def _folders(study: Path) -> set[str]:
     return {each.name.removeprefix("sub-") for each in study.glob("sub-*") if each.is_dir()}
 
 
-def _strangers(study: Path, people: Mapping[str, ParticipantRow], found: Verified) -> None:
+def _strangers(study: Path, people: Mapping[str, ParticipantRow] | None, found: Verified) -> None:
     """Find files in the study's folder that no recording has put there."""
     for each in sorted(study.iterdir()):
         if each.name.startswith("sub-") and each.is_dir():
-            if each.name.removeprefix("sub-") not in people and any(each.glob("ses-*")):
-                message = f"{ParticipantRow.FILE} has nobody of this name"
-                found.fault(each, f"{message}; restore that file, or move the folder away")
+            known = people is None or each.name.removeprefix("sub-") in people
+            if not known and any(each.glob("ses-*")):
+                _homeless(each, study / ParticipantRow.FILE, found)
         elif each.is_symlink():
             found.fault(each, "is a symbolic link; put the file or folder itself here")
         elif each.name not in _OWN:
             found.note(each, "is not of vrcomfort's making; nothing in it was checked")
+
+
+def _homeless(folder: Path, people: Path, found: Verified) -> None:
+    """Tell of a participant's folder without a row in the list."""
+    if people in found.altered:
+        who = folder.name.removeprefix("sub-")
+        found.fault(people, f"lacks {who}, who has sessions; restore the row")
+    else:
+        message = f"{people.name} has nobody of this name"
+        found.fault(folder, f"{message}; restore that file, or move the folder away")
 
 
 def _sessions(
@@ -230,9 +282,13 @@ def _agree(
         statuses[number] = manifest["status"]
         for key, there in (("sequence", row.sequence), ("seed", seed)):
             if there is not None and manifest[key] != there:
-                where = ParticipantRow.FILE if key == "sequence" else DESCRIPTION
-                message = f"`{key}` is {manifest[key]}, and {where} says {there}"
-                found.fault(folder / "manifest.json", f"{message}; restore the changed file")
+                where = study / (ParticipantRow.FILE if key == "sequence" else DESCRIPTION)
+                pair = [(folder / "manifest.json", manifest[key]), (where, there)]
+                if found.suspect(pair[0][0], where) == where:
+                    pair.reverse()
+                (place, one), (other, another) = pair
+                message = f"`{key}` is {one}, and {other.relative_to(study)} says {another}"
+                found.fault(place, f"{message}; restore the changed file")
         planned = _check_session_order(folder, row, manifest, found) or planned
     _check_status(file, row, statuses, planned, found, left_out)
 
@@ -250,11 +306,15 @@ def _check_status(
         [n for n, each in statuses.items() if each in {"completed", "ended"}],
     )
     withdrew = [number for number, each in statuses.items() if each == "withdrawn"]
-    if row.status == "completed" and planned is not None and len(completed) + left_out < planned:
+    told = sum(each is None for each in statuses.values())  # of damaged manifests
+    there = len(completed) + left_out + told
+    if row.status == "completed" and planned is not None and there < planned:
         message = f"{who} is completed, with {len(completed)} of {planned} sessions completed"
-        found.fault(file, f"{message}; restore what is missing, or write enrolled")
+        place = file.parent / f"sub-{who}" if file in found.intact else file
+        found.fault(place, f"{message}; restore what is missing, or write enrolled")
     elif row.status == "completed" and not statuses and not left_out:
-        found.fault(file, f"{who} is completed, and has no session; restore the folder")
+        place = file.parent / f"sub-{who}" if file in found.intact else file
+        found.fault(place, f"{who} is completed, and has no session; restore the folder")
     elif row.status == "enrolled" and withdrew:
         message = f"{who} is enrolled, and has withdrawn in session {withdrew[0]}"
         found.fault(file, f"{message}; write withdrawn, or take it back: vrcomfort undo-withdrawal")
