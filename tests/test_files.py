@@ -16,12 +16,13 @@ from vrcomfort.errors import InputError
 from vrcomfort.files import open_file, read_bytes, read_text, sha256_of
 from vrcomfort.importing import load_mapping
 from vrcomfort.importing.files import read_tables
+from vrcomfort.importing.head_logs import suggest_log_mapping
 from vrcomfort.protocol import load_protocol
 from vrcomfort.questionnaire import read_instrument
 from vrcomfort.records.disk import OWNER, open_new
 from vrcomfort.report.plan_files import load_plan
 from vrcomfort.scene.load import load_scene
-from vrcomfort.traces.trace import import_trace, read_trace
+from vrcomfort.traces.trace import read_trace
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such files")
 
@@ -131,7 +132,7 @@ READERS = {
     "lab.json": read_tables,
     "lab.csv": read_tables,
     "trace.csv": read_trace,
-    "unity.csv": import_trace,
+    "log.csv": suggest_log_mapping,
     "table.csv": CsvTable.read,
     "scene.gltf": load_scene,
     "text": lambda file: read_text(file, "text"),

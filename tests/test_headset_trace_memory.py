@@ -11,11 +11,12 @@ import pytest
 
 from vrcomfort.errors import InputError
 from vrcomfort.headset.playback import PlaybackHeadset
+from vrcomfort.importing.head_logs import UNITY_EULER, import_log
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.shared_columns import HANDS
 from vrcomfort.traces import table
 from vrcomfort.traces.gaze_track import read_gaze
-from vrcomfort.traces.trace import import_trace, read_trace, write_trace
+from vrcomfort.traces.trace import read_trace, write_trace
 
 ROWS_AT_ONCE = 128
 FEW, MANY = 3 * ROWS_AT_ONCE, 35 * ROWS_AT_ONCE + 7
@@ -121,7 +122,7 @@ def test_gaze_and_logs_of_other_programs_are_read_in_parts_too(tmp_path):
     log.write_text(
         "Time x y z alpha beta gamma\n" + "".join(f"{k},0,1,0,0,9,0\n" for k in range(MANY))
     )
-    trace = import_trace(log)
+    trace = import_log(log, UNITY_EULER)
     assert len(trace) == MANY
     assert np.flatnonzero(trace.cuts).tolist() == [0]
 

@@ -22,6 +22,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.geometry import EyeGaze, Gaze, Pose
 from vrcomfort.importing import import_files, load_mapping
 from vrcomfort.importing.files import read_tables
+from vrcomfort.importing.head_logs import suggest_log_mapping
 from vrcomfort.importing.suggest import suggest_mapping
 from vrcomfort.protocol import load_protocol
 from vrcomfort.questionnaire import read_instrument, score_file, shipped_instruments
@@ -32,7 +33,7 @@ from vrcomfort.report.study_data import read_study
 from vrcomfort.resources import Folder, data_folder
 from vrcomfort.scene.load import load_scene
 from vrcomfort.traces.gaze_track import read_gaze
-from vrcomfort.traces.trace import import_trace, read_trace
+from vrcomfort.traces.trace import read_trace
 
 SSQ = shipped_instruments()["ssq"]
 
@@ -236,7 +237,7 @@ KINDS: Mapping[str, Kind] = {
     "instruments": Kind("mine.toml", _shipped("instruments", "*.toml"), read_instrument),
     "traces": Kind("trace.csv", _walks, read_trace),
     "gaze": Kind("gaze.csv", _gaze, read_gaze),
-    "logs of Unity": Kind("unity.csv", _unity, import_trace),
+    "head logs": Kind("unity.csv", _unity, suggest_log_mapping),
     "questionnaires": Kind("questionnaires.csv", _answers, read_study),
     "scores": Kind("scores.csv", _wide_answers, lambda file: score_file(file, SSQ)),
     "workbooks": Kind("lab.xlsx", _workbooks, read_tables),

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from vrcomfort.api.outputs import output_file
-from vrcomfort.cli.options import Quiet, output_option, output_path
+from vrcomfort.cli.options import Quiet, output_path
 from vrcomfort.cli.terminal import console, warn
 from vrcomfort.errors import InputError
 
@@ -112,33 +112,108 @@ def _suggest(
 
 def import_trace(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A log that another program wrote.")],
-    out: Annotated[Path, output_option(help="The trace to write (CSV).")],
-    format: Annotated[str, typer.Option(help="What wrote it: unity-euler.")] = "unity-euler",  # noqa: A002
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            parser=output_path,
+            metavar="PATH",
+            help="The trace to write (CSV); with --suggest, the mapping to write.",
+        ),
+    ] = None,
+    mapping: Annotated[
+        Path | None, typer.Option(help="What the columns mean (TOML), as --suggest writes it.")
+    ] = None,
+    suggest: Annotated[
+        bool, typer.Option("--suggest", help="Write a mapping from the log, with its doubts.")
+    ] = False,
+    format: Annotated[  # noqa: A002
+        str | None, typer.Option(help="A format that needs no mapping: unity-euler.")
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Turn another program's head log into a trace.
 
-    `unity-euler` is text: a first line `Time x y z alpha beta gamma`, then one row for each sample,
-    with commas between its seven numbers and points as decimals, such as `0.5,0,1.6,0,10,90,0`.
+    Logs are text with a row for each sample: time in any unit, the head's position, and its
+    orientation as a quaternion or as Euler angles; in any left- or right-handed frame, with commas,
+    semicolons, tabs or spaces, and decimal points or commas. What the columns mean is found out;
+    what is not certain is asked in a mapping.
 
-    - Time in seconds, each later than the one before.
-    - x, y, z: the head's position in metres, in Unity's left-handed frame (x right, y up,
-      z forward).
-    - alpha, beta, gamma: Unity's Euler angles in degrees about x (positive looks down), y (positive
-      turns right) and z (positive tips to the left), as eulerAngles gives them: it turns about z
-      first, then x, then y.
+    - `vrcomfort import-trace log.csv --out trace.csv`
+    - `vrcomfort import-trace log.csv --suggest --out map.toml`
+    - `vrcomfort import-trace log.csv --mapping map.toml --out trace.csv`
 
-    The trace has OpenXR's right-handed frame (z backwards) and quaternions.
-
-    - `vrcomfort import-trace log.txt --format unity-euler --out trace.csv`
+    `--format unity-euler` is a log with the columns `Time x y z alpha beta gamma`: seconds, metres
+    and Euler angles in degrees in Unity's left-handed frame (x right, y up, z forward), which turns
+    about z first, then x, then y. The trace has OpenXR's right-handed frame (z backwards) and
+    quaternions.
     """
-    from vrcomfort.traces.trace import import_trace as read
+    if sum((suggest, mapping is not None, format is not None)) > 1:
+        raise InputError("give one of --suggest, --mapping and --format")
+    if suggest:
+        _suggest_log(file, out, quiet)
+    elif out is None:
+        raise InputError("--out is missing: the trace to write, such as trace.csv")
+    else:
+        _import_log(file, out, mapping, format, quiet)
+
+
+def _suggest_log(file: Path, out: Path | None, quiet: bool) -> None:
+    """Write the mapping of a log, or print it, with the doubts on stderr."""
+    from vrcomfort.importing.head_logs import described, suggest_log_mapping
+
+    if out is not None and out.exists():
+        raise InputError(
+            "is there already, perhaps with your answers; choose another --out", file=out
+        )
+    found = suggest_log_mapping(file)
+    if found.trace is not None and out is not None:
+        for line in described(found.trace):
+            console(quiet).print(line)
+    if out is None:
+        typer.echo(found.text, nl=False)
+    else:
+        output_file(out, file).write_text(found.text, encoding="utf-8")
+        console(quiet).print(f"\nMapping: {out}")
+    for number, doubt in enumerate(found.doubts, start=1):
+        warn(f"doubt {number}: {doubt.words}")
+
+
+def _import_log(
+    file: Path,
+    out: Path,
+    mapping: Path | None,
+    format: str | None,  # noqa: A002
+    quiet: bool,
+) -> None:
+    from vrcomfort.importing.head_logs import (
+        UNITY_EULER,
+        described,
+        import_log,
+        load_log_mapping,
+        suggest_log_mapping,
+    )
     from vrcomfort.traces.trace import write_trace
 
-    if format != "unity-euler":
-        raise InputError(f"--format {format!r} is not known; the one there is: unity-euler")
-    trace = read(file, format="unity-euler")
+    if format not in {None, "unity-euler"}:
+        message = f"--format {format!r} is not known; the one there is: unity-euler"
+        raise InputError(f"{message}. Without it, the columns are looked at")
+    if mapping is not None:
+        trace = import_log(file, load_log_mapping(mapping))
+    elif format is not None:
+        trace = import_log(file, UNITY_EULER)
+    else:
+        found = suggest_log_mapping(file)
+        if found.trace is None or found.doubts:
+            first, count = found.doubts[0].words, len(found.doubts)
+            doubts = "a doubt" if count == 1 else f"{count} doubts"
+            message = f"this log leaves {doubts}, the first: {first} Write a mapping with --suggest"
+            raise InputError(
+                f"{message} --out map.toml, answer them, and give --mapping", file=file
+            )
+        trace = found.trace
     for warning in trace.warnings:
         warn(warning)
     write_trace(trace, output_file(out, file))
-    console(quiet).print(f"{len(trace)} samples over {trace.duration_s:.1f} s: {out}")
+    for line in described(trace):
+        console(quiet).print(line)
+    console(quiet).print(f"\nTrace: {out}")

@@ -189,8 +189,18 @@ class Doubt(Settings):
     question: str
     assumed: str = ""
     """What the mapping now says."""
+    otherwise: str = ""
+    """The consequence if that is wrong."""
     answer: str = ""
     """Written by a person; the mapping is refused until there is one."""
+
+
+class Guess(Settings):
+    """A question of less weight, which `--suggest` has answered by a guess."""
+
+    question: str
+    assumed: str = ""
+    otherwise: str = ""
 
 
 class LabMapping(Settings):
@@ -206,6 +216,7 @@ class LabMapping(Settings):
     ignore_sheets: tuple[str, ...] = ()
     tables: Annotated[tuple[TableMapping, ...], Field(min_length=1)]
     doubts: tuple[Doubt, ...] = ()
+    guesses: tuple[Guess, ...] = ()
 
     _text: str = PrivateAttr(default="")
     _file: Path | None = PrivateAttr(default=None)
@@ -241,15 +252,20 @@ def load_mapping(file: Path) -> MappingFile:
     """
     text = read_text(file, "mapping")
     mapping = parse_mapping(text, file)
-    open_doubts = [doubt for doubt in mapping.doubts if not doubt.answer.strip()]
-    if open_doubts:
-        shown = "; ".join(f"({n}) {d.question}" for n, d in enumerate(open_doubts, start=1))
-        count = "a doubt is" if len(open_doubts) == 1 else f"{len(open_doubts)} doubts are"
-        message = f"{count} open in this mapping: {shown} - mend what is wrong, and then write"
-        raise InputError(f'{message} an answer = "…" in each [[doubts]]', file=file)
+    require_answers(mapping.doubts, file)
     own = tuple(find_instrument(name, beside=file.parent) for name in mapping.instruments)
     mapping.require_none(_unknown(mapping, {each.name: each for each in own}))
     return MappingFile(mapping, file, text, own)
+
+
+def require_answers(doubts: Iterable[Doubt], file: Path) -> None:
+    """Raise `InputError` if a doubt of a mapping has no answer."""
+    still_open = [doubt for doubt in doubts if not doubt.answer.strip()]
+    if still_open:
+        shown = "; ".join(f"({n}) {d.question}" for n, d in enumerate(still_open, start=1))
+        count = "a doubt is" if len(still_open) == 1 else f"{len(still_open)} doubts are"
+        message = f"{count} open in this mapping: {shown} - mend what is wrong, and then write"
+        raise InputError(f'{message} an answer = "…" in each [[doubts]]', file=file)
 
 
 def parse_mapping(text: str, file: Path | None) -> LabMapping:

@@ -44,10 +44,10 @@ def read_text_table(file: Path, reading: Reading) -> Grid:
     content = content_of(file)
     encoding = reading.encoding or encoding_of(content)
     text = decode(content, encoding, file)
-    separator, text = _declared(text)
-    separator = reading.separator or separator or _separator(text)
+    separator, text = declared(text)
+    separator = reading.separator or separator or separator_of(text)
     rows = _rows(text, separator, file)
-    decimal = reading.decimal or _decimal(rows, separator)
+    decimal = reading.decimal or decimal_of(rows, separator)
     notes = []
     if reading.encoding is None and encoding not in {"utf-8", "utf-8-sig"}:
         notes.append(f"{file.name}: read as {encoding}, which its bytes look like")
@@ -130,29 +130,33 @@ def _is_windows_1252(content: bytes) -> bool:
     return True
 
 
-def _declared(text: str) -> tuple[str | None, str]:
+def declared(text: str) -> tuple[str | None, str]:
     """Return the separator of a first line ``sep=;``, as Excel writes it, and the rest."""
     found = re.match(r"sep=(.)\r?\n", text)
     return (found[1], "\n" + text[found.end() :]) if found else (None, text)
 
 
-def _separator(text: str) -> str:
-    """Return the separator that divides most rows into the same number of cells, at least two."""
+def separator_of(text: str) -> str:
+    """Return the separator that divides most rows into the same number of cells, at least two.
+
+    Of two that do, it is the one that divides the first row, too: decimal commas stand below
+    headings without commas.
+    """
     sample = text[:200_000]  # enough rows to decide; the rest of a long file costs time alone
 
-    def merit(sign: str) -> tuple[float, int]:
+    def merit(sign: str) -> tuple[float, bool, int]:
         try:
-            widths = Counter(len(r) for r in csv.reader(io.StringIO(sample), delimiter=sign) if r)
+            rows = [len(row) for row in csv.reader(io.StringIO(sample), delimiter=sign) if row]
         except csv.Error:
-            return 0.0, 0
-        wide = {width: count for width, count in widths.items() if width > 1}
+            return 0.0, False, 0
+        wide = {width: count for width, count in Counter(rows).items() if width > 1}
         if not wide:
-            return 0.0, 0
+            return 0.0, False, 0
         width = max(wide, key=lambda each: (wide[each], each))
-        return round(wide[width] / sum(widths.values()), 1), width
+        return round(wide[width] / len(rows), 1), rows[0] == width, width
 
     best = max(SEPARATORS, key=merit)
-    return best if merit(best)[1] else ","
+    return best if merit(best)[-1] else ","
 
 
 def _rows(text: str, separator: str, file: Path) -> list[list[str]]:
@@ -183,7 +187,8 @@ def _trimmed(cell: str) -> str:
     return cell if cell.isalnum() else one_line(cell)
 
 
-def _decimal(rows: list[list[str]], separator: str) -> str:
+def decimal_of(rows: list[list[str]], separator: str) -> str:
+    """Return the decimal sign that most numbers of a table have."""
     if separator == ",":
         return "."
     cells = [cell for row in rows for cell in row if cell]

@@ -173,33 +173,14 @@ REQUIRED = (TIME, *HEAD)
 HANDS = (pose_columns("left_hand"), pose_columns("right_hand"))
 EYES = (pose_columns("left"), pose_columns("right"))
 FOVS = (fov_columns("left"), fov_columns("right"))
-UNITY_HEADER = ["Time", "x", "y", "z", "alpha", "beta", "gamma"]
 
 
 def require_trace(table: TraceTable) -> None:
-    """Raise InputError if a required column is missing, or if this is another program's log."""
-    if _words(table) == UNITY_HEADER:
-        raise table.fault(
-            "this looks like a Unity log; convert it first with "
-            "`vrcomfort import-trace FILE --format unity-euler --out TRACE.csv`",
-            1,
-        )
+    """Raise InputError if a required column is missing: perhaps this is another program's log."""
+    if TIME not in table.header and not {*HEAD} & {*table.header}:
+        message = f"this is no trace, which has {TIME} and {HEAD[0]} … {HEAD[-1]}; logs of other"
+        raise table.fault(f"{message} programs: `vrcomfort import-trace FILE --out TRACE.csv`", 1)
     table.require(REQUIRED)
-
-
-def require_unity(table: TraceTable) -> None:
-    """Raise InputError if this is not a Unity log: names on its first line, commas in its rows."""
-    needed = " ".join(UNITY_HEADER)
-    if _words(table) != UNITY_HEADER:
-        raise table.fault(f"this is not a Unity log: its first line must be {needed!r}", 1)
-    if list(table.header) != UNITY_HEADER:
-        message = f"the rows below {needed!r} must be seven numbers with commas between them"
-        raise table.fault(f"{message}, like 0.5,0,1.6,0,10,90,0", table.lines[0])
-
-
-def _words(table: TraceTable) -> list[str]:
-    """Return the names of a header that has spaces in place of commas, too."""
-    return table.header[0].split() if len(table.header) == 1 else list(table.header)
 
 
 def has_group(table: TraceTable, columns: tuple[str, ...]) -> bool:

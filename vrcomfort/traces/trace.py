@@ -1,4 +1,4 @@
-"""Head traces: poses over time, as arrays, with their files; also those of Unity.
+"""Head traces: poses over time, as arrays, with their files.
 
 A trace file is a CSV with the pose columns of `frames.csv` (`records.pose_columns`): time and
 head are required, the rest is optional and further columns are ignored.
@@ -8,22 +8,19 @@ from __future__ import annotations
 
 import csv
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from decimal import Decimal, InvalidOperation
 from functools import cached_property
 from itertools import chain
 from math import isnan
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.csv_table import plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.files import sha256_of
-from vrcomfort.geometry import Array, axis_angle, quaternion_multiply
+from vrcomfort.geometry import Array
 from vrcomfort.records.frame_rows import CUT, SNAP_TURN, FrameRow, GazeRow
 from vrcomfort.records.shared_columns import AVATAR, HEAD
 from vrcomfort.traces.gaze_track import GazeTrack, read_gaze
@@ -37,44 +34,18 @@ from vrcomfort.traces.table import (
     ROWS_AT_ONCE,
     TIME,
     TRIAL,
-    UNITY_HEADER,
     TraceTable,
     cuts_of,
     eyes_of,
     fovs_of,
     hands_of,
     has_group,
-    int64,
     periods_of,
     read_parts,
     require_trace,
-    require_unity,
     snap_turns_of,
     track_of,
 )
-
-
-def positions_from_unity(positions: Array) -> Array:
-    """Return (n, 3) right-handed positions of Unity's left-handed ones: ``(x, y, -z)``."""
-    return positions * [1.0, 1.0, -1.0]
-
-
-def orientations_from_unity(euler_deg: Array) -> Array:
-    """Return (n, 4) right-handed quaternions of Unity's (n, 3) Euler angles in degrees.
-
-    Unity turns about z first, then x, then y, by the left-hand rule. Quaternion algebra does not
-    know about handedness, so the product is formed in Unity's frame and then mirrored in z:
-    ``(-x, -y, z, w)``.
-    """
-    about_x, about_y, about_z = (
-        axis_angle(axis, np.radians(angle))
-        for axis, angle in zip(np.eye(3)[:, None], euler_deg.T, strict=True)
-    )
-    unity = quaternion_multiply(quaternion_multiply(about_y, about_x), about_z)
-    return unity * [-1.0, -1.0, 1.0, 1.0]
-
-
-Format = Literal["unity-euler"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -276,53 +247,6 @@ def write_trace(trace: Trace, path: str | Path) -> None:
             if start == 0:
                 writer.writerow(columns)
             writer.writerows(zip(*columns.values(), strict=True))
-
-
-def import_trace(path: str | Path, format: Format = "unity-euler") -> Trace:  # noqa: A002
-    """Read a head trace that another program wrote.
-
-    `unity-euler`: a header separated by spaces or commas (``Time x y z alpha beta gamma``), rows
-    separated by commas; seconds, metres and Euler degrees about x, y and z in Unity's left-handed
-    frame, applied in Unity's order: z, x, y.
-
-    Raises
-    ------
-    InputError
-        With file, line and column, as `read_trace`.
-    """
-    if format not in _IMPORTERS:
-        raise InputError(f"unknown trace format {format!r}; known: {', '.join(_IMPORTERS)}")
-    return _IMPORTERS[format](path)
-
-
-def _import_unity(path: str | Path) -> Trace:
-    parts: list[Trace] = []
-    for table in read_parts(path, require_unity):
-        time_ns = np.array([_nanoseconds(table, row) for row in range(len(table.rows))], np.int64)
-        last = int(parts[-1].time_ns[-1]) if parts else None
-        part = Trace(
-            time_ns=table.rising("Time", time_ns, after=last),
-            head=PoseTrack(
-                positions_from_unity(table.positions(UNITY_HEADER[1:4])),
-                orientations_from_unity(table.floats(UNITY_HEADER[4:])),
-            ),
-            cuts=cuts_of(table, None, before=None, start=not parts),
-            warnings=table.warnings,
-        )
-        parts.append(part)
-    return joined(parts)
-
-
-_IMPORTERS: dict[str, Callable[[str | Path], Trace]] = {"unity-euler": _import_unity}
-
-
-def _nanoseconds(table: TraceTable, row: int) -> int:
-    # Decimal keeps what the file says: a float64 of seconds since 1970 is 200 ns coarse.
-    cell = table.rows[row][0]
-    try:
-        return int64(int((Decimal(plain_digits(cell)) * 10**9).to_integral_value()))
-    except (InvalidOperation, ValueError, OverflowError):
-        raise table.error(row, "Time", f"{cell!r} is not a time in seconds") from None
 
 
 def _marks(trace: Trace) -> NDArray[np.int64]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -12,11 +12,32 @@ _WIDEST = 90
 """Characters of a list in one line."""
 
 
+MOST_ASKED = 5
+"""Doubts that a person is asked about at once."""
+_ORDINARY = 50
+
+
 class OpenDoubt(NamedTuple):
-    """A question that the files do not answer, and the assumption meanwhile."""
+    """A question that the files do not answer, and the assumption meanwhile.
+
+    Parameters
+    ----------
+    otherwise
+        The consequence if the assumption is wrong.
+    rank
+        How much depends on the answer; the highest ranks are asked.
+    """
 
     question: str
     assumed: str
+    otherwise: str = ""
+    rank: int = _ORDINARY
+
+    @property
+    def words(self) -> str:
+        """Return the doubt in one line."""
+        wrong = f" If not: {self.otherwise}." if self.otherwise else ""
+        return f"{self.question} Assumed: {self.assumed}.{wrong}".replace("?.", "?")
 
 
 @dataclass
@@ -73,3 +94,23 @@ def _wrapped(value: object) -> str:
     if len(line) <= _WIDEST or not isinstance(value, list | tuple):
         return line
     return "[\n" + "".join(f"  {toml_value(each)},\n" for each in value) + "]"
+
+
+def write_doubts(draft: TomlDraft, doubts: Iterable[OpenDoubt]) -> list[OpenDoubt]:
+    """Write the doubts of the highest rank as questions, the others as guesses; return the first.
+
+    One question hardly matters beside five that do, and a person who is asked forty reads none.
+    """
+    ranked = sorted(dict.fromkeys(doubts), key=lambda doubt: -doubt.rank)
+    asked, guessed = ranked[:MOST_ASKED], ranked[MOST_ASKED:]
+    draft.lists["doubts"] = [TomlDraft({**_said(doubt), "answer": ""}) for doubt in asked]
+    if guessed:
+        draft.lists["guesses"] = [TomlDraft(_said(doubt)) for doubt in guessed]
+        line = "Not asked, since less depends on it: mend what is wrong."
+        draft.lists["guesses"][0].note(line)
+    return asked
+
+
+def _said(doubt: OpenDoubt) -> dict[str, object]:
+    said = {"question": doubt.question, "assumed": doubt.assumed, "otherwise": doubt.otherwise}
+    return {key: text for key, text in said.items() if text}
