@@ -147,6 +147,15 @@ def test_a_command_that_reads_a_protocol_runs_and_writes_nothing(folder, home, c
     assert files(folder, home / "vrcomfort") == before
 
 
+@pytest.mark.slow
+def test_a_preflight_runs_no_code_and_writes_one_file(folder, home):
+    quick = ("--headset", "playback", "--size", "32x32", "--seconds", "0.2")
+    before = files(folder)
+    done = vrcomfort(folder, home, "preflight", "study.toml", "--out", "data", *quick)
+    assert done.returncode == 0, done.stderr
+    assert files(folder) - before == {folder / "data", folder / "data" / "preflight.json"}
+
+
 @pytest.mark.parametrize("command", [SIMULATE, RUN])
 def test_without_a_consent_nothing_runs_and_nothing_is_written(folder, home, command):
     before = files(folder)

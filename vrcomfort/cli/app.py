@@ -86,6 +86,9 @@ COMMANDS = {
         "design",
         "Simulate studies of a plan, and say how often its primary test finds the effect.",
     ),
+    "preflight": Listed(
+        "preflight", "Check machine, headset and room for a protocol, before people come."
+    ),
     "doctor": Listed(
         "doctor", "Find the parts that are there and those that are missing, each with its remedy."
     ),

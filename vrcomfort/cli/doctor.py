@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import typer
 from rich.table import Table
@@ -30,13 +30,14 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class DoctorFinding:
+class Finding:
     """One part that was looked for.
 
     Parameters
     ----------
     needed
-        Whether every use of vrcomfort needs it.
+        Whether nothing works without it: in `doctor`, no use of vrcomfort; in a preflight, the
+        session that is planned.
     details
         Further facts, for programs.
     """
@@ -47,6 +48,13 @@ class DoctorFinding:
     remedy: str = ""
     needed: bool = True
     details: tuple[str, ...] = ()
+
+    @property
+    def outcome(self) -> Literal["ok", "notice", "refuse"]:
+        """Return whether it is well, worth a look, or in the way."""
+        if self.ok:
+            return "ok"
+        return "refuse" if self.needed else "notice"
 
 
 class Extra(NamedTuple):
@@ -79,7 +87,7 @@ WITHOUT_EACH_EYE = (
 PLAYBACK = "playback, rendering and reports work without"
 
 
-def examine_openxr(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[DoctorFinding]:
+def examine_openxr(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[Finding]:
     """Yield the parts that are there, up to the first missing one.
 
     Parameters
@@ -93,7 +101,7 @@ def examine_openxr(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[Do
         yield from _stages(ctx, timing=timing)
 
 
-def _stages(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[DoctorFinding]:
+def _stages(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[Finding]:
     part = "OpenXR bindings"
     try:
         yield _there(part, f"pyopenxr {require_bindings()}, with its loader")
@@ -112,20 +120,20 @@ def _stages(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[DoctorFin
             part = "timing test"
             yield _timed(survey.try_timing(ctx, TIMING_TEST_S))
     except InputError as error:
-        yield DoctorFinding(part, False, f"none; {PLAYBACK}", str(error), needed=False)
+        yield Finding(part, False, f"none; {PLAYBACK}", str(error), needed=False)
 
 
-def _openxr_runtime(facts: RuntimeFacts) -> Iterator[DoctorFinding]:
+def _openxr_runtime(facts: RuntimeFacts) -> Iterator[Finding]:
     yield _there("OpenXR runtime", facts.name)
     missed = [name for name in facts.wanted if name not in facts.extensions]
     words = f"{len(facts.extensions)} offered; of those that help, missing: {' '.join(missed)}"
-    yield DoctorFinding("extensions", True, words, needed=False, details=facts.extensions)
+    yield Finding("extensions", True, words, needed=False, details=facts.extensions)
 
 
-def _openxr_headset(facts: SystemFacts) -> Iterator[DoctorFinding]:
+def _openxr_headset(facts: SystemFacts) -> Iterator[Finding]:
     width, height = facts.recommended_size_px
     yield _there("headset", f"{facts.name}, {width}×{height} pixels per eye recommended")
-    yield DoctorFinding(
+    yield Finding(
         "eye tracker",
         facts.gaze,
         "there" if facts.gaze else "none",
@@ -133,7 +141,7 @@ def _openxr_headset(facts: SystemFacts) -> Iterator[DoctorFinding]:
         needed=False,
     )
     if facts.gaze:
-        yield DoctorFinding(
+        yield Finding(
             "each eye",
             facts.each_eye,
             f"{EACH_EYE}; no pupils" if facts.each_eye else "not told apart",
@@ -142,7 +150,7 @@ def _openxr_headset(facts: SystemFacts) -> Iterator[DoctorFinding]:
         )
 
 
-def _openxr_session(facts: SessionFacts) -> Iterator[DoctorFinding]:
+def _openxr_session(facts: SessionFacts) -> Iterator[Finding]:
     details = facts.details
     words = (
         f"{details['binding'].upper()} binding, images {details['image_format']}, "
@@ -156,10 +164,10 @@ def _openxr_session(facts: SessionFacts) -> Iterator[DoctorFinding]:
     yield _there("timing_trust", f"{facts.timing.trust}: {facts.timing.reason}")
 
 
-def _timed(test: TimingTest | None) -> DoctorFinding:
+def _timed(test: TimingTest | None) -> Finding:
     if test is None:
         remedy = "put the headset on (or cover its sensor), then run doctor --timing again"
-        return DoctorFinding("timing test", False, "the headset sleeps", remedy, needed=False)
+        return Finding("timing test", False, "the headset sleeps", remedy, needed=False)
     words = (
         f"{test.frames} frames in {test.seconds:.1f} s, {test.dropped} dropped; period "
         f"{test.period_ms:.2f} ms, intervals {test.interval_median_ms:.2f} ms (median) and "
@@ -167,11 +175,11 @@ def _timed(test: TimingTest | None) -> DoctorFinding:
         f"(median) and {test.wait_p99_ms:.2f} ms (p99) by this machine's clock"
     )
     remedy = "close other programs; ask for a lower refresh rate" if test.dropped else ""
-    return DoctorFinding("timing test", not test.dropped, words, remedy, needed=False)
+    return Finding("timing test", not test.dropped, words, remedy, needed=False)
 
 
-def _there(part: str, found: str) -> DoctorFinding:
-    return DoctorFinding(part, True, found, needed=False)
+def _there(part: str, found: str) -> Finding:
+    return Finding(part, True, found, needed=False)
 
 
 _MARKS = {
@@ -212,19 +220,21 @@ def doctor(
         raise typer.Exit(1)
 
 
-def _examine(*, timing: bool) -> Iterator[DoctorFinding]:
+def _examine(*, timing: bool) -> Iterator[Finding]:
     yield _python()
-    finding, ctx = _opengl()
+    finding, ctx = find_opengl()
     yield finding
+    if ctx is not None:
+        yield find_gpu(ctx)
     yield _windows()
     yield _data()
-    yield from map(_extra, EXTRAS)
+    yield from map(find_extra, EXTRAS)
     yield from examine_openxr(ctx, timing=timing)
     if ctx is not None:
         ctx.release()
 
 
-def _show(findings: list[DoctorFinding]) -> None:
+def _show(findings: list[Finding]) -> None:
     table = Table(title=f"vrcomfort {__version__}", title_justify="left")
     for column in ("", "part", "found", "remedy"):
         table.add_column(column, overflow="fold")
@@ -234,72 +244,88 @@ def _show(findings: list[DoctorFinding]) -> None:
     console(wrap=True).print(table)
 
 
-def _python() -> DoctorFinding:
+def _python() -> Finding:
     ok = sys.version_info >= (3, 11)
-    return DoctorFinding(
-        "Python", ok, platform.python_version(), "" if ok else "install Python 3.11"
-    )
+    return Finding("Python", ok, platform.python_version(), "" if ok else "install Python 3.11")
 
 
-def _opengl() -> tuple[DoctorFinding, moderngl.Context | None]:
+def find_opengl() -> tuple[Finding, moderngl.Context | None]:
+    """Look for OpenGL without a window; return its context, too."""
     from vrcomfort.gpu.gl import VERSION_NAME, create_context, describe
 
     try:
         context = create_context()
     except InputError as error:
-        return DoctorFinding("OpenGL", False, "no context", str(error)), None
+        return Finding("OpenGL", False, "no context", str(error)), None
     facts = describe(context)
     kind = "EGL" if sys.platform.startswith("linux") else "WGL"
     there = f"{facts['version']} on {facts['renderer']}, by {kind}, without a window"
     words = f"{there}; needed: {VERSION_NAME}"
-    return DoctorFinding("OpenGL", True, words), context
+    return Finding("OpenGL", True, words), context
 
 
-def _windows() -> DoctorFinding:
+def find_gpu(ctx: moderngl.Context) -> Finding:
+    """Look at the GPU that draws, and for a faster one beside it, as laptops have."""
+    from vrcomfort.gpu.adapters import adapters, draws_in_software, faster_adapters, how_to_choose
+    from vrcomfort.gpu.gl import describe
+
+    renderer, there = describe(ctx)["renderer"], adapters()
+    words = f"{renderer} draws"
+    if faster := faster_adapters(renderer, there):
+        words = f"{words}; also there: {', '.join(faster)}"
+        return Finding("GPU", False, words, how_to_choose(faster[0]), needed=False)
+    if draws_in_software(renderer):
+        remedy = "for a headset: a GPU with its driver; playback and reports work without"
+        return Finding("GPU", False, f"{words}, on the processor", remedy, needed=False)
+    return Finding("GPU", True, words, needed=False)
+
+
+def _windows() -> Finding:
     """Look for a screen to put windows on: GLX on X11 or XWayland, WGL on Windows."""
     try:
         import glfw
     except ImportError:
         remedy = f"for sessions in a window: {pip_install('glfw')}"
-        return DoctorFinding("windows", False, "GLFW is not installed", remedy, needed=False)
+        return Finding("windows", False, "GLFW is not installed", remedy, needed=False)
     with warnings.catch_warnings(action="ignore", category=glfw.GLFWError):
         there = glfw.init()
     if not there:
         remedy = "for sessions in a window: start them on a desktop, or under Xvfb"
-        return DoctorFinding("windows", False, "no screen", remedy, needed=False)
+        return Finding("windows", False, "no screen", remedy, needed=False)
     mode = glfw.get_video_mode(glfw.get_primary_monitor()) if glfw.get_monitors() else None
     glfw.terminate()
     kind = "WGL" if sys.platform == "win32" else "GLX"
     screen = f", {mode.size.width}×{mode.size.height} at {mode.refresh_rate} Hz" if mode else ""
-    return DoctorFinding("windows", True, kind + screen, needed=False)
+    return Finding("windows", True, kind + screen, needed=False)
 
 
-def _data() -> DoctorFinding:
+def _data() -> Finding:
     try:
         scenes = sorted(path.stem for path in data_folder("scenes").glob("*.glb"))
     except FileNotFoundError as error:
-        return DoctorFinding("scenes", False, "none", str(error))
+        return Finding("scenes", False, "none", str(error))
     remedy = "" if scenes else "reinstall vrcomfort"
-    return DoctorFinding("scenes", bool(scenes), ", ".join(scenes) or "none", remedy)
+    return Finding("scenes", bool(scenes), ", ".join(scenes) or "none", remedy)
 
 
-def _extra(extra: Extra) -> DoctorFinding:
+def find_extra(extra: Extra) -> Finding:
+    """Look for the package of an extra."""
     part = f"extra {extra.name}"
     try:
         found = f"{extra.package} {version(extra.package)}"
     except PackageNotFoundError:
         remedy = f"for {extra.use}: {pip_install(extra.package)}"
-        return DoctorFinding(part, False, f"no {extra.package}", remedy, needed=False)
+        return Finding(part, False, f"no {extra.package}", remedy, needed=False)
     if extra.package == "av":
         try:
             codecs = _codecs()
         except InputError as error:
-            return DoctorFinding(part, False, found, str(error), needed=False)
+            return Finding(part, False, found, str(error), needed=False)
         if not codecs:
             remedy = f"reinstall PyAV from its wheel: {pip_install('av', again=True)}"
-            return DoctorFinding(part, False, f"{found} without an encoder", remedy, needed=False)
+            return Finding(part, False, f"{found} without an encoder", remedy, needed=False)
         found += f", {', '.join(codecs)}"
-    return DoctorFinding(part, True, f"{found}: {extra.use}", needed=False)
+    return Finding(part, True, f"{found}: {extra.use}", needed=False)
 
 
 def _codecs() -> list[str]:

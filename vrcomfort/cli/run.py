@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -37,7 +38,15 @@ from vrcomfort.cli.options import (
     typed_words,
 )
 from vrcomfort.cli.session_devices import open_console, open_outlets, open_speaker
-from vrcomfort.cli.terminal import ask_for_code, complain, console, dialogue, progress_bar, warn
+from vrcomfort.cli.terminal import (
+    ask_for_code,
+    ask_to_go_on,
+    complain,
+    console,
+    dialogue,
+    progress_bar,
+    warn,
+)
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.headset.watchdog import EXIT_RUNTIME_LOST, Watchdog
 from vrcomfort.protocol import Protocol, load_protocol
@@ -45,7 +54,6 @@ from vrcomfort.protocol import Protocol, load_protocol
 if TYPE_CHECKING:
     from vrcomfort.api.study_setup import HeadsetSetup
     from vrcomfort.cli.session_devices import ConsoleSetup
-    from vrcomfort.headset.base import Headset
     from vrcomfort.operator_interface import SessionProgress
     from vrcomfort.records.consents import Given
     from vrcomfort.respondent import Respondent
@@ -62,12 +70,24 @@ class HeadsetKind(StrEnum):
 
 
 PLAYBACK, OPENXR, DESKTOP = HeadsetKind
+
+
+class SharpEyes(StrEnum):
+    """Eyes that see sharp in the headset."""
+
+    BOTH = "both"
+    LEFT = "left"
+    RIGHT = "right"
+    NEITHER = "neither"
+
+
 MEANT_FOR: Mapping[str, tuple[HeadsetKind, ...]] = {
     "trace": (PLAYBACK,),
     "refresh_hz": (PLAYBACK, OPENXR),
     "monado_trace": (OPENXR,),
     "monado_answers": (OPENXR,),
     "mirror": (OPENXR,),
+    "no_preflight": (OPENXR, DESKTOP),
     "one_eye": (DESKTOP,),
 }
 """Field of `RunOptions` → headsets that it has a meaning for; others have one for all."""
@@ -122,6 +142,14 @@ class RunOptions:
             help="The participant's distance between the pupils; recorded.", min=40, max=85
         ),
     ] = None
+    sees_sharp: Annotated[
+        SharpEyes | None,
+        typer.Option(help="With which eyes the participant sees sharp, as they say; recorded."),
+    ] = None
+    no_preflight: Annotated[
+        bool,
+        typer.Option("--no-preflight", help="Go on without a preflight of the day; recorded."),
+    ] = False
     lsl: Annotated[
         bool,
         typer.Option("--lsl", help="Send markers, ratings, head and gaze to LabStreamingLayer."),
@@ -367,13 +395,16 @@ def run(ctx: typer.Context, options: RunOptions) -> None:
         enrolment = owned.enter_context(options.open_enrolment(study))
         _tell_of_the_other_kind(options.out, simulated=options.simulated)
         headset = owned.enter_context(options.connect(protocol, rehearsal, watchdog))
-        from vrcomfort.records.apparatus import differences_in
+        from vrcomfort.records.apparatus import differences_in, facts_now
+        from vrcomfort.session import headset_facts
         from vrcomfort.session import run as run_sessions
 
         try:
             settings = _settings(owned, options, protocol, study, enrolment, headset)
             shown_by = headset.headset if headset else playback.standing_in(protocol.scenes[0])
-            told = _differences_before(enrolment, settings, shown_by)
+            now = facts_now(settings.machine, headset_facts(shown_by))
+            settings = replace(settings, preflight=_preflight(options, protocol, now))
+            told = _differences_before(enrolment, now)
             outcome = run_sessions(enrolment, settings)
         except RuntimeLostError as error:
             complain(str(error))
@@ -397,16 +428,48 @@ def _tell_of_the_other_kind(study: Path, *, simulated: bool) -> None:
         warn(told)
 
 
-def _differences_before(
-    enrolment: OpenEnrolment, settings: SessionSettings, shown_by: Headset
-) -> list[str]:
+def _preflight(
+    options: RunOptions, protocol: Protocol, now: Mapping[str, Any]
+) -> dict[str, str] | None:
+    """Return the preflight for the manifest; without one that holds, ask whether to go on.
+
+    Raises
+    ------
+    InputError
+        If the operator would rather do it first.
+    """
+    from vrcomfort.records.preflights import read_preflight, why_again
+
+    if options.headset is PLAYBACK or options.simulated or options.monado_trace is not None:
+        return None  # nobody wears anything
+    try:
+        done = read_preflight(options.out)
+        why = why_again(done, protocol_sha256=protocol.sha256, headset=options.headset, run=now)
+    except InputError as error:
+        done, why = None, str(error)
+    if done is not None and not why:
+        return {"at": done.at, "outcome": done.outcome}
+    if not options.no_preflight:
+        words = [
+            "preflight",
+            options.protocol,
+            "--out",
+            str(options.out),
+            "--headset",
+            options.headset,
+        ]
+        remedy = f"to do it, type: vrcomfort {shlex.join(words)}"
+        if not ask_to_go_on(f"{why}; {remedy}"):
+            raise InputError(f"{why}; {remedy}, or run again with --no-preflight")
+    return {"without": why}
+
+
+def _differences_before(enrolment: OpenEnrolment, now: Mapping[str, Any]) -> list[str]:
     """Tell what the session will differ in from earlier ones of the study."""
-    from vrcomfort.records.apparatus import differences_in, facts_now
-    from vrcomfort.session import headset_facts
+    from vrcomfort.records.apparatus import differences_in
 
     who = {"participant": enrolment.participant, "session": enrolment.numbers[0]}
-    now = {**who, **facts_now(settings.machine, headset_facts(shown_by))}
-    told = differences_in(enrolment.study, now)
+    told = differences_in(enrolment.study, {**who, **now})
     for sentence in told:
         warn(sentence)
     return told
@@ -440,6 +503,7 @@ def _settings(
     return replace(
         settings,
         ipd_measured_m=None if options.ipd_mm is None else options.ipd_mm / 1000,
+        sees_sharp=None if options.sees_sharp is None else str(options.sees_sharp),
         outlet=outlet,
         speaker=speaker or settings.speaker,
         progress=progress,

@@ -88,6 +88,14 @@ def ask_for_code(code: TaskCode) -> bool:
     return typer.confirm(question, default=False, err=True)
 
 
+def ask_to_go_on(sentence: str) -> bool:
+    """Say what is missing, and ask at the terminal whether to go on; True without a terminal."""
+    warn(sentence)
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        return True
+    return typer.confirm("Go on without it? That is recorded", default=False, err=True)
+
+
 def ask_to_type(question: str) -> None:
     """Ask the experimenter to type the participant's words; lines are read elsewhere."""
     dialogue().print(question, style="bold")

@@ -53,6 +53,14 @@ class HasDisplayClock(Protocol):
 
 
 @runtime_checkable
+class CanSleep(Protocol):
+    """A headset that shows nothing while nobody wears it."""
+
+    def wake(self, timeout_s: float) -> bool:
+        """Wait until the headset wants frames; return False where it sleeps on."""
+
+
+@runtime_checkable
 class HasInputs(Protocol):
     """A headset with controllers, tracked hands, an eye tracker or keys."""
 

@@ -77,6 +77,9 @@ EVENTS: Mapping[str, EventKind] = {
     "headset_off": EventKind("The headset was taken off"),
     "headset_on": EventKind("The headset was put on"),
     "instruction": EventKind("An instruction was given"),
+    "ipd_differs": EventKind(
+        "The distance between the eyes that is shown is not the participant's", _OF_BODY
+    ),
     "not_passed_on": EventKind("Samples for other devices were lost: these were too slow"),
     "openxr_error": EventKind("The OpenXR runtime reported an error", _PATH),
     "openxr_warning": EventKind("The OpenXR runtime reported a warning", _PATH),

@@ -232,6 +232,8 @@ class ManifestShape(_File):
     memory: dict[str, Any] | None = None
     ended: dict[str, str] | None = None
     eye_heights: list[dict[str, Any]] = []
+    preflight: dict[str, str] | None = None
+    sees_sharp: str | None = None
 
 
 class DescribedShape(_File):
@@ -261,6 +263,26 @@ class CopyShape(_File):
     """``anonymised.json`` of an anonymous copy."""
 
     sessions_left_out: list[str] = []
+
+
+class _Checked(_Part):
+    part: str
+    outcome: Literal["ok", "notice", "refuse"]
+    found: str
+    remedy: str = ""
+
+
+class PreflightShape(_File):
+    """``preflight.json`` of a study: the checks before people come."""
+
+    at: Moment
+    outcome: Literal["ok", "notice", "refuse"]
+    protocol: ProtocolText
+    headset: str
+    rehearsed: bool = False
+    apparatus: dict[str, str]
+    findings: list[_Checked]
+    timing: dict[str, Any] | None = None
 
 
 _ENCODER = json.JSONEncoder(ensure_ascii=False)

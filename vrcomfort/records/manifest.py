@@ -86,6 +86,11 @@ class Manifest:
     eye_heights
         Each measurement: ``before_trial``, ``measured_m`` over the participant's floor, and
         ``offset_m``, how much higher they were in the scene.
+    preflight
+        The checks before the session (``at``, ``outcome``), or the reason why none held
+        (``without``); None where none is asked for: playback, simulated participants, rehearsals.
+    sees_sharp
+        The eyes with which the participant sees sharp, if it was entered.
     """
 
     participant: str
@@ -114,6 +119,8 @@ class Manifest:
     memory: dict[str, Any] | None = None
     ended: dict[str, str] | None = None
     eye_heights: list[dict[str, Any]] = field(default_factory=list)
+    preflight: dict[str, str] | None = None
+    sees_sharp: str | None = None
 
     def write(self, folder: Path, access: Access = OWNER, *, sync: bool = True) -> None:
         """Write ``manifest.json`` as a whole; it is on the disk at return, if `sync`.
@@ -143,6 +150,8 @@ class Manifest:
             "wordings": protocol.wordings,
             "headset": self.headset,
             "ipd_measured_m": self.ipd_measured_m,
+            "sees_sharp": self.sees_sharp,
+            "preflight": self.preflight,
             "exposure_s": self.exposure_s,
             "exposure_override_s": self.exposure_s if overridden else None,
             "clamps": self.clamps,
@@ -188,7 +197,7 @@ _OF_THE_SESSION = (
     "schema_version",
     "participant", "session", "sequence", "seed", "exposure_s", "exposure_override_s", "protocol",
     "settings", "timing_flags", "earlier_runs", "under_way", "exposure_ended", "missed_questions",
-    "withdrawals_undone", "memory", "ended", "language", "wordings", "eye_heights",
+    "withdrawals_undone", "memory", "ended", "language", "wordings", "eye_heights", "sees_sharp",
 )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -50,6 +51,10 @@ class SessionSettings:
         Of questions in the headset, None where they are asked elsewhere; its events are recorded.
     ipd_measured_m
         The participant's, as the operator measured it; recorded. None: it was not entered.
+    sees_sharp
+        The eyes with which the participant sees sharp, as they said; recorded.
+    preflight
+        The checks before the session, or why there were none, for the manifest.
     durability
         When rows are safe from a power cut; "session_end" is for what can be simulated again.
     watchdog
@@ -72,6 +77,8 @@ class SessionSettings:
     machine: Machine = field(default_factory=Machine)
     screen: PanelScreen | None = None
     ipd_measured_m: float | None = None
+    sees_sharp: str | None = None
+    preflight: Mapping[str, str] | None = None
     durability: Durability = "each_row"
     watchdog: Watchdog | None = None
     operators: OperatorControl = field(default_factory=lambda: OperatorControl(NoOperator()))
@@ -140,7 +147,7 @@ class EventLog:
     def note(self, happened: HeadsetEvent) -> None:
         """Write a headset event between two frames; show the operator the urgent ones."""
         self.event_soon(happened.name, detail=happened.detail)
-        if happened.name in ("unfocused", "headset_off"):
+        if happened.name in ("unfocused", "headset_off", "ipd_differs"):
             self.tell("notice", WHOLE_SESSION, 0, 0, happened.detail)
 
     def event_soon(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:

@@ -189,6 +189,8 @@ class ParticipantSessions:
             missed_questions=list(then.get("missed_questions", [])),
             withdrawals_undone=list(then.get("withdrawals_undone", [])),
             ipd_measured_m=context.ipd_measured_m or then.get("ipd_measured_m"),
+            preflight=dict(context.preflight) if context.preflight else None,
+            sees_sharp=context.sees_sharp or then.get("sees_sharp"),
             memory=then.get("memory"),
             eye_heights=list(then.get("eye_heights", [])),
         )

@@ -9,7 +9,8 @@ from functools import partial
 from typing import Any
 
 from vrcomfort.errors import RuntimeLostError, headset_ended
-from vrcomfort.headset.base import Headset
+from vrcomfort.frame import HeadsetEvent
+from vrcomfort.headset.base import CanSleep, Headset
 from vrcomfort.operator_interface import ProgressKind
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.timeline import TrialPlace
@@ -27,6 +28,9 @@ from vrcomfort.session.ratings import RatingSchedules, StopRule, schedules_of, t
 from vrcomfort.session.start_pose import StartPose, start_pose_of
 from vrcomfort.session.task_run import TaskRun
 from vrcomfort.stop_signals import uninterrupted
+
+IPD_TOLERANCE_M = 0.0015
+"""Between what is measured and what is shown: rulers and scales of headsets tell millimetres."""
 
 
 @dataclass
@@ -78,6 +82,7 @@ class TrialRunner:
         self._open: tuple[TrialPlace, Ending, FrameLoop | None] | None = None
         self._task: TaskRun | None = None
         self._adjustment: AdjustmentRun | None = None
+        self._ipd_compared = False
 
     def run(self, place: TrialPlace) -> Ending:
         """Expose, again where an operator wants it so; return how the last attempt ended."""
@@ -180,8 +185,21 @@ class TrialRunner:
         start = start_pose_of(scene, view, walks=protocol.locomotion.mode != "off")
         headset = context.headset_for(view.scene, start.scene)
         self._manifest.note_headset(headset)
+        self._compare_ipd(headset)
         self._operators.use(headset)
         return headset, start
+
+    def _compare_ipd(self, headset: Headset) -> None:
+        """Note, once, eyes that a worn headset shows closer or wider than the participant's."""
+        measured_m, shown_m = self._context.ipd_measured_m, headset.details.get("ipd_m")
+        worn = isinstance(headset, CanSleep)
+        if not worn or self._ipd_compared or measured_m is None or shown_m is None:
+            return
+        self._ipd_compared = True
+        if abs(measured_m - shown_m) > IPD_TOLERANCE_M:
+            words = f"{1000 * shown_m:.1f} mm shown, {1000 * measured_m:.1f} mm measured"
+            detail = f"distance between the eyes: {words}; set the headset's lenses to it"
+            self._events.note(HeadsetEvent("ipd_differs", detail))
 
     def _task_in(self, place: TrialPlace, scene: Any) -> TaskRun | None:
         """Return the task of a trial, ready to begin."""

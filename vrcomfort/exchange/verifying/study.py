@@ -23,6 +23,8 @@ from vrcomfort.records.json_file import (
     read_json,
     read_shape,
 )
+from vrcomfort.records.preflights import FILE as PREFLIGHT
+from vrcomfort.records.preflights import read_preflight
 from vrcomfort.records.reader import Session
 from vrcomfort.records.session_rows import ConsentRow, ParticipantRow, QuestionnaireRow
 from vrcomfort.records.study import DESCRIPTION, read_description, read_participants
@@ -32,7 +34,7 @@ IMPORT = "import.json"
 _ANONYMISED = "anonymised.json"
 _OWN = {
     DESCRIPTION, ParticipantRow.FILE, ConsentRow.FILE, CHECKSUMS, "instruments",
-    ".participants.lock", _ANONYMISED,
+    ".participants.lock", _ANONYMISED, PREFLIGHT,
 }  # fmt: skip
 
 
@@ -74,6 +76,10 @@ def verify_study(
         for name in sorted(_folders(study) | set(people or ()))
     }
     _consents(study, people, manifests, found)
+    try:
+        read_preflight(study)
+    except InputError as error:
+        found.refusal(error, study / PREFLIGHT)
     for name, sessions in sorted(manifests.items()):
         if people and name in people:
             left = sum(each.participant == name for each in left_out)

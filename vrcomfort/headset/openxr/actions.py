@@ -42,6 +42,11 @@ class Profile:
     extension: str | None = None
     ticks: bool = True
 
+    def stops(self, hand: str) -> str:
+        """Return the button of a hand ("left", "right") that stops, in words."""
+        own = self.left if hand == "left" else self.right
+        return f"{own['stop'].split('/')[1]} button" if "stop" in own else "both fists"
+
     def pairs(self) -> list[tuple[str, str]]:
         """Return (action, full path) of each binding."""
         return [
@@ -109,6 +114,15 @@ PROFILES = (
 )
 """``stop`` is the menu button where an application may have it, else A: on the Index, and on right
 controllers whose menu button is the runtime's. Bare hands have none, and stop with two fists."""
+
+
+def stop_of(profile: str, hand: str) -> str:
+    """Return what stops an exposure with a hand, by the path of its interaction profile."""
+    for each in PROFILES:
+        if profile.endswith(each.path):
+            return each.stops(hand)
+    return "nothing"
+
 
 GAZE_PROFILE = "ext/eye_gaze_interaction"
 GAZE_PATH = "/user/eyes_ext/input/gaze_ext/pose"

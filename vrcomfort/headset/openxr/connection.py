@@ -122,11 +122,13 @@ class Connection:
     @running()
     def details(self) -> dict[str, str]:
         """Return facts on runtime and headset for the manifest."""
+        room = self.stage.room_m()
         return {
             "runtime": self.runtime.name,
             "headset": self.runtime.headset_name,
             "binding": self._platform,
             "space": self.stage.kind,
+            "room": "not told" if room is None else f"{room[0]:.2f} m × {room[1]:.2f} m",
             "image_format": FORMATS[self._format],
             "depth_layer": self._no_depth or DEPTH_FORMAT_NAME,
             "eye_tracker": "yes" if self.runtime.has_gaze or self.runtime.has_each_eye else "no",

@@ -69,6 +69,18 @@ class Stage:
         self.head_tracked = LOCATION_FLAGS(self._location) & HEAD_TRACKED == HEAD_TRACKED
         return head
 
+    def room_m(self) -> tuple[float, float] | None:
+        """Return the width and depth in which people may walk; None where it is not told."""
+        try:
+            room = watched(xr.get_reference_space_bounds_rect, self._session, Space.STAGE)
+        except (
+            xr.exception.SpaceBoundsUnavailable,  # nobody has drawn a boundary
+            xr.exception.ReferenceSpaceUnsupportedError,
+        ):
+            return None
+        size_m = float(room.width), float(room.height)
+        return size_m if min(size_m) > 0 else None
+
     def recenter(self, head: Pose) -> None:
         """Move the origin to the floor under `head`, and turn −Z to where it looks."""
         self.origin = self.origin @ floor_under(head)
