@@ -76,6 +76,30 @@ def test_a_study_without_frames_goes_on_without_frames_alone(tmp_path):
         simulate_sessions(protocol, participants=3, refresh_hz=20.0, frames=False, **play)
 
 
+def test_a_task_is_done_without_frames_and_its_rows_are_whole(tmp_path):
+    protocol = load_protocol("hillaire_2008")
+    simulate_sessions(
+        protocol,
+        participants=1,
+        frames=False,
+        exposure_s=30.0,
+        size_px=(16, 16),
+        out=tmp_path / "S",
+    )
+    assert rows(tmp_path, "frames.csv") == []
+    found = rows(tmp_path, "tasks.csv")
+    sums = [row for row in found if row["kind"] == "trial"]
+    assert [row["trial"] for row in sums] == [str(k) for k in range(1, 9)]
+    for row in sums:
+        own = [each for each in found if each["trial"] == row["trial"]]
+        assert int(row["shots"]) == sum(each["kind"] == "shot" for each in own) > 0
+        assert int(row["hits"]) == sum(
+            each["kind"] == "target" and each["hit"] == "1" for each in own
+        )
+        assert row["deaths"] != ""
+    assert not verify_study(tmp_path / "S").faults
+
+
 def test_a_manifest_is_written_as_json_writes_it():
     content = {"a": {"b": [1, 2.5, None, 'ü\n"x"'], "c": {}}, "d": [], "e": True, "f": [[1], {}]}
     for _ in range(2):  # the second from what was written before

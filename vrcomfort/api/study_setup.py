@@ -136,7 +136,7 @@ class StudySetup:
         self._durability = durability
         self._frames = frames
         self._rendering: tuple[StereoRenderer, Machine] | None = None
-        self._load_scene = lru_cache(maxsize=None)(partial(_load_scene, note=note))
+        self._load_scene = lru_cache(maxsize=None)(_scene_loader(self._protocol, frames, note))
 
     def open_enrolment(
         self,
@@ -197,11 +197,10 @@ class StudySetup:
 
         renderer, machine = (headset.renderer, headset.machine) if headset else self._windowless()
         simulated = respondent is None
-        loader = self._load_scene if self._frames else session.scenes_for(self._protocol)
         return session.SessionSettings(
             respondent=respondent or self._simulated(enrolment),
             headset_for=headset.headset_for if headset else self._headset_for(),
-            load_scene=loader,
+            load_scene=self._load_scene,
             renderer=renderer,
             clock=session.VirtualClock() if simulated else session.WallClock(),
             machine=machine,
@@ -241,7 +240,12 @@ class StudySetup:
         from vrcomfort.respondent import SimulatedRespondent
 
         settings, seed = self._protocol.simulation, enrolment.design.seed
-        return SimulatedRespondent(settings, participant=enrolment.participant, seed=seed)
+        return SimulatedRespondent(
+            settings,
+            participant=enrolment.participant,
+            seed=seed,
+            covariates=enrolment.covariates,
+        )
 
 
 def _require_trust(code: TaskCode, given: str | None, ask: AskForCode | None) -> None:
@@ -296,6 +300,13 @@ def require_wording(protocol: Protocol, kind: RespondentKind, *, in_headset: boo
     if in_headset or not aloud:
         for fault in undrawable_wording(protocol, asked_aloud=aloud):
             raise fault
+
+
+def _scene_loader(protocol: Protocol, frames: bool, note: Note) -> Callable[[str], Any]:
+    """Return the loader of what a session needs of its scenes."""
+    from vrcomfort.session import scenes_for
+
+    return partial(_load_scene, note=note) if frames else scenes_for(protocol)
 
 
 def _load_scene(source: str, note: Note) -> Scene:

@@ -113,6 +113,12 @@ def _simulation(protocol: Protocol) -> Iterator[Problem]:
             if not low <= wanted <= high:
                 message = f"{wanted:g} is not in the range of `{name}`, {low:g} to {high:g}"
                 yield Problem(("simulation", "adjusts_to", name), f"{message}; choose one that is")
+    known = {each.name: each.levels for each in protocol.covariates}
+    for name, levels in effects.skill_effects.items():
+        yield from _named_key(("simulation", "skill_effects", name), "covariate", known)
+        for level in levels if name in known else ():
+            path = ("simulation", "skill_effects", name, level)
+            yield from _named_key(path, "level", known[name])
     for name in effects.scene_effects:
         yield from _named_key(("simulation", "scene_effects", name), "scene", protocol.scenes)
 

@@ -80,6 +80,12 @@ class Simulation(Settings):
     """Standard deviation of the logarithm of that time."""
     aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
     """Spread of where they point, along each axis."""
+    aim_lag_s: Annotated[float, Field(ge=0, le=10)] = 0.1
+    """For how long they aim at where a moving target was."""
+    task_sigma: Annotated[float, Field(ge=0, le=2)] = 0.0
+    """How much people differ in these three: standard deviation of the logarithm of a factor."""
+    skill_effects: dict[str, dict[str, PositiveCoefficient]] = Field(default_factory=dict)
+    """Covariate → level → factor of the three; 1 without it."""
     break_extra_s: Annotated[float, Field(ge=0, le=86_400)] = 20.0
     """For how long, on average, they stay in a break that they may end."""
     eyes: SimulatedEyes | None = None

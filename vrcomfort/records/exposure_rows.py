@@ -277,6 +277,10 @@ class TaskRow(Row):
     hits: Hits = None
     shots: Shots = None
     score: Score = None
+    deaths: Annotated[
+        int | None,
+        Column("How often opponents won", blank="the row has no opponents", since=6),
+    ] = None
     resumed: Resumed = 0
 
 

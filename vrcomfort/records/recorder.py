@@ -58,10 +58,10 @@ class BackgroundWriter:
             self._add(row)
         return True
 
-    def put(self, row: Row) -> None:
-        """Take a row, however many wait; never waits."""
+    def put(self, *rows: Row) -> None:
+        """Take rows, however many wait; never waits."""
         with self._changed:
-            self._add(row)
+            self._add(*rows)
 
     def check(self) -> None:
         """Raise the error of `write`, if there was one."""
@@ -84,8 +84,8 @@ class BackgroundWriter:
         self._thread.join()
         self.check()
 
-    def _add(self, row: Row) -> None:
-        self._rows.append(row)
+    def _add(self, *rows: Row) -> None:
+        self._rows.extend(rows)
         self._changed.notify_all()
 
     def _run(self) -> None:
@@ -234,8 +234,7 @@ class Recorder:
         for row in rows:
             if isinstance(row, FrameRow):
                 self._offer(row)
-            else:
-                self._background.put(row)
+        self._background.put(*(row for row in rows if not isinstance(row, FrameRow)))
         self._background.check()  # not before: no row may be lost to the fault of another
 
     def take_external_changes(self) -> list[ExternalChange]:

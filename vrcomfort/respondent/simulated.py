@@ -78,6 +78,7 @@ class _Stream(IntEnum):
     SLIDER = 8
     WORDS = 9
     DECISION = 10
+    SKILL = 11
 
 
 SAID = (
@@ -94,7 +95,14 @@ class SimulatedRespondent:
 
     name = "simulated"
 
-    def __init__(self, settings: Simulation, *, participant: str, seed: int) -> None:
+    def __init__(
+        self,
+        settings: Simulation,
+        *,
+        participant: str,
+        seed: int,
+        covariates: Mapping[str, str] | None = None,
+    ) -> None:
         self._settings = settings
         self._seed = seed
         self._person = _hash(participant)
@@ -102,6 +110,10 @@ class SimulatedRespondent:
         self.susceptibility = math.exp(settings.susceptibility_sigma * rng.standard_normal())
         levels = settings.baseline_sd * rng.standard_normal(len(LOADINGS))
         self._levels: dict[str, float] = dict(zip(LOADINGS, levels.tolist(), strict=True))
+        own = settings.task_sigma * self._stream(0, _Stream.SKILL).standard_normal()
+        effects = settings.skill_effects
+        factors = [effects.get(k, {}).get(v, 1.0) for k, v in (covariates or {}).items()]
+        self._skill = math.prod(factors, start=math.exp(own))
         self._start_again(session=1)
 
     def _stream(self, *key: int) -> np.random.Generator:
@@ -145,11 +157,15 @@ class SimulatedRespondent:
     def start_task(self, trial: int, condition: str) -> None:
         """Begin a task, with a random stream of its own: it changes no answer."""
         random = self._stream(self._session, trial, _Stream.HANDS)
-        self._hands = SimulatedHands(self._settings, condition, random)
+        self._hands = SimulatedHands(self._settings, condition, random, self._skill)
 
     def act(self, demand: Demand | None, head: Pose, time_s: float) -> Pose | None:
         """Return world-from-ray of a press in this frame, if there is one."""
         return self._hands.act(demand, head, time_s)
+
+    def next_press_s(self, demand: Demand | None) -> float:
+        """Return when they press next; infinite where nothing is to be pressed."""
+        return self._hands.next_s(demand)
 
     def start_adjustment(self, trial: int, adjustment: Adjustment) -> None:
         """Begin to adjust, with random streams of their own: that changes no answer."""
@@ -170,6 +186,11 @@ class SimulatedRespondent:
         """Return where they put a slider, which is at a place (0 to 1) of its range."""
         felt = float(self._after(np.array(self._lived_s))) / _SICKNESS_OF_RANGE
         return self._slider.put(place, felt)
+
+    @property
+    def has_eyes(self) -> bool:
+        """Return whether an eye tracker would see where they look."""
+        return self._settings.eyes is not None
 
     def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze | None:
         """Return where they look, as an eye tracker says it; None where they have no such eyes."""

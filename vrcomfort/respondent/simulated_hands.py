@@ -22,15 +22,29 @@ class SimulatedHands:
     """The hands of one simulated participant in one exposure.
 
     Reaction times are log-normal; where they point is spread alike along two axes (and, as with
-    people, not where they look).
+    people, not where they look); where a target moves, they follow it late.
+
+    Parameters
+    ----------
+    skill
+        The person's own factor of all three.
     """
 
-    def __init__(self, settings: Simulation, condition: str, random: np.random.Generator) -> None:
+    def __init__(
+        self, settings: Simulation, condition: str, random: np.random.Generator, skill: float = 1.0
+    ) -> None:
         self._settings = settings
-        self._worse = settings.task_effects.get(condition, 1.0)
+        self._worse = settings.task_effects.get(condition, 1.0) * skill
+        self._lag_s = settings.aim_lag_s * self._worse
         self._random = random
         self._since_s: float | None = None
         self._due_s = math.inf
+
+    def next_s(self, demand: Demand | None) -> float:
+        """Return when the next press comes; at once where the demand has not been seen yet."""
+        if demand is None or not demand.press:
+            return math.inf
+        return self._due_s if demand.since_s == self._since_s else -math.inf
 
     def act(self, demand: Demand | None, head: Pose, time_s: float) -> Pose | None:
         """Return world-from-ray of a press in this frame, if there is one."""
@@ -42,12 +56,15 @@ class SimulatedHands:
             self._due_s = time_s + self._reaction_s()
         if time_s < self._due_s:
             return None
-        self._due_s = time_s + _AGAIN * self._reaction_s()
+        self._due_s = time_s + max(_AGAIN * self._reaction_s(), demand.every_s)
         hand = head.position + head.rotation @ np.array(_HAND_M)
         right, up = np.radians(self._settings.aim_sd_deg * self._worse) * (
             self._random.standard_normal(2)
         )
-        aim = Pose(hand, turn_to(normalize(demand.position_m - hand)))
+        place_m = demand.position_m
+        if demand.place_at is not None:
+            place_m = demand.place_at(max(time_s - self._lag_s, demand.since_s))
+        aim = Pose(hand, turn_to(normalize(place_m - hand)))
         return aim @ Pose(orientation=yaw_pitch_roll(-right, up, 0.0))
 
     def _reaction_s(self) -> float:

@@ -12,6 +12,11 @@ from vrcomfort.scene.data import Primitive, Scene
 from vrcomfort.scene.node_poses import NodePoses
 
 _PARALLEL = 1e-12
+_FLAT = 1e-12
+"""Smaller volumes are those of a node that is scaled to nothing."""
+_CELL = 32
+"""Triangles that lie near each other and share a box."""
+_MORTON_BITS = 10
 
 
 class RayHit(NamedTuple):
@@ -32,23 +37,62 @@ class RayHit(NamedTuple):
 NOTHING = RayHit(np.inf, "")
 
 
-class _Surface(NamedTuple):
-    """Triangles of a node in the world.
+class _Triangles(NamedTuple):
+    """Triangles in cells of `_CELL`, which a ray meets by their boxes.
 
     Parameters
     ----------
-    corners
-        (m, 3, 3).
+    corner, edge_1, edge_2
+        (cells, _CELL, 3); a cell that is not full repeats its last triangle.
     both_sides
-        (m,) True where the back is seen, too.
+        (cells, _CELL) True where the back is seen, too.
+    node
+        (cells, _CELL) index of the node.
     low, high
-        (3,) of the box around them.
+        (3, cells) of the boxes.
     """
 
-    corners: Array
+    corner: Array
+    edge_1: Array
+    edge_2: Array
     both_sides: NDArray[np.bool_]
+    node: NDArray[np.intp]
     low: Array
     high: Array
+
+    @classmethod
+    def of(
+        cls, corners: Array, both_sides: NDArray[np.bool_], node: NDArray[np.intp]
+    ) -> _Triangles:
+        """Put (m, 3, 3) triangles into cells."""
+        order = np.argsort(_morton(corners.mean(axis=1)), kind="stable")
+        cells = -(-len(order) // _CELL)
+        order = np.pad(order, (0, cells * _CELL - len(order)), mode="edge").reshape(cells, _CELL)
+        placed = corners[order]
+        corner = placed[:, :, 0]
+        return cls(
+            corner,
+            placed[:, :, 1] - corner,
+            placed[:, :, 2] - corner,
+            both_sides[order],
+            node[order],
+            np.ascontiguousarray(placed.min(axis=(1, 2)).T),
+            np.ascontiguousarray(placed.max(axis=(1, 2)).T),
+        )
+
+    def nearest(self, origin: Array, along: Array, *, mirrored: bool = False) -> tuple[float, int]:
+        """Return the distance to the first triangle and its node; infinite without one."""
+        met = np.flatnonzero(_meets(self.low, self.high, origin, along))
+        if not met.size:
+            return np.inf, -1
+        corner, edge_1, edge_2 = (
+            each[met].reshape(-1, 3) for each in (self.corner, self.edge_1, self.edge_2)
+        )
+        both_sides = self.both_sides[met].ravel()
+        away = _distances(corner, edge_1, edge_2, both_sides, origin, along, mirrored=mirrored)
+        first = int(np.argmin(away))
+        away_m = float(away[first])
+        return away_m, int(self.node[met].ravel()[first]) if away_m < np.inf else -1
 
 
 class RayCaster:
@@ -61,48 +105,41 @@ class RayCaster:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         self._poses = NodePoses(scene)
-        self._nodes = [
+        world = self._poses.world_from_node(0.0, Pose())
+        solid = [
             index
             for index, node in enumerate(scene.nodes)
             if not self._poses.locked[index] and any(_solid(scene, k) for k in node.mesh)
         ]
-        self._movers = [
-            place for place, index in enumerate(self._nodes) if scene.nodes[index].moving
-        ]
-        self._kept: tuple[float, list[_Surface], Array, Array] | None = None
+        still = [_surface(scene, k, world[k]) for k in solid if not scene.nodes[k].moving]
+        self._still = (
+            _Triangles.of(*map(np.concatenate, zip(*still, strict=True))) if still else None
+        )
+        self._moving = {
+            index: _Triangles.of(*_surface(scene, index, np.eye(4)))
+            for index in solid
+            if scene.nodes[index].moving
+        }
 
     def cast(self, ray: Pose, time_s: float = 0.0) -> RayHit:
         """Return the first hit along −Z of world-from-ray at a time of the scene."""
-        surfaces, low, high = self._at(time_s)
-        if not surfaces:
-            return NOTHING
         origin, along = ray.position, ray.forward
-        enters = _entries(low, high, origin, along)
-        found = NOTHING
-        for place in np.argsort(enters, kind="stable").tolist():
-            if enters[place] > found.distance_m or not np.isfinite(enters[place]):
-                break
-            away_m = _nearest(surfaces[place], origin, along)
-            if away_m < found.distance_m:
-                found = RayHit(away_m, self._scene.nodes[self._nodes[place]].name)
-        return found
-
-    def _at(self, time_s: float) -> tuple[list[_Surface], Array, Array]:
-        kept = self._kept
-        if kept is None or (self._movers and kept[0] != time_s):
+        found = np.inf, -1
+        if self._still is not None:
+            found = self._still.nearest(origin, along)
+        if self._moving:
             world = self._poses.world_from_node(time_s, Pose())
-            if kept is None:
-                surfaces = [_surface(self._scene, index, world[index]) for index in self._nodes]
-                low = np.array([each.low for each in surfaces]).reshape(-1, 3)
-                high = np.array([each.high for each in surfaces]).reshape(-1, 3)
-            else:
-                _, surfaces, low, high = kept
-                for place in self._movers:
-                    index = self._nodes[place]
-                    surfaces[place] = found = _surface(self._scene, index, world[index])
-                    low[place], high[place] = found.low, found.high
-            self._kept = kept = time_s, surfaces, low, high
-        return kept[1:]
+            for index, triangles in self._moving.items():
+                if not _passes_near(triangles, world[index], origin, along):
+                    continue
+                # Distances along a ray are the same in a node's own frame, where nothing moves.
+                volume = np.linalg.det(world[index, :3, :3])
+                if abs(volume) < _FLAT:
+                    continue
+                own = np.linalg.inv(world[index])
+                start, way = own[:3, :3] @ origin + own[:3, 3], own[:3, :3] @ along
+                found = min(found, triangles.nearest(start, way, mirrored=bool(volume < 0)))
+        return RayHit(found[0], self._scene.nodes[found[1]].name) if found[1] >= 0 else NOTHING
 
 
 def _solid(scene: Scene, primitive: int) -> bool:
@@ -110,44 +147,94 @@ def _solid(scene: Scene, primitive: int) -> bool:
     return len(surface.indices) > 0 and scene.materials[surface.material].alpha_mode != "BLEND"
 
 
-def _surface(scene: Scene, index: int, world_from_node: Array) -> _Surface:
+def _surface(
+    scene: Scene, index: int, place: Array
+) -> tuple[Array, NDArray[np.bool_], NDArray[np.intp]]:
+    """Return a node's (m, 3, 3) triangles, which are seen from both sides, and (m,) its index."""
     parts = [scene.primitives[k] for k in scene.nodes[index].mesh if _solid(scene, k)]
-    mirrored = np.linalg.det(world_from_node[:3, :3]) < 0
-    corners = np.concatenate([_corners(part, world_from_node, mirrored) for part in parts])
+    mirrored = np.linalg.det(place[:3, :3]) < 0
+    corners = np.concatenate([_corners(part, place, mirrored) for part in parts])
     sides = [scene.materials[part.material].double_sided for part in parts]
     both = np.repeat(sides, [len(part.indices) for part in parts])
-    return _Surface(corners, both, corners.min(axis=(0, 1)), corners.max(axis=(0, 1)))
+    return corners, both, np.full(len(corners), index)
 
 
-def _corners(part: Primitive, world_from_node: Array, mirrored: bool) -> Array:
-    placed = part.positions @ world_from_node[:3, :3].T + world_from_node[:3, 3]
+def _corners(part: Primitive, place: Array, mirrored: bool) -> Array:
+    placed = part.positions @ place[:3, :3].T + place[:3, 3]
     corners: Array = placed[part.indices]
     return corners[:, ::-1] if mirrored else corners
 
 
-def _entries(low: Array, high: Array, origin: Array, along: Array) -> Array:
-    """Return (n,) where a ray enters each box, 0 inside of it, infinite where it misses."""
+def _morton(points: Array) -> NDArray[np.uint64]:
+    """Return (m,) places on a space-filling curve (Morton 1966), on which neighbours are near."""
+    low, size = points.min(axis=0), np.maximum(np.ptp(points, axis=0).max(), 1e-9)
+    steps = ((points - low) / size * (2**_MORTON_BITS - 1)).astype(np.uint64)
+    code = np.zeros(len(points), dtype=np.uint64)
+    for bit in range(_MORTON_BITS):
+        for axis in range(3):
+            picked = (steps[:, axis] >> np.uint64(bit)) & np.uint64(1)
+            code |= picked << np.uint64(3 * bit + axis)
+    return code
+
+
+def _meets(low: Array, high: Array, origin: Array, along: Array) -> NDArray[np.bool_]:
+    """Return (n,) True for each of (3, n) boxes that a ray meets."""
+    first, last = 0.0, np.inf
     with np.errstate(divide="ignore", invalid="ignore"):
-        to_low, to_high = (low - origin) / along, (high - origin) / along
-    first = np.nan_to_num(np.minimum(to_low, to_high), nan=-np.inf).max(axis=1)
-    last = np.nan_to_num(np.maximum(to_low, to_high), nan=np.inf).min(axis=1)
-    return np.where(last >= np.maximum(first, 0.0), np.maximum(first, 0.0), np.inf)
+        for axis in range(3):
+            to_low = (low[axis] - origin[axis]) / along[axis]
+            to_high = (high[axis] - origin[axis]) / along[axis]
+            # NaN: the ray runs within the plane of a side, which then excludes nothing.
+            first = np.fmax(first, np.fmin(to_low, to_high))
+            last = np.fmin(last, np.fmax(to_low, to_high))
+    met: NDArray[np.bool_] = np.asarray(last >= first)
+    return met
 
 
-def _nearest(surface: _Surface, origin: Array, along: Array) -> float:
-    """Return how far the first triangle is (Möller & Trumbore 1997), infinite without one."""
-    a, b, c = surface.corners[:, 0], surface.corners[:, 1], surface.corners[:, 2]
-    edge_1, edge_2 = b - a, c - a
-    across = np.cross(along, edge_2)
-    faces = (edge_1 * across).sum(axis=1)  # positive: seen from the front
-    seen = np.where(surface.both_sides, np.abs(faces), faces) > _PARALLEL
-    if not seen.any():
-        return np.inf
-    edge_1, edge_2, across, faces = edge_1[seen], edge_2[seen], across[seen], faces[seen]
-    from_a = origin - a[seen]
-    u = (from_a * across).sum(axis=1) / faces
-    turned = np.cross(from_a, edge_1)
-    v = (turned @ along) / faces
-    away = (edge_2 * turned).sum(axis=1) / faces
-    met = (u >= 0) & (v >= 0) & (u + v <= 1) & (away > 0)
-    return float(away[met].min()) if met.any() else np.inf
+def _passes_near(triangles: _Triangles, world: Array, origin: Array, along: Array) -> bool:
+    """Return whether a ray meets the sphere around triangles that `world` places."""
+    low, high = triangles.low.min(axis=1), triangles.high.max(axis=1)
+    to_middle = world[:3, :3] @ ((low + high) / 2) + world[:3, 3] - origin
+    half = world[:3, :3] @ np.diag((high - low) / 2)
+    reach = float(np.abs(half).sum(axis=1) @ np.abs(half).sum(axis=1))
+    ahead = max(float(to_middle @ along), 0.0)
+    off = to_middle - ahead * along
+    return float(off @ off) <= reach
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Return the cross product along the last axis: np.cross, whose moves of axes cost more."""
+    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
+    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx), axis=-1)
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.asarray(np.einsum("ij,ij->i", a, b))
+
+
+def _distances(
+    corner: Array,
+    edge_1: Array,
+    edge_2: Array,
+    both_sides: NDArray[np.bool_],
+    origin: Array,
+    along: Array,
+    *,
+    mirrored: bool,
+) -> Array:
+    """Return (m,) how far each triangle is (Möller & Trumbore 1997), infinite where it is missed.
+
+    `mirrored`: the ray is in a frame that mirrors the world, where fronts are backs.
+    """
+    across = _cross(along, edge_2)
+    faces = _dot(edge_1, across)  # positive: seen from the front, but for a mirror
+    seen = np.where(both_sides, np.abs(faces), -faces if mirrored else faces) > _PARALLEL
+    from_corner = origin - corner
+    turned = _cross(from_corner, edge_1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u = _dot(from_corner, across) / faces
+        v = (turned @ along) / faces
+        away = _dot(edge_2, turned) / faces
+        met = seen & (u >= 0) & (v >= 0) & (u + v <= 1) & (away > 0)
+    return np.where(met, away, np.inf)

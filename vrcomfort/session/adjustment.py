@@ -106,6 +106,10 @@ class DialRun(ABC):
         if not self.ended:
             self.turned(self._turn(headset, elapsed_s), elapsed_s, passed_s)
 
+    def next_s(self) -> float | None:
+        """Return None: every frame counts."""
+        return None
+
     def changed(self) -> tuple[Shown, ...]:
         """Return nothing: it shows no balls."""
         return ()
@@ -328,6 +332,11 @@ class Several:
         """Take a frame before it is drawn."""
         for part in self.parts:
             part.step(frame, headset, elapsed_s, scene_time_s)
+
+    def next_s(self) -> float | None:
+        """Return when something happens next in one of them; None: in every frame."""
+        times = [part.next_s() for part in self.parts]
+        return None if None in times else min(each for each in times if each is not None)
 
     def changed(self) -> tuple[Shown, ...]:
         """Return the balls that are drawn otherwise than at the last call."""

@@ -366,6 +366,8 @@ class FrameLoop:
         respondent = self.context.respondent
         if frame.gaze is not None or not isinstance(respondent, SimulatedRespondent):
             return frame
+        if not respondent.has_eyes:
+            return frame
         demand = self._task.demand(frame) if self._task else None
         point = (
             None

@@ -58,6 +58,9 @@ class _Heights:
         if elapsed_s >= self.settle_s - 1e-6 and frame.head_tracked:
             self.heights_m.append(float(frame.head_pose.position[1]))
 
+    def next_s(self) -> None:
+        """Return nothing: every frame counts."""
+
     def changed(self) -> tuple[Shown, ...]:
         """Return nothing: there are no balls."""
         return ()

@@ -118,6 +118,9 @@ class PointsRun:
             return
         point.add(frame.gaze)
 
+    def next_s(self) -> None:
+        """Return nothing: every frame counts."""
+
     def changed(self) -> tuple[Shown, ...]:
         """Return nothing: its frames are of no exposure, and are not shown again."""
         return ()

@@ -64,6 +64,9 @@ class Activity(Protocol):
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
         """Take a frame before it is drawn."""
 
+    def next_s(self) -> float | None:
+        """Return when something happens next in a session without frames; None: in every frame."""
+
     def changed(self) -> Sequence[Shown]:
         """Return the balls that are drawn otherwise than at the last call, for the record."""
 

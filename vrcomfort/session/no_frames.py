@@ -37,9 +37,11 @@ STEPS_HZ = 20.0
 class EventLoop(FrameLoop):
     """Lets an exposure pass without frames.
 
-    What falls due is met at its own time, and not at the next frame's. Tasks and validations of the
-    gaze go in steps, and these alone have rows of frames.
+    What falls due is met at its own time, and not at the next frame's. Activities in which every
+    frame counts, such as validations of the gaze, go in steps, and these alone have rows of frames.
     """
+
+    _scene_s = 0.0
 
     def _run(
         self,
@@ -47,9 +49,11 @@ class EventLoop(FrameLoop):
         schedule: RatingSchedules | None,
         progress: Callable[[float], None],
     ) -> Ending:
-        if self._task is not None:
+        task = self._task
+        if task is not None and task.next_s() is None:
             return super()._run(stimulus, schedule, progress)
         duration_s = stimulus.duration_s * stimulus.time_scale
+        still = next(self._frames)
         listening = interruptible(repeat(None))
         while True:
             next(listening)
@@ -58,8 +62,13 @@ class EventLoop(FrameLoop):
             if self.perceived_s >= duration_s:
                 self.elapsed_s = stimulus.duration_s
                 return "completed"
+            if task is not None:
+                frame = self._carried(still)
+                task.step(frame, self.headset, self.elapsed_s, self._scene_s)
             self._listen(stimulus, schedule)
             progress(self.elapsed_s)
+            if task is not None and task.done:
+                return "task_done"
 
     def _next_s(self, schedule: RatingSchedules | None) -> float:
         """Return the next moment of the protocol's time in which something happens."""
@@ -70,10 +79,17 @@ class EventLoop(FrameLoop):
         return max(min(times), self.perceived_s)
 
     def _pass(self, perceived_s: float, stimulus: Stimulus) -> None:
+        """Let time pass until something falls due, at most until `perceived_s`."""
         before_s, self.perceived_s = self.elapsed_s, perceived_s
         self.elapsed_s = perceived_s / stimulus.time_scale
-        self.context.clock.advance(self.elapsed_s - before_s)
-        self.log.timing.seen.pass_without_frames(self.elapsed_s - before_s)
+        task_s = self._task.next_s() if self._task is not None else None
+        if task_s is not None and task_s < self.elapsed_s:
+            self.elapsed_s = max(task_s, before_s)
+            self.perceived_s = self.elapsed_s * stimulus.time_scale
+        passed_s = self.elapsed_s - before_s
+        self._scene_s += passed_s
+        self.context.clock.advance(passed_s)
+        self.log.timing.seen.pass_without_frames(passed_s)
 
 
 def scenes_for(protocol: StudyProtocol) -> LoadScene:

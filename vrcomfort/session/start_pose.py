@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -36,8 +37,12 @@ class StartPose:
     path: CameraPath | None = None
 
 
+@lru_cache(maxsize=4)
 def start_pose_of(scene: Any, view: SceneView, *, walks: bool) -> StartPose:
     """Return the start of a view; a scene without a view stays as it is.
+
+    The same view of the same loaded scene is the same object, so that what is made from it (on the
+    GPU, for rays) can be kept for its next exposure.
 
     Parameters
     ----------

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,8 @@ from vrcomfort.tasks import Ball, Demand, Result, Surroundings, Task, TaskFrame,
 
 _STREAM = 3
 """Which of a trial's random streams is the task's."""
+_TOGETHER = 200
+"""Rows that are written together in a session without frames."""
 
 
 @dataclass
@@ -61,9 +64,12 @@ class TaskRun:
     def __post_init__(self) -> None:
         self._task: Task = self.settings.start(self._surroundings())
         self._markers = (
-            Markers(self.scene, self._task.looks) if self.scene and self._task.looks else None
+            Markers(self.scene, self._task.looks)
+            if self.scene and self._task.looks and not self.context.jumps
+            else None
         )
         self._shown = self._markers.shown() if self._markers else ()
+        self._rows: list[TaskRow] = []
         self._began_s: float | None = None
         self._wanted: str | None = None
 
@@ -111,6 +117,15 @@ class TaskRun:
             self._wanted = wanted
             self.events.event_soon("task_target", detail=wanted or "")
 
+    def next_s(self) -> float | None:
+        """Return when the task or the participant acts next; see `interfaces.Activity`."""
+        due_s, respondent = self._task.next_s(), self.context.respondent
+        if due_s is None or not isinstance(respondent, SimulatedRespondent) or respondent.has_eyes:
+            return None
+        if self._began_s is None:
+            return 0.0
+        return max(self.elapsed_s, min(due_s, respondent.next_press_s(self._task.demand())))
+
     def changed(self) -> tuple[Shown, ...]:
         """Return the balls that are drawn otherwise than at the last call, for the record.
 
@@ -125,6 +140,7 @@ class TaskRun:
         """End with the exposure, however it ended; once."""
         if self._began_s is not None:
             self._write(self._task.finish(self.elapsed_s))
+            self._hand_over()
             self._began_s = None
 
     def _moment(self, frame: Frame, headset: object, time_s: float) -> TaskFrame:
@@ -132,6 +148,7 @@ class TaskRun:
         gaze = frame.gaze
         seen = frame.avatar_pose @ gaze.pose if gaze is not None and gaze.valid else None
         pressed: list[Pose | None] = []
+        held: list[Pose | None] = []
         respondent = self.context.respondent
         if isinstance(respondent, SimulatedRespondent):
             ray = respondent.act(self._task.demand(), head, time_s)
@@ -141,7 +158,8 @@ class TaskRun:
             aims = [hand.aim for hand in inputs.hands if hand.select]
             aims += [None] if inputs.keys.enter else []
             pressed = [None if aim is None else frame.avatar_pose @ aim for aim in aims]
-        return TaskFrame(time_s, head, seen, tuple(pressed))
+            held = [hand.aim and frame.avatar_pose @ hand.aim for hand in inputs.hands if hand.held]
+        return TaskFrame(time_s, head, seen, tuple(pressed), tuple(held))
 
     @property
     def _stream(self) -> int:
@@ -151,8 +169,14 @@ class TaskRun:
         if self.keep is not None:
             self.keep(results)
             return
-        for each in results:
-            self.events.recorder.write_soon(self._row(each))
+        self._rows += map(self._row, results)
+        # Without frames, rows come faster than a thread wakes up to write them.
+        if len(self._rows) >= (_TOGETHER if self.context.jumps else 1):
+            self._hand_over()
+
+    def _hand_over(self) -> None:
+        rows, self._rows = self._rows, []
+        self.events.recorder.write_soon(*rows)
 
     def _row(self, result: Result) -> TaskRow:
         x_m, y_m, z_m = result.position_m or (None, None, None)
@@ -178,12 +202,13 @@ class TaskRun:
             hits=result.hits,
             shots=result.shots,
             score=result.score,
+            deaths=result.deaths,
             resumed=int(self.resumed),
         )
 
     def _surroundings(self) -> Surroundings:
         context, scene = self.context, self.scene
-        caster = RayCaster(scene) if scene else None
+        caster = _caster_in(scene) if scene else None
         self._scene_time_s = 0.0
         free_m: Callable[[Pose], float] = (
             (lambda ray: caster.cast(ray, self._scene_time_s).distance_m)
@@ -199,6 +224,12 @@ class TaskRun:
             thing=lambda name: _SceneObject.of(scene, name, self.place.scene),
             free_m=free_m,
         )
+
+
+@lru_cache(maxsize=2)
+def _caster_in(scene: Scene) -> RayCaster:
+    """Return the ray caster of a scene, which is used again in its next exposure."""
+    return RayCaster(scene)
 
 
 @dataclass(frozen=True)

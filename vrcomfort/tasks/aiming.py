@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from vrcomfort.geometry import Array, Pose, yaw_pitch_roll
@@ -33,17 +33,9 @@ _BEFORE_WALLS = 0.9
 """Share of the distance to the scene behind a target, so that no ball is inside of a wall."""
 
 
-class Aiming(Pointed):
-    """Shoot targets: hits, precision in degrees, reaction times (Hillaire et al. 2008)."""
+class Targets(Pointed):
+    """Places and sizes of targets that are shot."""
 
-    kind: Literal["aiming"]
-    """The kind of task."""
-    every_s: Annotated[float, Field(ge=0.2, le=3600)] = 4.0
-    """From one target to the next."""
-    shown_s: Annotated[float, Field(ge=0.1, le=3600)] = 3.0
-    """A target disappears when it is hit, or after this time."""
-    jitter_s: Annotated[float, Field(ge=0, le=600)] = 0.5
-    """Largest random delay of a target, evenly drawn, so that its time cannot be predicted."""
     diameter_deg: Annotated[float, Field(ge=0.1, le=30)] = 2.0
     """Angle at which a target is seen when it appears."""
     field_deg: Annotated[float, Field(ge=0, le=170)] = 40.0
@@ -54,13 +46,67 @@ class Aiming(Pointed):
     """Places in the scene from which targets are drawn, instead of the cone; none twice in a row
     where there are several."""
 
+    @field_validator("distance_m")
+    @classmethod
+    def _nearer_first(cls, value: tuple[float, float]) -> tuple[float, float]:
+        if value[0] > value[1]:
+            raise PydanticCustomError("aiming", "`distance_m` names the nearer distance first")
+        return value
+
+    def radius_m(self, position_m: Array, head: Pose) -> float:
+        """Return the radius of a target at a place that is seen from a head."""
+        away_m = float(np.linalg.norm(position_m - head.position))
+        return away_m * float(np.sin(np.radians(self.diameter_deg / 2)))
+
+
+class PlaceDraw:
+    """Draws the places of an exposure's targets, with the seed."""
+
+    def __init__(self, settings: Targets, surroundings: Surroundings) -> None:
+        self._settings, self._around = settings, surroundings
+        self._place: int | None = None
+
+    def next(self, head: Pose) -> Array:
+        """Draw a place: one of the scene's, or one in view that nothing hides."""
+        settings, random = self._settings, self._around.random
+        if settings.places_m:
+            others = [k for k in range(len(settings.places_m)) if k != self._place] or [0]
+            self._place = others[int(random.integers(len(others)))]
+            return np.array(settings.places_m[self._place])
+        share, turn = random.random(), 2 * np.pi * random.random()
+        nearest, farthest = settings.distance_m
+        wanted_m = 1 / random.uniform(1 / farthest, 1 / nearest)  # evenly in dioptres
+        aside = np.radians(settings.field_deg / 2) * np.sqrt(share)
+        look = yaw_pitch_roll(aside * np.cos(turn), aside * np.sin(turn), 0.0)
+        ray = head @ Pose(orientation=look)
+        seen_m = self._around.free_m(ray)
+        return head.position + ray.forward * min(wanted_m, max(_BEFORE_WALLS * seen_m, 0.1))
+
+
+def meets(ray: Pose, ball: Ball) -> tuple[bool, float]:
+    """Return whether a ray meets a ball, and its angle to the ball's middle in degrees."""
+    away_m = float(np.linalg.norm(ball.position_m - ray.position))
+    error = angle_deg(ray, ball.position_m)
+    return error <= np.degrees(np.arcsin(min(ball.radius_m / max(away_m, 1e-9), 1.0))), error
+
+
+class Aiming(Targets):
+    """Shoot targets: hits, precision in degrees, reaction times (Hillaire et al. 2008)."""
+
+    kind: Literal["aiming"]
+    """The kind of task."""
+    every_s: Annotated[float, Field(ge=0.2, le=3600)] = 4.0
+    """From one target to the next."""
+    shown_s: Annotated[float, Field(ge=0.1, le=3600)] = 3.0
+    """A target disappears when it is hit, or after this time."""
+    jitter_s: Annotated[float, Field(ge=0, le=600)] = 0.5
+    """Largest random delay of a target, evenly drawn, so that its time cannot be predicted."""
+
     @model_validator(mode="after")
     def _one_at_a_time(self) -> Aiming:
         if self.shown_s + self.jitter_s > self.every_s:
             message = "`shown_s` + `jitter_s` is more than `every_s`: two targets at a time"
             raise PydanticCustomError("aiming", message)
-        if self.distance_m[0] > self.distance_m[1]:
-            raise PydanticCustomError("aiming", "`distance_m` names the nearer distance first")
         return self
 
     def start(self, surroundings: Surroundings) -> Task:
@@ -83,7 +129,7 @@ class _Aiming(Task):
         self._settings = settings
         self._around = surroundings
         self._target: _Target | None = None
-        self._place: int | None = None
+        self._places = PlaceDraw(settings, surroundings)
         self._shown = self._hits = self._shots = 0
         self._next_s = self._due_s(0)
 
@@ -103,6 +149,10 @@ class _Aiming(Task):
             self._appear(frame)
         return results
 
+    def next_s(self) -> float | None:
+        target = self._target
+        return target.since_s + self._settings.shown_s if target else self._next_s
+
     def balls(self) -> Sequence[Ball | None]:
         return (self._target.ball if self._target else None,)
 
@@ -120,38 +170,20 @@ class _Aiming(Task):
         return [*results, whole]
 
     def _appear(self, frame: TaskFrame) -> None:
-        position_m = self._drawn(frame.head)
+        position_m = self._places.next(frame.head)
         away_m = float(np.linalg.norm(position_m - frame.head.position))
-        radius_m = away_m * float(np.sin(np.radians(self._settings.diameter_deg / 2)))
+        radius_m = self._settings.radius_m(position_m, frame.head)
         self._shown += 1
         self._target = _Target(self._shown, Ball(position_m, radius_m), frame.time_s, away_m)
         self._next_s = self._due_s(self._shown)
-
-    def _drawn(self, head: Pose) -> Array:
-        """Draw a place: one of the scene's, or one in view that nothing hides."""
-        settings, random = self._settings, self._around.random
-        if settings.places_m:
-            others = [k for k in range(len(settings.places_m)) if k != self._place] or [0]
-            self._place = others[int(random.integers(len(others)))]
-            return np.array(settings.places_m[self._place])
-        share, turn = random.random(), 2 * np.pi * random.random()
-        nearest, farthest = settings.distance_m
-        wanted_m = 1 / random.uniform(1 / farthest, 1 / nearest)  # evenly in dioptres
-        aside = np.radians(settings.field_deg / 2) * np.sqrt(share)
-        look = yaw_pitch_roll(aside * np.cos(turn), aside * np.sin(turn), 0.0)
-        ray = head @ Pose(orientation=look)
-        seen_m = self._around.free_m(ray)
-        return head.position + ray.forward * min(wanted_m, max(_BEFORE_WALLS * seen_m, 0.1))
 
     def _shot(self, ray: Pose, time_s: float) -> list[Result]:
         self._shots += 1
         target = self._target
         if target is None:
             return [Result("shot", self._shots, "", time_s, hit=0)]
-        ball = target.ball
-        away_m = float(np.linalg.norm(ball.position_m - ray.position))
-        error = angle_deg(ray, ball.position_m)
-        hit = error <= np.degrees(np.arcsin(min(ball.radius_m / max(away_m, 1e-9), 1.0)))
+        hit, error = meets(ray, target.ball)
+        away_m = float(np.linalg.norm(target.ball.position_m - ray.position))
         shot = Result(
             "shot", self._shots, f"target_{target.number}", time_s, hit=int(hit),
             error_deg=round(error, 4), distance_m=round(away_m, 4),

@@ -7,6 +7,7 @@ seed gives the same task.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -55,12 +56,15 @@ class TaskFrame:
     pressed
         world-from-aim of each button that went down in this frame, −Z along the ray; an entry is
         None where nothing is known of where its hand points.
+    held
+        The same of each button that is down.
     """
 
     time_s: float
     head: Pose
     gaze: Pose | None = None
     pressed: tuple[Pose | None, ...] = ()
+    held: tuple[Pose | None, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,11 +79,17 @@ class Demand:
         When it could first be seen, in seconds of the exposure.
     press
         Whether to point there, too, and press.
+    place_at
+        Of a target that moves: (3,) world at a time of the exposure.
+    every_s
+        Presses sooner after another do not count.
     """
 
     position_m: Array
     since_s: float
     press: bool
+    place_at: Callable[[float], Array] | None = None
+    every_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -107,7 +117,7 @@ class Result:
         To the target; from the path.
     position_m
         (3,) world: of a target, or the head's in a sample.
-    targets, hits, shots, score
+    targets, hits, shots, score, deaths
         Of the whole exposure; `score` is the number that the task is about.
     """
 
@@ -124,6 +134,7 @@ class Result:
     hits: int | None = None
     shots: int | None = None
     score: float | None = None
+    deaths: int | None = None
 
 
 SceneObject: TypeAlias = Callable[[float], Ball]
@@ -176,6 +187,13 @@ class Task(ABC):
         """Return whether nothing is left to do, which may end the exposure."""
         return False
 
+    def next_s(self) -> float | None:
+        """Return when something happens next that is no press, in seconds of the exposure.
+
+        None: every frame counts, as where the gaze or the way of the head does.
+        """
+        return None
+
     @abstractmethod
     def step(self, frame: TaskFrame) -> Sequence[Result]:
         """Take a frame, before it is drawn; return the results that are complete with it."""
@@ -211,12 +229,13 @@ class Pointed(TaskSettings):
     """Origin of the ray when a button goes down: the hand that presses (a window: the mouse), the
     middle of the head's view, or the eyes. Where a hand or the eyes are not known, the head."""
 
-    def rays(self, frame: TaskFrame) -> list[Pose]:
-        """Return world-from-ray of each press of a moment."""
+    def rays(self, frame: TaskFrame, *, held: bool = False) -> list[Pose]:
+        """Return world-from-ray of each press of a moment, or of each button that is down."""
+        hands = frame.held if held else frame.pressed
         if self.aim_with == "hand":
-            return [hand or frame.head for hand in frame.pressed]
+            return [hand or frame.head for hand in hands]
         looks = frame.gaze if self.aim_with == "gaze" else None
-        return [looks or frame.head] * len(frame.pressed)
+        return [looks or frame.head] * len(hands)
 
 
 def angle_deg(ray: Pose, position_m: Array) -> float:
@@ -224,8 +243,9 @@ def angle_deg(ray: Pose, position_m: Array) -> float:
     towards = position_m - ray.position
     along = ray.forward
     # By the tangent: a cosine says nothing of angles below a thousandth of a degree.
-    across = float(np.linalg.norm(np.cross(along, towards)))
-    return float(np.degrees(np.arctan2(across, float(along @ towards))))
+    (ax, ay, az), (bx, by, bz) = along.tolist(), towards.tolist()
+    across = math.hypot(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
+    return math.degrees(math.atan2(across, ax * bx + ay * by + az * bz))
 
 
 def numbers(position_m: Array) -> tuple[float, float, float]:

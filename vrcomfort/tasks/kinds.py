@@ -13,10 +13,14 @@ from vrcomfort.tasks.base import TaskSettings
 from vrcomfort.tasks.exploration import Exploration
 from vrcomfort.tasks.fixation import Fixation
 from vrcomfort.tasks.follow_path import FollowPath
+from vrcomfort.tasks.opponents import Opponents
 from vrcomfort.tasks.own_code import installed_task
 from vrcomfort.tasks.search import VisualSearch
 
-_OWN_KINDS = r"\.py$|^(?!(aiming|search|follow_path|fixation|exploration)$)[A-Za-z][A-Za-z0-9_]*$"
+_OWN_KINDS = (
+    r"\.py$|^(?!(aiming|opponents|search|follow_path|fixation|exploration)$)"
+    "[A-Za-z][A-Za-z0-9_]*$"
+)
 
 
 class OwnTask(TaskSettings):
@@ -48,6 +52,7 @@ def _tag(table: Any) -> str:
 
 AnyTask: TypeAlias = Annotated[
     Annotated[Aiming, Tag(union_tag("aiming"))]
+    | Annotated[Opponents, Tag(union_tag("opponents"))]
     | Annotated[VisualSearch, Tag(union_tag("search"))]
     | Annotated[FollowPath, Tag(union_tag("follow_path"))]
     | Annotated[Fixation, Tag(union_tag("fixation"))]
