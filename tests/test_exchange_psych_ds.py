@@ -18,6 +18,7 @@ from tests.support.psych_ds import CODES, errors
 from tests.support.resume import go
 from tests.support.study import Scripted
 from vrcomfort.exchange.psych_ds import export_psych_ds
+from vrcomfort.records.events import EVENTS
 
 
 def table(file: Path) -> tuple[list[str], list[list[str]]]:
@@ -123,6 +124,34 @@ def test_the_tables_are_those_of_the_study(study: Path, dataset: Path) -> None:
         assert header == table(study / "sub-P01" / "ses-1" / f"{name}.csv")[0]
         assert rows == recorded
         assert rows
+
+
+@pytest.mark.parametrize("name", ["frames", "gaze"])
+def test_frames_and_gaze_are_files_of_their_session(study: Path, dataset: Path, name: str) -> None:
+    file = f"study-tiny_subject-P01_session-1_description-{name}_data.csv"
+    assert table(dataset / "data" / file) == table(study / "sub-P01" / "ses-1" / f"{name}.csv")
+    assert f"subject-*_session-*_description-{name}_data.csv" in (dataset / "README.md").read_text()
+    others = [each.name for each in (dataset / "data").glob(f"*subject-P02*-{name}_data.csv")]
+    assert bool(others) == (name == "frames")  # P02 wore a headset without an eye tracker
+
+
+def test_events_name_their_session_and_keep_private_details_back(
+    study: Path, dataset: Path
+) -> None:
+    header, rows = table(dataset / "data" / "study-tiny_description-events_data.csv")
+    events = [dict(zip(header, row, strict=True)) for row in rows]
+    sessions = sorted(study.glob("sub-*/ses-*/events.csv"))
+    expected = []
+    for file in sessions:
+        who, session = file.parts[-3].removeprefix("sub-"), file.parts[-2].removeprefix("ses-")
+        names, recorded = table(file)
+        for row in recorded:
+            said = dict(zip(names, row, strict=True))
+            kept = "" if EVENTS[said["name"]].private else said["detail"]
+            expected.append({"participant": who, "session": session, **said, "detail": kept})
+    assert len(sessions) == 3
+    assert events == expected
+    assert any(each["name"] == "withdrawn" for each in events)
 
 
 def test_every_column_is_described(dataset: Path) -> None:

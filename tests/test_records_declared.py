@@ -296,6 +296,10 @@ def test_a_column_and_an_event_are_declared_in_one_place_each(tmp_path, monkeypa
     (variable,) = (v for v in description["variableMeasured"] if v["name"] == NOVEL)
     assert variable["description"] == "Something new; blank: not recorded"
     assert variable["unitText"] == "ms"
+    frames = list((tmp_path / "psych" / "data").glob("*_description-frames_data.csv"))
+    assert {row[NOVEL] for file in frames for row in read_rows(file)} == {"1.5"}
+    assert f",{NOVEL_EVENT}," in all_text(tmp_path / "psych")
+    assert "in the tower" not in all_text(tmp_path / "psych")
 
     anonymise(study, tmp_path / "out", AnonymisingOptions())
     copy = tmp_path / "out/sub-P01/ses-1"
