@@ -1,8 +1,8 @@
-"""What each hand can do on every controller, and that the documentation tells the same."""
+"""What each hand can do on every controller: as the registry has it, and the documentation."""
 
 from __future__ import annotations
 
-import re
+import json
 from itertools import product
 from pathlib import Path
 
@@ -10,63 +10,58 @@ import pytest
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
-from vrcomfort.headset.openxr.actions import HANDS, PROFILES, Profile
+from scripts import controllers_table
+from vrcomfort.headset.openxr.profiles import HANDS, PROFILES, Profile, profile_of, stop_of
 
+ROOT = Path(__file__).parents[1]
+REGISTRY = json.loads((ROOT / "tests/data/openxr_profiles.json").read_text("utf-8"))["profiles"]
 HAND_OF = list(product(PROFILES, HANDS))
 NAMES = [f"{profile.path} {hand}" for profile, hand in HAND_OF]
-DOCUMENTED = {
-    "oculus/touch_controller": "Oculus / Meta Touch",
-    "bytedance/pico4_controller": "Pico 4",
-    "htc/vive_focus3_controller": "Vive Focus 3",
-    "hp/mixed_reality_controller": "HP",
-    "bytedance/pico_neo3_controller": "Pico Neo 3",
-    "valve/index_controller": "Valve Index",
-    "htc/vive_controller": "Vive",
-    "microsoft/motion_controller": "Windows Mixed Reality",
-    "khr/simple_controller": "any other (khr/simple)",
-    "ext/hand_interaction_ext": "bare hands (`XR_EXT_hand_interaction`)",
-}
-WORDS = {
-    "trigger": "trigger", "select": "select", "b": "B", "y": "Y", "a": "A", "menu": "menu",
-    "squeeze": "grip", "grasp_ext": "both fists", "thumbstick": "thumb-stick",
-    "trackpad": "track-pad", "aim_activate_ext": "the runtime's gesture",
-}  # fmt: skip
-"""Inputs as the documentation calls them."""
 
 
-def own(profile: Profile, hand: str) -> dict[str, str]:
-    return profile.left if hand == "left" else profile.right
+def test_every_profile_of_the_registry_is_bound() -> None:
+    of_1_1 = {name for name, each in REGISTRY.items() if each["of"] == ["XR_VERSION_1_1"]}
+    assert {profile.path for profile in PROFILES} == REGISTRY.keys() - of_1_1
+    assert all("touch" in name for name in of_1_1)  # which 1.0 has as one
 
 
-def rows_of_the_page() -> dict[str, list[str]]:
-    page = Path(__file__).parent.parent / "docs" / "openxr.md"
-    rows = [line.strip("| ").split(" | ") for line in page.read_text("utf-8").splitlines()]
-    table = {row[0]: row[1:] for row in rows if len(row) == 5}
-    return {name: cells for names, cells in table.items() for name in re.split(r", ", names)}
+@pytest.mark.parametrize("profile", PROFILES, ids=lambda profile: profile.path)
+def test_a_profile_is_asked_for_by_its_extension(profile: Profile) -> None:
+    of = REGISTRY[profile.path]["of"]
+    assert (profile.extension or "XR_VERSION_1_0") in of
+
+
+@pytest.mark.parametrize("profile", PROFILES, ids=lambda profile: profile.path)
+def test_what_is_bound_is_there_and_the_programs(profile: Profile) -> None:
+    for _, path in profile.pairs():
+        _, _, _, hand, place = path.split("/", 4)
+        inputs = set(REGISTRY[profile.path][hand])
+        assert place in inputs or f"{place}/x" in inputs, path
 
 
 @pytest.mark.parametrize(("profile", "hand"), HAND_OF, ids=NAMES)
 def test_each_hand_answers_and_asks_to_stop(profile: Profile, hand: str) -> None:
-    can = own(profile, hand)
+    can = profile.own(hand)
     assert "select" in can
-    both_fists = "fist" in profile.left and "fist" in profile.right
-    assert "stop" in can or both_fists
+    assert "stop" in can or "fist" in can
+    assert stop_of(f"/interaction_profiles/{profile.path}", hand) != "–"
 
 
 @pytest.mark.parametrize(("profile", "hand"), HAND_OF, ids=NAMES)
 def test_no_input_means_two_things(profile: Profile, hand: str) -> None:
-    inputs = [path.split("/")[1] for path in own(profile, hand).values()]
+    inputs = [place.split("/")[0] for place in profile.own(hand).values()]
     assert len(set(inputs)) == len(inputs)
 
 
-@pytest.mark.parametrize("profile", PROFILES, ids=lambda profile: profile.path)
-def test_the_documentation_tells_the_same(profile: Profile) -> None:
-    choose, back, stop, walk = rows_of_the_page()[DOCUMENTED[profile.path]]
-    for action, cell in (("select", choose), ("back", back), ("move", walk)):
-        bound = [own(profile, hand).get(action) for hand in HANDS]
-        named = [WORDS[path.split("/")[1]] for path in bound if path]
-        assert all(word in cell for word in named), (action, cell)
-        assert bool(named) == (cell != "–")
-    left, right = (own(profile, h).get("stop") or own(profile, h)["fist"] for h in HANDS)
-    left, right = (WORDS[path.split("/")[1]] for path in (left, right))
-    assert stop == (left if left == right else f"{left} (left), {right} (right)")
+def test_a_profile_is_found_by_its_whole_path() -> None:
+    found = profile_of("/interaction_profiles/valve/index_controller")
+    assert found is not None
+    assert found.stops("left") == "A"
+    assert profile_of("") is None
+    assert stop_of("/interaction_profiles/other/controller", "left") == "nothing"
+
+
+def test_the_documentation_tells_the_same() -> None:
+    page = controllers_table.PAGE.read_text("utf-8")
+    shown = page.partition(controllers_table.FROM)[2].partition(controllers_table.TO)[0]
+    assert shown == controllers_table.markdown(), "run python scripts/controllers_table.py"

@@ -32,7 +32,15 @@ static const char *const EXTENSIONS[] = {
     "XR_FB_touch_controller_pro",
     "XR_META_touch_controller_plus",
     "XR_EXT_samsung_odyssey_controller",
+    "XR_BD_ultra_controller_interaction",
+    "XR_OPPO_controller_interaction",
+    "XR_YVR_controller_interaction",
+    "XR_VARJO_xr4_controller_interaction",
+    "XR_HUAWEI_controller_interaction",
+    "XR_LOGITECH_mx_ink_stylus_interaction",
+    "XR_KHR_generic_controller",
     "XR_EXT_hand_interaction",
+    "XR_MSFT_hand_interaction",
 };
 #define MOST_EXTENSIONS (sizeof EXTENSIONS / sizeof *EXTENSIONS)
 

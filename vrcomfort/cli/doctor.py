@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
@@ -128,6 +128,17 @@ def _openxr_runtime(facts: RuntimeFacts) -> Iterator[Finding]:
     missed = [name for name in facts.wanted if name not in facts.extensions]
     words = f"{len(facts.extensions)} offered; of those that help, missing: {' '.join(missed)}"
     yield Finding("extensions", True, words, needed=False, details=facts.extensions)
+    yield _controllers(facts.extensions)
+
+
+def _controllers(extensions: Container[str]) -> Finding:
+    """Return the controllers whose buttons can be taken, and what stops on each."""
+    from vrcomfort.headset.openxr.profiles import PROFILES
+
+    taken = [each for each in PROFILES if each.extension is None or each.extension in extensions]
+    words = f"{len(taken)} of {len(PROFILES)} kinds taken: {', '.join(each.name for each in taken)}"
+    stops = tuple(f"{each.path}: stop is {each.words('stop')}" for each in taken)
+    return Finding("controllers", True, words, needed=False, details=stops)
 
 
 def _openxr_headset(facts: SystemFacts) -> Iterator[Finding]:

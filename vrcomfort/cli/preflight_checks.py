@@ -326,7 +326,7 @@ def _stop(flight: Preflight) -> Iterator[Finding]:
         way = "by keyboard" if flight.run.headset is not PLAYBACK else "the operator, by Ctrl-C"
         yield _there("stop", way)
         return
-    from vrcomfort.headset.openxr.actions import stop_of
+    from vrcomfort.headset.openxr.profiles import stop_of
 
     answering = flight.protocol.answering
     looks = f"a look {answering.stop_down_deg:g}° down for {answering.stop_down_s:g} s"

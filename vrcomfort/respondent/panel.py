@@ -14,10 +14,12 @@ from vrcomfort.respondent.base import Exposure, Form, Heard, InstructionContent,
 from vrcomfort.respondent.keyboard import waiting_line
 from vrcomfort.respondent.panel_input import (
     DWELL_S,
+    FIST_S,
     Dwell,
     KeyChoice,
     LookDown,
     Pointing,
+    Rest,
     Screen,
     by_button,
 )
@@ -87,6 +89,7 @@ class PanelRespondent:
     ) -> None:
         self._waiting_line, self._prompt = waiting_line, prompt
         self._look_down = look_down
+        self._fist = Rest(FIST_S, anew=True)
         self._words = words
         self._screen = screen
         self._now_s = now_s
@@ -112,6 +115,7 @@ class PanelRespondent:
     def start_exposure(self, exposure: Exposure) -> None:  # noqa: ARG002 - the panel is gone then
         """Clear the view."""
         self._hide()
+        self._fist.forget()
         if self._look_down is not None:
             self._look_down.forget()
 
@@ -124,7 +128,8 @@ class PanelRespondent:
         looked = self._look_down is not None and self._look_down.update(
             pointing.down_deg, self._now_s()
         )
-        asked = looked or pointing.stop or keyboard.STOP in pointing.letters
+        held = self._fist.update(pointing.fist, self._now_s())
+        asked = looked or held or pointing.stop or keyboard.STOP in pointing.letters
         if self._stopping is None and asked:
             self._stopping, self._stop_by_look = stop_page(self._words), looked
             self._keys.forget()

@@ -31,6 +31,8 @@ class Pointing:
         How far below the horizon they look; None where that is not known.
     looked
         Where they look, as `point`, whatever they point with: to answer what a look has asked.
+    fist
+        Whether a bare hand is a fist.
     hand
         Which controller points (0 left, 1 right).
     arrow, digits, letters, enter
@@ -46,6 +48,7 @@ class Pointing:
     unable: bool = False
     down_deg: float | None = None
     looked: tuple[float, float] | None = None
+    fist: bool = False
     hand: int = 1
     arrow: tuple[int, int] = (0, 0)
     digits: str = ""
@@ -143,6 +146,52 @@ class Dwell:
         return now_s - self._away_since_s >= AWAY_S
 
 
+FIST_S = 2.0
+"""A fist that one bare hand makes and holds asks to stop."""
+
+
+class Rest:
+    """Follows what a participant holds for a while: a look, a fist. It asks once, and then anew.
+
+    Parameters
+    ----------
+    least_s
+        For so long.
+    anew
+        What is there from the beginning does not count, until it was away: hands that lie in a lap
+        may be fists.
+    """
+
+    def __init__(self, least_s: float, *, anew: bool = False) -> None:
+        self._least_s, self._anew = least_s, anew
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin an exposure."""
+        self._leave()
+        self._asked = self._anew
+
+    def _leave(self) -> None:
+        self._since_s: float | None = None
+        self._away_since_s: float | None = None
+        self._asked = False
+
+    def update(self, holds: bool, now_s: float) -> bool:
+        """Take a frame; return whether what is held has just asked. A blink ends nothing."""
+        if holds:
+            self._away_since_s = None
+            self._since_s = now_s if self._since_s is None else self._since_s
+        elif self._away_since_s is None:
+            self._away_since_s = now_s
+        elif now_s - self._away_since_s >= AWAY_S:
+            self._leave()
+        rested = self._since_s is not None and now_s - self._since_s >= self._least_s
+        if self._asked or not rested or self._away_since_s is not None:
+            return False
+        self._asked = True
+        return True
+
+
 class LookDown:
     """A look far down that rests: a request to stop an exposure that needs no button.
 
@@ -155,32 +204,18 @@ class LookDown:
     """
 
     def __init__(self, least_deg: float = DOWN_DEG, least_s: float = DOWN_S) -> None:
-        self._least_deg, self._least_s = least_deg, least_s
-        self.forget()
+        self._least_deg, self._rest = least_deg, Rest(least_s)
 
     def forget(self) -> None:
         """Begin an exposure."""
-        self._since_s: float | None = None
-        self._away_since_s: float | None = None
-        self._asked = False
+        self._rest.forget()
 
     def update(self, down_deg: float | None, now_s: float) -> bool:
         """Take the angle of the gaze; return whether the look has just asked to stop.
 
         A look ends with one elsewhere, but for a blink, and asks once.
         """
-        if down_deg is not None and down_deg >= self._least_deg:
-            self._away_since_s = None
-            self._since_s = now_s if self._since_s is None else self._since_s
-        elif self._away_since_s is None:
-            self._away_since_s = now_s
-        elif now_s - self._away_since_s >= AWAY_S:
-            self.forget()
-        rested = self._since_s is not None and now_s - self._since_s >= self._least_s
-        if self._asked or not rested or self._away_since_s is not None:
-            return False
-        self._asked = True
-        return True
+        return self._rest.update(down_deg is not None and down_deg >= self._least_deg, now_s)
 
 
 LETTERS = {

@@ -152,6 +152,7 @@ class PanelScreen:
             looked=self._hit(look),
             back=inputs.back,
             stop=inputs.stop,
+            fist=any(hand.fist for hand in inputs.hands),
             arrow=keys.arrow,
             digits=keys.digits,
             letters=keys.letters,

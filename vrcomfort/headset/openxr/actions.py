@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import xr
@@ -13,116 +13,8 @@ from vrcomfort.geometry import EyeGaze, Pose, normalize, turn_to
 from vrcomfort.headset.inputs import HandInput, Inputs, SeenGaze
 from vrcomfort.headset.openxr.instance import Runtime
 from vrcomfort.headset.openxr.native import check, native, native_extension, pose_from_xr, watched
+from vrcomfort.headset.openxr.profiles import HANDS, PROFILES
 from vrcomfort.headset.openxr.spaces import LOCATION_FLAGS, VALID, Stage
-
-HANDS = ("left", "right")
-BOTH = {"aim": "input/aim/pose", "haptic": "output/haptic"}
-
-
-@dataclass(frozen=True)
-class Profile:
-    """The suggested bindings of one interaction profile.
-
-    Parameters
-    ----------
-    path
-        The profile, below ``/interaction_profiles/``.
-    left, right
-        Action to input or output path, below ``/user/hand/<hand>/``; the poses and the vibration
-        that all controllers share come on top.
-    extension
-        What must be switched on for it.
-    ticks
-        Whether it can vibrate: bare hands cannot.
-    """
-
-    path: str
-    left: dict[str, str]
-    right: dict[str, str]
-    extension: str | None = None
-    ticks: bool = True
-
-    def stops(self, hand: str) -> str:
-        """Return the button of a hand ("left", "right") that stops, in words."""
-        own = self.left if hand == "left" else self.right
-        return f"{own['stop'].split('/')[1]} button" if "stop" in own else "both fists"
-
-    def pairs(self) -> list[tuple[str, str]]:
-        """Return (action, full path) of each binding."""
-        return [
-            (action, f"/user/hand/{hand}/{place}")
-            for hand, own in zip(HANDS, (self.left, self.right), strict=True)
-            for action, place in {**BOTH, **own}.items()
-            if self.ticks or action != "haptic"
-        ]
-
-
-_TRIGGER = {"select": "input/trigger/value", "move": "input/thumbstick"}
-_XY = {**_TRIGGER, "back": "input/y/click", "stop": "input/menu/click"}
-_AB = {**_TRIGGER, "back": "input/b/click", "stop": "input/a/click"}
-_SIMPLE = {"select": "input/select/click", "stop": "input/menu/click"}
-_INDEX = {
-    "select": "input/trigger/click",
-    "back": "input/b/click",
-    "stop": "input/a/click",
-    "move": "input/thumbstick",
-}
-_VIVE = {
-    "select": "input/trigger/click",
-    "back": "input/squeeze/click",
-    "stop": "input/menu/click",
-    "move": "input/trackpad",
-}
-_WMR = {**_TRIGGER, "back": "input/squeeze/click", "stop": "input/menu/click"}
-_HP = {"stop": "input/menu/click"}
-_FOCUS3 = {"select": "input/trigger/click"}
-_BARE = {"select": "input/aim_activate_ext/value", "fist": "input/grasp_ext/value"}
-_NEO3 = {"stop": "input/menu/click"}
-
-PROFILES = (
-    Profile("khr/simple_controller", _SIMPLE, _SIMPLE),
-    Profile("oculus/touch_controller", _XY, _AB),
-    Profile("valve/index_controller", _INDEX, _INDEX),
-    Profile("htc/vive_controller", _VIVE, _VIVE),
-    Profile("microsoft/motion_controller", _WMR, _WMR),
-    Profile(
-        "hp/mixed_reality_controller",
-        _XY,
-        _AB | _HP,
-        xr.EXT_HP_MIXED_REALITY_CONTROLLER_EXTENSION_NAME,
-    ),
-    Profile(
-        "htc/vive_focus3_controller",
-        _XY | _FOCUS3,
-        _AB | _FOCUS3,
-        xr.HTC_VIVE_FOCUS3_CONTROLLER_INTERACTION_EXTENSION_NAME,
-    ),
-    Profile("bytedance/pico4_controller", _XY, _AB, xr.BD_CONTROLLER_INTERACTION_EXTENSION_NAME),
-    Profile(
-        "bytedance/pico_neo3_controller",
-        _XY,
-        _AB | _NEO3,
-        xr.BD_CONTROLLER_INTERACTION_EXTENSION_NAME,
-    ),
-    Profile(
-        "ext/hand_interaction_ext",
-        _BARE,
-        _BARE,
-        xr.EXT_HAND_INTERACTION_EXTENSION_NAME,
-        ticks=False,
-    ),
-)
-"""``stop`` is the menu button where an application may have it, else A: on the Index, and on right
-controllers whose menu button is the runtime's. Bare hands have none, and stop with two fists."""
-
-
-def stop_of(profile: str, hand: str) -> str:
-    """Return what stops an exposure with a hand, by the path of its interaction profile."""
-    for each in PROFILES:
-        if profile.endswith(each.path):
-            return each.stops(hand)
-    return "nothing"
-
 
 GAZE_PROFILE = "ext/eye_gaze_interaction"
 GAZE_PATH = "/user/eyes_ext/input/gaze_ext/pose"
@@ -339,7 +231,9 @@ class Actions:
         for profile in PROFILES:
             if profile.extension is None or profile.extension in self._runtime.extensions:
                 pairs = [(self._actions[name], path) for name, path in profile.pairs()]
-                self._suggest_profile(profile.path, pairs)
+                # An older version of the extension may not have it: there is no such controller.
+                with suppress(xr.exception.PathUnsupportedError):
+                    self._suggest_profile(profile.path, pairs)
         if self._gaze is not None:
             self._suggest_profile(GAZE_PROFILE, [(self._gaze, GAZE_PATH)])
 

@@ -12,7 +12,7 @@ from vrcomfort.headset.openxr.faults import starting
 from vrcomfort.headset.openxr.graphics_binding import OPENGL
 from vrcomfort.headset.openxr.headset import OpenXrHeadset
 from vrcomfort.headset.openxr.instance import (
-    WANTED_EXTENSIONS,
+    HELPFUL_EXTENSIONS,
     connect,
     offered_extensions,
     runtime_name,
@@ -31,7 +31,7 @@ class RuntimeFacts:
 
     name: str
     extensions: tuple[str, ...]
-    wanted: tuple[str, ...] = WANTED_EXTENSIONS
+    wanted: tuple[str, ...] = HELPFUL_EXTENSIONS
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ import xr
 from vrcomfort.errors import InputError
 from vrcomfort.frame import HeadsetEvent
 from vrcomfort.headset.openxr.native import check, raw_field, watched
+from vrcomfort.headset.openxr.profiles import EXTENSIONS as CONTROLLER_EXTENSIONS
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 
 DEBUG_UTILS = xr.EXT_DEBUG_UTILS_EXTENSION_NAME
@@ -60,7 +61,7 @@ class Messenger:
 CONVERTS_TIMESPEC = "XR_KHR_convert_timespec_time"
 CONVERTS_WIN32 = "XR_KHR_win32_convert_performance_counter_time"
 
-WANTED_EXTENSIONS = (
+HELPFUL_EXTENSIONS = (
     CONVERTS_WIN32 if sys.platform == "win32" else CONVERTS_TIMESPEC,
     xr.EXT_LOCAL_FLOOR_EXTENSION_NAME,
     xr.EXT_USER_PRESENCE_EXTENSION_NAME,
@@ -69,11 +70,8 @@ WANTED_EXTENSIONS = (
     xr.FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME,
     xr.KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME,
     xr.KHR_VISIBILITY_MASK_EXTENSION_NAME,
-    xr.EXT_HP_MIXED_REALITY_CONTROLLER_EXTENSION_NAME,
-    xr.HTC_VIVE_FOCUS3_CONTROLLER_INTERACTION_EXTENSION_NAME,
-    xr.BD_CONTROLLER_INTERACTION_EXTENSION_NAME,
-    xr.EXT_HAND_INTERACTION_EXTENSION_NAME,
 )
+WANTED_EXTENSIONS = (*HELPFUL_EXTENSIONS, *CONTROLLER_EXTENSIONS)
 """Taken where the runtime offers them; everything works without."""
 
 LAYERS_VARIABLE = "XR_ENABLE_API_LAYERS"

@@ -14,10 +14,10 @@ import xr
 from vrcomfort.frame import HeadsetEvent
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.inputs import Inputs
-from vrcomfort.headset.openxr.actions import HANDS
 from vrcomfort.headset.openxr.faults import asleep, lost
 from vrcomfort.headset.openxr.instance import STEREO
 from vrcomfort.headset.openxr.native import native, pose_from_xr, watched
+from vrcomfort.headset.openxr.profiles import HANDS
 from vrcomfort.headset.timing import RefreshPeriod
 
 State = xr.SessionState
