@@ -108,6 +108,8 @@ def _suggest(
         console(quiet).print(f"\nMapping: {out}")
     for number, doubt in enumerate(found.doubts, start=1):
         warn(f"doubt {number}: {doubt}")
+    if found.guesses:
+        warn(f"{found.guesses} more were not asked: the mapping has a guess for each ([[guesses]])")
 
 
 def import_trace(

@@ -17,6 +17,32 @@ MOST_ASKED = 5
 _ORDINARY = 50
 
 
+class Stake(NamedTuple):
+    """What depends on an assumption: the consequence if it is wrong, and how much that is."""
+
+    otherwise: str
+    rank: int
+
+
+REFUSED = Stake("nothing is imported", 100)
+LAYOUT = Stake("every cell would be read as another", 95)
+PEOPLE = Stake("one person's answers would count as another's", 90)
+CODING = Stake("answers would count one too high, or not at all", 88)
+CONDITIONS = Stake("conditions would be compared that were none", 86)
+TIMEPOINTS = Stake("before and after would be exchanged", 84)
+ITEM_ORDER = Stake("every answer would count for another symptom", 82)
+NAMES_OF_FILES = Stake("answers would be of other people or conditions", 80)
+ITEM = Stake("an answer would count for another symptom", 74)
+INSTRUMENT = Stake("scores would be made by another formula", 72)
+SHORT_FORM = Stake("a questionnaire would be scored as if it had been shorter", 70)
+SCORE_KIND = Stake("scores would be called what they are not", 68)
+SAME_PERSON = Stake("one person would count as two", 66)
+SAME_CONDITION = Stake("one condition would count as two", 64)
+ORDER = Stake("exposures would be numbered in another order", 55)
+ROWS = Stake("rows with answers would be missing", 50)
+CURIOUS = Stake("something is left out that an analysis might need", 10)
+
+
 class OpenDoubt(NamedTuple):
     """A question that the files do not answer, and the assumption meanwhile.
 

@@ -10,7 +10,18 @@ from difflib import SequenceMatcher
 from itertools import combinations
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
+from vrcomfort.importing.suggest.draft import (
+    CONDITIONS,
+    CURIOUS,
+    NAMES_OF_FILES,
+    ORDER,
+    PEOPLE,
+    SAME_CONDITION,
+    TIMEPOINTS,
+    OpenDoubt,
+    Stake,
+    TomlDraft,
+)
 from vrcomfort.importing.suggest.evidence import (
     BASELINE_AMONG_CONDITIONS,
     COUNTS_EXPOSURES,
@@ -28,6 +39,7 @@ from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 from vrcomfort.questionnaire import plain
 from vrcomfort.settings import toml_value
 
+_STAKES = {"participant": PEOPLE, "condition": CONDITIONS, "timepoint": TIMEPOINTS, "trial": ORDER}
 _PART = re.compile(r"([_\-\s.]+)")
 MOST_NAMED = 5
 LONG_WORD, NEAR, RARER = 6, 0.85, 2
@@ -101,14 +113,14 @@ class FactDraft:
         self._context.columns[fact] = (column,)
         self.found.draft.put(fact, {"column": self.heading(column), **more}, comment)
 
-    def doubt(self, question: str, assumed: str) -> None:
+    def doubt(self, question: str, assumed: str, stake: Stake) -> None:
         """Add a question that the files leave open."""
-        self.found.doubts.append(OpenDoubt(question, assumed))
+        self.found.doubts.append(OpenDoubt(question, assumed, *stake))
 
     def doubt_of(self, found: Candidate) -> None:
         """Add the question that a piece of evidence leaves open."""
         question = found.evidence.question.format(heading=self.heading(found.column))
-        self.doubt(question, found.evidence.assumed)
+        self.doubt(question, found.evidence.assumed, _STAKES[found.evidence.role])
 
 
 class Conditions(FactDraft):
@@ -142,10 +154,13 @@ class Conditions(FactDraft):
         chosen = within or columns[:1]
         if len(chosen) == 1:
             self.use("condition", chosen[0])
-            self.doubt(f"Which of {names} is the condition?", repr(self.heading(chosen[0])))
+            chosen_one = repr(self.heading(chosen[0]))
+            self.doubt(f"Which of {names} is the condition?", chosen_one, CONDITIONS)
         else:
             self._join_condition(chosen)
-            self.doubt(f"Are conditions made of {names} together?", "they are, joined by _")
+            self.doubt(
+                f"Are conditions made of {names} together?", "they are, joined by _", CONDITIONS
+            )
 
     def _join_condition(self, columns: Sequence[int]) -> None:
         self._context.used |= set(columns)
@@ -164,7 +179,8 @@ class Conditions(FactDraft):
         found = candidates("condition", columns, context)
         if not found:
             self.found.draft.put("condition", {"constant": "all"})
-            self.doubt("No column says the condition: was there but one?", "one, called `all`")
+            question = "No column says the condition: was there but one?"
+            self.doubt(question, "one, called `all`", CONDITIONS)
         elif found[0].evidence is COUNTS_EXPOSURES and found[-1].evidence is GROUPS_PEOPLE:
             self._crossover(found[-1].column, found[0].column)
         elif found[0].column in decided:  # it keeps the role that it has
@@ -184,7 +200,7 @@ class Conditions(FactDraft):
             a, b = self.heading(group), self.heading(number)
             question = f"Which condition did each {a} have in each {b} (a crossover)?"
             assumed = "each combination is a condition of its own; under values, give those that"
-            self.doubt(question, f"{assumed} are one condition one name")
+            self.doubt(question, f"{assumed} are one condition one name", CONDITIONS)
 
     def _letters(self, sequence: int, number: int) -> bool:
         """Take letters of sequences such as AB for the conditions, in their order."""
@@ -199,7 +215,8 @@ class Conditions(FactDraft):
         self.found.draft.put("condition", {"columns": names, "values": values})
         a, b = names
         question = f"Does {a!r} name the conditions in the order of {b!r}?"
-        self.doubt(question, ", ".join(f"{key} is {value}" for key, value in values.items()))
+        shown = ", ".join(f"{key} is {value}" for key, value in values.items())
+        self.doubt(question, shown, CONDITIONS)
         return True
 
     def _repetitions(self) -> None:
@@ -240,7 +257,7 @@ class Conditions(FactDraft):
         same = [each for found in again.values() for each in found]
         if same:
             assumed += f" (but {same[0]}: leave it out of the file if it was saved twice)"
-        self.doubt(f"{question}order of time?", assumed)
+        self.doubt(f"{question}order of time?", assumed, ORDER)
 
     def _alike(self) -> None:
         """Ask whether words for conditions that are nearly the same are one."""
@@ -258,7 +275,7 @@ class Conditions(FactDraft):
             one = {word: word for word in counts} | {rare: usual for usual, rare in pairs}
             said = "they are not; `values` of condition make them one: "
             question = f"Is each of these one condition, typed differently: {shown}?"
-            self.doubt(question, f"{said}values = {toml_value(one)}")
+            self.doubt(question, f"{said}values = {toml_value(one)}", SAME_CONDITION)
 
 
 def _are_alike(counts: Mapping[str, int], a: str, b: str) -> bool:
@@ -303,7 +320,7 @@ class _Facts(FactDraft):
         for column in self._varying:
             if column not in self._context.used:
                 question = f"Why has a participant more than one {self.heading(column)!r}?"
-                self.doubt(question, "it is ignored")
+                self.doubt(question, "it is ignored", CURIOUS)
         self.found.unused += [
             column
             for columns in self._roles.facts.values()
@@ -323,7 +340,7 @@ class _Facts(FactDraft):
             if len(columns) > 1:
                 names = ", ".join(repr(self.heading(c)) for c in columns)
                 question = f"Which of the columns {names} tells participants apart?"
-                self.doubt(question, f"`{self.heading(columns[0])}`")
+                self.doubt(question, f"`{self.heading(columns[0])}`", PEOPLE)
 
     def _order(self) -> None:
         """Take an order that differs within participants for the number of the exposure."""
@@ -357,7 +374,7 @@ class _Facts(FactDraft):
             self._named |= parts.texts
             shown = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
             said = "; ".join(f"{f}: {', '.join(t[:6])}" for f, t in parts.texts.items())
-            self.doubt(f"Do the names of the {what} ({shown}) say this?", said)
+            self.doubt(f"Do the names of the {what} ({shown}) say this?", said, NAMES_OF_FILES)
 
     def _participant(self) -> None:
         column = self._context.participant
@@ -375,7 +392,9 @@ class _Facts(FactDraft):
             self.use("participant", column)
             return
         self.found.draft.put("participant", {"count": True}, "the number of the row")
-        self.doubt("No column tells participants apart: is each row another person?", "it is")
+        self.doubt(
+            "No column tells participants apart: is each row another person?", "it is", PEOPLE
+        )
 
     def _plain_fact(self, fact: str) -> None:
         columns = [c for c in self._roles.facts.get(fact, []) if texts(self._table, c)]
@@ -392,7 +411,7 @@ class _Facts(FactDraft):
             question = (
                 f"Are the texts of {self.heading(column)!r} {fact}s, in the order of the rows?"
             )
-            self.doubt(question, f"they are, {what}")
+            self.doubt(question, f"they are, {what}", ORDER)
         else:
             self.use(fact, column)
 
@@ -406,6 +425,7 @@ class _Facts(FactDraft):
         self.doubt(
             f"{question} conditions in a row, stand in the order of time?",
             "they do; exposures are numbered so",
+            ORDER,
         )
 
     def _timepoint(self) -> None:
@@ -433,7 +453,7 @@ class _Facts(FactDraft):
         self.use("timepoint", column, values=said)
         if len(set(said.values())) < len(said):
             shown = ", ".join(f"{a} is {b}" for a, b in said.items())
-            self.doubt("Are these timepoints right, though two are one?", shown)
+            self.doubt("Are these timepoints right, though two are one?", shown, TIMEPOINTS)
 
     def _other_timepoints(self, column: int) -> None:
         """Take texts such as T0 and T1 for timepoints in their alphabetical order, and ask."""
@@ -442,7 +462,7 @@ class _Facts(FactDraft):
         values = dict(zip(ordered, names, strict=False))
         self.use("timepoint", column, values=values)
         shown = ", ".join(f"{a} {b}" for a, b in values.items())
-        self.doubt(f"Which timepoints are {', '.join(ordered)}?", shown)
+        self.doubt(f"Which timepoints are {', '.join(ordered)}?", shown, TIMEPOINTS)
 
     def _mixed(self, column: int) -> None:
         """Take both the timepoint and the condition from one column."""
@@ -453,7 +473,7 @@ class _Facts(FactDraft):
         self.use("condition", column, values=what)
         before = ", ".join(repr(word) for word in words if when[word] == "baseline")
         question = f"Is {before} in {self.heading(column)!r} before exposure, of no condition?"
-        self.doubt(question, "it is; the others are conditions, asked after exposure")
+        self.doubt(question, "it is; the others are conditions, asked after exposure", TIMEPOINTS)
 
     def _covariates(self) -> None:
         who = self._context.participant

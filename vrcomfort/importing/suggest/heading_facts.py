@@ -8,7 +8,7 @@ from itertools import takewhile
 from typing import NamedTuple
 
 from vrcomfort.importing.mapping import template_pattern
-from vrcomfort.importing.suggest.draft import OpenDoubt
+from vrcomfort.importing.suggest.draft import CONDITIONS, TIMEPOINTS, OpenDoubt
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 
 _ITEM = "{item}"
@@ -86,7 +86,9 @@ def _numbered_times(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> Non
         each["timepoint"] = names.get(when, when)
     shown = ", ".join(f"{old.upper()} {names.get(old, old)}" for old in said)
     doubts.append(
-        OpenDoubt("Which timepoints are T0, T1 …: before exposure, after it, later?", shown)
+        OpenDoubt(
+            "Which timepoints are T0, T1 …: before exposure, after it, later?", shown, *TIMEPOINTS
+        )
     )
 
 
@@ -99,7 +101,9 @@ def _two_unnamed(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
         second[0].pop("condition")
         second[0]["timepoint"] = "post"
         question = "The same items are asked twice in a row: are these before and after exposure?"
-        doubts.append(OpenDoubt(question, "the first columns are baseline, the second post"))
+        doubts.append(
+            OpenDoubt(question, "the first columns are baseline, the second post", *TIMEPOINTS)
+        )
 
 
 def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: str) -> None:
@@ -108,7 +112,7 @@ def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: s
     if numbers:
         shown = ", ".join(dict.fromkeys(f["condition"] for f in numbers))
         question = f"What do the numbers {shown} in the headings stand for?"
-        doubts.append(OpenDoubt(question, f"each is a {fact}"))
+        doubts.append(OpenDoubt(question, f"each is a {fact}", *CONDITIONS))
         for each in numbers:
             each[fact] = each.pop("condition")
     several = len({f.get("condition", "") for f in facts}) > 1
@@ -118,7 +122,7 @@ def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: s
         if nameless or (not each and len(facts) > 1):
             each["condition"] = f"questionnaire_{place}"
             question = f"Of which condition is questionnaire {place} of a row?"
-            doubts.append(OpenDoubt(question, f"`questionnaire_{place}`"))
+            doubts.append(OpenDoubt(question, f"`questionnaire_{place}`", *CONDITIONS))
 
 
 class Template(NamedTuple):

@@ -9,7 +9,15 @@ from typing import Any, Generic, TypeVar
 
 from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
+from vrcomfort.importing.suggest.draft import (
+    LAYOUT,
+    PEOPLE,
+    ROWS,
+    SAME_PERSON,
+    SCORE_KIND,
+    OpenDoubt,
+    TomlDraft,
+)
 from vrcomfort.importing.suggest.evidence import (
     FIRST_COLUMNS,
     Context,
@@ -166,13 +174,13 @@ class TableDraft:
         if read.transpose:
             values["transpose"] = True
             question = "Do participants stand side by side, and items one below the other?"
-            self.doubts.append(OpenDoubt(question, "they do; columns are read as rows"))
+            self.doubts.append(OpenDoubt(question, "they do; columns are read as rows", *LAYOUT))
         if values:
             self.draft.put("read", values)
         if not read.heading_rows and "heading_rows" in values:
             question = f"{self.table.file.name} seems to have no headings: is its first row data?"
             self.doubts.append(
-                OpenDoubt(question, "it is; columns are called column 1, column 2 …")
+                OpenDoubt(question, "it is; columns are called column 1, column 2 …", *LAYOUT)
             )
 
     def _write(self) -> None:
@@ -252,7 +260,7 @@ class TableDraft:
                 self.table = replace(self.table, rows=tuple(rows))
                 self.draft.put("fill_down", [name])
                 question = f"Do the blank cells of {name!r} mean the participant above them?"
-                self.doubts.append(OpenDoubt(question, "they do"))
+                self.doubts.append(OpenDoubt(question, "they do", *PEOPLE))
                 return
 
     def _leave_out(self, participant: int | None) -> None:
@@ -268,7 +276,7 @@ class TableDraft:
             question = (
                 f"May the rows with {shown} in {names[column]!r} be left out, as no person's?"
             )
-            self.doubts.append(OpenDoubt(question, "they are left out"))
+            self.doubts.append(OpenDoubt(question, "they are left out", *ROWS))
 
     def _questionnaires(self) -> None:
         drafts: list[TomlDraft] = []
@@ -368,7 +376,9 @@ class TableDraft:
             asked.setdefault(f"{what} of the {each.instrument.short}", []).extend(scales.values())
         for what, names in asked.items():
             question = f"{', '.join(names)}: are these {what}?"
-            self.doubts.append(OpenDoubt(question, f"they are {what}; the answers are not there"))
+            self.doubts.append(
+                OpenDoubt(question, f"they are {what}; the answers are not there", *SCORE_KIND)
+            )
         if drafts:
             self.draft.lists["scores"] = drafts
 
@@ -383,7 +393,9 @@ class TableDraft:
                 one = {other: group[0] for group in groups for other in group[1:]}
                 said = "they are not; `values` of participant make them one: "
                 question = f"Are these participants one person each: {shown}?"
-                self.doubts.append(OpenDoubt(question, f"{said}values = {toml_value(one)}"))
+                self.doubts.append(
+                    OpenDoubt(question, f"{said}values = {toml_value(one)}", *SAME_PERSON)
+                )
 
     def _ignore(self, exposures: DraftedFacts) -> None:
         """List every column that nothing was said of, with the reason."""
