@@ -42,6 +42,7 @@ from vrcomfort.settings import toml_value
 _STAKES = {"participant": PEOPLE, "condition": CONDITIONS, "timepoint": TIMEPOINTS, "trial": ORDER}
 _PART = re.compile(r"([_\-\s.]+)")
 MOST_NAMED = 5
+_FEWEST_ROWS = 3
 LONG_WORD, NEAR, RARER = 6, 0.85, 2
 """Letters in which a misspelling shows, how alike the two words are, and how much rarer one is."""
 
@@ -311,12 +312,16 @@ class _Facts(FactDraft):
         self._participant()
         if context.time is not None:
             context.used.add(context.time)
-        for fact in ("session", "period", "block", "trial", "scene"):
+        for fact in ("session", "period", "block", "trial"):
             self._plain_fact(fact)
+        if self._condition_is_named() or not answers.answered:
+            self._plain_fact("scene")
         self._timepoint()
         self._covariates()
         if answers.answered:
             Conditions(answers, self.found, self._named).draft()
+            if "scene" not in self._context.columns:
+                self._plain_fact("scene")
         for column in self._varying:
             if column not in self._context.used:
                 question = f"Why has a participant more than one {self.heading(column)!r}?"
@@ -330,6 +335,12 @@ class _Facts(FactDraft):
         self.found.unused += [
             c for c in self._roles.covariates.values() if c not in self._context.used
         ]
+
+    def _condition_is_named(self) -> bool:
+        """Return whether headings, names of files or a column say the condition."""
+        columns = self._roles.facts.get("condition", [])
+        named = "condition" in self._answers.said or "condition" in self._named
+        return named or any(texts(self._table, column) for column in columns)
 
     def _participant_column(self) -> None:
         columns = self._roles.facts.get("participant", [])
@@ -400,7 +411,12 @@ class _Facts(FactDraft):
         columns = [c for c in self._roles.facts.get(fact, []) if texts(self._table, c)]
         if not columns or fact in self._answers.said:
             return
-        column = columns[0]
+        column = next((c for c in columns if c not in self._context.used), None)
+        if column is None:
+            return
+        if self._is_key_of_rows(fact, column):
+            self._roles.metadata.append(column)
+            return
         if fact in {"trial", "period"} and "condition" in self._answers.said:
             self._exposures_of_rows(fact, column)
             return
@@ -414,6 +430,12 @@ class _Facts(FactDraft):
             self.doubt(question, f"they are, {what}", ORDER)
         else:
             self.use(fact, column)
+
+    def _is_key_of_rows(self, fact: str, column: int) -> bool:
+        """Return whether a column has another text in each row, as codes of web sessions are."""
+        words = texts(self._table, column)
+        each_row = len(words) == len(self._table.rows) > _FEWEST_ROWS
+        return fact == "session" and each_row and not is_numeric(self._table, column)
 
     def _exposures_of_rows(self, fact: str, column: int) -> None:
         """Count exposures: the number of a row, which is ignored, is not that of each in it."""

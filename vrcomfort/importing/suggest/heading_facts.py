@@ -25,6 +25,7 @@ def heading_facts(
     numbers
         The fact that numbers are taken for that stand alone.
     """
+    contexts = [tuple(_unglued(word, vocabulary) for word in each) for each in contexts]
     if len(contexts) == 1:
         return _of_one(contexts[0], vocabulary)
     shared = set.intersection(*map(set, contexts))
@@ -44,6 +45,19 @@ def heading_facts(
     _two_unnamed(facts, doubts)
     _name_the_rest(facts, doubts, numbers)
     return facts, doubts
+
+
+def _unglued(word: str, vocabulary: LabVocabulary) -> str:
+    """Return the timepoint at the end of a word such as ``qprae``, or else the word."""
+    if word in vocabulary.timepoints or word in vocabulary.condition_fillers:
+        return word
+    ends = (when for when in vocabulary.timepoints if len(when) >= _LETTERS and word.endswith(when))
+    found = max(ends, key=len, default=word)
+    return found if len(word) - len(found) <= _GLUED else word
+
+
+_LETTERS, _GLUED = 3, 2
+"""Letters of a timepoint that is known inside a word, and the most before it."""
 
 
 def _of_one(
@@ -95,7 +109,7 @@ def _numbered_times(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> Non
 def _two_unnamed(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
     """Take two blocks of the same headings, the second marked with a number, for before, after."""
     bare = [f for f in facts if not f]
-    second = [f for f in facts if set(f) == {"condition"} and f["condition"].isdecimal()]
+    second = [f for f in facts if set(f) == {"condition"} and _is_second(f["condition"])]
     if len(facts) == 2 and len(bare) == 1 and len(second) == 1:
         bare[0]["timepoint"] = "baseline"
         second[0].pop("condition")
@@ -104,6 +118,11 @@ def _two_unnamed(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
         doubts.append(
             OpenDoubt(question, "the first columns are baseline, the second post", *TIMEPOINTS)
         )
+
+
+def _is_second(text: str) -> bool:
+    """Return whether a mark says no more than that this is the other block: ``2``, or ``p``."""
+    return text.isdecimal() or text == "p"
 
 
 def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: str) -> None:

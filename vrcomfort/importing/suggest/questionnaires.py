@@ -123,6 +123,8 @@ def _words(
         answer = said.get(plain(text))
         if answer is None:
             answer = _numbered(text, said, instrument)
+        if answer is None:
+            answer = _in_two_languages(text, said)
         if plain(text) == "none" and values and len(words) == 1:
             question = "Is `None` an answer (0) or a missing value? All others are numbers."
             found.doubts.append(OpenDoubt(question, "it is missing", *CODING))
@@ -163,6 +165,12 @@ def _numbered(text: str, said: dict[str, int], instrument: Instrument) -> int | 
         return said[plain(word)]
     value = int(digits)
     return value if instrument.low <= value <= instrument.high else None
+
+
+def _in_two_languages(text: str, said: dict[str, int]) -> int | None:
+    """Return the answer of ``None / Inexistente``: what one of its parts says, if none differs."""
+    found = {said[plain(part)] for part in re.split(r"[/|]", text) if plain(part) in said}
+    return found.pop() if len(found) == 1 else None
 
 
 def _doubled(found: Coding, instrument: Instrument) -> None:
@@ -494,40 +502,46 @@ def draft_course(
     return draft, [*coding.doubts, OpenDoubt(question, f"they are, {what}", *ORDER)]
 
 
+def sum_of(
+    table: SourceTable, column: int, blocks: Sequence[Found], known: Known
+) -> list[str] | None:
+    """Return the columns of a questionnaire of which another is the exact (weighted) sum."""
+    words = texts(table, column)
+    if not words or not all(map(is_number, words)):
+        return None
+    values = _values(table, column)
+    for block in blocks:
+        answers = {
+            table.headings[named.column]: _coded_values(
+                table, named.column, block.instrument, known.vocabulary
+            )
+            for named in block.items.values()
+        }
+        if parts := parts_of(values, answers):
+            return parts
+    return None
+
+
 def leftovers(
-    table: SourceTable, columns: Sequence[int], blocks: Sequence[Found], vocabulary: LabVocabulary
+    table: SourceTable, columns: Sequence[int], blocks: Sequence[Found], known: Known
 ) -> tuple[dict[int, str], list[OpenDoubt]]:
     """Return why columns are ignored, as far as that is known, and ask about answers in them."""
     reasons: dict[int, str] = {}
     doubts: list[OpenDoubt] = []
     maybe: list[str] = []
-    items = [
-        {
-            table.headings[named.column]: _coded_values(
-                table, named.column, block.instrument, vocabulary
-            )
-            for named in block.items.values()
-        }
-        for block in blocks
-    ]
     for column in columns:
         words = texts(table, column)
         heading = table.headings[column]
         if not words:
             reasons[column] = "empty"
-            continue
-        numeric = all(map(is_number, words))
-        sums = (parts_of(_values(table, column), each) for each in items) if numeric else ()
-        parts = next((found for found in sums if found), None)
-        if parts is not None:
+        elif parts := sum_of(table, column, blocks, known):
             shown = ", ".join(parts[:3]) + (f" and {len(parts) - 3} more" if parts[3:] else "")
             reasons[column] = f"the exact (weighted) sum of {shown}"
-        elif blocks and _may_answer(table, column, blocks[0].instrument, vocabulary):
+        elif blocks and _may_answer(table, column, blocks[0].instrument, known.vocabulary):
             maybe.append(heading)
     if maybe:
-        shown = ", ".join(map(repr, maybe[:6])) + (
-            f" and {len(maybe) - 6} more" if maybe[6:] else ""
-        )
+        shown = ", ".join(map(repr, maybe[:6]))
+        shown += f" and {len(maybe) - 6} more" if maybe[6:] else ""
         question = f"These hold what may be answers: {shown}. Is one of them an item?"
         doubts.append(OpenDoubt(question, "none is, and they are ignored", *CURIOUS))
     return reasons, doubts

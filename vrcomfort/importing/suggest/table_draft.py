@@ -31,11 +31,12 @@ from vrcomfort.importing.suggest.facts import AnswersFound, DraftedFacts, draft_
 from vrcomfort.importing.suggest.heading_facts import heading_facts, template_of
 from vrcomfort.importing.suggest.items import FoundAnswers, find_blocks
 from vrcomfort.importing.suggest.layouts import (
+    FoundScores,
+    by_kind,
     find_courses,
     find_long,
     find_ratings,
     find_scores,
-    kind_of,
 )
 from vrcomfort.importing.suggest.questionnaires import (
     Drafted,
@@ -44,6 +45,7 @@ from vrcomfort.importing.suggest.questionnaires import (
     draft_long,
     draft_rating,
     leftovers,
+    sum_of,
 )
 from vrcomfort.importing.suggest.vocabulary import Known, words_of
 from vrcomfort.settings import toml_value
@@ -144,6 +146,7 @@ class TableDraft:
         self._answers = AnswerColumns(self.table, known)
         others = [c for c in range(len(self.table.headings)) if c not in self._answers.taken]
         self._roles = roles_of(self.table, others, self._vocabulary)
+        self._nobodys_rows()
         self._facts: dict[Layout[Any], list[dict[str, str]]] = {}
         """Layout → what the headings of its answers say."""
         self._made: dict[int, str] = {}
@@ -226,7 +229,23 @@ class TableDraft:
     def _context(self) -> Context:
         time = next((r.time for r in self._answers[RATINGS] if r.time is not None), None)
         single = not self._answers[LONG]
-        return Context(self.table, self._vocabulary, self._roles, one_row_each=single, time=time)
+        return Context(
+            self.table,
+            self._vocabulary,
+            self._roles,
+            one_row_each=single,
+            time=time,
+            derived=self._derived(),
+        )
+
+    def _derived(self) -> frozenset[int]:
+        """Return the columns that are exactly the sum of a questionnaire's answers."""
+        blocks = self._answers[BLOCKS]
+        return frozenset(
+            column
+            for column in self._roles.unknown
+            if sum_of(self.table, column, blocks, self._known)
+        )
 
     def _found_answers(self, said: set[str]) -> AnswersFound:
         keys = [column for long in self._answers[LONG][:1] for column in long.row_keys]
@@ -262,6 +281,16 @@ class TableDraft:
                 question = f"Do the blank cells of {name!r} mean the participant above them?"
                 self.doubts.append(OpenDoubt(question, "they do", *PEOPLE))
                 return
+
+    def _nobodys_rows(self) -> None:
+        """Take rows without a participant out of the table: means often stand in them."""
+        named = self._roles.facts.get("participant", [])
+        if not named or not self._answers or all(self.table.column(named[0])):
+            return
+        rows = tuple(row for row in self.table.rows if row[named[0]])
+        if rows:
+            self.table = replace(self.table, rows=rows)
+            self._totals[named[0]] = [*self._totals.get(named[0], []), ""]
 
     def _leave_out(self, participant: int | None) -> None:
         out = dict(self._totals)
@@ -364,16 +393,20 @@ class TableDraft:
             if each.instrument.name in answered:
                 self._made |= dict.fromkeys(each.columns, "a score made of the answers")
                 continue
-            kind = kind_of(self.table, each)
-            scales = {scale: self.table.headings[c] for scale, c in each.scales.items()}
-            draft = TomlDraft({"instrument": each.instrument.name, **said, "kind": kind})
-            draft.note("The answers are not in the file: scores alone.")
-            draft.tables["scales"] = TomlDraft(dict(scales))
-            drafts.append(draft)
-            what = {"raw_sum": "raw sums", "score": "scores by the published formula"}.get(
-                kind, "scores by another formula"
-            )
-            asked.setdefault(f"{what} of the {each.instrument.short}", []).extend(scales.values())
+            if self._averages(each):
+                self._made |= dict.fromkeys(each.columns, "a mean of the others")
+                continue
+            for kind, part in by_kind(self.table, each).items():
+                scales = {scale: self.table.headings[c] for scale, c in part.scales.items()}
+                draft = TomlDraft({"instrument": part.instrument.name, **said, "kind": kind})
+                draft.note("The answers are not in the file: scores alone.")
+                draft.tables["scales"] = TomlDraft(dict(scales))
+                drafts.append(draft)
+                what = {"raw_sum": "raw sums", "score": "scores by the published formula"}.get(
+                    kind, "scores by another formula"
+                )
+                of = f"{what} of the {part.instrument.short}"
+                asked.setdefault(of, []).extend(scales.values())
         for what, names in asked.items():
             question = f"{', '.join(names)}: are these {what}?"
             self.doubts.append(
@@ -381,6 +414,10 @@ class TableDraft:
             )
         if drafts:
             self.draft.lists["scores"] = drafts
+
+    def _averages(self, scores: FoundScores) -> bool:
+        """Return whether scores are means over conditions, which others are beside."""
+        return len(self._answers[SCORES]) > 1 and bool({*scores.context} & self._vocabulary.totals)
 
     def _covariates(self, exposures: DraftedFacts) -> None:
         if exposures.context.covariates:
@@ -413,7 +450,7 @@ class TableDraft:
         if not columns:
             return
         asked = [column for column in columns if column not in self._roles.metadata]
-        reasons, doubts = leftovers(self.table, asked, self._answers[BLOCKS], self._vocabulary)
+        reasons, doubts = leftovers(self.table, asked, self._answers[BLOCKS], self._known)
         self.doubts += doubts
         for column in columns:
             name = self.table.headings[column]
