@@ -52,12 +52,15 @@ class OpenDoubt(NamedTuple):
         The consequence if the assumption is wrong.
     rank
         How much depends on the answer; the highest ranks are asked.
+    like
+        Doubts with one such text are asked as one.
     """
 
     question: str
     assumed: str
     otherwise: str = ""
     rank: int = _ORDINARY
+    like: str = ""
 
     @property
     def words(self) -> str:
@@ -127,7 +130,7 @@ def write_doubts(draft: TomlDraft, doubts: Iterable[OpenDoubt]) -> list[OpenDoub
 
     One question hardly matters beside five that do, and a person who is asked forty reads none.
     """
-    ranked = sorted(dict.fromkeys(doubts), key=lambda doubt: -doubt.rank)
+    ranked = sorted(_joined(doubts), key=lambda doubt: -doubt.rank)
     asked, guessed = ranked[:MOST_ASKED], ranked[MOST_ASKED:]
     draft.lists["doubts"] = [TomlDraft({**_said(doubt), "answer": ""}) for doubt in asked]
     if guessed:
@@ -135,6 +138,19 @@ def write_doubts(draft: TomlDraft, doubts: Iterable[OpenDoubt]) -> list[OpenDoub
         line = "Not asked, since less depends on it: mend what is wrong."
         draft.lists["guesses"][0].note(line)
     return asked
+
+
+def _joined(doubts: Iterable[OpenDoubt]) -> list[OpenDoubt]:
+    """Return the doubts with those that are alike as one."""
+    groups: dict[str, list[OpenDoubt]] = {}
+    for doubt in dict.fromkeys(doubts):
+        groups.setdefault(doubt.like or doubt.question, []).append(doubt)
+    return [
+        each[0]._replace(question=f"{each[0].question} (And {len(each) - 1} more blocks like it.)")
+        if len(each) > 1 and each[0].like
+        else each[0]
+        for each in groups.values()
+    ]
 
 
 def _said(doubt: OpenDoubt) -> dict[str, object]:

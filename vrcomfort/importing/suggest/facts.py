@@ -345,6 +345,7 @@ class _Facts(FactDraft):
     def _participant_column(self) -> None:
         columns = self._roles.facts.get("participant", [])
         columns = [c for c in columns if len(texts(self._table, c)) > 1] or columns
+        columns = [c for c in columns if not self._has_codes(c)] or columns
         if columns:
             self._context.participant = columns[0]
             columns = [c for c in columns if c in self._roles.alike["participant"]]
@@ -352,6 +353,13 @@ class _Facts(FactDraft):
                 names = ", ".join(repr(self.heading(c)) for c in columns)
                 question = f"Which of the columns {names} tells participants apart?"
                 self.doubt(question, f"`{self.heading(columns[0])}`", PEOPLE)
+
+    def _has_codes(self, column: int) -> bool:
+        """Return whether a column has codes of missing values, such as -66, in place of people."""
+        return any(
+            re.fullmatch(r"-\d+", text) or text.casefold() in self._vocabulary.missing
+            for text in texts(self._table, column)
+        )
 
     def _order(self) -> None:
         """Take an order that differs within participants for the number of the exposure."""

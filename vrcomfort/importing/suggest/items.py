@@ -199,9 +199,12 @@ class Found(FoundAnswers):
     ----------
     items
         Item → index of its column.
+    siblings
+        Columns of other administrations of the instrument, which are coded as these are.
     """
 
     items: dict[str, Named]
+    siblings: tuple[int, ...] = ()
 
     @property
     def columns(self) -> list[int]:
@@ -228,7 +231,14 @@ def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> lis
         found += _best(table, blocks, known.instruments)
     if not found and not table.reading.heading_rows:
         found = _by_position(table, known.instruments)
+    found = [replace(block, siblings=_siblings(block, found)) for block in found]
     return sorted(found, key=lambda block: block.columns)
+
+
+def _siblings(block: Found, found: Sequence[Found]) -> tuple[int, ...]:
+    others = (each for each in found if each is not block)
+    alike = (each for each in others if each.instrument is block.instrument)
+    return tuple(column for each in alike for column in each.columns)
 
 
 def _by_name(

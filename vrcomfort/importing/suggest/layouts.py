@@ -244,7 +244,8 @@ class FoundCourse(FoundAnswers):
 def find_ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
     """Return the columns of ratings that are in no time course."""
     ratings = _ratings(table, columns, known)
-    in_courses = [rating for course in _courses_of(ratings) for rating in course]
+    courses = _courses_of(ratings, known.vocabulary.units)
+    in_courses = [rating for course in courses for rating in course]
     return [rating for rating in ratings if rating not in in_courses]
 
 
@@ -252,10 +253,20 @@ def find_courses(table: SourceTable, columns: Sequence[int], known: Known) -> li
     """Return the rating time courses that have a column for each time."""
     units = known.vocabulary.units
     found = []
-    for course in _courses_of(_ratings(table, columns, known)):
-        context = (word for word in course[0].context if not word.isdecimal() and word not in units)
+    for course in _courses_of(_ratings(table, columns, known), units):
+        first = course[0].context
+        time = _time_in(first, units)
+        context = (w for n, w in enumerate(first) if n != time and w not in units)
         found.append(FoundCourse(course[0].instrument, tuple(context), tuple(course)))
     return found
+
+
+def _time_in(context: Sequence[str], units: Set[str]) -> int | None:
+    """Return the place of the one number that is a time: before a unit, where there are others."""
+    numbers = [n for n, word in enumerate(context) if word.isdecimal()]
+    if len(numbers) > 1:
+        numbers = [n for n in numbers if {*context[n + 1 : n + 2]} & units]
+    return numbers[0] if len(numbers) == 1 else None
 
 
 def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
@@ -295,13 +306,13 @@ FEWEST_TIMES = 3
 """Columns of one scale that differ in a number alone and are a time course of ratings."""
 
 
-def _courses_of(ratings: Sequence[FoundRating]) -> list[list[FoundRating]]:
+def _courses_of(ratings: Sequence[FoundRating], units: Set[str]) -> list[list[FoundRating]]:
     """Group ratings by headings that differ in one number alone, such as ``FMS_1 min``."""
     groups: dict[tuple[str, ...], list[FoundRating]] = {}
     for rating in ratings:
-        digits = [word for word in rating.context if word.isdecimal()]
-        if rating.time is None and len(digits) == 1:
-            rest = tuple("#" if word.isdecimal() else word for word in rating.context)
+        place = _time_in(rating.context, units)
+        if rating.time is None and place is not None:
+            rest = tuple("#" if n == place else word for n, word in enumerate(rating.context))
             groups.setdefault((rating.instrument.name, *rest), []).append(rating)
     return [group for group in groups.values() if len(group) >= FEWEST_TIMES]
 

@@ -305,7 +305,8 @@ def draft_block(
     block, doubts = _mend_items(table, block, roles, known.vocabulary)
     draft = TomlDraft({"instrument": block.instrument.name, **facts})
     doubts += _instrument_doubts(table, block, known)
-    coding = coding_of(table, block.columns, block.instrument, known.vocabulary)
+    columns = [*dict.fromkeys((*block.columns, *block.siblings))]
+    coding = coding_of(table, columns, block.instrument, known.vocabulary)
     if coding.variant is not None:
         block = replace(block, instrument=coding.variant)
         draft.put("instrument", block.instrument.name)
@@ -356,11 +357,12 @@ def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[OpenDoubt]:
     by_how: dict[str, list[str]] = {}
     for item in headings:
         by_how.setdefault(block.items[item].how, []).append(item)
+    like = f"order of {block.instrument.name}"
     if numbered := by_how.get("number"):
         first, last = headings[numbered[0]], headings[numbered[-1]]
         title, citation = block.instrument.title, block.instrument.citation.split(",")[0]
         question = f"Are {first} … {last} in the published order of the {title} ({citation})?"
-        doubts.append(OpenDoubt(question, f"they are: {first} is {numbered[0]}", *ITEM_ORDER))
+        doubts.append(OpenDoubt(question, f"they are: {first} is {numbered[0]}", *ITEM_ORDER, like))
     if placed := by_how.get("position"):
         first, last = headings[placed[0]], headings[placed[-1]]
         if len(placed) > 1:

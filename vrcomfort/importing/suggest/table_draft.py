@@ -210,7 +210,8 @@ class TableDraft:
 
     def _numbers(self) -> str:
         """Return the fact that numbers in headings are: a column may say the condition already."""
-        return "trial" if self._roles.facts.get("condition") else "condition"
+        said = self._roles.facts.get("condition", [])
+        return "trial" if any(len(texts(self.table, c)) > 1 for c in said) else "condition"
 
     def _spelt(self, facts: dict[str, str]) -> dict[str, str]:
         """Return conditions with the capital letters that the headings have."""
