@@ -1,24 +1,29 @@
-"""Sessions that are interrupted once or twice and go on: nothing of them is called damaged."""
+"""Sessions that are interrupted twice and go on: no row is lost, nothing is called damaged."""
 
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import sys
+from collections import Counter
 from collections.abc import Mapping
 from functools import cache, partial
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from torture import steps
+from torture import steps, victim
 from torture.case import OTHER, Result, Rig
+from torture.rows import Rows, by_file, missing, whole_rows
 from torture.steps import Fate
 from torture.worker import named, workers
 from vrcomfort.exchange.bids import export_bids
 from vrcomfort.exchange.psych_ds import export_psych_ds
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.protocol import Protocol, load_protocol
+from vrcomfort.records.interruptions import KEPT, SAFE_AT_ONCE_S
 from vrcomfort.respondent import Form, Heard, SimulatedRespondent
 from vrcomfort.scene.load import load_scene
 from vrcomfort.session import (
@@ -36,29 +41,39 @@ FATES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGINT twice", "SIGKILL", "power cut", 
 SMALLEST_BYTES = 4096
 """Of the full disk; the largest takes the whole session."""
 RATE_HZ = 72.0
+TOLD = "told.txt"
+SYNCED_LATER = {each.row_type.FILE for each in KEPT if each.safe_after_s > SAFE_AT_ONCE_S}
 CASE_S = 120.0
 
 
 def torture(rig: Rig) -> Result:
     """Interrupt sessions in every way, and verify what they are when they have gone on."""
     folder = rig.place("resumed")
-    count, limit_s = rig.count(140, 7), rig.count(300, 60)
+    count, limit_s = rig.count(200, 7), rig.count(600, 60)
     with workers("torture.resumed", folder, name=_fate, gigabytes=0, case_s=CASE_S) as found:
         outcomes = list(rig.all("resumed", count, found.run, limit_s=limit_s))
     how = (
         f"{', '.join(FATES)} in turn, at a random line of the code that records a session without "
-        "pictures (tasks, dials, gaze, practice, corrected answers); in half of the cases the "
-        "session that goes on is interrupted again. When it is over, `verify` finds nothing, and "
+        "pictures (tasks, sliders, a dial, gaze, practice, corrected answers); the session that "
+        "goes on is interrupted again. Rows count that a file had after an interruption, that the "
+        "recorder had taken before a signal, or that the session had waited for (before a power "
+        "cut, but for files that are synced later). When it is over, `verify` finds nothing, and "
         "both exports are written."
     )
     return Result("resumed", outcomes, how, count)
 
 
-def case(folder: Path, number: int, seed: int) -> dict[str, str]:
+def case(folder: Path, number: int, seed: int) -> dict[str, Any]:
     """Judge one case, for a worker."""
     with named(_fate(number)):
-        name, faults = judge(folder, seed, _fate(number))
-    return {"name": name, "fault": OTHER if faults else "", "detail": "; ".join(faults[:3])}
+        found = judge(folder, seed, _fate(number))
+    return {
+        "name": found.name,
+        "handed": found.handed,
+        "lost": found.lost,
+        "fault": OTHER if found.faults else "",
+        "detail": "; ".join(found.faults[:3]),
+    }
 
 
 def manifest_of(study: Path) -> Path:
@@ -85,8 +100,16 @@ class Corrects(SimulatedRespondent):
         super().ask(form, twice)
 
 
-def work(study: Path, *, resume: bool) -> None:
-    """Run the session, or what is left of it."""
+def work(study: Path, *, resume: bool, told: Path | None = None) -> None:
+    """Run the session, or what is left of it.
+
+    Parameters
+    ----------
+    told
+        A file to tell each row in that the recorder takes; in a child of this process alone.
+    """
+    if told is not None:
+        victim.observe(victim.Observer(os.open(told, os.O_CREAT | os.O_WRONLY | os.O_APPEND)), 0.0)
     known = protocol()
     respondent = Corrects(known.simulation, participant=WHO, seed=0)
     with open_enrolment(
@@ -128,33 +151,75 @@ def length(folder: Path, name: str) -> int:
     return size_bytes if name == "full disk" else count
 
 
-def judge(folder: Path, seed: int, first: str) -> tuple[str, list[str]]:
-    """Interrupt a session, at first by `first`; return what was done, and what is wrong now."""
+class Judged(NamedTuple):
+    """What was done to a session, and what is wrong now; see `torture.case.Outcome`."""
+
+    name: str
+    faults: list[str]
+    handed: int = 0
+    lost: int = 0
+
+
+def judge(folder: Path, seed: int, first: str) -> Judged:
+    """Interrupt a session twice, at first by `first`, and let it go on to its end."""
     random = np.random.default_rng(seed)
-    fates = [first, str(random.choice(FATES)), "none"] if random.random() < 0.5 else [first, "none"]
+    fates = [first, str(random.choice(FATES)), "none"]
     case = folder / str(seed)
     study = case / "study"
     shutil.rmtree(case, ignore_errors=True)
     case.mkdir(parents=True)
     names = []
+    rows: Rows = Counter()
     for name in fates:
         fate = _meet(folder, name, random)
         before = {each.stat().st_ino: each.stat().st_size for each in study.rglob("*.csv")}
         resume = manifest_of(study).exists()
-        code, _ = steps.run(partial(work, study, resume=resume), fate, case)
+        (case / TOLD).unlink(missing_ok=True)
+        code, _ = steps.run(partial(work, study, resume=resume, told=case / TOLD), fate, case)
         names.append("to the end" if name == "none" else f"{name} at {fate.step}")
         if code == steps.FELL:
-            return ", ".join(names), [(case / "fell.txt").read_text()[-600:]]
+            return Judged(", ".join(names), [(case / "fell.txt").read_text()[-600:]])
         if code == steps.HUNG:
-            return ", ".join(names), [f"still running after {steps.LIMIT_S} s"]
+            return Judged(", ".join(names), [f"still running after {steps.LIMIT_S} s"])
         if name == "power cut" and code < 0:
             cut(case, before, random)
+        if name != "full disk":  # whose refusals are another torture
+            rows = _taken(rows, case / TOLD, all_of_them=code >= 0, cut=name == "power cut")
+        rows |= whole_rows(study)
         if not code:
             break
+    lost = missing(rows, study)
     faults = _not_over(study, case) or called_damaged(study, case)
+    if lost:
+        faults.append(f"lost {by_file(lost)}")
     if not faults:
         shutil.rmtree(case)
-    return ", ".join(names), faults
+    return Judged(", ".join(names), faults, rows.total(), lost.total())
+
+
+def _taken(rows: Rows, told: Path, *, all_of_them: bool, cut: bool) -> Rows:
+    """Return the rows that must be there after a run.
+
+    Parameters
+    ----------
+    rows
+        Those that had to be there before it.
+    told
+        What the recorder has taken in the run.
+    all_of_them
+        The session closed its files; else those that it waited for.
+    cut
+        The disk lost its power: rows that are synced later are not among them.
+    """
+    found = Counter(rows)
+    for line in told.read_text().splitlines() if told.exists() else ():
+        word = json.loads(line)
+        key = word["file"], tuple(word["cells"].items())
+        if word["kind"] == "gone":
+            found[key] -= 1
+        elif all_of_them or (word["waited"] and not (cut and word["file"] in SYNCED_LATER)):
+            found[key] += 1
+    return +found
 
 
 def _not_over(study: Path, case: Path) -> list[str]:

@@ -70,6 +70,16 @@ def _table(file: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO("".join(lines), newline="")))
 
 
+def whole_rows(study: Path) -> Rows:
+    """Return the whole rows of all of the session's tables, but for the recorder's own word."""
+    found: Rows = Counter()
+    for file in session_folder(study).glob("*.csv"):
+        for row in _table(file):
+            row.pop("resumed", None)
+            found[file.name, tuple((name, cell or "") for name, cell in row.items())] += 1
+    return found
+
+
 def never_asked(study: Path) -> int:
     """Return how many items of its questionnaires a session that is complete does not have."""
     folder = session_folder(study)

@@ -24,7 +24,7 @@ from typing import Any
 from torture import shim
 from vrcomfort.cli import main as command_line
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.records import Recorder
+from vrcomfort.records import FrameRow, Recorder
 from vrcomfort.records.rows import Row, cell_text
 from vrcomfort.records.session_rows import QuestionnaireRow
 from vrcomfort.session import VirtualClock
@@ -63,16 +63,16 @@ class Observer:
     """Writes a line for each row into a pipe: when it was handed over, its file, its cells."""
 
     def __init__(self, pipe: int) -> None:
-        self._pipe = pipe
+        self._pipe = os.fdopen(pipe, "wb", buffering=0, closefd=False)  # past a small disk
         self._lock = threading.Lock()
 
-    def tell(self, kind: str, handed_ns: int, row: Row) -> None:
-        """Tell of one row."""
+    def tell(self, kind: str, handed_ns: int, row: Row, *, waited: bool = False) -> None:
+        """Tell of one row, and whether the session waited until it was written."""
         texts = map(cell_text, row.cells())
         cells = dict(zip(row.columns(), texts, strict=True))
         cells.pop("resumed", None)  # the recorder's own word
-        line = json.dumps({"kind": kind, "ns": handed_ns, "file": row.FILE, "cells": cells})
-        self._write(line)
+        word = {"kind": kind, "ns": handed_ns, "file": row.FILE, "cells": cells, "waited": waited}
+        self._write(json.dumps(word))
 
     def beat(self) -> None:
         """Tell again and again, from a thread, that the machine lets this program run."""
@@ -87,27 +87,33 @@ class Observer:
 
     def _write(self, line: str) -> None:
         with self._lock:
-            os.write(self._pipe, line.encode() + b"\n")
+            self._pipe.write(line.encode() + b"\n")
 
 
 def observe(observer: Observer, answer_s: float) -> None:
-    """Tell of rows when the recorder has taken them: one that it refused is not handed over."""
+    """Tell of rows when the recorder has taken them: one that it refused is not handed over.
+
+    A row that is replaced is told of before: from then on either of the two may be there.
+    """
     inside = threading.local()
 
-    def taking(method: Callable[..., None], *, replaces: bool = False) -> Callable[..., None]:
+    def taking(
+        method: Callable[..., None], *, replaces: bool = False, waits: bool = True
+    ) -> Callable[..., None]:
         @functools.wraps(method)
         def take(recorder: Recorder, *rows: Row) -> None:
             if getattr(inside, "now", False):  # one of its methods calls another
                 return method(recorder, *rows)
             inside.now, handed_ns = True, time.monotonic_ns()
+            if replaces:
+                observer.tell("gone", handed_ns, rows[0])
             try:
                 method(recorder, *rows)
             finally:
                 inside.now = False
-            if replaces:
-                observer.tell("gone", handed_ns, rows[0])
+            waited = waits and not all(isinstance(row, FrameRow) for row in rows)
             for row in rows[replaces:]:
-                _tell(observer, handed_ns, row)
+                _tell(observer, handed_ns, row, waited=waited)
             if any(isinstance(row, QuestionnaireRow) for row in rows):
                 time.sleep(answer_s)
             return None
@@ -116,15 +122,15 @@ def observe(observer: Observer, answer_s: float) -> None:
 
     wrapped: Any = Recorder
     wrapped.write = taking(Recorder.write)
-    wrapped.write_soon = taking(Recorder.write_soon)
+    wrapped.write_soon = taking(Recorder.write_soon, waits=False)
     wrapped.replace = taking(Recorder.replace, replaces=True)
 
 
-def _tell(observer: Observer, handed_ns: int, row: Row) -> None:
-    observer.tell("row", handed_ns, row)
+def _tell(observer: Observer, handed_ns: int, row: Row, *, waited: bool) -> None:
+    observer.tell("row", handed_ns, row, waited=waited)
     gaze = getattr(row, "gaze", None)
     if gaze is not None:  # the recorder writes it with the frame
-        observer.tell("row", handed_ns, gaze)
+        observer.tell("row", handed_ns, gaze, waited=waited)
 
 
 def pace() -> None:
