@@ -66,7 +66,8 @@ def main() -> None:
     results = []
     for name in arguments.only or _possible():
         results.append(TORTURES[name](rig))
-        print(f"{name}: {results[-1].row()}", file=sys.stderr, flush=True)
+        said = [f"{name}: {results[-1].row()}", *table.faults(results[-1:])]
+        print(*said, sep="\n", file=sys.stderr, flush=True)
     tell(arguments.out, results)
     sys.exit(0 if all(result.passed for result in results) else 1)
 

@@ -100,6 +100,8 @@ def _readings() -> list[Reading]:
         "report imported --figures none --out out --quiet": ("imported/*.*",),
         "verify imported": ("imported/*.*",),
         "export imported --format psych-ds --out out": ("imported/*.*",),
+        "export imported --format bids --out out": ("imported/*.*",),
+        "anonymise imported --out out": ("imported/*.*",),
     }
     return [
         Reading(file, tuple(words.split()))

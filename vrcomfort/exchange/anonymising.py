@@ -19,19 +19,21 @@ import numpy as np
 
 from vrcomfort import __version__
 from vrcomfort.errors import InputError
+from vrcomfort.exchange.anonymous_import import names_in, write_anonymous
 from vrcomfort.exchange.export_checks import (
     flagged_sessions,
     from_damaged,
     new_folder,
     require_whole,
 )
+from vrcomfort.exchange.imports import Import, is_import
 from vrcomfort.exchange.verifying.findings import Finding
 from vrcomfort.files import read_text
 from vrcomfort.json_text import json_of
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.checksums import replace_listed, write_checksums
 from vrcomfort.records.choice import EVERYTHING, Choice, SessionName
-from vrcomfort.records.disk import Access, make_folders, replace_text
+from vrcomfort.records.disk import OWNER, Access, make_folders, replace_text
 from vrcomfort.records.events import EVENTS, shared_detail
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.reader import Session, Study
@@ -151,21 +153,25 @@ def anonymise(
     Raises
     ------
     InputError
-        If the study is an import or not whole, or `out` or the key cannot be where they should.
+        If the study is not whole, or `out` or the key cannot be where they should.
     """
     faults = require_whole(study, choice)
     _require_room_for_key(study, out, options.key)
     recorded = Study(study, without=choice.without)
-    rows = recorded.enrolled
-    names = new_names([row.participant for row in rows], options.seed)
-    access = access_of(study)
+    imported = Import(study) if is_import(study) else None
+    people = names_in(imported) if imported else [row.participant for row in recorded.enrolled]
+    names = new_names(people, options.seed)
+    access = OWNER if imported else access_of(study)
     with new_folder(study, out) as draft:
         make_folders(draft, draft, access)
-        said = {
-            "sessions_left_out": _anonymous(choice.without, names),
-            "sessions_with_faults": _anonymous(flagged_sessions(faults), names),
-        }
-        record = _write(recorded, draft, names, options, access, said, faults)
+        if imported:
+            record = _write_import(imported, draft, names, options, access)
+        else:
+            said = {
+                "sessions_left_out": _anonymous(choice.without, names),
+                "sessions_with_faults": _anonymous(flagged_sessions(faults), names),
+            }
+            record = _write(recorded, draft, names, options, access, said, faults)
         if options.key is not None:
             lines = [csv_line(("participant", "anonymous"))]
             replace_text(options.key, "".join(lines + [csv_line(pair) for pair in names.items()]))
@@ -222,6 +228,28 @@ def _write(
                 _Copy(session, out, names[old], moved, kept, access, unknown).write()
     _write_participants(out, rows, names, kept, access)
     record = {**_record(study, list(rows.values()), options, kept, unknown), **said}
+    replace_text(out / RECORD, json_of(record) + "\n", access)
+    return record
+
+
+_MADE_WITH = f"vrcomfort {__version__}"
+_PEOPLE = "named anew, in random order; the list is in the order of the new names"
+
+
+def _write_import(
+    source: Import,
+    out: Path,
+    names: Mapping[str, str],
+    options: AnonymisingOptions,
+    access: Access,
+) -> dict[str, Any]:
+    _copy_instruments(source.folder, out, access)
+    kept = options.kept(gaze_recorded=False)
+    record = {
+        "made_with": _MADE_WITH,
+        "participants": _PEOPLE,
+        **write_anonymous(source, out, names, kept, access),
+    }
     replace_text(out / RECORD, json_of(record) + "\n", access)
     return record
 
@@ -360,8 +388,8 @@ def _record(
     left_out = {name: lacking for name, f in there.items() if (lacking := f.lacking(kept))}
     stays = {name: f for name, f in there.items() if name not in left_out}
     return {
-        "made_with": f"vrcomfort {__version__}",
-        "participants": "named anew, in random order; the list is in the order of the new names",
+        "made_with": _MADE_WITH,
+        "participants": _PEOPLE,
         "dates": dates[options.dates],
         "frame_times": "xr_time_ns begins at 0 with each session's first frame",
         "files_left_out": {name: _in_words(traits) for name, traits in left_out.items()},

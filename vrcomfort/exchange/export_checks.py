@@ -20,12 +20,9 @@ def require_whole(study: Path, choice: Choice = EVERYTHING) -> list[Finding]:
     Raises
     ------
     InputError
-        If the study is an import, a fault is not accepted, or what is to be left out is not there.
+        If a fault is not accepted, or what is to be left out is not there.
     """
     choice.require_there(study)
-    if (study / "import.json").exists():
-        message = "this is an import, and not a recorded study; hand its source on"
-        raise InputError(message, file=study)
     faults = verify_study(study, without=choice.without).faults
     if faults and not choice.accept_flagged:
         more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""

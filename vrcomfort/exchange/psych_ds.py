@@ -14,6 +14,8 @@ from pathlib import Path
 
 from vrcomfort import __version__
 from vrcomfort.exchange.export_checks import new_folder, require_whole, said_of
+from vrcomfort.exchange.imports import TABLES as IMPORTED
+from vrcomfort.exchange.imports import Import, is_import
 from vrcomfort.json_text import json_of
 from vrcomfort.records.choice import EVERYTHING, Choice
 from vrcomfort.records.events import EVENTS, shared_detail
@@ -29,23 +31,23 @@ from vrcomfort.records.session_rows import (
     ScreeningRow,
     TextRow,
 )
-from vrcomfort.records.study import DESCRIPTION, read_description
+from vrcomfort.records.study import DESCRIPTION
 
 _README = """# {name}
 
-A comfort study recorded with vrcomfort (protocol `{protocol}`) and exported as Psych-DS.
+{origin} and exported as Psych-DS.
 
-- `{participants}`: a row for each participant.
-- `{trials}`: a row for each attempt at an exposure; participant, session, trial and attempt are
-  its key.
-- `{questionnaires}`: a row for each answer; participant, session, trial, timepoint, instrument and
-  item are its key.
-- `{ratings}`: a row for each rating during an exposure.
-- `{events}`: a row for each event of a session, in its order. Details that may tell who a
-  participant is are blank.
-{more}"""
+{files}"""
 
-_OPTIONAL: Mapping[type[Row], str] = {
+_SAID: Mapping[type[Row], str] = {
+    ParticipantRow: "- `{participants}`: a row for each participant.\n",
+    TrialRow: "- `{trials}`: a row for each attempt at an exposure; participant, session, trial\n"
+    "  and attempt are its key.\n",
+    QuestionnaireRow: "- `{questionnaires}`: a row for each answer; participant, session, trial,\n"
+    "  timepoint, instrument and item are its key.\n",
+    RatingRow: "- `{ratings}`: a row for each rating during an exposure.\n",
+    EventRow: "- `{events}`: a row for each event of a session, in its order. Details that may\n"
+    "  tell who a participant is are blank.\n",
     TaskRow: "- `{tasks}`: a row for each target, shot and sample of a task, and for each trial\n"
     "  that had one.\n",
     TextRow: "- `{texts}`: a row for each answer in one's own words, which may tell who gave it;\n"
@@ -54,7 +56,9 @@ _OPTIONAL: Mapping[type[Row], str] = {
     PracticeRow: "- `{practice}`: a row for each exposure of practice, which is no trial.\n",
     DialRow: "- `{dials}`: a row for each turn of a dial, and each sample of a slider.\n",
 }
-"""What not every study has, and what is said of it."""
+"""What is said of each table."""
+_EXPECTED = {ParticipantRow, TrialRow, QuestionnaireRow, RatingRow, EventRow}
+"""What every study has: where there are no rows of it, it is said."""
 _RECORDINGS: Mapping[type[Row], str] = {
     FrameRow: "- `data/study-{label}_subject-*_session-*_description-frames_data.csv`: a row for\n"
     "  each frame of a session.\n",
@@ -63,9 +67,7 @@ _RECORDINGS: Mapping[type[Row], str] = {
 }
 """What has a file for each session, for it is long, and what is said of it."""
 _WHOSE = ("participant", "session")
-_TABLES = (
-    ParticipantRow, TrialRow, QuestionnaireRow, RatingRow, EventRow, *_OPTIONAL, *_RECORDINGS
-)  # fmt: skip
+_TABLES = (*_SAID, *_RECORDINGS)
 
 
 @dataclass(frozen=True)
@@ -82,47 +84,98 @@ class _Table:
         return [row[place] for row in self.rows]
 
 
+@dataclass(frozen=True)
+class _Source:
+    """What is exported.
+
+    Parameters
+    ----------
+    origin
+        Of the study, as the README says it.
+    """
+
+    name: str
+    label: str
+    origin: str
+    citation: str
+    tables: Mapping[type[Row], _Table]
+    study: Study | None = None
+    """With the recordings; an import has none."""
+
+
 def export_psych_ds(study: Path, out: Path, choice: Choice = EVERYTHING) -> list[str]:
     """Write a study as a Psych-DS dataset into a new folder; return its omissions.
 
     Raises
     ------
     InputError
-        If the study is an import or not whole, or the folder is there already.
+        If the study is not whole, or the folder is there already.
     """
     faults = require_whole(study, choice)
-    description = read_description(study)
-    name, protocol = str(description.get("name") or study.name), str(description["protocol"])
-    label = re.sub("[^A-Za-z0-9]", "", protocol) or "comfort"
-    read = Study(study, without=choice.without)
-    tables = [_participants(read, label)]
-    tables += [_of_sessions(read, label, kind) for kind in (TrialRow, QuestionnaireRow, RatingRow)]
-    tables.append(events := _events(read, label))
-    some = {kind: _of_sessions(read, label, kind) for kind in _OPTIONAL}
-    tables += [table for table in some.values() if table.rows]
-    there = [table for table in tables if table.rows]
+    if is_import(study):
+        source = _imported(Import(study))
+    else:
+        source = _recorded(Study(study, without=choice.without))
+    there = {kind: table for kind, table in source.tables.items() if table.rows}
     with new_folder(study, out) as draft:
         (draft / "data").mkdir(parents=True)
-        for table in there:
+        for table in there.values():
             with (draft / "data" / table.file).open("w", encoding="utf-8", newline="") as stream:
                 csv.writer(stream, lineterminator="\n").writerows([table.columns, *table.rows])
-        recordings = list(_write_recordings(read, label, draft / "data"))
-        names = {kind: f"data/{_file(label, kind)}" for kind in _KINDS}
-        more = [_OPTIONAL[kind].format(**names) for kind, table in some.items() if table.rows]
-        more += [_RECORDINGS[kind].format(label=label) for kind in recordings]
-        readme = _README.format(name=name, protocol=protocol, more="".join(more), **names)
+        recordings = list(_write_recordings(source, draft / "data"))
+        names = {kind: f"data/{_file(source.label, kind)}" for kind in _KINDS}
+        files = [_SAID[kind].format(**names) for kind in there]
+        files += [_RECORDINGS[kind].format(label=source.label) for kind in recordings]
+        readme = _README.format(name=source.name, origin=source.origin, files="".join(files))
         readme += said_of(choice, faults)
         (draft / "README.md").write_text(readme, encoding="utf-8")
-        columns = [*(each.columns for each in there), *(each.columns() for each in recordings)]
-        content = _description(name, protocol, str(description.get("citation") or ""), columns)
-        text = json_of(content) + "\n"
+        columns = [each.columns for each in there.values()]
+        columns += [each.columns() for each in recordings]
+        text = json_of(_description(source, columns)) + "\n"
         (draft / DESCRIPTION).write_text(text, encoding="utf-8")
-    empty = [table.file for table in tables if not table.rows]
-    told = [f"{file}: the study has no rows of it" for file in empty]
-    return told + [
-        f"details of events `{each}`, which this version does not know"
-        for each in sorted(set(events.column("name")) - EVENTS.keys())
-    ]
+    return list(_omissions(source))
+
+
+def _omissions(source: _Source) -> Iterator[str]:
+    for kind, table in source.tables.items():
+        if kind in _EXPECTED and not table.rows:
+            yield f"{table.file}: the study has no rows of it"
+    if EventRow in source.tables:
+        for each in sorted(set(source.tables[EventRow].column("name")) - EVENTS.keys()):
+            yield f"details of events `{each}`, which this version does not know"
+
+
+def _recorded(study: Study) -> _Source:
+    content = study.description
+    protocol = str(content["protocol"])
+    label = re.sub("[^A-Za-z0-9]", "", protocol) or "comfort"
+    tables = {
+        kind: _of_sessions(study, label, kind)
+        for kind in _SAID
+        if kind not in {ParticipantRow, EventRow}
+    } | {ParticipantRow: _participants(study, label), EventRow: _events(study, label)}
+    return _Source(
+        str(content.get("name") or study.folder.name),
+        label,
+        f"A comfort study recorded with vrcomfort (protocol `{protocol}`)",
+        str(content.get("citation") or ""),
+        {kind: tables[kind] for kind in _SAID},
+        study,
+    )
+
+
+def _imported(source: Import) -> _Source:
+    name = source.name
+    label = re.sub("[^A-Za-z0-9]", "", name) or "comfort"
+    tables: dict[type[Row], _Table] = {}
+    for kind in IMPORTED:
+        table = source.table(kind)
+        kept = [at for at, column in enumerate(table.header) if column != "note"]
+        columns = tuple(table.header[at] for at in kept)
+        rows = [[row[at] for at in kept] for row in table.rows]
+        tables[kind] = _Table(_file(label, Path(kind.FILE).stem), columns, rows)
+    origin = "Answers of another program's study, imported with vrcomfort"
+    return _Source(name, label, origin, "", tables)
 
 
 _KINDS = (
@@ -187,11 +240,13 @@ def _without_private_detail(row: dict[str, str]) -> dict[str, str]:
     return {**row, "detail": shared_detail(row["name"], row["detail"])}
 
 
-def _write_recordings(study: Study, label: str, data: Path) -> Iterator[type[Row]]:
+def _write_recordings(source: _Source, data: Path) -> Iterator[type[Row]]:
     """Write each session's frames and gaze, row by row; yield the kinds of rows there are."""
+    label = source.label
+    sessions = list(_sessions(source.study)) if source.study else []
     for kind in _RECORDINGS:
         columns, there = kind.columns(), False
-        for session in _sessions(study):
+        for session in sessions:
             rows = session.text_rows(kind)
             if (first := next(rows, None)) is None:
                 continue
@@ -205,15 +260,13 @@ def _write_recordings(study: Study, label: str, data: Path) -> Iterator[type[Row
             yield kind
 
 
-def _description(
-    name: str, protocol: str, citation: str, tables: Sequence[Sequence[str]]
-) -> dict[str, object]:
+def _description(source: _Source, tables: Sequence[Sequence[str]]) -> dict[str, object]:
     columns = list(dict.fromkeys(column for table in tables for column in table))
     said: dict[str, object] = {
         "@context": "https://schema.org/",
         "@type": "Dataset",
-        "name": name,
-        "description": f"Comfort study recorded with vrcomfort {__version__}, protocol {protocol}.",
+        "name": source.name,
+        "description": f"{source.origin}; exported with vrcomfort {__version__}.",
         "variableMeasured": [
             {
                 "@type": "PropertyValue",
@@ -225,4 +278,4 @@ def _description(
             for column in columns
         ],
     }
-    return said | ({"citation": citation} if citation else {})
+    return said | ({"citation": source.citation} if source.citation else {})

@@ -14,6 +14,7 @@ from vrcomfort import __version__
 from vrcomfort.design import Design
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of, protocol_of
+from vrcomfort.exchange.imports import is_import
 from vrcomfort.records.apparatus import differences
 from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.reader import Session, Study
@@ -26,7 +27,6 @@ from vrcomfort.records.study import (
     read_participants,
 )
 
-IMPORT = "import.json"
 OPEN = ("interrupted", "running or killed")
 
 Content: TypeAlias = dict[str, Any]
@@ -120,7 +120,7 @@ def status_of(study: Path) -> StudyState:
     InputError
         If this is no study folder, an import, or its description or participants are damaged.
     """
-    if (study / IMPORT).is_file():
+    if is_import(study):
         message = "this is an import, in which nobody is run; vrcomfort report says who is in it"
         raise InputError(message, file=study)
     if not (study / DESCRIPTION).is_file():

@@ -1,5 +1,5 @@
 """A study as a BIDS dataset: motion, gaze, events, questionnaires."""
 
-from vrcomfort.exchange.bids.dataset import export_bids
+from vrcomfort.exchange.bids.export import export_bids
 
 __all__ = ["export_bids"]

@@ -23,10 +23,10 @@ from vrcomfort.exchange.bids.runs import (
     write_motion,
     write_tsv,
 )
-from vrcomfort.exchange.export_checks import from_damaged, new_folder, require_whole, said_of
+from vrcomfort.exchange.export_checks import from_damaged, said_of
 from vrcomfort.exchange.verifying.findings import Finding
 from vrcomfort.questionnaire import Instrument, instruments_in, shipped_instruments
-from vrcomfort.records.choice import EVERYTHING, Choice
+from vrcomfort.records.choice import Choice
 from vrcomfort.records.events import EVENTS, shared_detail
 from vrcomfort.records.exposure_rows import PracticeRow
 from vrcomfort.records.reader import Session, Study
@@ -63,7 +63,7 @@ def write_phenotype(study: Study, out: Path, participants: Iterable[str]) -> Non
                     text = f"Language in which it was asked in session {row['session']}"
                     said.setdefault(column, {"Description": text})
     for instrument, rows in tables.items():
-        _write_instrument(out / "phenotype", instrument, rows, columns[instrument], known)
+        write_instrument(out / "phenotype", instrument, rows, columns[instrument], known)
 
 
 def _languages(session: Session) -> dict[str, str]:
@@ -84,11 +84,14 @@ def _cells(row: Mapping[str, str], instrument: Instrument | None) -> Iterable[tu
     yield (
         f"{place}_{row['timepoint']}_{row['item']}",
         row["response"],
-        _meaning(row, when, instrument),
+        meaning_of_answer(row, when, instrument),
     )
 
 
-def _meaning(row: Mapping[str, str], when: str, instrument: Instrument | None) -> dict[str, Any]:
+def meaning_of_answer(
+    row: Mapping[str, str], when: str, instrument: Instrument | None
+) -> dict[str, Any]:
+    """Return what a sidecar says of the column of an answer."""
     item = instrument.item(row["item"]) if instrument else None
     if instrument is None or item is None:
         return {"Description": f"{row['item']} ({when})"}
@@ -100,13 +103,14 @@ def _meaning(row: Mapping[str, str], when: str, instrument: Instrument | None) -
     return {"Description": text, "Levels": dict(levels)}
 
 
-def _write_instrument(
+def write_instrument(
     folder: Path,
     name: str,
     rows: Mapping[str, Mapping[str, str]],
     columns: Mapping[str, dict[str, Any]],
     known: Mapping[str, Instrument],
 ) -> None:
+    """Write the table of an instrument, and its sidecar."""
     table = [(who, *(cells.get(column, "") for column in columns)) for who, cells in rows.items()]
     write_tsv(folder / f"{name}.tsv", ("participant_id", *columns), table)
     instrument = known.get(name)
@@ -150,12 +154,13 @@ def write_practice(session: Session, folder: Path, whose: str, task: str) -> Non
         {
             "TaskName": label,
             "TaskDescription": "Practice before the exposures of a session, of which it is none",
-            **{each.name: _described(each) for each in described},
+            **{each.name: described_column(each) for each in described},
         },
     )
 
 
-def _described(column: Column) -> dict[str, str]:
+def described_column(column: Column) -> dict[str, str]:
+    """Return what a sidecar says of a column."""
     return {
         "Description": full_meaning(column),
         **({"Units": column.unit} if column.unit else {}),
@@ -196,20 +201,14 @@ anonymise` moves them, before an export.
 """
 
 
-def export_bids(study: Path, out: Path, choice: Choice = EVERYTHING) -> list[str]:
-    """Write a study as a BIDS dataset into a new folder; return a sentence for each omission.
+def write_dataset(study: Path, out: Path, choice: Choice, faults: Sequence[Finding]) -> list[str]:
+    """Write a recorded study as a dataset; return a sentence for each omission.
 
     Raises
     ------
     InputError
-        If the study is an import or not whole, or the folder is there already.
+        If a session is too damaged.
     """
-    faults = require_whole(study, choice)
-    with new_folder(study, out) as draft:
-        return _write(study, draft, choice, faults)
-
-
-def _write(study: Path, out: Path, choice: Choice, faults: Sequence[Finding]) -> list[str]:
     recorded = Study(study, without=choice.without)
     description = recorded.description
     name, protocol = str(description.get("name") or study.name), str(description["protocol"])
@@ -259,8 +258,13 @@ def _columns_of_participants(others: list[str]) -> dict[str, Any]:
                 "excluded": "Left out of analyses",
             },
         },
-        **{name: {"Description": f"{name}, as entered at the enrolment"} for name in others},
+        **{name: column_of_participants(name, "as entered at the enrolment") for name in others},
     }
+
+
+def column_of_participants(name: str, origin: str) -> dict[str, str]:
+    """Return what a sidecar says of a covariate."""
+    return {"Description": f"{name}, {origin}"}
 
 
 def _session(session: Session, out: Path, task: str) -> list[str]:

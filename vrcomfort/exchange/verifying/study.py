@@ -9,6 +9,7 @@ from typing import Any
 
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of
+from vrcomfort.exchange.imports import IMPORT, is_import
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.session import check_order, verify_session
 from vrcomfort.files import read_text, sha256_of
@@ -30,7 +31,6 @@ from vrcomfort.records.session_rows import ConsentRow, ParticipantRow, Questionn
 from vrcomfort.records.study import DESCRIPTION, read_description, read_participants
 from vrcomfort.records.tables import read_table
 
-IMPORT = "import.json"
 _ANONYMISED = "anonymised.json"
 _OWN = {
     DESCRIPTION, ParticipantRow.FILE, ConsentRow.FILE, CHECKSUMS, "instruments",
@@ -58,7 +58,7 @@ def verify_study(
     InputError
         If this is no study folder.
     """
-    imported = (study / IMPORT).is_file()
+    imported = is_import(study)
     if not imported and not any((study / name).exists() for name in (DESCRIPTION, "sub-P01")):
         raise InputError(f"this is no study folder: it has no {DESCRIPTION}", file=study)
     found = Verified(study)
