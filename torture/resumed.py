@@ -49,7 +49,7 @@ CASE_S = 120.0
 def torture(rig: Rig) -> Result:
     """Interrupt sessions in every way, and verify what they are when they have gone on."""
     folder = rig.place("resumed")
-    count, limit_s = rig.count(200, 7), rig.count(600, 60)
+    count, limit_s = rig.count(200, 7), rig.count(900, 60)
     with workers("torture.resumed", folder, name=_fate, gigabytes=0, case_s=CASE_S) as found:
         outcomes = list(rig.all("resumed", count, found.run, limit_s=limit_s))
     how = (
