@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image
 
 from vrcomfort.geometry import Pose, Quad, yaw_pitch_roll
 from vrcomfort.headset import inputs
 from vrcomfort.headset.inputs import pointer_picture, pointer_quad
-from vrcomfort.questionnaire import Instrument, shipped_instruments
+from vrcomfort.questionnaire import Answers, Instrument, shipped_instruments
 from vrcomfort.respondent.panel_layout import (
     ANSWER_TOP_PX,
     SIZE_PX,
+    SMALL_PX,
     Act,
     Cell,
+    ends_of,
     question_cells,
     review_cells,
 )
 from vrcomfort.respondent.panel_picture import Page, Painter
 from vrcomfort.session.rehearsal import aim_at
+from vrcomfort.text_layout import TextCanvas
 
 SSQ, FMS = shipped_instruments()["ssq"], shipped_instruments()["fms"]
 
@@ -126,5 +132,57 @@ def test_long_questions_are_told_apart_in_the_list_of_answers() -> None:
     asked = shipped_instruments()["csq_vr"]
     texts = [cell.text for cell in review_cells(asked, [1] * 6) if cell.act is Act.CORRECT]
     assert len(set(texts)) == 6
-    assert texts[5].startswith("6. Do you experience")
-    assert texts[5].endswith("…: absent")
+    assert texts[5].startswith("6. Do you")
+    assert "…" in texts[5]
+    assert texts[5].endswith(": absent")
+
+
+def drawn_texts(monkeypatch: pytest.MonkeyPatch, page: Page) -> list[tuple[str, int]]:
+    """Return what is written on a page, and how large."""
+    written: list[tuple[str, int]] = []
+    write = TextCanvas.write
+
+    def note(canvas: TextCanvas, place: tuple[float, float], text: str, size_px: int, **more: Any):
+        written.append((text, size_px))
+        write(canvas, place, text, size_px, **more)
+
+    monkeypatch.setattr(TextCanvas, "write", note)
+    Painter().draw(page, None)
+    return written
+
+
+PIXELS_PER_DEGREE = SIZE_PX[0] / 45
+
+
+@pytest.mark.parametrize("instrument", shipped_instruments().values(), ids=lambda each: each.name)
+def test_no_text_is_smaller_than_it_should_be(
+    instrument: Instrument, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    last = [item.answers.asked[-1] for item in instrument.items]
+    pages = [Page("", "", review_cells(instrument, last))] if len(last) <= 16 else []
+    pages += [
+        Page("", item.text, question_cells(item.answers, first=False), ends_of(item.answers))
+        for item in instrument.asked
+    ]
+    for page in pages:
+        for text, size_px in drawn_texts(monkeypatch, page):
+            assert size_px / PIXELS_PER_DEGREE >= 1.4, text
+        for cell in page.cells:
+            left, top, right, bottom = cell.box
+            canvas = TextCanvas(Image.new("L", (1, 1)))
+            text = canvas.wrapped(cell.text, SMALL_PX, right - left - 8, hyphens=True)
+            assert canvas.height_px(text, SMALL_PX, leading_px=4) <= bottom - top
+
+
+def test_numbers_of_a_slider_thin_out_and_long_labels_stand_in_lines(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tlx = shipped_instruments()["nasa_tlx"].asked[0].answers
+    shown = [each.text for each in question_cells(tlx, first=True) if each.act is Act.ANSWER]
+    assert [text for text in shown if text] == [str(n) for n in range(0, 101, 10)]
+    assert len(shown) == 21
+    labels = ("not at all", "einverstandenermaßen", "somewhat", "very much so indeed", "extremely")
+    cells = question_cells(Answers(0, 4, labels=labels), first=True)
+    texts = dict(drawn_texts(monkeypatch, Page("", "", cells)))
+    assert "very much\nso indeed" in texts
+    assert min(texts.values()) == SMALL_PX

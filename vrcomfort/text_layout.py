@@ -15,6 +15,7 @@ from functools import cache, cached_property, lru_cache
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
+from typing import Literal
 
 from fontTools.ttLib import TTFont
 from PIL import Image, ImageDraw, ImageFont, features
@@ -107,6 +108,11 @@ def font_for(*texts: str) -> Font:
     return usual_font() if needed <= usual_font().characters else whole_font()
 
 
+def width_px(text: str, size_px: int) -> float:
+    """Return the width of a line in the font that it is drawn in when it stands alone."""
+    return font_for(text).face(size_px).getlength(as_drawn(text))
+
+
 def layout_facts() -> dict[str, str]:
     """Return the versions that text rendering depends on: layout engine, FreeType and fonts."""
     return {
@@ -177,10 +183,13 @@ class TextCanvas(ImageDraw.ImageDraw):
         fill: tuple[int, ...],
         anchor: str | None = None,
         leading_px: float = 4,
+        align: Literal["left", "center"] = "left",
     ) -> None:
         """Write lines at the place of their upper left corner, or of another `anchor`."""
         face, drawn = self._face(text, size_px), as_drawn(text)
-        self.text(place, drawn, fill=fill, font=face, anchor=anchor, spacing=leading_px)
+        self.text(
+            place, drawn, fill=fill, font=face, anchor=anchor, spacing=leading_px, align=align
+        )
 
     def width_px(self, text: str, size_px: int) -> float:
         """Return the width of the widest line."""
@@ -193,24 +202,39 @@ class TextCanvas(ImageDraw.ImageDraw):
         box = self.multiline_textbbox((0, 0), as_drawn(text), font=face, spacing=leading_px)
         return box[3]
 
-    def fitting_px(self, text: str, size_px: int, width_px: float) -> int:
-        """Return the largest size up to `size_px` at which a text is not wider than its room."""
-        size = size_px
-        while size > 12 and self.width_px(text, size) > width_px:
-            size -= 1
-        return size
+    def fits(self, text: str, size_px: int, width_px: float) -> bool:
+        """Return whether a text in a size is not wider than its room."""
+        return self.width_px(text, size_px) <= width_px
 
-    def wrapped(self, text: str, size_px: int, width_px: float) -> str:
-        """Return a text in lines that are not wider than its room."""
-        return "\n".join(self._lines(text, size_px, width_px))
+    def wrapped(self, text: str, size_px: int, width_px: float, *, hyphens: bool = False) -> str:
+        """Return a text in lines that are not wider than its room.
 
-    def _lines(self, text: str, size_px: int, width_px: float) -> Iterator[str]:
+        Parameters
+        ----------
+        hyphens
+            Break words that are wider than their room, anywhere; else these stand out of it.
+        """
+        return "\n".join(self._lines(text, size_px, width_px, hyphens=hyphens))
+
+    def _lines(self, text: str, size_px: int, width_px: float, *, hyphens: bool) -> Iterator[str]:
         line = ""
         for word in filter(None, _SPACES.split(text)):
             longer = f"{line} {word}" if line else word
-            if not line or self.width_px(longer, size_px) <= width_px:
+            if self.fits(longer, size_px, width_px):
                 line = longer
-            else:
+                continue
+            if line:
                 yield line
-                line = word
+            *parts, line = self._broken(word, size_px, width_px) if hyphens else [word]
+            yield from parts
         yield line
+
+    def _broken(self, word: str, size_px: int, width_px: float) -> Iterator[str]:
+        """Yield the parts of a word that no line can hold, each but the last with a hyphen."""
+        while len(word) > 1 and not self.fits(word, size_px, width_px):
+            length = len(word) - 1
+            while length > 1 and not self.fits(f"{word[:length]}-", size_px, width_px):
+                length -= 1
+            yield f"{word[:length]}-"
+            word = word[length:]
+        yield word

@@ -8,19 +8,19 @@ from enum import Enum
 
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Answer, Answers, Instrument
-from vrcomfort.text_layout import composed
+from vrcomfort.text_layout import composed, width_px
 
 SIZE_PX = 1024, 768
-"""On a panel 45° wide a degree has 23 pixels: no text below is smaller than 1.4°, which leaves
-21 pixels of a headset with 15 pixels per degree."""
+"""On a panel 45° wide a degree has 23 pixels: no text is smaller than 1.4°, which leaves 21 pixels
+of a headset with 15 pixels per degree. What is too long stands in lines, or is shortened."""
 
 MARGIN_PX, GAP_PX = 40, 16
 ANSWER_TOP_PX, ANSWER_BOTTOM_PX = 372, 540
 FOOT_TOP_PX, FOOT_BOTTOM_PX = 648, 728
 HINT_PX = 614
 LIST_TOP_PX, LIST_STEP_PX, LIST_ROWS = 112, 64, 8
-LIST_LETTERS = 34
-"""Of a question in the list of all answers; the whole of a longer one stands on its own page."""
+SMALL_PX = 32
+"""The smallest text: 1.4°."""
 MANY = 5
 """Scales with more steps than this become a slider."""
 NUMBERED = 21
@@ -96,13 +96,9 @@ def review_cells(
     instrument: Instrument, answers: Sequence[int | None], words: Words = ENGLISH
 ) -> list[Cell]:
     """Return the cells of the list of all answers: each opens its question again."""
+    columns = 1 if len(answers) <= LIST_ROWS else 2
     rows = [
-        Cell(
-            _list_box(index),
-            f"{_short(item.text, index + 1)}: {_named(item.answers, answer)}",
-            Act.CORRECT,
-            index,
-        )
+        _list_cell(columns, index, item.text, _named(item.answers, answer))
         for index, (item, answer) in enumerate(zip(instrument.items, answers, strict=True))
     ]
     foot = [(words.all_correct, Act.CONFIRM), (words.stop, Act.STOP)]
@@ -134,8 +130,9 @@ def _answers(answers: Answers) -> list[Cell]:
     steps = [int(answer) for answer in answers.asked]
     many = len(steps) > MANY
     texts = list(answers.labels) if _stand_named(answers) else [str(step) for step in steps]
-    texts = texts if len(steps) <= NUMBERED else [""] * len(steps)
     boxes = _columns(len(steps), ANSWER_TOP_PX, ANSWER_BOTTOM_PX, gap_px=0 if many else GAP_PX)
+    if many:
+        texts = _ticks(texts, boxes[0][2] - boxes[0][0])
     return [
         Cell(box, text, Act.ANSWER, step)
         for box, text, step in zip(boxes, texts, steps, strict=True)
@@ -153,19 +150,42 @@ def _columns(count: int, top: int, bottom: int, *, gap_px: int) -> list[tuple[in
     return [(round(left), top, round(left + width), bottom) for left in lefts]
 
 
-def _list_box(index: int) -> tuple[int, int, int, int]:
+def _list_cell(columns: int, index: int, question: str, answer: str) -> Cell:
     column, row = divmod(index, LIST_ROWS)
-    left, _, right, _ = _columns(2, 0, 0, gap_px=GAP_PX)[column]
+    left, _, right, _ = _columns(columns, 0, 0, gap_px=GAP_PX)[column]
     top = LIST_TOP_PX + row * LIST_STEP_PX
-    return left, top, right, top + LIST_STEP_PX - 6
+    text = _in_list(question, index + 1, answer, right - left - 8)
+    return Cell((left, top, right, top + LIST_STEP_PX - 6), text, Act.CORRECT, index)
 
 
-def _short(text: str, number: int) -> str:
-    """Return a question for the list; a long one is cut, and told by its number."""
-    text = composed(text)  # so that no letter is cut off from its mark
-    if len(text) <= LIST_LETTERS:
-        return text
-    return f"{number}. {text[: LIST_LETTERS - 5].rstrip()}…"
+def _ticks(texts: Sequence[str], cell_px: int) -> list[str]:
+    """Return the numbers of a slider, as many as have room: all, or every so many; or none."""
+    last = len(texts) - 1
+    if last >= NUMBERED:
+        return [""] * len(texts)
+    widest_px = max(width_px(text, SMALL_PX) for text in texts)
+    every = next(
+        (n for n in range(1, last) if last % n == 0 and widest_px + 4 <= n * cell_px), last
+    )
+    return [text if index % every == 0 else "" for index, text in enumerate(texts)]
+
+
+def _in_list(question: str, number: int, answer: str, room_px: float) -> str:
+    """Return an answer for the list; of a long question the first words and the last ones."""
+    question = composed(question)  # so that no letter is cut off from its mark
+    words = question.split()
+    ways = [f"{question}: {answer}"]
+    ways += [
+        f"{number}. {' '.join(words[:first])} … {' '.join(words[len(words) - last :])}: {answer}"
+        for kept in range(len(words) - 1, 1, -1)
+        for last in (kept // 2,)
+        for first in (kept - last,)
+    ]
+    letters = (f"{number}. {question[:n].rstrip()}…: {answer}" for n in range(len(question), 0, -1))
+    return next(
+        (way for way in (*ways, *letters) if width_px(way, SMALL_PX) <= room_px),
+        f"{number}: {answer}",
+    )
 
 
 def _named(answers: Answers, answer: Answer | None) -> str:

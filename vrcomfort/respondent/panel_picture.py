@@ -22,6 +22,7 @@ from vrcomfort.respondent.panel_layout import (
     HINT_PX,
     MARGIN_PX,
     SIZE_PX,
+    SMALL_PX,
     Act,
     Cell,
     instruction_cells,
@@ -38,7 +39,7 @@ LOOKED = 255, 210, 80, 255
 FRAME_PX, BAR_PX = 6, 14
 """Of a cell that a look has prepared, and of how far a look has come."""
 
-LARGE_PX, MIDDLE_PX, SMALL_PX = 60, 38, 32
+LARGE_PX, MIDDLE_PX = 60, 38
 QUESTION_TOP_PX, QUESTION_PX = 190, (LARGE_PX, 52, 44, MIDDLE_PX, SMALL_PX)
 """Where a question begins, and the sizes that it may have: a long one is smaller."""
 
@@ -283,10 +284,14 @@ def _draw_cell(
     canvas.rounded_rectangle(
         (left, top, right, bottom), radius=min(12, (right - left) // 3), fill=colour
     )
-    size = MIDDLE_PX if bottom - top > LARGE_PX else SMALL_PX
-    size = canvas.fitting_px(cell.text, size, right - left - 8)
+    size, text, room = SMALL_PX, cell.text, right - left - 8
+    least = "00" if text.isdecimal() else text  # so that the numbers of a slider are of one size
+    if bottom - top > LARGE_PX and canvas.fits(least, MIDDLE_PX, room):
+        size = MIDDLE_PX
+    elif not text.isdecimal():  # numbers have their neighbours' room
+        text = canvas.wrapped(text, size, room, hyphens=True)
     middle = (left + right) / 2, (top + bottom) / 2
-    canvas.write(middle, cell.text, size, fill=TEXT, anchor="mm")
+    canvas.write(middle, text, size, fill=TEXT, anchor="mm", align="center")
 
 
 def _draw_ends(canvas: TextCanvas, page: Page) -> None:
