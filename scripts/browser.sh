@@ -3,6 +3,8 @@
 # works headless. One that is there is used first ($CHROME, if set); on Debian and Ubuntu one is
 # installed otherwise (root or sudo). `--find` installs nothing. Progress goes to standard error.
 set -euo pipefail
+# shellcheck source=scripts/apt.sh
+source "$(dirname "${BASH_SOURCE[0]}")/apt.sh"
 
 candidates=("${CHROME:-}" chromium chromium-browser google-chrome google-chrome-stable chrome)
 folder=
@@ -44,11 +46,7 @@ install() { # install PACKAGES...
         as_root=(sudo)
     fi
     say "Installing: $*"
-    {
-        "${as_root[@]}" apt-get -o Acquire::Retries=5 update -qq &&
-            "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-                apt-get -o Acquire::Retries=5 install -y -qq --no-install-recommends "$@"
-    } >/dev/null || return 1
+    { apt_get update -qq && apt_get install -y -qq --no-install-recommends "$@"; } || return 1
 }
 
 # What steers a browser, for the tests of the console; they are skipped without it.

@@ -3,6 +3,9 @@
 # standard error. What runs as root gets the functions of this file (`isolated`).
 # shellcheck shell=bash
 
+# shellcheck source=scripts/apt.sh
+source "$(dirname "${BASH_SOURCE[0]}")/apt.sh"
+
 PATH=$PATH:/usr/sbin:/sbin # debootstrap and chroot, which users do not look for
 cache=${VRCOMFORT_CACHE:-$HOME/.cache/vrcomfort}
 as_root=()
@@ -22,10 +25,7 @@ require_root() { # require_root PURPOSE REMEDY
 
 require_debootstrap() {
     command -v debootstrap >/dev/null && return
-    {
-        "${as_root[@]}" apt-get -o Acquire::Retries=5 update -qq &&
-            "${as_root[@]}" apt-get -o Acquire::Retries=5 install -y -qq debootstrap
-    } >&2 || fail "debootstrap is missing and cannot be installed from here." \
+    { apt_get update -qq && apt_get install -y -qq debootstrap; } || fail "debootstrap is missing and cannot be installed from here." \
         "Install debootstrap, then run the same command again."
 }
 

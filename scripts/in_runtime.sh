@@ -14,13 +14,28 @@ if [ "$root" = / ]; then
     VRCOMFORT_RUNTIME=1 PATH=$checkout/.venv/bin:$PATH exec "$@"
 fi
 
+# Commands share the lock while they run; who installs other packages has it alone.
 prepare_venv() { # inside: the packages of this checkout's lock; the checkout itself stays outside
     local venv=$1 checkout=$2 wanted
-    exec 9>"$venv.lock"
-    flock 9
-    "$venv/bin/python" -c 'import pip' 2>/dev/null || python3 -m venv --clear "$venv"
     wanted=$(sha256sum <"$checkout/requirements.lock")
-    [ "$(cat "$venv/installed" 2>/dev/null)" != "$wanted" ] || return 0
+    exec 9>"$venv.lock"
+    take_lock --shared
+    is_installed && return
+    take_lock --exclusive
+    is_installed || install_packages
+    flock --shared 9
+}
+
+take_lock() {
+    flock --nonblock "$1" 9 && return
+    echo "Waiting for another run beside Monado, which needs or installs other packages ..." >&2
+    flock "$1" 9
+}
+
+is_installed() { [ "$(cat "$venv/installed" 2>/dev/null)" = "$wanted" ]; }
+
+install_packages() {
+    "$venv/bin/python" -c 'import pip' 2>/dev/null || python3 -m venv --clear "$venv"
     echo "Installing the Python packages next to Monado ..." >&2
     "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --retries 10 \
         --require-hashes --requirement "$checkout/requirements.lock" >&2
@@ -52,7 +67,7 @@ enter() { # enter ROOT CHECKOUT FOLDER COMMAND...: as root in the new namespaces
         mountpoint -q "$root$place" || mount --bind "$place" "$root$place"
     done
     chroot "$root" /bin/bash -euo pipefail -c \
-        "$(declare -f prepare_venv inside); inside \"\$@\"" inside /opt/venv "$@"
+        "$(declare -f prepare_venv take_lock is_installed install_packages inside); inside \"\$@\"" inside /opt/venv "$@"
 }
 
 isolated enter "$root" "$checkout" "$PWD" "$@"

@@ -8,15 +8,15 @@ system_packages=(python3-venv libegl1 libgl1 libegl-mesa0 libgl1-mesa-dri)
 
 install_system_packages() {
     local as_root=()
+    # shellcheck source=scripts/apt.sh
+    source scripts/apt.sh
     if [ "$(id -u)" -ne 0 ]; then
         command -v sudo >/dev/null || return 1
         as_root=(sudo)
     fi
     command -v apt-get >/dev/null || return 1
     echo "Installing: $*"
-    "${as_root[@]}" apt-get -o Acquire::Retries=5 update -qq &&
-        "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-            apt-get -o Acquire::Retries=5 install -y -qq --no-install-recommends "$@" >/dev/null
+    apt_get update -qq && apt_get install -y -qq --no-install-recommends "$@"
 }
 
 require() { # require WHAT PACKAGES...

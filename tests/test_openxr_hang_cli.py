@@ -105,6 +105,7 @@ def test_ctrl_c_ends_a_session_whose_runtime_hangs_and_closes_its_records(tmp_pa
         running.process.send_signal(signal.SIGINT)
         assert running.process.wait(WAIT_S) == 130
         assert "Traceback" not in running.said.read_text()
+        assert re.search(r"to go on, type: .*--resume\n", running.said.read_text())
         wait_for(lambda: not Path(f"/proc/{service}").exists())
 
     assert json.loads((running.folder / "manifest.json").read_text())["status"] == "aborted"

@@ -36,7 +36,9 @@ def hang(name):
     libc.pthread_mutex_lock(mutex)  # the second time it waits for ever, and heeds no signal
 
 libc.pthread_mutex_lock(mutex)
-with stopping.heard(), Watchdog(say, notice_s=0.3, patience_s=float(sys.argv[2])) as watchdog:
+patience_s = float(sys.argv[2])
+dog = Watchdog(say, notice_s=0.3, patience_s=patience_s, go_on="to go on, type: run --resume")
+with stopping.heard(), dog as watchdog:
     watchdog.last_acts.append(lambda: Path("last").write_text("done"))
     with watchdog.guard(lambda: Path("closed").write_text("by " + sys.argv[1])):
         if sys.argv[1] == "session":
@@ -72,7 +74,10 @@ def test_signals_close_the_records_while_the_main_thread_hangs(
     assert "Ctrl-C ends the session and closes its records" in line
     assert process.poll() is None
     process.send_signal(number)
-    assert said_of(process) == "stopped; all that was recorded is kept\n"
+    assert said_of(process).splitlines() == [
+        "stopped; all that was recorded is kept",
+        "to go on, type: run --resume",
+    ]
     assert process.returncode == code
     assert (tmp_path / "closed").read_text() == "by session"
     assert (tmp_path / "last").exists()
@@ -91,6 +96,7 @@ def test_after_the_records_are_closed_nobody_waits_for_a_hung_runtime(tmp_path: 
     process = start(tmp_path, "teardown")
     said = said_of(process)
     assert "has not answered xrDestroySession for 0.3 s; the program ends without it" in said
+    assert "to go on" not in said  # the session has told that itself, if there is anything to do
     assert process.returncode == 3
     assert not (tmp_path / "closed").exists()  # the session had closed them itself
 

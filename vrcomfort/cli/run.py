@@ -385,7 +385,9 @@ def run(ctx: typer.Context, options: RunOptions) -> None:
     require_wording(protocol, options.answering, in_headset=options.headset is not PLAYBACK)
     with ExitStack() as owned:
         # First in, last out: a runtime may hang while the rest is being closed.
-        watchdog = owned.enter_context(Watchdog(warn)) if options.headset is OPENXR else None
+        watchdog = None
+        if options.headset is OPENXR:
+            watchdog = owned.enter_context(Watchdog(warn, go_on=how_to_go_on(ctx)))
         rehearsal = owned.enter_context(
             rehearse(options.monado_trace, options.monado_answers, watchdog)
         )
@@ -406,6 +408,8 @@ def run(ctx: typer.Context, options: RunOptions) -> None:
             settings = replace(settings, preflight=_preflight(options, protocol, now))
             told = _differences_before(enrolment, now)
             outcome = run_sessions(enrolment, settings)
+            if outcome.status == "aborted":
+                warn(how_to_go_on(ctx))  # now: the runtime may hang as it is left
         except RuntimeLostError as error:
             complain(str(error))
             warn(how_to_go_on(ctx))
@@ -415,7 +419,6 @@ def run(ctx: typer.Context, options: RunOptions) -> None:
             warn(sentence)
     _tell(outcome, options.out, options.quiet)
     if outcome.status == "aborted":
-        warn(how_to_go_on(ctx))
         raise KeyboardInterrupt  # as the session has heard it, which then closed its files
     if outcome.lost:
         raise InputError("; ".join(outcome.lost))

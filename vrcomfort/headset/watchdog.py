@@ -114,6 +114,8 @@ class Watchdog:
         After so long a call hangs.
     patience_s
         After so long the program ends by itself.
+    go_on
+        Told once the records are closed: the words that take the session up again.
     leave
         Ends the program with an exit code: 130 after Ctrl-C, 128 and its number after another
         signal, else 3.
@@ -131,10 +133,12 @@ class Watchdog:
         calls: RuntimeCalls = RUNTIME_CALLS,
         notice_s: float = NOTICE_S,
         patience_s: float = PATIENCE_S,
+        go_on: str = "",
         leave: Callable[[int], None] = os._exit,
     ) -> None:
         self._say, self._calls, self._leave = say, calls, leave
         self._notice_s, self._patience_s = notice_s, patience_s
+        self._go_on = go_on
         self.last_acts: list[Callable[[], object]] = []
         self._close: Callable[[], None] | None = None
         self._asked = 0
@@ -243,6 +247,8 @@ class Watchdog:
             try:
                 self._close()
                 self._tell("stopped; all that was recorded is kept")
+                if self._go_on:
+                    self._tell(self._go_on)
             except Exception as error:  # a full disk, say: there is nobody else to tell it
                 self._tell(f"the records could not be closed: {error}")
         for act in self.last_acts:
