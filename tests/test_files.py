@@ -68,7 +68,8 @@ ELSEWHERE: dict[str, tuple[set[str], str]] = {
 }  # fmt: skip
 """Who reads otherwise, by which functions, and why that is safe."""
 SHIPPED = {
-    "gpu/shaders.py", "headset/eye_painter.py", "protocol/quality.py", "protocol/quality_levels.py",
+    "cli/shipped.py", "gpu/shaders.py", "headset/eye_painter.py", "protocol/quality.py",
+    "protocol/quality_levels.py",
     "report/references.py", "report/reproduce.py", "report/vocabulary.py", "text_layout.py",
 }  # fmt: skip
 """Modules that read nothing but what is shipped with the package."""

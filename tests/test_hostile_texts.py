@@ -50,7 +50,8 @@ RECORDED = {"text", "reason", "title"}
 """Parameters of commands that take any text and keep it."""
 CHECKED = {
     "answers", "beside", "cluster", "condition", "consent", "consented_on", "covariate", "effect",
-    "effects", "eye", "figures", "format", "instrument", "language", "lens", "memory", "methods",
+    "effects", "eye", "figures", "format", "instrument", "kind", "language", "lens",
+    "memory", "methods", "page",
     "participant", "participants", "plan", "pose", "previous_pose", "protocol", "protocols",
     "scene", "scenes", "show", "size", "trial", "trust", "ttl", "without",
 }  # fmt: skip

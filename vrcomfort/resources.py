@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
+from vrcomfort.errors import InputError
+
 Folder = Literal["shaders", "protocols", "scenes", "analysis", "instruments"]
 
 _PACKAGE = Path(__file__).resolve().parent
@@ -25,3 +27,17 @@ def data_folder(name: Folder) -> Path:
         if candidate.is_dir():
             return candidate
     raise FileNotFoundError(f"data folder {name!r} is missing from {_PACKAGE}; reinstall vrcomfort")
+
+
+def site_folder() -> Path:
+    """Return the folder of the documentation's pages.
+
+    Raises
+    ------
+    InputError
+        In a checkout in which they have not been built.
+    """
+    for candidate in (_PACKAGE / "_data" / "site", _PACKAGE.parent / "out" / "site"):
+        if (candidate / "index.html").is_file():
+            return candidate
+    raise InputError("the documentation has not been built in this checkout; run: make docs")

@@ -40,93 +40,116 @@ class Listed(NamedTuple):
     hidden: bool = False
 
 
-COMMANDS = {
-    "run": Listed("run", "Take one participant through one session."),
-    "simulate": Listed(
-        "simulate",
-        "Take simulated participants through all their sessions, every frame rendered.",
-    ),
-    "render": Listed(
-        "render", "Draw one stereo picture with its linear light, depth and settings."
-    ),
-    "play": Listed("play", "Show a recorded session again, or play a head trace through a scene."),
-    "import-trace": Listed("imports", "Turn another program's head log into a trace."),
-    "import": Listed(
-        "imports",
-        "Import questionnaire answers of another lab (for head traces there is `import-trace`).",
-    ),
-    "report": Listed(
-        "report",
-        "Analyse a study: a page, the numbers as JSON and CSV, and figures as SVG, PNG and PDF.",
-    ),
-    "score": Listed(
-        "report", "Score questionnaires: a CSV (or JSON) of scores on standard output."
-    ),
-    "pack": Listed(
-        "study_folder",
-        "Write frames.parquet beside each frames.csv, and gaze.parquet beside each gaze.csv.",
-    ),
-    "design": Listed(
-        "design", "Show the orders and groups of all participants, and their balance."
-    ),
-    "new": Listed("new", "Write a commented protocol for a new study."),
-    "check": Listed(
-        "check",
-        "Check protocols before anybody is recruited: the exit code is 2 if one has a fault.",
-    ),
-    "schema": Listed(
-        "new", "Print the JSON Schema of protocols, analysis plans, or scenes' side-cars."
-    ),
-    "passes": Listed(
-        "passes",
-        "Show the render passes of each condition in each scene, the reasons, and the cost.",
-    ),
-    "plan": Listed("passes", "Run `vrcomfort passes`: its name in version 0.1.", hidden=True),
-    "power": Listed(
-        "design",
-        "Simulate studies of a plan, and say how often its primary test finds the effect.",
-    ),
-    "preflight": Listed(
-        "preflight", "Check machine, headset and room for a protocol, before people come."
-    ),
-    "doctor": Listed(
-        "doctor", "Find the parts that are there and those that are missing, each with its remedy."
-    ),
-    "demo": Listed(
-        "simulate",
-        "Simulate Carnegie & Rhee's study with shortened exposures, render it, and report.",
-    ),
-    "tradeoff": Listed("tradeoff", "Measure the cost and the error of each method of blurring."),
-    "undo-withdrawal": Listed(
-        "participants", "Take back the withdrawal of a participant that was a mistake."
-    ),
-    "exclude": Listed("participants", "Keep a participant out of all analyses."),
-    "undo-exclusion": Listed("participants", "Take the exclusion of a participant back."),
-    "note": Listed(
-        "participants", "Add a note on a participant to participants.csv, with its date."
-    ),
-    "erase": Listed(
-        "participants",
-        "Delete everything that was recorded of a participant, on their request. Cannot be undone.",
-    ),
-    "verify": Listed(
-        "study_folder",
-        "Check that a study folder is whole: files, rows, ids, times, checksums. Changes nothing.",
-    ),
-    "status": Listed(
-        "study_folder",
-        "Show the state of a study and of its participants, the next steps, and the disk.",
-    ),
-    "anonymise": Listed(
-        "study_folder",
-        "Copy a study with new ids, other dates, and without notes, head motion and gaze.",
-    ),
-    "export": Listed(
-        "study_folder",
-        "Write a study as a dataset of BIDS (motion, gaze, events, answers) or Psych-DS (tables).",
-    ),
+GROUPS = {
+    "Study": {
+        "new": Listed("new", "Write a commented protocol for a new study."),
+        "check": Listed(
+            "check",
+            "Check protocols before anybody is recruited: the exit code is 2 if one has a fault.",
+        ),
+        "design": Listed(
+            "design", "Show the orders and groups of all participants, and their balance."
+        ),
+        "power": Listed(
+            "design",
+            "Simulate studies of a plan, and say how often its primary test finds the effect.",
+        ),
+        "preflight": Listed(
+            "preflight", "Check machine, headset and room for a protocol, before people come."
+        ),
+        "run": Listed("run", "Take one participant through one session."),
+        "simulate": Listed(
+            "simulate",
+            "Take simulated participants through all their sessions, every frame rendered.",
+        ),
+        "status": Listed(
+            "study_folder",
+            "Show the state of a study and of its participants, the next steps, and the disk.",
+        ),
+        "note": Listed(
+            "participants", "Add a note on a participant to participants.csv, with its date."
+        ),
+        "exclude": Listed("participants", "Keep a participant out of all analyses."),
+        "undo-exclusion": Listed("participants", "Take the exclusion of a participant back."),
+        "undo-withdrawal": Listed(
+            "participants", "Take back the withdrawal of a participant that was a mistake."
+        ),
+    },
+    "Data": {
+        "import": Listed(
+            "imports",
+            "Import another lab's questionnaire answers (head traces: `import-trace`).",
+        ),
+        "verify": Listed(
+            "study_folder",
+            "Check that a study folder is whole: files, rows, ids, times, checksums.",
+        ),
+        "pack": Listed(
+            "study_folder",
+            "Write frames.parquet beside each frames.csv, and gaze.parquet beside each gaze.csv.",
+        ),
+        "export": Listed(
+            "study_folder",
+            "Export a study as BIDS (motion, gaze, events, answers) or Psych-DS (tables).",
+        ),
+        "anonymise": Listed(
+            "study_folder",
+            "Copy a study with new ids, other dates, and without notes, head motion and gaze.",
+        ),
+        "erase": Listed(
+            "participants",
+            "Delete everything recorded of a participant, on their request. Cannot be undone.",
+        ),
+    },
+    "Scenes and pictures": {
+        "render": Listed(
+            "render", "Draw one stereo picture with its linear light, depth and settings."
+        ),
+        "play": Listed(
+            "play", "Show a recorded session again, or play a head trace through a scene."
+        ),
+        "import-trace": Listed("imports", "Turn another program's head log into a trace."),
+        "passes": Listed(
+            "passes",
+            "Show the render passes of each condition in each scene, the reasons, and the cost.",
+        ),
+        "plan": Listed("passes", "Run `vrcomfort passes`: its name in version 0.1.", hidden=True),
+        "tradeoff": Listed(
+            "tradeoff", "Measure the cost and the error of each method of blurring."
+        ),
+    },
+    "Analysis": {
+        "report": Listed(
+            "report",
+            "Analyse a study: a page, numbers as JSON and CSV, figures as SVG, PNG and PDF.",
+        ),
+        "score": Listed(
+            "report", "Score questionnaires: a CSV (or JSON) of scores on standard output."
+        ),
+    },
+    "Machine and help": {
+        "doctor": Listed(
+            "doctor",
+            "Find the parts that are there and those that are missing, each with its remedy.",
+        ),
+        "demo": Listed(
+            "simulate",
+            "Simulate Carnegie & Rhee's study with shortened exposures, render it, and report.",
+        ),
+        "list": Listed(
+            "shipped", "List the shipped scenes, instruments, protocols, effects, tasks or plans."
+        ),
+        "schema": Listed(
+            "new", "Print the JSON Schema of protocols, analysis plans, or scenes' side-cars."
+        ),
+        "docs": Listed("shipped", "Open the documentation, which needs no network."),
+    },
 }
-"""All commands, in the order of the help."""
+"""Title of a group → its commands, in the order of the help."""
+COMMANDS = {name: each for group in GROUPS.values() for name, each in group.items()}
+
+UsageError: Any = typer.BadParameter.__base__
+"""Misspelt commands and options, too; typer exports no name for it."""
 
 STYLE: dict[str, Any] = {"rich_markup_mode": "markdown", "pretty_exceptions_enable": False}
 
@@ -168,8 +191,9 @@ class LazyCommands(TyperGroup):
     def _listed(self) -> TyperGroup:
         """Return this group with commands that have names and help alone."""
         commands: dict[str, Any] = {
-            name: TyperCommand(name, help=each.help, hidden=each.hidden)
-            for name, each in COMMANDS.items()
+            name: TyperCommand(name, help=each.help, hidden=each.hidden, rich_help_panel=title)
+            for title, group in GROUPS.items()
+            for name, each in group.items()
         }
         return TyperGroup(
             name=self.name,
@@ -186,12 +210,13 @@ class LazyCommands(TyperGroup):
         except KeyboardInterrupt:
             complain(STOPPED)
             raise typer.Exit(stopping.exit_code()) from None
-        except typer.BadParameter as error:
+        except UsageError as error:
             words = " ".join(error.format_message().split()).rstrip(".")
             words = words.replace(": Value error, ", ": ")  # how pydantic begins a sentence of ours
             command = ctx.command_path if error.ctx is None else error.ctx.command_path
-            sentence = f"{words[0].lower()}{words[1:]}; see {command} --help"
-            raise InputError(sentence) from error
+            words = words.replace(". Did you mean", "; did you mean")
+            see = " See" if words.endswith("?") else "; see"
+            raise InputError(f"{words[0].lower()}{words[1:]}{see} {command} --help") from error
 
 
 app = typer.Typer(

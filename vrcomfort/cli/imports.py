@@ -51,7 +51,7 @@ def import_answers(
     ] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Import questionnaire answers of another lab (for head traces there is `import-trace`).
+    """Import another lab's questionnaire answers (head traces: `import-trace`).
 
     - `vrcomfort import answers.csv --suggest --out map.toml`
     - Read `map.toml`, mend what is wrong in it, and answer its doubts.
@@ -108,8 +108,6 @@ def _suggest(
         console(quiet).print(f"\nMapping: {out}")
     for number, doubt in enumerate(found.doubts, start=1):
         warn(f"doubt {number}: {doubt}")
-    if found.guesses:
-        warn(f"{found.guesses} more were not asked: the mapping has a guess for each ([[guesses]])")
 
 
 def import_trace(

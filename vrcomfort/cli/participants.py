@@ -74,7 +74,7 @@ def erase(
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask at the terminal.")] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Delete everything that was recorded of a participant, on their request. Cannot be undone.
+    """Delete everything recorded of a participant, on their request. Cannot be undone.
 
     A row with a new name, the order and the day of the erasure stays in participants.csv, so that
     the orders of the next participants stay balanced.

@@ -130,7 +130,7 @@ def report(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Analyse a study: a page, the numbers as JSON and CSV, and figures as SVG, PNG and PDF.
+    """Analyse a study: a page, numbers as JSON and CSV, figures as SVG, PNG and PDF.
 
     The first answers are printed too.
 

@@ -126,7 +126,7 @@ def verify(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Check that a study folder is whole: files, rows, ids, times, checksums. Changes nothing.
+    """Check that a study folder is whole: files, rows, ids, times, checksums.
 
     Each finding is a line with its place and what to do. Exit code 1 where something is wrong.
 
@@ -280,7 +280,7 @@ def export(
     accept_flagged: AcceptFlaggedOption = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write a study as a dataset of BIDS (motion, gaze, events, answers) or Psych-DS (tables).
+    """Export a study as BIDS (motion, gaze, events, answers) or Psych-DS (tables).
 
     Head motion and gaze identify people, and dates are the study's: anonymise it first, where the
     dataset is to be shared.

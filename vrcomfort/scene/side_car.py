@@ -191,6 +191,8 @@ class NodeSettings(Settings):
 class SideCar(Settings):
     """The whole file. Keys of `nodes` are node names or patterns with * and ?."""
 
+    title: str = ""
+    """In words, for lists."""
     exposure: Positive = 1.0
     """Factor on radiance before the tone curve."""
     sun: Sun = Sun()

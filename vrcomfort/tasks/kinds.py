@@ -62,9 +62,10 @@ AnyTask: TypeAlias = Annotated[
 ]
 """An entry of [[tasks]], by its `kind`: a shipped task is a file and a line here."""
 
-SHIPPED = {
-    choice
+SHIPPED: dict[str, type[TaskSettings]] = {
+    choice: settings
     for member in get_args(get_args(AnyTask)[0])
-    for choice in get_args(get_args(member)[0].model_fields["kind"].annotation)
+    for settings in get_args(member)[:1]
+    for choice in get_args(settings.model_fields["kind"].annotation)
 }
-"""Words of `kind`."""
+"""Word of `kind` → settings."""

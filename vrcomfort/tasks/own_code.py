@@ -57,16 +57,20 @@ def _require_inside(file: Path, folder: Path) -> None:
 
 
 def installed_task(kind: str) -> EntryPoint | None:
-    """Return the entry point of an installed package that brings a task; nothing is imported.
+    """Return the entry point of an installed package that brings a task; nothing is imported."""
+    if kind.endswith(".py"):
+        return None
+    return next((each for each in installed_tasks() if each.name == kind), None)
+
+
+def installed_tasks() -> Iterator[EntryPoint]:
+    """Yield the entry points of installed packages that bring tasks; nothing is imported.
 
     What lies in the present folder, where `python -m` looks too, is not installed.
     """
-    if kind.endswith(".py"):
-        return None
     there = distributions(path=_path_without((Path.cwd(),)))
     found = (each for package in there for each in package.entry_points)
-    wanted = (each for each in found if each.group == ENTRY_POINTS and each.name == kind)
-    return next(wanted, None)
+    yield from (each for each in found if each.group == ENTRY_POINTS)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,6 @@
+"""`python -m vrcomfort`: the same as the command `vrcomfort`."""
+
+from vrcomfort.cli import main
+
+if __name__ == "__main__":
+    main()
