@@ -4,7 +4,7 @@ OUT ?= out
 # Tests start the program many times: it is compiled once, wherever Python is told not to keep that.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: help setup demo test test-smoke test-slow test-bare test-local test-openxr explore runtime check audit bench torture torture-short scenes clean
+.PHONY: help setup demo test test-smoke test-slow test-bare test-local test-openxr explore runtime check docs audit bench torture torture-short scenes clean
 
 help:
 	@echo "make demo    a complete simulated study, rendered and reported (out/demo)"
@@ -18,6 +18,7 @@ help:
 	@echo "make runtime     find or make a system with a Monado runtime (OpenXR without a headset)"
 	@echo "make test-openxr the tests that need one, in it"
 	@echo "make check   ruff, mypy --strict, import-linter"
+	@echo "make docs    the documentation site (out/site)"
 	@echo "make audit   known vulnerabilities of what requirements.lock names (asks osv.dev)"
 	@echo "make bench   what each effect costs and how wrong it is (out/bench)"
 	@echo "make torture     sessions stopped, cut off and damaged; files made worse (out/torture, 45 minutes)"
@@ -67,6 +68,10 @@ check: setup
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports --no-cache
+
+docs: setup
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --site-dir $(abspath $(OUT))/site
+	@echo "$(OUT)/site/index.html is written; vrcomfort docs opens it"
 
 audit: setup
 	@$(BIN)/python scripts/audit.py

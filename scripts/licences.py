@@ -37,7 +37,6 @@ WORDS = {
 """How packages without an SPDX expression name their licence → its identifier."""
 
 ELSEWHERE = {
-    "colorama": "BSD-3-Clause",
     "flip-evaluator": "BSD",
     "importlib-metadata": "Apache-2.0",
     "lazy-importer": "Apache-2.0",
@@ -47,7 +46,7 @@ ELSEWHERE = {
 
 INTRODUCTION = """# Licences
 
-vrcomfort is under the GPL, version 3 or later ([LICENSE](../LICENSE)). It is installed with, or
+vrcomfort is under the GPL, version 3 or later (`LICENSE`). It is installed with, or
 developed with, the packages below: those of `requirements.lock`, with all extras and tools. Each
 licence permits a package's use in a program under ours; a test fails for one that does not. `BSD`
 is one of its forms where a package does not say which. The names are those of

@@ -103,6 +103,14 @@ def test_wheel_carries_every_committed_file_of_the_data_folders(wheel: Path, fol
 
 
 @pytest.mark.slow
+def test_wheel_carries_the_documentation(wheel: Path) -> None:
+    carried = set(zipfile.ZipFile(wheel).namelist())
+    pages = {f"vrcomfort/_data/site/{each.stem}.html" for each in (ROOT / "docs").glob("*.md")}
+    assert pages <= carried
+    assert "vrcomfort/_data/site/search/search_index.js" in carried
+
+
+@pytest.mark.slow
 def test_every_shader_compiles_from_an_installed_wheel(wheel: Path, tmp_path: Path) -> None:
     environment = tmp_path / "venv"
     venv.create(environment, with_pip=False)

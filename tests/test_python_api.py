@@ -6,7 +6,6 @@ import ast
 import csv
 import io
 import json
-import runpy
 import subprocess
 import sys
 import warnings
@@ -330,13 +329,13 @@ def test_views_are_arrays_and_show_themselves(tmp_path, monkeypatch):
         vrcomfort.render_views("temple", pose=(0, 1.6))
 
 
-def test_the_page_is_that_of_the_docstrings():
-    page = ROOT / "docs" / "python_api.md"
-    written = runpy.run_path(str(ROOT / "scripts" / "python_api.py"))["page"]()
-    assert page.read_text(encoding="utf-8") == written, "run python scripts/python_api.py"
-    for name in (*vrcomfort.__all__, *stats.__all__):
-        if name not in {"__version__", "stats", "InputError"}:
-            assert f".{name}(" in written
+def test_the_page_has_every_public_name():
+    page = (ROOT / "docs" / "python_api.md").read_text("utf-8").splitlines()
+    names = [
+        each for each in vrcomfort.__all__ if each not in {"__version__", "stats", "InputError"}
+    ]
+    names += [f"stats.{each}" for each in stats.__all__]
+    assert [each for each in names if f"::: vrcomfort.{each}" not in page] == []
 
 
 @pytest.mark.slow

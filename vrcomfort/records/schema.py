@@ -162,7 +162,7 @@ _HEAD = """\
 
 Made from the declarations in `vrcomfort/records` (`python scripts/data_dictionary.py`), and so
 complete: the tables of a study with their columns in order, and the events. How cells are written:
-[CONVENTIONS.md](../CONVENTIONS.md#files).
+[CONVENTIONS.md](conventions.md#files).
 
 - **Blank** says what a blank cell means; a column without it is never blank, but in copies for
   others.
