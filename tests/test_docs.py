@@ -1,0 +1,119 @@
+"""The documentation: its commands are words that the program takes, and its pages are there."""
+
+from __future__ import annotations
+
+import ast
+import re
+import runpy
+import shlex
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import typer
+from typer.main import get_command
+
+from vrcomfort.cli.app import COMMANDS, app
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+PLACEHOLDERS = {"STUDY", "FILE", "PROTOCOL", "NAME"}
+
+
+def blocks(page: Path, language: str) -> Iterator[str]:
+    """Yield the code blocks of a language on a page."""
+    for found in BLOCK.finditer(page.read_text("utf-8")):
+        if found[1] == language:
+            yield found[2]
+
+
+def command_lines(page: Path) -> Iterator[list[str]]:
+    """Yield the words of each line of a page's shell blocks that calls the program."""
+    for block in blocks(page, "sh"):
+        for line in block.replace("\\\n", " ").splitlines():
+            words = shlex.split(line, comments=True)
+            for ends in ("|", ">", "&&"):
+                words = words[: words.index(ends)] if ends in words else words
+            if words[:1] == ["vrcomfort"]:
+                yield words[1:]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_command_of_a_page_has_options_that_are_there(page: Path) -> None:
+    commands = get_command(app)
+    for words in command_lines(page):
+        if words[0].startswith("-"):
+            continue
+        assert words[0] in COMMANDS, words
+        command = commands.get_command(None, words[0])
+        context = typer.Context(command, info_name=words[0])
+        command.make_parser(context).parse_args(args=list(words[1:]))
+
+
+def test_a_misspelt_option_would_be_found() -> None:
+    command = get_command(app).get_command(None, "report")
+    with pytest.raises(Exception, match="--plam"):
+        command.make_parser(typer.Context(command)).parse_args(args=["x", "--plam", "y"])
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_python_and_toml_of_a_page_can_be_read(page: Path) -> None:
+    for text in blocks(page, "python"):
+        ast.parse(text)
+    for text in blocks(page, "toml"):
+        tomllib.loads(text)
+
+
+def test_pages_that_are_named_in_printed_text_are_there() -> None:
+    named = {
+        name
+        for file in (ROOT / "vrcomfort").rglob("*.py")
+        for name in re.findall(r"\bdocs/([a-z_]+\.md)", file.read_text("utf-8"))
+    }
+    assert named
+    assert {name for name in named if not (ROOT / "docs" / name).is_file()} == set()
+
+
+def test_the_page_of_commands_is_that_of_the_program() -> None:
+    written = runpy.run_path(str(ROOT / "scripts" / "command_reference.py"))["page"]()
+    page = ROOT / "docs" / "commands.md"
+    assert page.read_text("utf-8") == written, "run python scripts/command_reference.py"
+
+
+def test_the_readme_is_short() -> None:
+    text = BLOCK.sub("", (ROOT / "README.md").read_text("utf-8"))
+    assert len(re.sub(r"\]\([^)]*\)", "]", text).split()) <= 500
+
+
+def test_the_readmes_protocol_has_no_fault(run, tmp_path: Path) -> None:
+    (text,) = blocks(ROOT / "README.md", "toml")
+    (tmp_path / "lens_study.toml").write_text(text, encoding="utf-8")
+    code, _, _ = run("design", tmp_path / "lens_study.toml", "--participants", 4)
+    assert code == 0
+
+
+def test_list_names_what_is_shipped(run) -> None:
+    for kind, known in {"scenes": "temple", "effects": "vignette", "tasks": "aiming"}.items():
+        code, out, _ = run("list", kind)
+        assert code == 0
+        name, title = next(line for line in out.splitlines() if line.startswith(known)).split(
+            maxsplit=1
+        )
+        assert name == known
+        assert title.strip()
+
+
+@pytest.mark.slow
+def test_the_site_is_built_without_a_warning_and_docs_opens_it(tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--site-dir", str(site)]
+    built = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert built.returncode == 0, built.stderr
+    pages = {each.stem for each in (ROOT / "docs").glob("*.md")}
+    assert pages - {each.stem for each in site.glob("*.html")} == set()
+    for page in site.glob("*.html"):
+        assert not re.search(r'(?:src|href)="https?://[^"]*\.(?:js|css|woff2?)"', page.read_text())
