@@ -16,6 +16,7 @@ import pytest
 import typer
 from typer.main import get_command
 
+from tests.support.browser import open_page
 from vrcomfort.cli.app import COMMANDS, app
 
 ROOT = Path(__file__).parent.parent
@@ -107,13 +108,29 @@ def test_list_names_what_is_shipped(run) -> None:
         assert title.strip()
 
 
-@pytest.mark.slow
-def test_the_site_is_built_without_a_warning_and_docs_opens_it(tmp_path: Path) -> None:
-    site = tmp_path / "site"
-    command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--site-dir", str(site)]
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--site-dir", str(out)]
     built = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert built.returncode == 0, built.stderr
+    assert built.returncode == 0, built.stderr  # a warning is an error
+    return out
+
+
+@pytest.mark.slow
+def test_the_site_has_all_pages_and_asks_nobody_else_for_anything(site: Path) -> None:
     pages = {each.stem for each in (ROOT / "docs").glob("*.md")}
     assert pages - {each.stem for each in site.glob("*.html")} == set()
-    for page in site.glob("*.html"):
-        assert not re.search(r'(?:src|href)="https?://[^"]*\.(?:js|css|woff2?)"', page.read_text())
+    elsewhere = re.compile(r'<(?:script|link|img)[^>]*(?:src|href)="?https?://(?!\S*canonical)')
+    assert [page.name for page in site.glob("*.html") if elsewhere.search(page.read_text())] == []
+
+
+@pytest.mark.slow
+@pytest.mark.browser
+def test_the_site_is_searched_from_a_file(site: Path, browser: str) -> None:
+    page = site / "find.html"
+    page.write_text('<meta http-equiv="refresh" content="0; url=index.html?q=Wilcoxon">')
+    opened = open_page(browser, page)
+    results = re.findall(r'href="([^"]*)" class="md-search-result__link"', opened.dom)
+    assert any("statistics.html" in each for each in results)
+    assert opened.console == ()
