@@ -100,6 +100,7 @@ FELL: tuple[tuple[str, Place, Any, str, str, str], ...] = (
     (WHOLE, ("wordings",), 7, "bids", "`wordings`: should be a list", "line "),
     (WHOLE, ("headset", "image_size_px"), GONE, "play", "the size of the images", "json: "),
     (RESUMED, ("earlier_runs", 0, "started_at"), [], "anonymise", "earlier_runs.0.start", "line "),
+    (WHOLE, ("settings", "flag_above_percent", "frozen"), {}, "verify", "percent.frozen`", "line "),
     (RESUMED, ("started_at",), "9999-01-01T00:00:00+00:00", "anonymise", "the years", "line "),
 )  # fmt: skip
 

@@ -326,3 +326,7 @@ def test_a_rating_that_waited_for_an_open_one_when_a_freeze_began_is_missed_too(
     missed = schedule.missed_while_frozen(7.05, 7.05, 1.0)
     assert [each.onset_s for _, each in missed] == pytest.approx([2, 3, 4, 5, 6, 7])
     assert schedule.update(7.1, 7.1)[1].onset_s == 1.3
+
+
+def test_a_state_without_a_limit_is_not_flagged() -> None:
+    assert SeenTime().beyond({}) == []

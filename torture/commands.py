@@ -93,6 +93,8 @@ def _readings() -> list[Reading]:
         "import lab.csv --suggest --out out.toml": ("lab.csv",),
         "import table.csv --mapping map.toml --out out": ("map.toml", "table.csv"),
         "import-trace unity.csv --out out.csv": ("unity.csv",),
+        "import-trace unity.csv --suggest --out out.toml": ("unity.csv",),
+        "import-trace unity.csv --mapping head.toml --out out.csv": ("unity.csv", "head.toml"),
         "report questionnaires.csv --figures none --out out --quiet": ("questionnaires.csv",),
         "report questionnaires.csv --plan plan.toml --figures none --out out --quiet": (
             "plan.toml",
@@ -146,7 +148,7 @@ def make(folder: Path) -> None:
     for file, kind in {
         "plan.toml": "analysis plans", "scores.csv": "scores",
         "lab.csv": "scores", "lab.xlsx": "workbooks", "lab.json": "JSON of labs",
-        "unity.csv": "logs of Unity", "questionnaires.csv": "questionnaires",
+        "unity.csv": "head logs", "questionnaires.csv": "questionnaires",
         "map.toml": "mappings",
     }.items():  # fmt: skip
         content = good[kind].replace(b",plain,", b",dof_off,").replace(b",dof,", b",dof_on,")
@@ -163,6 +165,7 @@ def make(folder: Path) -> None:
         "pack study",
         "import table.csv --mapping map.toml --out imported",
         "import scores.xlsx --suggest --out book.toml",
+        "import-trace unity.csv --suggest --out head.toml",
         "simulate protocol.toml -n 3 --no-frames --out study --quiet",
         "exclude study P03 --reason why",
     ):

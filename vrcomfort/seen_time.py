@@ -5,6 +5,7 @@ Recorder, verify and reports take the states from here, so that they agree on ev
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -201,7 +202,11 @@ class SeenTime:
 
     def beyond(self, limits_percent: Mapping[str, float]) -> list[SeenState]:
         """Return the states that are to be flagged, by limits in per cent of the same time."""
-        return [state for state in LIMITED if self.percent(state) > limits_percent[state.value]]
+        return [
+            state
+            for state in LIMITED
+            if self.percent(state) > limits_percent.get(state.value, math.inf)
+        ]
 
     @classmethod
     def of_cells(cls, row: Mapping[str, Any]) -> Self:

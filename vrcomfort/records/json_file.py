@@ -190,6 +190,8 @@ class SettingsShape(_Part):
     questionnaires: list[_Ask] = []
     consent: _Consent | None = None
     photodiode: dict[str, Any] | None = None
+    flag_above_percent: dict[str, float] = {}
+    """State of seen time → the share above which an exposure is flagged."""
 
 
 class ManifestShape(_File):
