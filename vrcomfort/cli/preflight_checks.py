@@ -15,7 +15,6 @@ from vrcomfort.cli.session_devices import open_outlets, open_speaker
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.load import missing_wording
-from vrcomfort.seen_time import SeenState
 
 if TYPE_CHECKING:
     import moderngl
@@ -277,8 +276,9 @@ def _tracking(flight: Preflight) -> Iterator[Finding]:
     shown = flight.shown
     if shown is None or not flight.worn:
         return
-    lost = shown.timing.seen.percent(SeenState.UNTRACKED)
-    words = f"lost for {lost:g} % of the time"
+    timing = shown.timing
+    lost = 100 * timing.untracked / max(timing.frames, 1)
+    words = f"the head was not measured in {lost:.3g} % of the frames"
     if lost > flight.protocol.flag_above_percent.untracked:
         remedy = "light the room evenly, cover mirrors and windows, clean the cameras"
         yield _notice("tracking", words, remedy)
@@ -377,7 +377,7 @@ CHECKS = (
         "frames",
         _rate_holds,
     ),
-    Check("tracking", "the share of the time without a measured head", "frames", _tracking),
+    Check("tracking", "the share of the frames without a measured head", "frames", _tracking),
     Check("floor", "the height of the head over it", "frames", _floor),
     Check(
         "IPD", "the distance between the eyes that is shown; whom the headset fits", "frames", _ipd

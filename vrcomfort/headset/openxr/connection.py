@@ -91,7 +91,7 @@ class Connection:
         self.stage = Stage(self.session, self._settings.eye_height_m)
         formats = watched(xr.enumerate_swapchain_formats, self.session)
         self._format = choose_format(formats)
-        self.size_px = self._settings.image_size_px or self.runtime.recommended_size_px
+        self.size_px = self.runtime.image_size_px(self._settings.image_size_px)
         self._no_depth = layers.why_no_depth(self.runtime.extensions, formats)
         self.eyes = EyeLayer(self._ctx, self.eye_canvas, self.size_px, mirror, self._depth_images())
         self._owned.callback(self.eyes.release)

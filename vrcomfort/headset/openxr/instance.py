@@ -129,6 +129,13 @@ class Runtime:
         return bool(eyes.supports_eye_tracking)
 
     @cached_property
+    def _view(self) -> xr.ViewConfigurationView:
+        views = watched(xr.enumerate_view_configuration_views, self.instance, self.system, STEREO)
+        if len(views) != EYES:
+            raise InputError(f"the headset shows {len(views)} views; vrcomfort needs two")
+        return views[0]
+
+    @property
     def recommended_size_px(self) -> tuple[int, int]:
         """Return (width, height) of one eye's image as the runtime would have it.
 
@@ -137,11 +144,29 @@ class Runtime:
         InputError
             If the headset has not two views.
         """
-        views = watched(xr.enumerate_view_configuration_views, self.instance, self.system, STEREO)
-        if len(views) != EYES:
-            raise InputError(f"the headset shows {len(views)} views; vrcomfort needs two")
-        view = views[0]
+        view = self._view
         return view.recommended_image_rect_width, view.recommended_image_rect_height
+
+    def image_size_px(self, wanted_px: tuple[int, int] | None) -> tuple[int, int]:
+        """Return the size of one eye's image: the one that is asked for, or the recommended one.
+
+        Raises
+        ------
+        InputError
+            If the runtime takes no images as large as that.
+        """
+        size_px = wanted_px or self.recommended_size_px
+        view = self._view
+        largest_px = view.max_image_rect_width, view.max_image_rect_height
+        if any(asked > most > 0 for asked, most in zip(size_px, largest_px, strict=True)):
+            asked, most, usual = (
+                "x".join(map(str, each)) for each in (size_px, largest_px, self.recommended_size_px)
+            )
+            raise InputError(
+                f"the headset takes no images of {asked} pixels an eye; give a --size up to "
+                f"{most}, or leave it out for the headset's own, {usual}"
+            )
+        return size_px
 
     def _system_properties(self, chained: ctypes.Structure | None = None) -> xr.SystemProperties:
         properties = xr.SystemProperties(next=chained)
