@@ -282,7 +282,7 @@ def test_the_answers_of_thirty_people_in_words():
 
 def test_no_shipped_file_is_left_out():
     assert {file.stem for file in data_folder("instruments").glob("*.toml")} == set(SHIPPED)
-    assert len(SHIPPED) == 14
+    assert len(SHIPPED) == 17
 
 
 def test_instruments_can_be_looked_up_by():
@@ -290,3 +290,14 @@ def test_instruments_can_be_looked_up_by():
     assert {instrument: name for name, instrument in shipped.items()} == {
         instrument: instrument.name for instrument in shipped.values()
     }
+
+
+def test_the_printed_form_of_18_questions_scores_14():
+    form = SHIPPED["ssq_18"]
+    worst = {item.name: 4 for item in form.items}
+    found = {name: each.points for name, each in score(form, worst).items()}
+    assert len(worst) == 18
+    assert [found[name] for name in "NODT"] == pytest.approx([228.96, 212.24, 334.08, 284.24])
+    for item in ("anxiety", "drowsiness", "loss_of_appetite", "desire_to_move_bowels"):
+        alone = score(form, {**dict.fromkeys(worst, 0), item: 4})
+        assert [alone[name].points for name in "NODT"] == [0, 0, 0, 0]

@@ -163,7 +163,7 @@ def test_a_translation_is_asked_in_its_language(tmp_path):
     )
     ask = 'instrument = "room.toml"\nlanguage = "de"'
     protocol = protocol_of(tmp_path, BOTH.replace('instrument = "room.toml"', ask), german)
-    form = protocol.form(next(iter(protocol.asks("after_trial"))))
+    form = protocol.form(next(iter(protocol.asks("after_trial", 1, 1))))
     assert form.instruction == "Wie sehr?"
     assert form.items[0].answers.labels == ("gar nicht", "völlig")
     assert [item.text for item in form.items][2] == "Gerne wieder"
@@ -173,7 +173,7 @@ def test_a_translation_is_asked_in_its_language(tmp_path):
 def test_weights_are_not_asked(tmp_path):
     text = BOTH.replace('"room.toml"', '"nasa_tlx"')
     protocol = protocol_of(tmp_path, text)
-    form = protocol.form(next(iter(protocol.asks("after_trial"))))
+    form = protocol.form(next(iter(protocol.asks("after_trial", 1, 1))))
     assert len(form.items) == 6
     study = simulated(tmp_path, protocol)
     rows = read_rows(study / "sub-P01/ses-1/questionnaires.csv")

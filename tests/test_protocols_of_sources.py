@@ -30,7 +30,20 @@ def settings(name, *without):
 @pytest.mark.parametrize(
     ("variant", "differences"),
     [
+        ("hillaire_2008_strong", ["conditions.1.depth_of_field.aperture_m"]),
         ("carnegie_2015_sessions", ["order"]),
+        (
+            "carnegie_2015_as_printed",
+            [
+                "hours_between_sessions",
+                "covariates",
+                "screening",
+                "instructions",
+                "stop",
+                "questionnaires",
+                "simulation",
+            ],
+        ),
         ("carnegie_2015_scatter", ["conditions.1.depth_of_field.kernel"]),
         (
             "carnegie_2015_dioptre",
@@ -43,12 +56,13 @@ def settings(name, *without):
     ],
 )
 def test_a_variant_differs_in_what_it_says_and_in_nothing_else(variant, differences):
-    assert settings(variant, *differences) == settings("carnegie_2015", *differences)
+    base = "_".join(variant.split("_")[:2])
+    assert settings(variant, *differences) == settings(base, *differences)
     for path in differences:
         others = [each for each in differences if each != path]
         if path.endswith(("full_blur_m", "full_blur_dioptre")):
             continue  # each says what the law of its own file needs
-        assert settings(variant, *others) != settings("carnegie_2015", *others)
+        assert settings(variant, *others) != settings(base, *others)
 
 
 def test_blur_by_session_has_one_condition_a_session_and_each_first_equally_often():
@@ -121,3 +135,40 @@ def test_every_shipped_protocol_is_gone_through_whole(run, name, tmp_path):
         rows = list(CsvTable.read(folder / "trials.csv", appended=True).dicts())
         left = any(row["status"] == "stopped" for row in rows)  # some feel too ill to go on
         assert left or len(rows) == planned[int(folder.name[4:]) - 1]
+
+
+def test_carnegie_as_printed_asks_for_eyes_closed_and_lets_people_come_back():
+    protocol = load_protocol("carnegie_2015_as_printed")
+    (closed,) = protocol.tells("before_trial", 1, 2)
+    assert "close your eyes" in closed.text
+    assert protocol.stop.participant == "session"
+    assert protocol.hours_between_sessions
+    forms = [protocol.form(ask) for ask in protocol.questionnaires]
+    assert [len(form.items) for form in forms] == [18, 18, 18]
+
+
+def test_volunteers_are_excluded_and_who_withdrew_comes_back(tmp_path, run):
+    """As 14 of 34 were, and three of the six who withdrew."""
+    code, _, err = run(
+        "simulate", "carnegie_2015_as_printed", "-n", 34, "--no-frames", "--seed", 3,
+        "--out", tmp_path / "s",
+    )  # fmt: skip
+    assert code == 0, err
+    rows = list(CsvTable.read(tmp_path / "s" / "participants.csv").dicts())
+    screened = [row for row in rows if "screened out" in row["note"]]
+    assert 8 <= len(screened) <= 20
+    assert all("1" in (row["hmd_experience"], row["visual_abnormality"]) for row in screened)
+    ended = [row["participant"] for row in rows if "felt too sick" in row["note"]]
+    assert any((tmp_path / "s" / f"sub-{each}" / "ses-2").is_dir() for each in ended)
+
+
+def test_hillaires_forms_come_after_their_parts():
+    protocol = load_protocol("hillaire_2008")
+    of_trial = {
+        trial: [ask.instrument for ask in protocol.asks("after_trial", 1, trial)]
+        for trial in range(1, 9)
+    }
+    assert [k for k, names in of_trial.items() if "noticed_difference" in names] == [2]
+    assert [each.name for each in protocol.writes("after_trial", 1, 2)] == ["explained_difference"]
+    assert list(protocol.writes("after_trial", 1, 3)) == []
+    assert [each.name for each in protocol.tells("before_trial", 1, 3)] == ["in_turn"]

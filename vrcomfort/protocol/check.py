@@ -14,7 +14,7 @@ from vrcomfort.protocol.order_check import (
     practice_problems,
     unknown_name,
 )
-from vrcomfort.protocol.questions import free_text_problems
+from vrcomfort.protocol.questions import free_text_problems, moment_problems
 from vrcomfort.protocol.session_steps import break_problems, instruction_problems
 from vrcomfort.protocol.viewing import SceneView
 from vrcomfort.resources import data_folder
@@ -53,6 +53,8 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from _consent(protocol)
     yield from repeated(("free_texts",), [each.name for each in protocol.free_texts])
     wordings = {language: table.free_texts for language, table in protocol.text.items()}
+    yield from moment_problems("free_texts", protocol.free_texts)
+    yield from moment_problems("questionnaires", protocol.questionnaires)
     yield from free_text_problems(protocol.free_texts, protocol.languages, wordings)
     yield from _visibility(protocol)
 

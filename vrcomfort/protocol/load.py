@@ -38,7 +38,7 @@ from vrcomfort.tasks import (
     run_installed_task,
 )
 
-MOST_ITEMS = 16
+MOST_ITEMS = 18
 """Room of the list of all answers, on the panel in the headset."""
 MOST_ANSWERS = 101  # 0 to 100, a visual analogue scale
 MOST_LETTERS, MOST_OF_INSTRUCTION = 200, 110

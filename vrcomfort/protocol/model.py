@@ -34,6 +34,7 @@ from vrcomfort.protocol.questions import (
     Screening,
     Stopping,
     Unfocused,
+    is_due,
 )
 from vrcomfort.protocol.session_steps import (
     Breaks,
@@ -191,12 +192,12 @@ class Protocol(Settings):
         worded = whole.in_language(ask.language or self._language or whole.language) or whole
         return replace(worded, items=worded.asked)
 
-    def writes(self, when: str) -> Iterator[FreeText]:
+    def writes(self, when: str, session: int, trial: int | None) -> Iterator[FreeText]:
         """Yield the free texts of a moment, in the participant's language."""
         table = self.text.get(self._language or "")
         wordings = table.free_texts if table else {}
         for each in self.free_texts:
-            if each.when == when:
+            if is_due(each, when, session, trial):
                 yield each.model_copy(update={"text": wordings.get(each.name, each.text)})
 
     def task_of(self, trial: Trial) -> TaskSettings | None:
@@ -340,9 +341,9 @@ class Protocol(Settings):
         """Return the condition called `name`; loading made sure that trials name real ones."""
         return next(condition for condition in self.conditions if condition.name == name)
 
-    def asks(self, when: str) -> Iterator[Ask]:
+    def asks(self, when: str, session: int, trial: int | None) -> Iterator[Ask]:
         """Yield the questionnaires asked at a moment, in the file's order."""
-        return (ask for ask in self.questionnaires if ask.when == when)
+        return (ask for ask in self.questionnaires if is_due(ask, when, session, trial))
 
     def tells(self, when: str, session: int, trial: int | None) -> Iterator[Instruction]:
         """Yield the instructions at a moment, in the participant's language."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Literal, Self, TypeAlias
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Literal, Protocol, Self, TypeAlias
 
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -20,6 +20,39 @@ Rest = Annotated[float, Field(ge=0, le=86_400)]
 """Seconds, up to a day."""
 
 
+Number = Annotated[int, Field(ge=1, le=1000)]
+
+
+class HasMoment(Protocol):
+    """A question or an instruction, in some of the sessions and after some of their trials."""
+
+    @property
+    def when(self) -> str:
+        """Return the moment."""
+
+    @property
+    def sessions(self) -> tuple[int, ...]:
+        """Return the numbers of its sessions; none: all."""
+
+    @property
+    def trials(self) -> tuple[int, ...]:
+        """Return the numbers of its trials within a session; none: all."""
+
+
+def is_due(each: HasMoment, when: str, session: int, trial: int | None) -> bool:
+    """Return whether a moment of a session is that of a question or an instruction."""
+    here = each.when == when and (not each.sessions or session in each.sessions)
+    return here and (not each.trials or trial in each.trials)
+
+
+def moment_problems(key: str, questions: Sequence[HasMoment]) -> Iterator[Problem]:
+    """Yield numbers of trials at moments that belong to no trial."""
+    for index, each in enumerate(questions):
+        if each.trials and each.when.startswith("session"):
+            message = f'`trials` does nothing with when = "{each.when}"; remove it or change that'
+            yield Problem((key, index, "trials"), message)
+
+
 class Ask(Settings):
     """A questionnaire and the moment at which it is asked."""
 
@@ -30,7 +63,11 @@ class Ask(Settings):
     timepoint: Word
     """Of the answers in files: `baseline`, `post`, `recovery`, or a word of your own."""
     when: Literal["session_start", "before_trial", "after_trial", "session_end"]
-    """`before_trial` and `after_trial`: of every exposure."""
+    """`before_trial` and `after_trial`: of every exposure, or of those in `trials`."""
+    sessions: tuple[Number, ...] = ()
+    """Numbers of the sessions in which it is asked; without it, all."""
+    trials: tuple[Number, ...] = ()
+    """Numbers, within the session, of the trials that it belongs to; without it, all."""
     wait_s: Rest = 0.0
     """Rest without the headset before asking."""
     compares: Literal["pair", "session", "study"] | None = None
@@ -98,7 +135,11 @@ class FreeText(Settings):
     """The question, in the usual language."""
     when: Literal["session_start", "before_trial", "after_trial", "session_end"]
     """After the questionnaires of that moment; `before_trial` and `after_trial`: of every
-    exposure."""
+    exposure, or of those in `trials`."""
+    sessions: tuple[Number, ...] = ()
+    """Numbers of the sessions in which it is asked; without it, all."""
+    trials: tuple[Number, ...] = ()
+    """Numbers, within the session, of the trials that it belongs to; without it, all."""
 
 
 def free_text_problems(

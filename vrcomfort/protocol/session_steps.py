@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 from vrcomfort.frame import EYE_HEIGHT_M
 from vrcomfort.protocol.conditions import Seconds
 from vrcomfort.protocol.order import Trial
+from vrcomfort.protocol.questions import Number, is_due, moment_problems
 from vrcomfort.settings import KeyPath, Name, Problem, Settings, Word, did_you_mean, repeated
 
 
@@ -26,7 +27,6 @@ class Consent(Settings):
 
 
 When = Literal["session_start", "before_practice", "before_trial", "after_trial", "session_end"]
-Number = Annotated[int, Field(ge=1, le=1000)]
 InstructionText = Annotated[str, Field(max_length=2000)]
 MediaFile = Annotated[str, Field(max_length=200)]
 MEDIA = ("picture", "sound")
@@ -71,8 +71,7 @@ class Instruction(Settings):
 
     def is_due(self, when: str, session: int, trial: int | None) -> bool:
         """Return whether it is told at a moment."""
-        here = self.when == when and (not self.sessions or session in self.sessions)
-        return here and (not self.trials or trial in self.trials)
+        return is_due(self, when, session, trial)
 
     def worded(self, wording: InstructionWording | None) -> Instruction:
         """Return it in a language that has a wording of its own."""
@@ -102,6 +101,7 @@ def instruction_problems(
         Where their files are looked for; None: nowhere.
     """
     yield from repeated(("instructions",), [each.name for each in instructions])
+    yield from moment_problems("instructions", instructions)
     for index, each in enumerate(instructions):
         path: KeyPath = ("instructions", index)
         yield from _missing_files(path, each.files(), folder)
@@ -110,9 +110,6 @@ def instruction_problems(
             yield Problem((*path, "name"), message)
         if each.max_s is not None and each.max_s < each.min_s:
             yield Problem((*path, "max_s"), "`max_s` is less than `min_s`; make it longer")
-        if each.trials and each.when.startswith("session"):
-            message = f'`trials` does nothing with when = "{each.when}"; remove it or change that'
-            yield Problem((*path, "trials"), message)
         if each.show_text == "without_sound" and not (each.text and each.sound):
             message = "`show_text` needs a `text` and a `sound`; remove it or add them"
             yield Problem((*path, "show_text"), message)

@@ -94,6 +94,8 @@ class Simulation(Settings):
     """Condition → how much they like it, in standard deviations of a judgement; 0 without it."""
     indifference: Coefficient = 0.5
     """Two that seem to differ by less are alike to them: no preference, where that may be said."""
+    answers: dict[str, Probability] = Field(default_factory=dict)
+    """Item → place of the mean answer in its range, 0 to 1; without it, sickness decides."""
     task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
     """Condition → factor of reaction times and spread in it; 1 without it."""
     screened_out: Probability = 0.5

@@ -284,7 +284,7 @@ class SessionPlan:
 
     def _questions(self, when: When, place: TrialPlace, *, owed: bool = False) -> Iterator[Step]:
         """Yield questionnaires, each with the rest before it, and free texts."""
-        for ask in self.protocol.asks(when):
+        for ask in self.protocol.asks(when, self.session, place.trial):
             if ask.compares == "pair" and (place.trial or 0) % 2:
                 continue  # asked after the second exposure of a pair
             if ask.wait_s and not owed:
@@ -293,7 +293,7 @@ class SessionPlan:
             words = f"questionnaire {ask.instrument} ({ask.timepoint})"
             planned = PlannedStep("questionnaire", words, items * ITEM_S)
             yield QuestionnaireStep(when, place, (planned,), ask, owed)
-        for each in self.protocol.writes(when):
+        for each in self.protocol.writes(when, self.session, place.trial):
             planned = PlannedStep("questionnaire", f"free text {each.name}", FREE_TEXT_S)
             yield FreeTextStep(when, place, (planned,), each)
 

@@ -165,6 +165,8 @@ class _Ask(_Part):
     instrument: str
     timepoint: str
     when: str
+    sessions: tuple[int, ...] = ()
+    trials: tuple[int, ...] = ()
 
 
 class _Consent(_Part):

@@ -56,7 +56,11 @@ def asks_after_exposures(manifest: ManifestShape, plan: Plan, instrument: str) -
     """Return whether a session's protocol asks an instrument after each exposure."""
     wanted = (plan.exposure_timepoint, "after_trial", instrument)
     asked = manifest.settings.questionnaires
-    return any((each.timepoint, each.when, each.instrument) == wanted for each in asked)
+    return any(
+        (each.timepoint, each.when, each.instrument) == wanted
+        and not (each.sessions or each.trials)
+        for each in asked
+    )
 
 
 def _alike(groups: list[Counter[str]]) -> dict[str, int]:

@@ -18,7 +18,7 @@ MARGIN_PX, GAP_PX = 40, 16
 ANSWER_TOP_PX, ANSWER_BOTTOM_PX = 372, 540
 FOOT_TOP_PX, FOOT_BOTTOM_PX = 648, 728
 HINT_PX = 614
-LIST_TOP_PX, LIST_STEP_PX, LIST_ROWS = 112, 64, 8
+LIST_TOP_PX, LIST_HEIGHT_PX, LIST_ROWS = 112, 512, 8
 SMALL_PX = 32
 """The smallest text: 1.4°."""
 MANY = 5
@@ -97,8 +97,9 @@ def review_cells(
 ) -> list[Cell]:
     """Return the cells of the list of all answers: each opens its question again."""
     columns = 1 if len(answers) <= LIST_ROWS else 2
+    rows_each = max(LIST_ROWS, -(-len(answers) // columns))
     rows = [
-        _list_cell(columns, index, item.text, _named(item.answers, answer))
+        _list_cell(columns, rows_each, index, item.text, _named(item.answers, answer))
         for index, (item, answer) in enumerate(zip(instrument.items, answers, strict=True))
     ]
     foot = [(words.all_correct, Act.CONFIRM), (words.stop, Act.STOP)]
@@ -150,12 +151,13 @@ def _columns(count: int, top: int, bottom: int, *, gap_px: int) -> list[tuple[in
     return [(round(left), top, round(left + width), bottom) for left in lefts]
 
 
-def _list_cell(columns: int, index: int, question: str, answer: str) -> Cell:
-    column, row = divmod(index, LIST_ROWS)
+def _list_cell(columns: int, rows: int, index: int, question: str, answer: str) -> Cell:
+    column, row = divmod(index, rows)
     left, _, right, _ = _columns(columns, 0, 0, gap_px=GAP_PX)[column]
-    top = LIST_TOP_PX + row * LIST_STEP_PX
+    step_px = LIST_HEIGHT_PX // rows
+    top = LIST_TOP_PX + row * step_px
     text = _in_list(question, index + 1, answer, right - left - 8)
-    return Cell((left, top, right, top + LIST_STEP_PX - 6), text, Act.CORRECT, index)
+    return Cell((left, top, right, top + step_px - 6), text, Act.CORRECT, index)
 
 
 def _ticks(texts: Sequence[str], cell_px: int) -> list[str]:

@@ -331,6 +331,10 @@ class SimulatedRespondent:
         return seems.index(best) + 1
 
     def _response(self, instrument: Instrument, item: Item) -> int:
+        mean = self._settings.answers.get(item.name)
+        if mean is not None:
+            asked = item.answers.asked
+            return int(asked[self._rng.binomial(len(asked) - 1, mean)])
         if len(instrument.items) == 1:
             return _on_the_range(item, self.sickness + self._noise())
         loading = LOADINGS.get(item.name, USUAL_LOADING)

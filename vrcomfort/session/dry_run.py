@@ -88,6 +88,7 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
         "noise_sd": 0.0,
         "hazard_per_min": 0.0,
         "question_hazard": 0.0,
+        "screened_out": 0.0,
         "break_extra_s": 0.0,
         "eyes": None,  # or a validation of them could end a session
     }
