@@ -17,7 +17,9 @@ MOST_NAMED = 4
 
 
 def _image_size(run: Manifest) -> str:
-    return "×".join(map(str, run["headset"].get("image_size_px", ())))
+    size_px = list(run["headset"].get("image_size_px", ()))
+    # What stands in for the size in a session that ended before its first exposure is none.
+    return "×".join(map(str, size_px)) if size_px != [1, 1] else ""
 
 
 def _refresh_rate(run: Manifest) -> str:

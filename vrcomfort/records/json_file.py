@@ -165,8 +165,8 @@ class _Ask(_Part):
     instrument: str
     timepoint: str
     when: str
-    sessions: tuple[int, ...] = ()
-    trials: tuple[int, ...] = ()
+    sessions: list[int] = []
+    trials: list[int] = []
 
 
 class _Consent(_Part):
