@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.gpu.traffic import DrawRecorder, added_up
+from vrcomfort.gpu.passes import watched
+from vrcomfort.gpu.traffic import TrafficCounter, added_up
 from vrcomfort.protocol.conditions import MotionBlur
 from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.effects.motion_blur import MotionBlurPass
@@ -106,10 +107,10 @@ def _traffic(capture: Capture, settings: dict[str, Any], frame: EyeFrame) -> str
     """Return texture reads and bytes for each pixel, as two cells of the table."""
     with shaders.counting_reads():
         effect = _pass(context(), capture, settings)
-    recorder = DrawRecorder(context())
-    with recorder.recording():
+    counter = TrafficCounter(context())
+    with watched(counter):
         effect.render(frame)
-    moved, pixels = added_up(recorder.draws), capture.depth.size
+    moved, pixels = added_up(counter.drawn), capture.depth.size
     return f"{(moved.reads or 0) / pixels:.1f} | {moved.bytes / pixels:.1f}"
 
 

@@ -16,7 +16,7 @@ from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
 from vrcomfort.protocol import load_protocol
-from vrcomfort.protocol.adjustments import LIVE, Adjustment, value_of
+from vrcomfort.protocol.adjustments import ADJUSTABLE, Adjustment, value_of
 from vrcomfort.report.measures import measure_of, values_of
 from vrcomfort.report.study_data import read_study
 from vrcomfort.session import NoPictures, StillHeadset
@@ -305,7 +305,7 @@ def test_verify_knows_the_file_and_anonymise_keeps_it(study, tmp_path):
     assert "condition is elsewhere" in told
 
 
-DIAL = Adjustment(name="d", setting=LIVE[0], range=(2.0, 32.0))
+DIAL = Adjustment(name="d", setting=ADJUSTABLE[0], range=(2.0, 32.0))
 
 
 @pytest.mark.parametrize(

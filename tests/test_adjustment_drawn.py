@@ -8,7 +8,7 @@ from test_render_pipeline import SIZE, FrameAt
 
 from tests.support.render import still_life
 from vrcomfort.geometry import Pose, yaw_pitch_roll
-from vrcomfort.protocol.adjustments import LIVE, adjusted
+from vrcomfort.protocol.adjustments import ADJUSTABLE, adjusted
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.output import read_rgb8
 from vrcomfort.render.pipeline import StereoRenderer
@@ -93,10 +93,10 @@ def pictures(ctx, built_for, shown):
 
 
 def test_each_setting_that_can_change_is_tried():
-    assert set(BASES) == set(LIVE)
+    assert set(BASES) == set(ADJUSTABLE)
 
 
-@pytest.mark.parametrize("setting", LIVE)
+@pytest.mark.parametrize("setting", ADJUSTABLE)
 def test_a_value_that_was_adjusted_is_drawn_as_one_that_was_always_there(ctx, setting):
     tables, low, high = BASES[setting]
     condition = Condition.model_validate({"name": "c", **tables})

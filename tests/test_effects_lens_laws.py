@@ -19,7 +19,7 @@ from vrcomfort.render.effects.depth_of_field.coc_passes import (
     DepthToCoc,
     eye_uniforms,
 )
-from vrcomfort.render.plan import plan_effect
+from vrcomfort.render.graph import plan_effect
 from vrcomfort.render.reference import Reference
 
 NEAR_M = 0.02

@@ -21,7 +21,7 @@ from vrcomfort.protocol.conditions import (
     TurnRamp,
 )
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.plan import plan_passes
+from vrcomfort.render.graph import plan_passes
 from vrcomfort.render.reference import read_rgb
 from vrcomfort.scene.animation import Animation, Channel
 from vrcomfort.scene.load import load_scene

@@ -8,7 +8,7 @@ import sys
 
 from tests.support.study import PROTOCOL, tiny_protocol
 from vrcomfort.protocol.conditions import EFFECTS
-from vrcomfort.render import plan
+from vrcomfort.render import graph
 
 FACTORS = """\
 [[factors]]
@@ -120,7 +120,7 @@ def test_an_effect_that_is_registered_once_can_be_crossed_as_a_factor(tmp_path):
 
 
 def test_every_effect_has_a_way_to_be_drawn():
-    assert tuple(plan.EFFECTS) == EFFECTS
+    assert tuple(graph.EFFECTS) == EFFECTS
 
 
 def test_what_is_centred_on_the_gaze_can_be_crossed_as_a_factor(tmp_path):

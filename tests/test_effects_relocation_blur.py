@@ -18,7 +18,7 @@ from vrcomfort.render.camera import HeadStep
 from vrcomfort.render.effects.relocation_blur import RelocationBlurPass
 from vrcomfort.render.output import read_rgb8
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.plan import plan_passes
+from vrcomfort.render.graph import plan_passes
 
 RESTING = HeadStep(Pose(), Pose(), Pose(), Pose(), 1 / 90)
 SECOND_NS = 1_000_000_000

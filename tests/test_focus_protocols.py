@@ -7,7 +7,7 @@ import pytest
 from tests.support.render import still_life
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.conditions import Condition, Focus
-from vrcomfort.render.plan import plan_effect, plan_focus
+from vrcomfort.render.graph import plan_effect, plan_focus
 from vrcomfort.session.manifest_writer import limits
 
 

@@ -17,7 +17,7 @@ from vrcomfort.optics.focus import scripted_focus_m
 from vrcomfort.protocol import Condition, DepthOfField, Focus
 from vrcomfort.protocol.conditions import MotionBlur
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.plan import plan_focus
+from vrcomfort.render.graph import plan_focus
 from vrcomfort.resources import data_folder
 
 SCRIPT = ((1.0, 4.0), (2.0, 4.0), (3.0, 1.0))
@@ -59,7 +59,7 @@ def test_the_renderer_goes_by_the_time_of_the_scene(ctx):
         assert (sample.frame_index, sample.focus_m) == (index, pytest.approx(expected))
         assert sample.focus_raw_m == sample.focus_m
         assert np.isnan(sample.rays_m).all()
-        texture = dict(renderer.parts())["focus"].texture
+        texture = renderer.focus.texture
         written = np.frombuffer(texture.read(), np.float32)
         assert written[0] == pytest.approx(expected, rel=1e-6)
     renderer.release()

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MaxReductionPass
+from vrcomfort.gpu.passes import Image, Pass, check_order, watched
 from vrcomfort.gpu.shaders import with_counted_reads
-from vrcomfort.gpu.traffic import DrawRecorder, added_up
+from vrcomfort.gpu.traffic import TrafficCounter, added_up
 
 SIZE = (12, 10)
 PIXELS = 120
@@ -21,19 +22,19 @@ def fullscreen(ctx, fragment, source, name="source", size_px=SIZE, **options):
         return FullscreenPass(ctx, fragment, size_px=size_px, inputs={name: source}, **options)
 
 
-def recorded(ctx, *passes):
-    recorder = DrawRecorder(ctx)
-    with recorder.recording():
-        for each in passes:
-            each.render()
-    return recorder.draws
+def counted(ctx, *draws):
+    counter = TrafficCounter(ctx)
+    with watched(counter):
+        for draw in draws:
+            draw()
+    return counter.drawn
 
 
 def test_a_copy_reads_each_pixel_once_and_writes_it(ctx):
     source = gl.color_texture(ctx, SIZE)
-    (draw,) = recorded(ctx, fullscreen(ctx, COPY, source, "image"))
-    assert (draw.shader, draw.fragments, draw.reads) == (COPY, PIXELS, PIXELS)
-    assert draw.bytes == PIXELS * (8 + 8)
+    (drawn,) = counted(ctx, fullscreen(ctx, COPY, source, "image").render)
+    assert (drawn.declared.name, drawn.samples, drawn.reads) == (COPY, PIXELS, PIXELS)
+    assert drawn.bytes == PIXELS * (8 + 8)
 
 
 def test_loops_and_filters_are_counted_by_call(ctx):
@@ -48,7 +49,7 @@ def test_loops_and_filters_are_counted_by_call(ctx):
         defines={"CELL": 8},
         components=1,
     )
-    first, second = recorded(ctx, tent, cells)
+    first, second = counted(ctx, tent.render, cells.render)
     assert first.reads == 4 * PIXELS
     assert second.reads == PIXELS  # cells at the rim are smaller
     assert second.bytes == PIXELS * 8 + 4 * 2
@@ -64,7 +65,7 @@ def test_pictures_are_the_same_with_counting(ctx):
     )  # fmt: skip
     plain.render()
     tent = fullscreen(ctx, "depth_of_field/tent.frag", source, filtered={"source"})
-    recorded(ctx, tent)
+    counted(ctx, tent.render)
     assert plain.target.read() == tent.target.read()
 
 
@@ -84,7 +85,7 @@ def test_a_mip_chain_is_one_pass_of_many_draws(ctx):
         )
         source = chain[-1].target
     copy = fullscreen(ctx, COPY, source, "image", size_px=(4, 4))
-    found = added_up(recorded(ctx, *chain, copy))
+    found = added_up(counted(ctx, *(each.render for each in (*chain, copy))))
     assert (found.passes, found.draws) == (2, 4)
     texels = [32**2, 16**2, 8**2, 4**2]
     assert found.bytes == 8 * (texels[0] + 2 * texels[1] + 2 * texels[2] + 3 * texels[3])
@@ -95,7 +96,7 @@ def test_what_is_drawn_twice_into_the_same_target_is_one_pass(ctx):
     source, target = gl.color_texture(ctx, SIZE), gl.color_texture(ctx, SIZE)
     twice = [fullscreen(ctx, COPY, source, "image", target=target) for _ in range(2)]
     other = fullscreen(ctx, COPY, target, "image")
-    assert added_up(recorded(ctx, *twice, other))[:2] == (2, 3)
+    assert added_up(counted(ctx, *(each.render for each in (*twice, other))))[:2] == (2, 3)
     assert added_up([]) == (0, 0, 0, None)
 
 
@@ -105,25 +106,55 @@ def test_part_of_a_target_is_part_of_the_bytes(ctx):
     part = ctx.framebuffer([copy.target])
     part.scissor = (0, 0, 6, 5)
     copy._triangle.scope = ctx.scope(part, moderngl.NOTHING)
-    (draw,) = recorded(ctx, copy)
-    assert (draw.fragments, draw.reads) == (30, 30)
-    assert draw.bytes == pytest.approx(30 * 16)
+    (drawn,) = counted(ctx, copy.render)
+    assert (drawn.samples, drawn.reads) == (30, 30)
+    assert drawn.bytes == pytest.approx(30 * 16)
 
 
-def test_a_copied_texture_is_read_and_written(ctx):
+def test_samples_are_written_one_by_one_and_overdrawn_ones_again(ctx):
+    many = gl.color_texture(ctx, SIZE, samples=4)
+    source = gl.color_texture(ctx, SIZE)
+    twice = [fullscreen(ctx, COPY, source, "image", target=many) for _ in range(2)]
+    drawn = counted(ctx, *(each.render for each in twice))
+    assert [each.samples for each in drawn] == [4 * PIXELS] * 2
+    assert [each.bytes for each in drawn] == [PIXELS * (8 + 4 * 8)] * 2
+
+
+def test_copies_and_clears_are_bytes_and_no_draws(ctx):
     source, target = (gl.color_texture(ctx, SIZE) for _ in range(2))
-    copy, recorder = gl.copier(ctx), DrawRecorder(ctx)
-    with recorder.recording():
-        copy(source, target)
+    copy = gl.copier(ctx)
+    largest = MaxReductionPass(ctx, source)
+    drawn = counted(ctx, lambda: copy(source, target), largest.reset)
     copy(source, target)
-    assert [(draw.shader, draw.bytes) for draw in recorder.draws] == [("copy", PIXELS * 16)]
+    assert [(each.declared.name, each.bytes) for each in drawn] == [
+        ("copy", PIXELS * 16),
+        ("clear", 4),
+    ]
+    assert added_up(drawn) == (0, 0, PIXELS * 16 + 4, None)
 
 
-def test_nothing_is_recorded_afterwards(ctx):
-    render = moderngl.VertexArray.render
-    copy = fullscreen(ctx, COPY, gl.color_texture(ctx, SIZE), "image")
-    assert len(recorded(ctx, copy)) == 1
-    assert moderngl.VertexArray.render is render
+def test_what_is_blended_is_read_too(ctx):
+    largest = MaxReductionPass(ctx, gl.color_texture(ctx, SIZE))
+    (drawn,) = counted(ctx, largest.render)
+    assert drawn.samples == PIXELS
+    assert drawn.bytes == PIXELS * 8 + PIXELS * 2 * 4
+
+
+def test_a_pass_that_reads_what_it_writes_is_refused(ctx):
+    texture = gl.color_texture(ctx, SIZE)
+    with pytest.raises(ValueError, match="scaled_copy.frag reads the 12×10 texture that it writes"):
+        FullscreenPass(ctx, COPY, size_px=SIZE, inputs={"image": texture}, target=texture)
+
+
+def test_passes_in_a_cycle_are_refused_with_both_names():
+    first, second, given = (Image(name, (4, 4), 64) for name in (1, 2, 3))
+    forth = Pass("forth.frag", (first, given), (second,))
+    back = Pass("back.frag", (second,), (first,))
+    message = r"forth\.frag reads a 4×4 texture that the pass back\.frag writes after it"
+    with pytest.raises(ValueError, match=message):
+        check_order([forth, back])
+    check_order([Pass("start.frag", (), (first,)), forth, back])
+    check_order([Pass("forth.frag", (), (second,), earlier=(first,)), back])
 
 
 VERTEX = """#version 450 core
@@ -151,15 +182,15 @@ void main() {
 
 def test_reads_within_reads_in_macros_in_branches_and_before_a_discard_count(ctx):
     program = ctx.program(VERTEX, with_counted_reads(NESTED, lambda _: ""))
-    program.extra = "nested"
     source, target = (gl.color_texture(ctx, (8, 4)) for _ in range(2))
-    array, recorder = ctx.vertex_array(program, []), DrawRecorder(ctx)
+    array = ctx.vertex_array(program, [])
+    declared = Pass("nested", (Image.of(source),), (Image.of(target),))
     source.use(0)
-    with ctx.scope(ctx.framebuffer([target])), recorder.recording():
-        array.render(moderngl.TRIANGLES, vertices=3)
-    (draw,) = recorder.draws
-    assert draw.fragments == 8 * 3  # one row is discarded
-    assert draw.reads == 8 * 1 + 3 * 3 * 2
+    with ctx.scope(ctx.framebuffer([target])):
+        draw = lambda: array.render(moderngl.TRIANGLES, vertices=3)  # noqa: E731
+        (drawn,) = counted(ctx, lambda: declared.run(draw))
+    assert drawn.samples == 8 * 3  # one row is discarded
+    assert drawn.reads == 8 * 1 + 3 * 3 * 2
 
 
 def test_a_shader_without_reads_stays_as_it_is():

@@ -13,9 +13,11 @@ import pytest
 from tests.support.render import still_life
 from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl
+from vrcomfort.gpu.passes import Watcher
+from vrcomfort.gpu.passes import watched as passes_watched
 from vrcomfort.protocol.conditions import EFFECTS, Condition, Kernel
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.plan import plan_passes
+from vrcomfort.render.graph import plan_passes
 from vrcomfort.tradeoff.costs import a_step, by_effect, traffic_of
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 
@@ -86,20 +88,18 @@ def drawn(ctx, scene, condition):
     renderer.build(scene, condition)
     before, frame = a_step(Pose(), SIZE_PX)
     renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
-    effects = {name: part for name, part in renderer.parts() if name in EFFECTS}
     counted = {}
-    with watched(ctx) as seen:
-        for name, part in effects.items():
 
-            def render(eye, name=name, whole=part.render):
-                first = len(seen)
-                whole(eye)
+    class Parts(Watcher):
+        @contextmanager
+        def part(self, name):
+            first = len(seen)
+            yield
+            if name in EFFECTS:
                 counted[name] = passes(seen[first:]), len(seen) - first
 
-            part.render = render
+    with watched(ctx) as seen, passes_watched(Parts()):
         renderer.render(frame, time_s(frame))
-    for part in effects.values():
-        del part.render
     renderer.release()
     return counted
 

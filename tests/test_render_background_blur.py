@@ -15,7 +15,7 @@ from vrcomfort.protocol.conditions import BackgroundBlur, Condition, DepthOfFiel
 from vrcomfort.render.camera import NEAR_M
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.plan import plan_passes
+from vrcomfort.render.graph import plan_passes
 from vrcomfort.scene.data import Node
 
 PLAIN = Condition(name="plain")

@@ -10,7 +10,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.output import read_rgb8, read_texture
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.plan import plan_passes
+from vrcomfort.render.graph import plan_passes
 
 SIZE = (48, 40)
 PLAIN = Condition(name="plain")

@@ -12,7 +12,7 @@ from tests.support.study import PROTOCOL, tiny_protocol
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol, parse_protocol
-from vrcomfort.protocol.condition_check import NEEDS
+from vrcomfort.protocol.condition_check import NEEDS, condition_tables
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.resources import data_folder
 from vrcomfort.settings.locate import locate
@@ -305,10 +305,10 @@ def unbounded(model):
 
 
 def test_needs_name_settings_and_values_that_there_are():
-    for effect, table in NEEDS.items():
-        models = {"focus": Focus, "depth_of_field": DepthOfField, "motion_blur": MotionBlur}
-        fields = models[effect].model_fields
-        for key, needs in table.items():
+    assert sum(map(len, NEEDS.values())) > 30
+    for effect, model in condition_tables():
+        fields = model.model_fields
+        for key, needs in NEEDS[effect].items():
             assert {key, *needs} <= fields.keys()
             for choice, values in needs.items():
                 known = get_args(fields[choice].annotation) or range(1, 257)

@@ -36,7 +36,7 @@ def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:
     from vrcomfort.gpu.gl import describe
     from vrcomfort.headset.timing import TimingTrust
     from vrcomfort.records import Machine
-    from vrcomfort.render.plan import plan_passes
+    from vrcomfort.render.graph import plan_passes
     from vrcomfort.scene.load import load_scene
     from vrcomfort.text_layout import layout_facts
 

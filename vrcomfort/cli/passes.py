@@ -196,7 +196,7 @@ def _condition_passes(
     name: str, scene: Scene, condition: Condition, renderer: StereoRenderer | None, *, draw: bool
 ) -> PlannedPasses:
     from vrcomfort.gpu.memory import megabytes
-    from vrcomfort.render.plan import plan_passes
+    from vrcomfort.render.graph import plan_passes
 
     memory = None
     if renderer is not None:

@@ -9,7 +9,8 @@ from typing import Any, NamedTuple, Protocol, TypeAlias
 import moderngl
 import numpy as np
 
-from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu import gl, passes, shaders
+from vrcomfort.gpu.passes import Image, Pass
 
 
 class UniformTuple(Protocol):
@@ -117,6 +118,11 @@ class FullscreenPass:
             framebuffer.viewport = (0, 0, columns * point_px, rows * point_px)
         self._triangle.scope = ctx.scope(framebuffer, flags)
         self._bind = gl.binder(ctx, [texture for _, texture in named])
+        self.declared = Pass(
+            fragment,
+            tuple(Image.of(texture, mipmaps=name in mipmapped) for name, texture in named),
+            tuple(map(Image.of, (*self.targets, *([] if depth is None else [depth])))),
+        )
 
     def render(self, uniforms: Uniforms | None = None) -> None:
         """Draw, after setting the uniforms of this frame."""
@@ -127,9 +133,12 @@ class FullscreenPass:
             sampler.use(unit)
         if self._writes_depth:
             self._ctx.depth_func = "1"  # moderngl's GL_ALWAYS: fragments replace any depth
-        self._triangle.render(self._mode, vertices=self._vertices)
+        self.declared.run(self._draw)
         for unit, sampler in self._samplers:
             sampler.clear(unit)  # samplers override the textures of passes that follow
+
+    def _draw(self) -> None:
+        self._triangle.render(self._mode, vertices=self._vertices)
 
     def _set(self, uniforms: Uniforms) -> None:
         for part in _parts(uniforms):
@@ -214,14 +223,20 @@ class MaxReductionPass:
         self._points = ctx.vertex_array(program, [])
         self._points.program["texels"] = 0
         self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
+        reads, writes = (Image.of(texels),), (Image.of(self.target),)
+        self.declared = Pass("common/max_reduction.frag", reads, writes, blends=True)
+        self._clear = passes.clear([self.target])
 
     def render(self) -> None:
         """Take the present texels into account."""
         self._texels.use(0)
         self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)
+        self.declared.run(self._draw)
+        self._ctx.blend_equation = (moderngl.FUNC_ADD, moderngl.FUNC_ADD)
+
+    def _draw(self) -> None:
         with self._scope:
             self._points.render(moderngl.POINTS, vertices=self._texels.width * self._texels.height)
-        self._ctx.blend_equation = (moderngl.FUNC_ADD, moderngl.FUNC_ADD)
 
     def read(self) -> float:
         """Return the greatest value since the pass was made; waits for the GPU."""
@@ -229,4 +244,4 @@ class MaxReductionPass:
 
     def reset(self) -> None:
         """Start again from 0."""
-        self._framebuffer.clear()
+        self._clear.run(self._framebuffer.clear)

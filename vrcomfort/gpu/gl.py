@@ -11,12 +11,13 @@ import ctypes
 import sys
 import weakref
 from collections.abc import Callable, Sequence
-from typing import Any, TypeAlias
+from typing import Any
 
 import moderngl
 
 from vrcomfort.errors import InputError
 from vrcomfort.gpu import memory as gpu_memory
+from vrcomfort.gpu import passes
 
 MINIMUM_VERSION = 450
 """OpenGL 4.5: the first with clip control. The README names it, too."""
@@ -29,10 +30,6 @@ DEPTH_FUNC = ">"
 LATENCY = 4
 """Frames between drawing and reading something back: more than drivers queue, so that the CPU does
 not wait. Nothing that is read back is shown."""
-
-Copied: TypeAlias = Callable[[moderngl.Texture], None]
-copy_observers: list[Copied] = []
-"""Called with each texture that :func:`copier` copies: a copy is no draw."""
 
 _LOWER_LEFT, _ZERO_TO_ONE = 0x8CA1, 0x935F
 _COLOR = 0x1800
@@ -141,9 +138,9 @@ def copier(ctx: moderngl.Context) -> Callable[[moderngl.Texture, moderngl.Textur
     def copy_texture(source: moderngl.Texture, target: moderngl.Texture) -> None:
         level_and_corner = (0, 0, 0, 0)
         place = (_TEXTURE_2D, *level_and_corner)
-        copy(source.glo, *place, target.glo, *place, *source.size, 1)
-        for told in copy_observers:
-            told(source)
+        passes.copy(source, target).run(
+            lambda: copy(source.glo, *place, target.glo, *place, *source.size, 1)
+        )
 
     return copy_texture
 

@@ -65,12 +65,17 @@ def account(ctx: moderngl.Context) -> MemoryAccount:
 
 
 def texture_bytes(
-    size_px: tuple[int, int], texel_bytes: int, *, samples: int = 0, mipmaps: bool = False
+    size_px: tuple[int, int], texel: int, *, samples: int = 0, mipmaps: bool = False
 ) -> int:
-    """Return the bytes of a texture: all samples, or all mipmap levels down to 1 × 1."""
+    """Return the bytes of a texture (`texel`: of one): all samples, or all mipmap levels."""
     levels = max(size_px).bit_length() if mipmaps else 1
     sizes = ([max(side >> level, 1) for side in size_px] for level in range(levels))
-    return max(samples, 1) * texel_bytes * sum(map(prod, sizes))
+    return max(samples, 1) * texel * sum(map(prod, sizes))
+
+
+def texel_bytes(components: int, dtype: str) -> int:
+    """Return the bytes of a texel; `dtype` is moderngl's."""
+    return components * _DTYPE_BYTES[dtype]
 
 
 def texture(
@@ -84,12 +89,12 @@ def texture(
     layers: int = 1,
 ) -> GpuAllocation:
     """Return the entry of a texture, or of an array of them; `dtype` is moderngl's."""
-    texel_bytes = components * _DTYPE_BYTES[dtype]
     words = [f"{size_px[0]}×{size_px[1]}", f"{components} × {8 * _DTYPE_BYTES[dtype]} bit"]
     words += [f"{samples} samples"] if samples else []
     words += ["mipmaps"] if mipmaps else []
     words += [f"{layers} layers"] if layers > 1 else []
-    size = layers * texture_bytes(size_px, texel_bytes, samples=samples, mipmaps=mipmaps)
+    texel = texel_bytes(components, dtype)
+    size = layers * texture_bytes(size_px, texel, samples=samples, mipmaps=mipmaps)
     return GpuAllocation(kind, ", ".join(words), size)
 
 

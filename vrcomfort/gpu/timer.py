@@ -8,8 +8,9 @@ import weakref
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import moderngl
 
@@ -24,8 +25,15 @@ drawn, and anisotropic filtering costs them more than all other shading (3 × me
 _TIME_ELAPSED, _TIMESTAMP, _QUERY_RESULT = 0x88BF, 0x8E28, 0x8866
 
 
-Lap: TypeAlias = Callable[[], float]
-"""Tells the seconds between two time stamps, once they have arrived."""
+@dataclass
+class Lap:
+    """Tells the seconds between two time stamps, once they have arrived: may wait for them."""
+
+    told: Callable[[], float] = float
+
+    def __call__(self) -> float:
+        """Return the seconds."""
+        return self.told()
 
 
 class GpuTimer:
@@ -89,27 +97,29 @@ class Stopwatch:
             result = ctypes.c_uint, ctypes.c_uint, ctypes.POINTER(ctypes.c_uint64)
             self._result = gl.function(ctx, "glGetQueryObjectui64v", *result)
 
-    def lap(self, draw: Callable[[], object]) -> Lap:
-        """Draw, and return a function that gives the seconds; it may wait, and is called once."""
+    @contextmanager
+    def lap(self) -> Iterator[Lap]:
+        """Time the draws inside; the lap, called once afterwards, gives the seconds."""
+        lap = Lap()
         if self.on_gpu:
-            return self._gpu_lap(draw)
+            pair = self._free.pop() if self._free else queries(self._ctx, self, 2)
+            self._stamp(pair[0], _TIMESTAMP)
+            yield lap
+            self._stamp(pair[1], _TIMESTAMP)
+            lap.told = partial(self._between, pair)
+            return
         self._ctx.finish()
         start_s = time.process_time()
-        draw()
+        yield lap
         self._ctx.finish()
         seconds = time.process_time() - start_s
-        return lambda: seconds
+        lap.told = lambda: seconds
 
     def seconds(self, draw: Callable[[], object]) -> float:
         """Return how long drawing takes; waits for it."""
-        return self.lap(draw)()
-
-    def _gpu_lap(self, draw: Callable[[], object]) -> Lap:
-        pair = self._free.pop() if self._free else queries(self._ctx, self, 2)
-        self._stamp(pair[0], _TIMESTAMP)
-        draw()
-        self._stamp(pair[1], _TIMESTAMP)
-        return partial(self._between, pair)
+        with self.lap() as lap:
+            draw()
+        return lap()
 
     def _between(self, pair: tuple[int, ...]) -> float:
         seconds = (self._time_ns(pair[1]) - self._time_ns(pair[0])) / 1e9

@@ -8,6 +8,7 @@ from typing import Annotated, Literal, TypeVar
 from pydantic import BaseModel, Field
 
 from vrcomfort.protocol.conditions import Condition
+from vrcomfort.protocol.marks import live_settings
 from vrcomfort.settings import Settings, Word
 
 
@@ -37,35 +38,9 @@ class Slider(Dial):
 Number = Annotated[float, Field(ge=-1e9, le=1e9)]
 Table = TypeVar("Table", bound=BaseModel)
 
-LIVE = (
-    "focus.fixed_m",
-    "depth_of_field.full_blur_m",
-    "depth_of_field.full_blur_dioptre",
-    "depth_of_field.aperture_m",
-    "depth_of_field.pupil_mm",
-    "depth_of_field.max_diameter_arcmin",
-    "depth_of_field.peripheral.unit_diameter_arcmin",
-    "motion_blur.shutter_fraction",
-    "motion_blur.fade_with_turning.from_deg_s",
-    "motion_blur.fade_with_turning.to_deg_s",
-    "speed_blur.max_sigma_arcmin",
-    "speed_blur.turning.from_deg_s",
-    "speed_blur.turning.to_deg_s",
-    "speed_blur.moving.from_m_s",
-    "speed_blur.moving.to_m_s",
-    "relocation_blur.duration_s",
-    "vignette.open_deg",
-    "vignette.restricted_deg",
-    "vignette.feather_deg",
-    "vignette.attack_s",
-    "vignette.release_s",
-    "vignette.turning.from_deg_s",
-    "vignette.turning.to_deg_s",
-    "vignette.moving.from_m_s",
-    "vignette.moving.to_m_s",
-)
-"""Settings that passes take up between two frames. The others decide which passes, textures and
-shaders there are, and cannot change during an exposure."""
+ADJUSTABLE = tuple(live_settings(Condition))
+"""Settings that passes take up between two frames: those marked `LIVE`. The others decide which
+passes, textures and shaders there are, and cannot change during an exposure."""
 
 
 class Adjustment(Dial):

@@ -8,10 +8,12 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from vrcomfort.optics.refocus import LAWS
-from vrcomfort.protocol.adjustments import LIVE, Adjustment, adjusted, value_of
-from vrcomfort.protocol.conditions import Condition
+from vrcomfort.protocol.adjustments import ADJUSTABLE, Adjustment, adjusted, value_of
+from vrcomfort.protocol.conditions import FOLLOWING, Condition, ConditionSettings
+from vrcomfort.protocol.marks import needs_of
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import NO_TASK, written_orders
+from vrcomfort.protocol.quality_levels import dialled
 from vrcomfort.settings import (
     KeyPath,
     Problem,
@@ -22,60 +24,29 @@ from vrcomfort.settings import (
     repeated,
 )
 from vrcomfort.settings.reading import fields_at
+from vrcomfort.settings.schema import tables_of
 
 Needs = Mapping[str, Collection[Any]]
 """Other settings of the same table, and the values of theirs of which one is needed."""
 
-_ZONE: Needs = {"method": ("autofocus_zone",)}
-_ZONE_MEAN: Needs = {**_ZONE, "zone_statistic": ("mean",)}
-_GAZE: Needs = {"method": ("gaze",)}
-_RAYS_AHEAD: Needs = {"method": ("nine_ray",)}
-_THIN_LENS: Needs = {"law": ("thin_lens",)}
-_FOLLOWING: Needs = {"method": ("nine_ray", "autofocus_zone", "gaze")}
 _LAWS_THAT_TAKE = {
     key: tuple(name for name, law in LAWS.items() if key in law.settings)
     for key in sorted(set().union(*(law.settings for law in LAWS.values())))
     if key != "infinity_m"  # which is also where the sky is
 }
 
+
+def condition_tables() -> Iterator[tuple[str, type[BaseModel]]]:
+    """Yield the name and the class of each table of a condition."""
+    for name, field in ConditionSettings.model_fields.items():
+        yield from ((name, table) for table in tables_of(field.annotation))
+
+
 NEEDS: dict[str, dict[str, Needs]] = {
-    "focus": {
-        "fixed_m": {"method": ("fixed",)},
-        "script": {"method": ("scripted",)},
-        "script_every_s": {"method": ("scripted",)},
-        "ring_deg": _RAYS_AHEAD,
-        "mean": {"method": ("nine_ray", "autofocus_zone"), "zone_statistic": ("mean",)},
-        "outlier_mad": _RAYS_AHEAD,
-        "outlier_floor_fraction": {**_RAYS_AHEAD, "mean": ("metres",)},
-        "outlier_floor_dioptre": {**_RAYS_AHEAD, "mean": ("dioptres",)},
-        "zone_ratio": _ZONE,
-        "zone_size_px": _ZONE,
-        "zone_statistic": _ZONE,
-        "zone_mean_on": _ZONE,
-        "semantic_min": _ZONE,
-        "semantic_max": _ZONE,
-        "gauss_centre": _ZONE_MEAN,
-        "gauss_border": _ZONE_MEAN,
-        "gaze_radius_deg": _GAZE,
-        "without_gaze": _GAZE,
-        "law": _FOLLOWING,
-        **{key: {**_FOLLOWING, "law": laws} for key, laws in _LAWS_THAT_TAKE.items()},
-    },
-    "depth_of_field": {
-        "slices_m": {"kernel": ("mip_slices",)},
-        "rotate_taps": {"kernel": ("poisson12",)},
-        "full_blur_m": {"law": ("linear",)},
-        "full_blur_dioptre": {"law": ("dioptre",)},
-        "aperture_m": _THIN_LENS,
-        "focal_length_m": _THIN_LENS,
-        "distance_offset_m": _THIN_LENS,
-        "pupil_mm": {"law": ("eye",)},
-        "samples": {"kernel": ("vrcomfort",)},
-        "over_blur": {"views": range(2, 257)},
-    },
-    "motion_blur": {"neck": {"mode": ("rotation_cancelled",)}},
+    name: {**needs_of(table)} for name, table in condition_tables()
 }
-"""Conditions under which each setting has an effect, by effect; others always have one."""
+"""Conditions under which each setting has an effect, by table; others always have one."""
+NEEDS["focus"] |= {key: {**FOLLOWING.needs, "law": laws} for key, laws in _LAWS_THAT_TAKE.items()}
 
 
 _ADD = {
@@ -95,7 +66,7 @@ def without_effect(protocol: Protocol) -> Iterator[Problem]:
     data = read_toml(protocol.toml, None)
     for path, table, conditions in _written(protocol, data):
         if table.get("quality") and not any(map(_has_dials, conditions)):
-            message = "`quality` does nothing without depth_of_field or motion_blur; remove it"
+            message = f"`quality` does nothing without {' or '.join(dialled())}; remove it"
             yield Problem((*path, "quality"), message)
         for index, name in enumerate(table.get("gaze_centre", {}).get("of", ())):
             if not any(name in each.centred_on_gaze for each in conditions):
@@ -123,7 +94,7 @@ def _written(
 
 
 def _has_dials(condition: Condition) -> bool:
-    return bool(condition.depth_of_field or condition.motion_blur)
+    return any(getattr(condition, name) is not None for name in dialled())
 
 
 def idle(settings: Settings, needs: Needs) -> str | None:
@@ -181,9 +152,9 @@ def _both(condition: str, taken: str) -> str:
 
 
 def _of_setting(each: Adjustment, path: KeyPath) -> Iterator[Problem]:
-    if each.setting in LIVE:
+    if each.setting in ADJUSTABLE:
         return
-    hint = did_you_mean(each.setting, LIVE)
+    hint = did_you_mean(each.setting, ADJUSTABLE)
     if _is_number(each.setting):
         said = "decides what is built before an exposure, and cannot change during one"
         yield Problem((*path, "setting"), f"`{each.setting}` {said}; {hint}")
@@ -205,7 +176,7 @@ def _is_number(setting: str) -> bool:
 def _of_conditions(
     each: Adjustment, path: KeyPath, known: dict[str, Condition]
 ) -> Iterator[Problem]:
-    if each.setting not in LIVE:
+    if each.setting not in ADJUSTABLE:
         return
     for number, name in enumerate(each.conditions):
         place = (*path, "conditions", number)

@@ -7,11 +7,12 @@ Every number that a paper gives is a named setting here; the paper's protocol fi
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, get_args
 
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from vrcomfort.protocol.marks import LIVE, OnlyWith
 from vrcomfort.protocol.quality_levels import Quality, filled, with_level
 from vrcomfort.settings import Name, Settings, Word
 
@@ -63,6 +64,14 @@ Tricks for Fast Blurring in Software and Hardware", 2001; and three engines' way
 as KinoBokeh (Takahashi, Unity), as Filament's `dof.mat` and as Bevy's Gaussian."""
 
 FocusRuleName = Literal["nine_ray", "autofocus_zone", "gaze", "fixed", "scripted"]
+_RAYS_AHEAD = OnlyWith(method=("nine_ray",))
+_ZONE = OnlyWith(method=("autofocus_zone",))
+_ZONE_MEAN = OnlyWith(method=("autofocus_zone",), zone_statistic=("mean",))
+_GAZE = OnlyWith(method=("gaze",))
+_SCRIPT = OnlyWith(method=("scripted",))
+_RULES_AT_REST = ("fixed", "scripted")
+FOLLOWING = OnlyWith(method=tuple(n for n in get_args(FocusRuleName) if n not in _RULES_AT_REST))
+"""Rules whose focus moves by a refocus law."""
 
 RefocusLawName = Literal[
     "linear", "linear_dioptre", "low_pass", "low_pass_backward_euler", "duration", "instant"
@@ -91,46 +100,53 @@ class Focus(Settings):
     method: FocusRuleName = "nine_ray"
     """`nine_ray`: nine rays ahead, less outliers; `autofocus_zone`: the weighted mean of a zone;
     `gaze`: under the gaze; `fixed`: it never moves; `scripted`: by `script`."""
-    fixed_m: Distance = 2.0
+    fixed_m: Annotated[Distance, OnlyWith(method=("fixed",)), LIVE] = 2.0
     """Focus distance of `fixed`."""
-    script: tuple[ScriptEntry, ...] = ()
+    script: Annotated[tuple[ScriptEntry, ...], _SCRIPT] = ()
     """`scripted`: [time, distance] in seconds and metres, times rising. Between two, focus moves
     linearly in dioptres; before the first and after the last it rests. Time is that of the scene's
     animations: it begins when the scene is entered, with the training where there is one."""
-    script_every_s: Seconds | None = None
+    script_every_s: Annotated[Seconds | None, _SCRIPT] = None
     """`scripted`: period after which the script begins again."""
-    ring_deg: Annotated[float, Field(gt=0, lt=45)] = 2.0
+    ring_deg: Annotated[float, Field(gt=0, lt=45), _RAYS_AHEAD] = 2.0
     """Angle of the eight outer rays; the paper says "small regular angular deviations"."""
-    mean: Literal["metres", "dioptres"] = "metres"
+    mean: Annotated[
+        Literal["metres", "dioptres"],
+        OnlyWith(method=("nine_ray", "autofocus_zone"), zone_statistic=("mean",)),
+    ] = "metres"
     """In which unit distances are averaged (nine rays, and the mean of the autofocus zone)."""
-    outlier_mad: Annotated[float, Field(ge=0.001, le=1e6)] = 3.0
+    outlier_mad: Annotated[float, Field(ge=0.001, le=1e6), _RAYS_AHEAD] = 3.0
     """Rays further than this many scaled median absolute deviations from the median are dropped."""
-    outlier_floor_fraction: Annotated[float, Field(ge=0, le=1000)] = 0.02
+    outlier_floor_fraction: Annotated[
+        float, Field(ge=0, le=1000), OnlyWith(method=("nine_ray",), mean=("metres",))
+    ] = 0.02
     """No ray nearer to the median than this fraction of it is dropped (mean in metres)."""
-    outlier_floor_dioptre: Dioptres = 0.02
+    outlier_floor_dioptre: Annotated[
+        Dioptres, OnlyWith(method=("nine_ray",), mean=("dioptres",))
+    ] = 0.02
     """No ray nearer to the median than this is dropped (mean in dioptres)."""
-    zone_ratio: Annotated[float, Field(ge=0.01, le=1)] = 0.25
+    zone_ratio: Annotated[float, Field(ge=0.01, le=1), _ZONE] = 0.25
     """Side of the autofocus zone over that of the image: its area is the square of it."""
-    zone_size_px: tuple[ZoneSide, ZoneSide] = (64, 64)
+    zone_size_px: Annotated[tuple[ZoneSide, ZoneSide], _ZONE] = (64, 64)
     """Width and height at which the zone is drawn, whatever the size of the image."""
-    zone_statistic: Literal["mean", "minimum", "maximum"] = "mean"
+    zone_statistic: Annotated[Literal["mean", "minimum", "maximum"], _ZONE] = "mean"
     """Statistic of the zone's distances: their weighted mean, or the nearest or farthest of those
     that weigh more than `semantic_min`; of all where none does."""
-    zone_mean_on: Literal["gpu", "cpu"] = "gpu"
+    zone_mean_on: Annotated[Literal["gpu", "cpu"], _ZONE] = "gpu"
     """Where the zone is averaged or searched; the CPU waits for the GPU in every frame."""
-    semantic_min: Weight = 0.004
+    semantic_min: Annotated[Weight, _ZONE] = 0.004
     """W_S,min: least weight of anything, and that of the sky."""
-    semantic_max: Weight = 1.0
+    semantic_max: Annotated[Weight, _ZONE] = 1.0
     """W_S,max: greatest weight of anything; equal to `semantic_min`, all weigh the same."""
-    gauss_centre: Weight = 1.0
+    gauss_centre: Annotated[Weight, _ZONE_MEAN] = 1.0
     """W_G,max: weight of the middle of the zone."""
-    gauss_border: Weight = 0.7
+    gauss_border: Annotated[Weight, _ZONE_MEAN] = 0.7
     """W_G,min: weight of its border."""
-    gaze_radius_deg: Annotated[float, Field(ge=0, le=20)] = 1.5
+    gaze_radius_deg: Annotated[float, Field(ge=0, le=20), _GAZE] = 1.5
     """Neighbourhood of the line of sight whose median distance counts: the tracker's error."""
-    without_gaze: Literal["stop", "nine_ray"] = "stop"
+    without_gaze: Annotated[Literal["stop", "nine_ray"], _GAZE] = "stop"
     """Focus of `gaze` with a headset that has no eye tracker."""
-    law: RefocusLawName = "linear"
+    law: Annotated[RefocusLawName, FOLLOWING] = "linear"
     """How focus moves to its target: one file of `vrcomfort.optics.refocus` for each."""
     refocus_s: Seconds = 0.5
     """Time from `infinity_m` to 1 m: 30 km / 0.5 s (`linear`), 1 D / 0.5 s (`linear_dioptre`)."""
@@ -172,8 +188,11 @@ class Peripheral(Settings):
 
     exponent: Annotated[float, Field(ge=1, le=8)] = 2.0
     """n of Eq. 5."""
-    unit_diameter_arcmin: Arcmin = 59.0
+    unit_diameter_arcmin: Annotated[Arcmin, LIVE] = 59.0
     """Diameter at 60°, where 1/cos θ − 1 is 1: the paper's largest one, 11 px of 1280 over 90°."""
+
+
+_THIN_LENS = OnlyWith(law=("thin_lens",))
 
 
 class DepthOfField(Settings):
@@ -181,11 +200,14 @@ class DepthOfField(Settings):
 
     kernel: Kernel = "vrcomfort"
     """How discs are summed: ours, or the method of a source (docs/sources.md)."""
-    slices_m: Annotated[tuple[Distance, ...], Field(min_length=1, max_length=9)] | None = None
+    slices_m: Annotated[
+        Annotated[tuple[Distance, ...], Field(min_length=1, max_length=9)] | None,
+        OnlyWith(kernel=("mip_slices",)),
+    ] = None
     """Depths of the billboards of `mip_slices`: the k-th covers everything behind it with MIP level
     k, whatever the focus ("evenly along the Z-axis", Four Tricks). Without it they stand where the
     circle of confusion asks for their level, on either side of the focus."""
-    rotate_taps: bool = True
+    rotate_taps: Annotated[bool, OnlyWith(kernel=("poisson12",))] = True
     """Whether `poisson12` turns its taps by an angle of each pixel's own, which makes noise of
     ghosts (Hillaire et al. 2008, Fig. 2, shows both)."""
     law: Literal["linear", "dioptre", "thin_lens", "eye"] = "linear"
@@ -198,25 +220,27 @@ class DepthOfField(Settings):
     look 40° aside, the two differ by 1/cos 40° = 1.3."""
     max_radius_percent: Annotated[float, Field(ge=0, le=10)] = 1.75
     """r_max as a percentage of one eye's image width; 0 gives the pinhole image."""
-    full_blur_m: Distance = 10.0
+    full_blur_m: Annotated[Distance, OnlyWith(law=("linear",)), LIVE] = 10.0
     """Defocus at which the `linear` law reaches r_max (the paper gives no constant). A focus
     farther than this takes its place."""
-    full_blur_dioptre: Annotated[float, Field(ge=0.001, le=1000)] = 2.0
+    full_blur_dioptre: Annotated[
+        float, Field(ge=0.001, le=1000), OnlyWith(law=("dioptre",)), LIVE
+    ] = 2.0
     """Defocus at which the `dioptre` law reaches r_max."""
-    aperture_m: Annotated[float, Field(ge=0, le=1)] = 0.007
+    aperture_m: Annotated[float, Field(ge=0, le=1), _THIN_LENS, LIVE] = 0.007
     """Diameter of the opening of `thin_lens`."""
-    focal_length_m: Annotated[float, Field(ge=0.001, le=1)] = 0.017
+    focal_length_m: Annotated[float, Field(ge=0.001, le=1), _THIN_LENS] = 0.017
     """Focal length of `thin_lens` (ours: that of the eye; no source prints it)."""
-    distance_offset_m: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    distance_offset_m: Annotated[float, Field(ge=0, le=1e6), _THIN_LENS] = 0.0
     """How far `thin_lens` is behind the head centre: added to the distances of focus and point."""
-    pupil_mm: Annotated[float, Field(ge=0, le=20)] = 4.0
+    pupil_mm: Annotated[float, Field(ge=0, le=20), OnlyWith(law=("eye",)), LIVE] = 4.0
     """Diameter of the pupil of `eye`."""
-    max_diameter_arcmin: Annotated[float, Field(ge=0.001, le=10_800)] | None = None
+    max_diameter_arcmin: Annotated[Annotated[float, Field(ge=0.001, le=10_800)] | None, LIVE] = None
     """Largest diameter as an angle in the middle of the image; r_max is the smaller of this and
     `max_radius_percent`, also where `linear` and `dioptre` reach it."""
     peripheral: Peripheral | None = None
     """Peripheral blur on top; both together stay within the largest diameter."""
-    samples: Annotated[int, Field(ge=16, le=256)] = 36
+    samples: Annotated[int, Field(ge=16, le=256), OnlyWith(kernel=("vrcomfort",))] = 36
     """Speed against accuracy of `vrcomfort`: discs of up to this many pixels are summed pixel by
     pixel, wider ones texel by texel on a level of the image on which they have no more. The other
     kernels have the fixed numbers of their sources."""
@@ -225,7 +249,7 @@ class DepthOfField(Settings):
     the views are blurred a little and averaged; two err as much as one. The mean has no largest
     radius: blur that would reach `max_radius_percent` in one view is larger. `vrcomfort passes`
     says where that is."""
-    over_blur: Annotated[float, Field(ge=0, le=4)] = 1.0
+    over_blur: Annotated[float, Field(ge=0, le=4), OnlyWith(views=range(2, 257))] = 1.0
     """Scales the blur of each of K views, whose radius is 2/√K of the lens at 1, at most half,
     and 0.97 of it with up to eleven (`views` from 2 on). From twelve on, less than 0.75 px per
     dioptre, in an image 90° wide, is left out."""
@@ -263,9 +287,9 @@ class DepthOfField(Settings):
 class TurnRamp(Settings):
     """Grows from 0 at one speed of turning to 1 at another, linearly."""
 
-    from_deg_s: Annotated[float, Field(ge=0, le=100_000)]
+    from_deg_s: Annotated[float, Field(ge=0, le=100_000), LIVE]
     """0 up to this speed."""
-    to_deg_s: Annotated[float, Field(ge=0.001, le=100_000)]
+    to_deg_s: Annotated[float, Field(ge=0.001, le=100_000), LIVE]
     """1 from this speed on."""
 
     @model_validator(mode="after")
@@ -277,9 +301,9 @@ class TurnRamp(Settings):
 class MoveRamp(Settings):
     """Grows from 0 at one speed of moving to 1 at another, linearly."""
 
-    from_m_s: Annotated[float, Field(ge=0, le=10_000)]
+    from_m_s: Annotated[float, Field(ge=0, le=10_000), LIVE]
     """0 up to this speed."""
-    to_m_s: Annotated[float, Field(ge=0.001, le=10_000)]
+    to_m_s: Annotated[float, Field(ge=0.001, le=10_000), LIVE]
     """1 from this speed on."""
 
     @model_validator(mode="after")
@@ -316,14 +340,14 @@ class MotionBlur(Settings):
     """Whether turns by locomotion blur, whatever `mode` does with the tracked head. `by_mode`:
     `rotation_cancelled_eye` and `objects_only` cancel them, the other modes keep them. Snap turns
     never blur."""
-    neck: Neck | None = None
+    neck: Annotated[Neck | None, OnlyWith(mode=("rotation_cancelled",))] = None
     """With `rotation_cancelled`, the point about which the head's rotation is cancelled: the way
     that the eyes go while the head turns on its neck then leaves no streak either. Without it, the
     head centre."""
     hands: Carried = "with_head"
     """Motion of a node that is bound to a hand: in the head's frame, or in the world, where nodes
     that go with the head blur falsely in all modes that cancel the head's motion (Chapman)."""
-    shutter_fraction: Annotated[float, Field(ge=0, le=1)] = 0.5
+    shutter_fraction: Annotated[float, Field(ge=0, le=1), LIVE] = 0.5
     """Part of the frame period during which the shutter is open, centred on the frame's pose. A
     film camera's shutter angle is 360 degrees times this: 0.5 is 180 degrees."""
     max_radius_percent: Annotated[float, Field(gt=0, le=20)] = 5.0
@@ -361,7 +385,7 @@ class SpeedBlur(SpeedRamps):
     here it is an angle.
     """
 
-    max_sigma_arcmin: Annotated[float, Field(ge=0, le=120)] = 30.0
+    max_sigma_arcmin: Annotated[float, Field(ge=0, le=120), LIVE] = 30.0
     """Standard deviation of the Gaussian at full strength, in the middle of the image."""
 
 
@@ -375,7 +399,7 @@ class RelocationBlur(Settings):
     level: Annotated[float, Field(ge=0, le=9)] = 3.0
     """MIP level at the cut: its texels are 2^level px wide. 3, an eighth of the resolution, is what
     the paper calls "very blurred". The angle of a pixel is the headset's."""
-    duration_s: Seconds = 0.5
+    duration_s: Annotated[Seconds, LIVE] = 0.5
     """Time in which the level falls to 0, at a constant rate."""
     snap_turns: bool = False
     """Whether a snap turn is a relocation, too."""
@@ -405,15 +429,15 @@ class Vignette(SpeedRamps):
     the field is `open_deg` wide all the time.
     """
 
-    open_deg: Annotated[float, Field(gt=0, le=180)] = 110.0
+    open_deg: Annotated[float, Field(gt=0, le=180), LIVE] = 110.0
     """Diameter of the clear field at rest. One that is wider than the headset's cannot be seen."""
-    restricted_deg: Annotated[float, Field(ge=0, le=180)] = 60.0
+    restricted_deg: Annotated[float, Field(ge=0, le=180), LIVE] = 60.0
     """Diameter of the clear field at full speed."""
-    feather_deg: Annotated[float, Field(ge=0.01, le=90)] = 10.0
+    feather_deg: Annotated[float, Field(ge=0.01, le=90), LIVE] = 10.0
     """Width of the border, outside the clear field, in which the cover begins."""
-    attack_s: Annotated[float, Field(ge=0, le=3600)] = 0.3
+    attack_s: Annotated[float, Field(ge=0, le=3600), LIVE] = 0.3
     """Time in which the field closes from `open_deg` to `restricted_deg`, at a constant rate."""
-    release_s: Annotated[float, Field(ge=0, le=3600)] = 1.0
+    release_s: Annotated[float, Field(ge=0, le=3600), LIVE] = 1.0
     """Time in which it opens again."""
     colour: Literal["black", "scene"] = "black"
     """Colour of the cover; `scene` is the mean colour of the left eye's image, for both eyes."""
@@ -430,7 +454,7 @@ class EffectTables(Settings):
     """The effects, in the order in which they come where a condition does not say otherwise.
 
     This is the one list of them: conditions, levels of factors, `effect_order` and the schema have
-    what stands here. How each is drawn is in `vrcomfort.render.plan`.
+    what stands here. How each is drawn is in `vrcomfort.render.graph`.
     """
 
     depth_of_field: DepthOfField | None = None

@@ -14,12 +14,12 @@ from pydantic import BaseModel
 
 from vrcomfort.protocol.conditions import EFFECTS, Condition
 from vrcomfort.protocol.quality_levels import (
-    DIALLED,
     Effects,
     MeasurementSource,
     Quality,
     QualityFigure,
     QualityTable,
+    dialled,
     quality_table,
 )
 from vrcomfort.settings import toml_value
@@ -30,12 +30,12 @@ _METHOD = {"kernel", "method", "over_blur", "views"}
 """Settings that say by which method, wherever an effect has them."""
 
 
-def level_of(condition: Condition, drawn: Collection[str] = DIALLED) -> Quality | None:
+def level_of(condition: Condition, drawn: Collection[str] | None = None) -> Quality | None:
     """Return the quality level that the drawn effects' settings amount to, or None."""
     effects = {
         name: settings
-        for name in DIALLED
-        if name in drawn and (settings := getattr(condition, name)) is not None
+        for name in dialled()
+        if (drawn is None or name in drawn) and (settings := getattr(condition, name)) is not None
     }
     if not effects:
         return None
@@ -61,9 +61,10 @@ def _equals_level(name: str, settings: BaseModel, level: Quality) -> bool:
 
 def effects_of(drawn: Collection[str]) -> Effects | None:
     """Return the figures' name for a set of passes; None: no effect, or others too."""
-    if any(name in drawn for name in EFFECTS if name not in DIALLED):
+    measured = ("depth_of_field", "motion_blur")
+    if any(name in drawn for name in EFFECTS if name not in measured):
         return None
-    lens, shutter = (name in drawn for name in DIALLED)
+    lens, shutter = (name in drawn for name in measured)
     if lens and shutter:
         return "both"
     if lens:

@@ -13,17 +13,13 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any, Literal, TypeAlias, get_args
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, RootModel
 
 from vrcomfort.resources import data_folder
 
 Quality: TypeAlias = Literal["fast", "balanced", "accurate", "reference"]
 Effects: TypeAlias = Literal["depth_of_field", "motion_blur", "both"]
 Value: TypeAlias = int | float | str
-
-DIALLED = ("depth_of_field", "motion_blur")
-"""Effects whose sampling a level decides."""
-
 
 LENSLESS_LAW = "linear"
 """No lens follows this law of defocus, which is the one of a condition that names none."""
@@ -36,18 +32,15 @@ class _Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class QualityLevel(_Table):
+class QualityLevel(RootModel[dict[str, dict[str, Value]]]):
     """Settings by effect; `lens` joins `depth_of_field` where its law is in `SAME_LENS`."""
 
-    depth_of_field: dict[str, Value] = {}
-    lens: dict[str, Value] = {}
-    motion_blur: dict[str, Value] = {}
+    model_config = ConfigDict(frozen=True)
 
     def settings(self, effect: str, *, law: str | None = None) -> dict[str, Value]:
         """Return the settings of an effect (`law`: of its defocus)."""
-        if effect == "motion_blur":
-            return dict(self.motion_blur)
-        return {**self.depth_of_field, **(self.lens if law in SAME_LENS else {})}
+        lens = self.root.get("lens", {}) if law in SAME_LENS else {}
+        return {**self.root.get(effect, {}), **(lens if effect == "depth_of_field" else {})}
 
 
 class MeasurementSource(_Table):
@@ -90,6 +83,12 @@ def quality_table() -> QualityTable:
     return QualityTable.model_validate(tomllib.loads(file.read_text(encoding="utf-8")))
 
 
+def dialled() -> tuple[str, ...]:
+    """Return the effects whose sampling a level decides: those that levels have settings of."""
+    names = (name for level in quality_table().levels.values() for name in level.root)
+    return tuple(dict.fromkeys(name for name in names if name != "lens"))
+
+
 def filled(condition: Any) -> Any:
     """Return a condition of a protocol file, completed with the settings of its level.
 
@@ -100,7 +99,7 @@ def filled(condition: Any) -> Any:
     level = quality_table().levels[condition["quality"]]
     effects = {
         name: _filled_effect(level, name, condition[name])
-        for name in DIALLED
+        for name in dialled()
         if condition.get(name) is not None
     }
     return {**condition, **effects}
@@ -112,7 +111,7 @@ def with_level(condition: Mapping[str, Any], level: Quality) -> dict[str, Any]:
     What the level decides takes the place of what the condition has; the rest stays.
     """
     effects = {}
-    for name in DIALLED:
+    for name in dialled():
         if own := condition.get(name):
             settings = quality_table().levels[level].settings(name, law=own.get("law"))
             effects[name] = {**own, **_fitting(settings, own)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-from vrcomfort.protocol.condition_check import NEEDS
+from vrcomfort.protocol.condition_check import NEEDS, condition_tables
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order_check import OF_RULES
 from vrcomfort.settings.schema import reference
@@ -18,16 +18,15 @@ An editor can complete and check these keys: [protocols.md](protocols.md#in-an-e
 double brackets stands once for each entry.
 
 """
-_TABLES = {"focus": "Focus", "depth_of_field": "DepthOfField", "motion_blur": "MotionBlur"}
 
 
 def protocol_reference() -> str:
     """Return the page."""
     notes = {
-        _TABLES[effect]: {
-            key: _only_with(needs) for key, needs in table.items() if not _alone(needs)
+        table.__name__: {
+            key: _only_with(needs) for key, needs in NEEDS[name].items() if not _alone(needs)
         }
-        for effect, table in NEEDS.items()
+        for name, table in condition_tables()
     }
     rules = {key: _only_with({"rule": rules}) for key, rules in OF_RULES.items()}
     return HEAD + reference(Protocol, {**notes, "Order": rules})

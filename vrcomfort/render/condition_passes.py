@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import moderngl
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import FocusSample, Frame, GazeHit
 from vrcomfort.geometry import Array, Gaze, Pose
+from vrcomfort.gpu.passes import part
 from vrcomfort.optics.focus import Centre, GazeFollower
 from vrcomfort.protocol.conditions import CentredEffect, Condition
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
 from vrcomfort.render.display import ToneMapPass
-from vrcomfort.render.effects.depth_of_field.effect import LensViews
+from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass, LensViews
 from vrcomfort.render.effects.effect import (
     Adjustable,
     EffectInputs,
@@ -27,8 +28,8 @@ from vrcomfort.render.focus.autofocus_zone import screen_tangents
 from vrcomfort.render.focus.rays import GazeHits
 from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.focus.search import FocusPass, HeadView
-from vrcomfort.render.plan import in_order, plan_passes
-from vrcomfort.render.scene_pass import ResolvePass, ScenePass
+from vrcomfort.render.graph import in_order, plan_passes
+from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Scene
 
 
@@ -55,9 +56,6 @@ class EyeImages(NamedTuple):
     velocity: moderngl.Texture | None
     encoded: moderngl.Texture
 
-
-Renderable: TypeAlias = EffectPass | LensViews | ScenePass | ResolvePass | ToneMapPass | FocusPass
-"""Parts of a frame that can be measured: they have a `render`."""
 
 NO_EYE_TRACKER = (
     "effects are centred on the gaze (gaze_centre), and this headset has no eye tracker; use one "
@@ -122,12 +120,10 @@ class ConditionPasses:
         """Of the eye that was drawn last, in all its views."""
         self.colour = self.scene.colour
         self._lens_views: LensViews | None = None
-        self._of_view: list[EffectPass] = []
-        """Drawn in each view through the lens."""
-        self._of_eye: list[EffectPass] = []
+        self._of_view: dict[str, EffectPass] = {}
+        """By name, drawn in each view through the lens."""
+        self._of_eye: dict[str, EffectPass] = {}
         """Drawn once."""
-        self._depth_of_field: EffectPass | None = None
-        self._named: dict[str, Renderable] = {}
         for each in registered:
             self._add(each, condition)
         # A target for each eye: both images of a frame are valid until the next frame.
@@ -154,11 +150,9 @@ class ConditionPasses:
             )
         )
         if effect is not None:
-            self._of_eye.append(effect)
-            self._named[registered.name] = effect
+            self._of_eye[registered.name] = effect
             self.colour = effect.target
         if registered.name == "depth_of_field":
-            self._depth_of_field = effect
             self._add_lens_views(condition)
 
     def _add_lens_views(self, condition: Condition) -> None:
@@ -166,50 +160,50 @@ class ConditionPasses:
         if settings is None or self.focus is None or self._views == 1:
             return
         # The effects so far are drawn in each view, those to come once, on the mean.
-        self._of_view, self._of_eye = self._of_eye, []
+        self._of_view, self._of_eye = self._of_eye, {}
         self.scene.lens_focus = self.focus.texture
         infinity_m = condition.focus.infinity_m
         self._lens_views = LensViews(self._ctx, self.colour, settings, infinity_m)
         self.colour = self._lens_views.target
 
-    def parts(self) -> list[tuple[str, Renderable]]:
-        """Return the parts of a frame by name, to be measured one by one."""
-        views = [("lens_views", self._lens_views)] if self._lens_views is not None else []
-        focus = [("focus", self.focus)] if self.focus is not None else []
-        tone_maps = [("tone_map", each) for each in self.tone_maps]
-        scene: list[tuple[str, Renderable]] = [("scene", self.scene), (RESOLVE, self.scene.resolve)]
-        return [*focus, *scene, *views, *self._named.items(), *tone_maps]
+    def leave_out_records(self) -> None:
+        """Draw nothing from now on that serves only the record of limits: for measurements."""
+        for effect in self._effects.values():
+            if isinstance(effect, DepthOfFieldPass):
+                effect.leave_out_records()
 
     def warm_up(self) -> None:
         """Draw once the passes that frames without motion skip, so that they are compiled."""
-        for effect in self._effects:
+        for effect in self._effects.values():
             effect.warm_up()
 
     @property
-    def _effects(self) -> Sequence[EffectPass]:
-        return (*self._of_view, *self._of_eye)
+    def _effects(self) -> Mapping[str, EffectPass]:
+        return self._of_view | self._of_eye
 
     @property
     def max_blur_px(self) -> float | None:
         """Return the largest radius or half streak there can be; None: views have no limit."""
         if self._lens_views is not None:
             return None
-        return max((effect.limit_px for effect in self._effects), default=0.0)
+        return max((effect.limit_px for effect in self._effects.values()), default=0.0)
 
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""
-        return tuple(clamp for effect in self._effects for clamp in self._clamps(effect))
+        return tuple(
+            clamp for name, effect in self._effects.items() for clamp in self._clamps(name, effect)
+        )
 
-    def _clamps(self, effect: EffectPass) -> tuple[str, ...]:
+    def _clamps(self, name: str, effect: EffectPass) -> tuple[str, ...]:
         clamps = effect.clamps()
-        if self._lens_views is None or effect is not self._depth_of_field:
+        if self._lens_views is None or name != "depth_of_field":
             return clamps
         views = f"in each of {self._lens_views.views} views through the lens"
         return tuple(f"{clamp} {views}; their mean has no limit" for clamp in clamps)
 
     def reset(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
-        for effect in self._effects:
+        for effect in self._effects.values():
             effect.reset()
         if self._centre is not None:
             self._centre.reset()
@@ -249,9 +243,9 @@ class ConditionPasses:
 
     def adjust(self, condition: Condition) -> None:
         """Draw by other settings from now on: those that can change while passes are there."""
-        for name, part in self._named.items():
-            if isinstance(part, Adjustable):
-                part.adjust(getattr(condition, name))
+        for name, effect in self._effects.items():
+            if isinstance(effect, Adjustable):
+                effect.adjust(getattr(condition, name))
         focus: object = self.focus
         if isinstance(focus, Adjustable):
             focus.adjust(condition.focus)
@@ -272,20 +266,23 @@ class ConditionPasses:
             scene_time_s,
             centre.tangents if centre and "autofocus_zone" in self._centred else (0.0, 0.0),
         )
-        return self.focus.render(view)
+        with part("focus"):
+            return self.focus.render(view)
 
     def render_eye(self, eye: EyeFrame, scene_time_s: float, before_s: float) -> EyeImages:
         """Draw one eye and its effects; the left one first."""
         self.triangles = 0
         if self._lens_views is not None:
-            self._lens_views.render(
-                eye.camera.fov,
-                lambda lens: self._draw(eye, self._of_view, scene_time_s, before_s, lens),
-            )
+            with part("lens_views"):
+                self._lens_views.render(
+                    eye.camera.fov,
+                    lambda lens: self._draw(eye, self._of_view, scene_time_s, before_s, lens),
+                )
         # The centre view comes last: its depth and velocity are those of the eye.
         self._draw(eye, self._of_eye, scene_time_s, before_s)
         tone_map = self.tone_maps[eye.eye_index]
-        tone_map.render()
+        with part("tone_map"):
+            tone_map.render()
         return EyeImages(
             eye.camera,
             eye.previous,
@@ -299,16 +296,19 @@ class ConditionPasses:
     def _draw(
         self,
         eye: EyeFrame,
-        effects: Sequence[EffectPass],
+        effects: Mapping[str, EffectPass],
         scene_time_s: float,
         before_s: float,
         lens: Lens | None = None,
     ) -> None:
         previous = eye.previous or PreviousCamera(eye.camera.world_from_eye, before_s)
         camera = eye.camera if lens is None else replace(eye.camera, lens=lens)
-        self.scene.render(camera, scene_time_s, previous, resolve=False)
-        self.scene.resolve.render(camera)
+        with part("scene"):
+            self.scene.render(camera, scene_time_s, previous, resolve=False)
+        with part(RESOLVE):
+            self.scene.resolve.render(camera)
         self.triangles += self.scene.triangles
         seen = eye._replace(still=self.scene.still)
-        for effect in effects:
-            effect.render(seen)
+        for name, effect in effects.items():
+            with part(name):
+                effect.render(seen)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu.passes import Image, Pass
 from vrcomfort.render import culling, lighting
 from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
 from vrcomfort.render.materials import (
@@ -78,6 +79,10 @@ class _Layer(NamedTuple):
 # Bits of a layer's number: blended (1), foreground (2).
 _LAYERS, _OF_FOREGROUND = 4, 2
 """Opaque, blended; then those of the foreground."""
+
+
+DEPTH_SHADER, SEMANTIC_SHADER = "scene/depth.vert", "scene/depth.frag"
+"""Names of passes that draw surfaces in depth alone, or their numbers and weights too."""
 
 
 class GpuScene:
@@ -214,6 +219,26 @@ class GpuScene:
         over = order[blended]
         back_to_front = np.argsort(-self._rows.distance_m[over], kind="stable")
         return np.concatenate([order[~blended], over[back_to_front]])
+
+    @property
+    def images(self) -> tuple[Image, ...]:
+        """Return what surfaces may read, to declare passes that draw them."""
+        return self._drawer.images
+
+    def run(self, declared: Pass, draw: Callable[[], int]) -> int:
+        """Draw surfaces as a declared pass, and return the number of triangles that `draw` gives.
+
+        `draw` is a call of one of the methods below.
+        """
+        triangles = 0
+
+        def counted() -> int:
+            nonlocal triangles
+            before, triangles = self.draws, draw()
+            return self.draws - before
+
+        declared.run(counted)
+        return triangles
 
     def draw(self, view: int, *, blended: bool, foreground: bool = False) -> int:
         """Draw a view of the last `cull`, and return the number of triangles.
@@ -393,6 +418,7 @@ class BatchDrawer:
         self._ctx = ctx
         self._materials = MaterialBuffer(ctx, scene, images)
         self._textures = TextureStore(ctx, scene, images)
+        self.images = self._textures.images
         self._faces: str | None = _NOT_KNOWN
         self._block: int | None = None
 

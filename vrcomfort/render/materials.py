@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.errors import InputError
-from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu import gl, passes, shaders
 from vrcomfort.gpu.timer import is_software
 from vrcomfort.scene.data import Image, Material, Scene, UvMap, Wrap
 
@@ -266,6 +266,8 @@ class TextureStore:
             for kind, images in zip(arrays.kinds, arrays.layers, strict=True)
         ]
 
+        self.images = tuple(passes.Image.of(each, mipmaps=True) for each in uploaded)
+        """What surfaces may read."""
         self.bind = gl.binder(ctx, uploaded, FIRST_UNIT)
         """Puts every array on its unit."""
 

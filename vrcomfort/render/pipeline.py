@@ -23,6 +23,7 @@ from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash
 from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.gpu import gl
 from vrcomfort.gpu import memory as gpu_memory
+from vrcomfort.gpu.passes import PassOrder, part, watched
 from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
 from vrcomfort.optics.focus import Centre
 from vrcomfort.protocol.conditions import Condition
@@ -36,10 +37,11 @@ from vrcomfort.render.camera import (
     previous_eye_pose,
     turned_like,
 )
-from vrcomfort.render.condition_passes import ConditionPasses, EyeImages, Renderable
+from vrcomfort.render.condition_passes import ConditionPasses, EyeImages
 from vrcomfort.render.display import ImageHasher, PatchPainter
 from vrcomfort.render.effects.effect import EyeFrame
-from vrcomfort.render.plan import plan_passes
+from vrcomfort.render.focus.search import FocusPass
+from vrcomfort.render.graph import plan_passes
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Scene
@@ -162,11 +164,19 @@ class StereoRenderer:
         """Build the passes that `condition` needs in `scene`; those of before are released.
 
         Drivers compile at the first draw, so two frames are drawn that are never shown.
+
+        Raises
+        ------
+        ValueError
+            If passes stand in a cycle or in the wrong order, with their names.
         """
         self.build(scene, condition)
         passes = self._built()
-        for frame in looks_around(scene.spawn):
-            self._draw(frame, 0.0, None)
+        order = PassOrder()
+        with watched(order):
+            for frame in looks_around(scene.spawn):
+                self._draw(frame, 0.0, None)
+        order.check()
         passes.warm_up()
         # Warm-up frames must leave nothing behind: no samples, no maxima, no frame before.
         self.drain()
@@ -183,7 +193,7 @@ class StereoRenderer:
         Parameters
         ----------
         condition
-            Differs from that of `begin` only in settings of `vrcomfort.protocol.adjustments.LIVE`.
+            Differs from that of `begin` only in settings that are `ADJUSTABLE`.
         """
         self._condition = condition
         self._built().adjust(condition)
@@ -219,9 +229,14 @@ class StereoRenderer:
         """Return the scene pass of the present condition."""
         return self._built().scene
 
-    def parts(self) -> list[tuple[str, Renderable]]:
-        """Return the parts of a frame of the present condition, by name."""
-        return self._built().parts()
+    @property
+    def focus(self) -> FocusPass | None:
+        """Return the search for the focus of the present condition, where there is one."""
+        return self._built().focus
+
+    def leave_out_records(self) -> None:
+        """Draw nothing from now on that serves only the record of limits: for measurements."""
+        self._built().leave_out_records()
 
     def render(
         self,
@@ -256,7 +271,8 @@ class StereoRenderer:
         self._has_tracker |= frame.index >= 0
         if not self._has_tracker:
             return False, ()
-        return self._built().look_along(frame, world_from_head)
+        with part("gaze_hit"):
+            return self._built().look_along(frame, world_from_head)
 
     def _hashed(self, frame: Frame, rendered: RenderedFrame) -> RenderedFrame:
         """Begin to hash a frame's images if it is its turn; add the hashes that have arrived."""

@@ -20,7 +20,7 @@ from vrcomfort.optics.lens_sampling import lens_and_shutter
 from vrcomfort.protocol.conditions import EFFECTS, Condition, DepthOfField
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera, extrapolated_eye_pose
 from vrcomfort.render.effects.depth_of_field import lens_radius
-from vrcomfort.render.plan import plan_effect
+from vrcomfort.render.graph import plan_effect
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Scene
 

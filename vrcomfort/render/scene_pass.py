@@ -7,14 +7,16 @@ an eye share.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Fov, Pose
-from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu import gl, passes, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass, UniformGroup, Uniforms
+from vrcomfort.gpu.passes import Pass
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import lighting
 from vrcomfort.render.background_blur import MipLevelPass, foreground
@@ -77,6 +79,11 @@ class ScenePass:
         self._targets = _Targets(
             ctx, size_px, velocity_dtype=velocity_dtype if velocity else None, samples=samples
         )
+        shadows = () if self._shadow is None else self._shadow.images
+        drawn = self._targets.samples
+        self._opaque = Pass("scene/scene.frag", (*self.gpu.images, *shadows), drawn)
+        self._blended = replace(self._opaque, writes=drawn[:1], blends=True)
+        self._behind = Pass("scene/sky.frag", (), drawn)
         settings = None if background is None else background.background_blur
         self._background_level = 0.0 if settings is None else settings.level
         self._background = (
@@ -133,7 +140,8 @@ class ScenePass:
         self._eyes = tuple(eyes)
         self.gpu.update(time_s, head, before_s)
         if self._shadow is not None:
-            self._shadow.render(time_s, head)
+            with passes.part("shadow"):
+                self._shadow.render(time_s, head)
             self._shadow_triangles = self._shadow.triangles
         if eyes:
             self.gpu.cull([_viewpoint(eye) for eye in eyes])
@@ -182,7 +190,7 @@ class ScenePass:
         self.triangles = self._draw_opaque(view)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = ">="  # the sky lies at infinity: depth 0, as the clear value
-        self._sky.draw()
+        self._behind.run(self._sky.draw)
         self.triangles += self._draw_blended(view)
         if self._background is not None:
             self._ctx.enable_only(moderngl.NOTHING)
@@ -198,7 +206,9 @@ class ScenePass:
     def _draw_opaque(self, view: int, *, foreground: bool = False) -> int:
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = gl.DEPTH_FUNC
-        return self.gpu.draw(view, blended=False, foreground=foreground)
+        return self.gpu.run(
+            self._opaque, lambda: self.gpu.draw(view, blended=False, foreground=foreground)
+        )
 
     def _draw_blended(self, view: int, *, foreground: bool = False) -> int:
         if not self.gpu.has_blended:
@@ -206,7 +216,9 @@ class ScenePass:
         self._targets.blend()
         self._ctx.depth_func = gl.DEPTH_FUNC
         self._ctx.enable(moderngl.BLEND)
-        return self.gpu.draw(view, blended=True, foreground=foreground)
+        return self.gpu.run(
+            self._blended, lambda: self.gpu.draw(view, blended=True, foreground=foreground)
+        )
 
 
 def _viewpoint(camera: EyeCamera) -> ViewFrustum:
@@ -256,6 +268,9 @@ class _Targets:
         many = [many_colour, *([many_velocity] if many_velocity else [])]
         self._colours = many_colour
         self._many = ctx.framebuffer(many, many_depth)
+        self._cleared = passes.clear([*many, many_depth])
+        self.samples = self._cleared.writes
+        """Colour first, depth last."""
         self._many_colour_only = ctx.framebuffer([many_colour], many_depth)
         self.resolve = ResolvePass(
             ctx,
@@ -280,7 +295,7 @@ class _Targets:
     def begin(self) -> None:
         """Clear to black at infinity."""
         self.use()
-        self._many.clear(depth=0.0)
+        self._cleared.run(lambda: self._many.clear(depth=0.0))
         self.resolve.learn_sample_places()
 
     def blend(self) -> None:

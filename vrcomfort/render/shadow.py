@@ -14,8 +14,8 @@ import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Array, Pose, normalize
-from vrcomfort.gpu import gl
-from vrcomfort.render.gpu_scene import GpuScene
+from vrcomfort.gpu import gl, passes
+from vrcomfort.render.gpu_scene import DEPTH_SHADER, GpuScene
 from vrcomfort.render.lighting import ShadowUniforms, relative_to
 from vrcomfort.render.materials import SHADOW_UNIT
 from vrcomfort.render.scene_buffers import Movement
@@ -48,8 +48,8 @@ class ShadowMap:
         self._radius_m = radius_m
         self._size_px = size_px
         self._light_from_world = light_rotation(gpu.scene.environment.sun_direction)
-        self._static = _Map(ctx, size_px)
-        self._live = _Map(ctx, size_px) if gpu.moves else self._static
+        self._static = _Map(ctx, size_px, gpu.images)
+        self._live = _Map(ctx, size_px, gpu.images) if gpu.moves else self._static
         self._copy = gl.copier(ctx)
         self._center: Array | None = None
         self._drawn_for: tuple[float, Pose] | None = None
@@ -77,6 +77,11 @@ class ShadowMap:
             # Moving casters are drawn over a copy of the static ones, which stay as they are.
             self._copy(self._static.depth, self._live.depth)
             self._draw(self._live, clear=False)
+
+    @property
+    def images(self) -> tuple[passes.Image, ...]:
+        """Return the map, to declare passes that read it."""
+        return self._live.cleared.writes
 
     def bind(self) -> None:
         """Put the map where surfaces look for it."""
@@ -107,7 +112,7 @@ class ShadowMap:
         target.target.use()
         target.target.depth_mask = True
         if clear:
-            target.target.clear(depth=0.0)
+            target.cleared.run(lambda: target.target.clear(depth=0.0))
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.enable_direct(_DEPTH_CLAMP)  # casters beyond the range still cast shadows
         self._ctx.depth_func = gl.DEPTH_FUNC
@@ -115,8 +120,11 @@ class ShadowMap:
         movement: Movement = "all"
         if self._live is not self._static:
             movement = "static" if clear else "moving"
-        self.triangles += self._gpu.draw_depth(
-            clip_from_relative, self._origin_m, movement=movement, shadow=True
+        self.triangles += self._gpu.run(
+            target.drawn,
+            lambda: self._gpu.draw_depth(
+                clip_from_relative, self._origin_m, movement=movement, shadow=True
+            ),
         )
         self._ctx.disable_direct(_DEPTH_CLAMP)
 
@@ -124,11 +132,15 @@ class ShadowMap:
 class _Map:
     """A depth texture that compares (lit where at least as near to the sun), and its target."""
 
-    def __init__(self, ctx: moderngl.Context, size_px: int) -> None:
+    def __init__(
+        self, ctx: moderngl.Context, size_px: int, images: tuple[passes.Image, ...]
+    ) -> None:
         self.depth = gl.depth_texture(ctx, (size_px, size_px))
         self.depth.compare_func = ">="
         self.depth.filter = (moderngl.LINEAR, moderngl.LINEAR)
         self.target = ctx.framebuffer([], self.depth)
+        self.cleared = passes.clear([self.depth])
+        self.drawn = passes.Pass(DEPTH_SHADER, images, self.cleared.writes)
 
 
 def light_rotation(to_sun: Array) -> Array:

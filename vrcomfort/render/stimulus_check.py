@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
 from math import atan, degrees
-from typing import Any, TypeAlias, cast
+from typing import Any, TypeAlias
 
 import moderngl
 import numpy as np
@@ -27,7 +27,6 @@ from vrcomfort.render.camera import HeadStep
 from vrcomfort.render.condition_passes import EyeImages
 from vrcomfort.render.effects.depth_of_field.coc_passes import DepthToCoc
 from vrcomfort.render.effects.motion_blur import streak_scale
-from vrcomfort.render.focus.search import FocusPass
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Scene
@@ -119,7 +118,7 @@ class _Walk:
         self._ctx, self._members, self._size_px = ctx, members, size_px
         self._renderer = StereoRenderer(ctx, size_px, eyes=1, samples=1)
         self._renderer.build(scene, probe)
-        self._focus = cast(FocusPass | None, dict(self._renderer.parts()).get("focus"))
+        self._focus = self._renderer.focus
         self._radii: dict[str, tuple[DepthToCoc, FullscreenPass]] = {}
         self._circles: dict[str, list[Float32]] = {each.name: [] for each in members}
         self._streaks: dict[str, list[Float32]] = {each.name: [] for each in members}

@@ -36,15 +36,16 @@ def models_in(model: type[BaseModel]) -> list[type[BaseModel]]:
     found = [model]
     for each in found:  # grows on the way
         for field in each.model_fields.values():
-            found += [inner for inner in _models(field.annotation) if inner not in found]
+            found += [inner for inner in tables_of(field.annotation) if inner not in found]
     return found
 
 
-def _models(annotation: Any) -> Iterator[type[BaseModel]]:
+def tables_of(annotation: Any) -> Iterator[type[BaseModel]]:
+    """Yield the tables that a setting with this annotation may be, not those within them."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
     for part in typing.get_args(annotation):
-        yield from _models(part)
+        yield from tables_of(part)
 
 
 @cache

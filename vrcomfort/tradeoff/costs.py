@@ -18,13 +18,12 @@ import numpy as np
 
 from vrcomfort.frame import EYE_HEIGHT_M, Frame
 from vrcomfort.geometry import Array, Gaze, Pose, View, yaw_pitch_roll
-from vrcomfort.gpu import shaders
+from vrcomfort.gpu import passes, shaders
 from vrcomfort.gpu.timer import Lap, Stopwatch, is_software
-from vrcomfort.gpu.traffic import Draw, DrawRecorder, Traffic, added_up
+from vrcomfort.gpu.traffic import Traffic, TrafficCounter, added_up
 from vrcomfort.headset.playback import default_fovs
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.condition_passes import RESOLVE
-from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Scene
 from vrcomfort.tradeoff.captures import context
@@ -33,7 +32,7 @@ from vrcomfort.tradeoff.methods import BlurMethod, methods, no_blur, pick
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 
-NO_EFFECT = ("focus", "scene", "tone_map")
+NO_EFFECT = ("focus", "shadow", "scene", "tone_map")
 """Parts that no effect has added, or (the focus search) that blurs of all methods share. So is
 `RESOLVE` but for the circles of confusion, which are its cost beyond a plain frame's."""
 
@@ -161,32 +160,41 @@ class _Timer:
         scene, _ = scene_and_hash(case.scene)
         self._renderer = StereoRenderer(context(), scope.size_px, eyes=eyes_of(case, scope))
         self._renderer.build(scene, condition_of(case, scope, condition))
-        leave_out_records(self._renderer.parts())
+        self._renderer.leave_out_records()
 
     def frame(self) -> Laps:
         """Draw a frame, and return the laps of its parts."""
         before, frame = self._pair
         if before is not None:
             self._renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
-        with clocked_parts(self._clock, self._renderer) as laps:
+        clock = PartClock(self._clock)
+        with passes.watched(clock):
             self._renderer.render(frame, time_s(frame))
-        return laps
+        return clock.laps
 
     def release(self) -> None:
         """Release the renderer's objects on the GPU."""
         self._renderer.release()
 
 
-@contextmanager
-def clocked_parts(clock: Stopwatch, renderer: StereoRenderer) -> Iterator[Laps]:
-    """Clock the parts that are drawn inside; parts within parts count as the outer one's."""
-    laps: Laps = {}
+class PartClock(passes.Watcher):
+    """Clocks the parts of a frame; parts within parts count as the outer one's."""
 
-    def around(name: str, draw: Callable[[], None]) -> None:
-        laps.setdefault(name, []).append(clock.lap(draw))
+    def __init__(self, clock: Stopwatch) -> None:
+        self._clock, self._inside = clock, False
+        self.laps: Laps = {}
 
-    with outermost(around, renderer.parts()):
-        yield laps
+    @contextmanager
+    def part(self, name: str) -> Iterator[None]:
+        """Clock the draws inside as a part."""
+        if self._inside:
+            yield
+            return
+        self._inside = True
+        with self._clock.lap() as lap:
+            yield
+        self._inside = False
+        self.laps.setdefault(name, []).append(lap)
 
 
 def told(laps: Laps) -> Timed:
@@ -273,15 +281,15 @@ def traffic_of(
     with shaders.counting_reads() if count_reads else nullcontext():
         renderer.build(scene, condition)
     if not records:
-        leave_out_records(renderer.parts())
+        renderer.leave_out_records()
     before, frame = pair
     if before is not None:
         renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
-    recorder = DrawRecorder(ctx)
-    with recorder.recording(), _sorted_by_pass(recorder, renderer) as found:
+    counter = TrafficCounter(ctx)
+    with passes.watched(counter):
         renderer.render(frame, time_s(frame))
     renderer.release()
-    sums = {name: added_up(draws) for name, draws in found.items()}
+    sums = {name: added_up(drawn) for name, drawn in counter.parts.items()}
     if count_reads:
         return sums
     return {name: each._replace(reads=None) for name, each in sums.items()}
@@ -370,64 +378,3 @@ def of_effects(found: dict[str, Traffic]) -> Traffic:
         sum(each.bytes for each in effects),
         sum(reads) if reads else None,
     )
-
-
-@contextmanager
-def _sorted_by_pass(
-    recorder: DrawRecorder, renderer: StereoRenderer
-) -> Iterator[dict[str, list[Draw]]]:
-    """Sort the draws by the outermost pass that makes them."""
-    found: dict[str, list[Draw]] = {}
-
-    def around(name: str, draw: Any) -> None:
-        first = len(recorder.draws)
-        draw()
-        found.setdefault(name, []).extend(recorder.draws[first:])
-
-    with outermost(around, renderer.parts()):
-        yield found
-
-
-Around = Callable[[str, Callable[[], None]], None]
-"""Called with the name of a part and the function that draws it."""
-
-
-def leave_out_records(parts: Sequence[tuple[str, Any]]) -> None:
-    """Skip passes that serve only the record of limits: they are no part of a method."""
-    for _, part in parts:
-        if isinstance(part, DepthOfFieldPass):
-            part.leave_out_records()
-
-
-@contextmanager
-def outermost(around: Around, parts: Sequence[tuple[str, Any]]) -> Iterator[None]:
-    """Call `around` for each part that is rendered inside, unless by another part.
-
-    Parameters
-    ----------
-    parts
-        Names and objects: those of :meth:`StereoRenderer.parts`.
-    """
-    depth = [0]
-
-    def wrapped(method: Callable[..., Any], name: str) -> Callable[..., Any]:
-        def render(*arguments: Any, **options: Any) -> Any:
-            if depth[0]:
-                return method(*arguments, **options)
-            depth[0] += 1
-            found = []
-            try:
-                around(name, lambda: found.append(method(*arguments, **options)))
-            finally:
-                depth[0] -= 1
-            return found[0]
-
-        return render
-
-    for name, part in parts:
-        part.render = wrapped(part.render, name)
-    try:
-        yield
-    finally:
-        for _, part in parts:
-            del part.render

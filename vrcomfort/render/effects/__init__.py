@@ -1,5 +1,5 @@
 """Effects on the image of one eye, one module each.
 
-`effect` is their interface, `render.plan` registers them. Each module holds its plan (whether it is
-there, and why), its passes, and `EFFECT`, which the registry takes.
+`effect` is their interface. Each module holds its plan (whether it is there, and why), its passes,
+and `EFFECT`, which `render.graph` finds.
 """

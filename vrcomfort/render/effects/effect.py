@@ -2,7 +2,7 @@
 
 A new effect is a table of settings (`vrcomfort.protocol.conditions.EffectTables`), a pass that is
 an `EffectPass`, its shader and the shader's twin, and an `RegisteredEffect` in
-`vrcomfort.render.plan`.
+`vrcomfort.render.graph`.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ class EffectPass(Protocol):
 class Adjustable(Protocol):
     """An effect, or a focus, that takes other settings while it is there.
 
-    It need take only those of `vrcomfort.protocol.adjustments.LIVE`.
+    It need take only those of `vrcomfort.protocol.adjustments.ADJUSTABLE`.
     """
 
     def adjust(self, settings: Any) -> None:

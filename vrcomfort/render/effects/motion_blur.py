@@ -24,6 +24,7 @@ import numpy as np
 
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.passes import Image, Pass
 from vrcomfort.gpu.shaders import Defines
 from vrcomfort.optics.motion import ramp, sampling_of
 from vrcomfort.protocol.conditions import Condition, MotionBlur
@@ -406,16 +407,22 @@ class FrameStreaks:
         self._points = ctx.vertex_array(shaders.program(ctx, f"{name}.frag", f"{name}.vert"), [])
         self._points.program["tile_max"] = 0
         self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
+        writes = Image.of(self.target), Image.of(self._longest_of_all)
+        self._cleared = Pass("clear", (), writes[:1])
+        self._declared = Pass(f"{name}.frag", (Image.of(tile_max),), writes, blends=True)
 
     def render(self) -> None:
         """Begin with a new frame; the maximum over all frames stays."""
-        self._clear(self._framebuffer, (0.0, 0.0, _LEAST, 0.0))
+        self._cleared.run(lambda: self._clear(self._framebuffer, (0.0, 0.0, _LEAST, 0.0)))
         self._tile_max.use(0)
         # Maximum blending of points on one pixel: a reduction in one draw, without a read back.
         self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)
+        self._declared.run(self._draw)
+        self._ctx.blend_equation = (moderngl.FUNC_ADD, moderngl.FUNC_ADD)
+
+    def _draw(self) -> None:
         with self._scope:
             self._points.render(moderngl.POINTS, vertices=self._tile_max.height)
-        self._ctx.blend_equation = (moderngl.FUNC_ADD, moderngl.FUNC_ADD)
 
     def longest_of_all_px(self) -> float:
         """Return the longest half velocity of all frames, before the limit; waits for the GPU."""

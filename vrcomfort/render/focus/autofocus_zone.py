@@ -18,12 +18,13 @@ import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Fov, View, clip_from_view
-from vrcomfort.gpu import gl
+from vrcomfort.gpu import gl, passes
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import autofocus_zone
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.camera import rotation_only
 from vrcomfort.render.focus.search import FocusInputs, FocusRule, FocusSearch, HeadView, ProbeResult
+from vrcomfort.render.gpu_scene import SEMANTIC_SHADER
 from vrcomfort.render.planned_pass import PlannedPass
 
 
@@ -88,6 +89,8 @@ class AutofocusZone:
         self._depth = gl.depth_texture(inputs.ctx, size_px)
         self._semantic = gl.color_texture(inputs.ctx, size_px, components=1, dtype="f4")
         self._zone = inputs.ctx.framebuffer([self._semantic], self._depth)
+        self._cleared = passes.clear([self._semantic, self._depth])
+        self._drawn = passes.Pass(SEMANTIC_SHADER, inputs.gpu.images, self._cleared.writes)
         self.triangles = 0
         self.defines, distance = _how_it_is_read(settings, inputs.near_m)
         self.constants: dict[str, Any] = {"reduced": 2, **distance}
@@ -168,10 +171,13 @@ class AutofocusZone:
         clip_from_relative = clip_from_view(Fov(left, right, up, down), self._near_m)
         clip_from_relative = clip_from_relative @ rotation_only(head.rotation.T)
         self._zone.use()
-        self._zone.clear(self._settings.semantic_min, depth=0.0)  # the sky
+        sky = self._settings.semantic_min
+        self._cleared.run(lambda: self._zone.clear(sky, depth=0.0))
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.depth_func = gl.DEPTH_FUNC
-        self.triangles = self._gpu.draw_semantic(clip_from_relative, head.position)
+        self.triangles = self._gpu.run(
+            self._drawn, lambda: self._gpu.draw_semantic(clip_from_relative, head.position)
+        )
         ctx.enable_only(moderngl.NOTHING)
 
     def _reduce_on_cpu(self, along_ray: _Place | None) -> None:

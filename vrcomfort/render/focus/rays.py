@@ -22,13 +22,13 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.frame import GazeHit
 from vrcomfort.geometry import Array, Gaze, Pose
-from vrcomfort.gpu import gl
+from vrcomfort.gpu import gl, passes
 from vrcomfort.gpu.gl import LATENCY
 from vrcomfort.optics.focus import RAYS, WIDEST_GAZE, gaze_tangents, ray_tangents
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.camera import rotation_only
 from vrcomfort.render.focus.search import FocusInputs, FocusRule, FocusSearch, HeadView, ProbeResult
-from vrcomfort.render.gpu_scene import GpuScene
+from vrcomfort.render.gpu_scene import DEPTH_SHADER, SEMANTIC_SHADER, GpuScene
 from vrcomfort.render.planned_pass import PlannedPass
 
 RAY_WIDTH = 1e-4
@@ -43,6 +43,8 @@ class NarrowRays:
         self._ctx, self._gpu = inputs.ctx, inputs.gpu
         self._depth = gl.depth_texture(inputs.ctx, (RAYS, 1))
         self.image = inputs.ctx.framebuffer([], self._depth)
+        self._cleared = passes.clear([self._depth])
+        self._drawn = passes.Pass(DEPTH_SHADER, inputs.gpu.images, self._cleared.writes)
         self.triangles = 0
         """Those of the last rays."""
 
@@ -51,12 +53,15 @@ class NarrowRays:
         ctx = self._ctx
         self.image.use()
         self.image.viewport = (0, 0, RAYS, 1)
-        self.image.clear(depth=0.0)
+        self._cleared.run(lambda: self.image.clear(depth=0.0))
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.depth_func = gl.DEPTH_FUNC
         head_from_relative = rotation_only(world_from_head.rotation.T)
-        self.triangles = self._gpu.draw_depth_views(
-            clips_from_head @ head_from_relative, world_from_head.position, self._aim
+        self.triangles = self._gpu.run(
+            self._drawn,
+            lambda: self._gpu.draw_depth_views(
+                clips_from_head @ head_from_relative, world_from_head.position, self._aim
+            ),
         )
         self.image.viewport = (0, 0, RAYS, 1)
         ctx.enable_only(moderngl.NOTHING)
@@ -266,6 +271,8 @@ class GazeHits:
         self._depth = gl.depth_texture(ctx, (1, 1))
         self._number = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
         self._texel = ctx.framebuffer([self._number], self._depth)
+        self._cleared = passes.clear([self._number, self._depth])
+        self._drawn = passes.Pass(SEMANTIC_SHADER, gpu.images, self._cleared.writes)
         self._free = [gl.dynamic_buffer(ctx, 2 * _FLOAT_BYTES) for _ in range(LATENCY + 1)]
         self._pending: deque[tuple[int, float, moderngl.Buffer]] = deque()
         self.triangles = 0
@@ -299,11 +306,13 @@ class GazeHits:
         ctx = self._ctx
         clip_from_head = ray_projections(tangents, self._near_m)[0]
         self._texel.use()
-        self._texel.clear(depth=0.0)
+        self._cleared.run(lambda: self._texel.clear(depth=0.0))
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.depth_func = gl.DEPTH_FUNC
         clip_from_relative = clip_from_head @ rotation_only(head.rotation.T)
-        self.triangles = self._gpu.draw_node_numbers(clip_from_relative, head.position)
+        self.triangles = self._gpu.run(
+            self._drawn, lambda: self._gpu.draw_node_numbers(clip_from_relative, head.position)
+        )
         ctx.enable_only(moderngl.NOTHING)
 
     def _read(self) -> GazeHit:

@@ -24,6 +24,7 @@ from vrcomfort.frame import FocusSample
 from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.gl import LATENCY
+from vrcomfort.gpu.passes import Image, Pass
 from vrcomfort.optics.focus import RAYS
 from vrcomfort.optics.refocus import AT_ONCE, LAWS
 from vrcomfort.protocol.conditions import Focus, FocusRuleName
@@ -175,6 +176,9 @@ class FocusSearch:
         self._target = ctx.framebuffer(now)
         self._history = ctx.framebuffer(self._before)
         self._triangle = self._program()
+        now_images, before = (tuple(map(Image.of, each)) for each in (now, self._before))
+        self._copied = Pass("copy", (), before[:1], earlier=now_images[:1])
+        self._decided = Pass(probe.fragment, before, now_images)
         self._readback = Readback(ctx, inputs.near_m, settings.infinity_m)
         self._last_time_ns: int | None = None
 
@@ -205,13 +209,13 @@ class FocusSearch:
 
     def _decide(self, uniforms: dict[str, Any]) -> None:
         # A pass may not read the texture it draws into: the state of the frame before is a copy.
-        self._ctx.copy_framebuffer(self._history, self._target)
+        self._copied.run(lambda: self._ctx.copy_framebuffer(self._history, self._target))
         self._target.use()
         for unit, texture in enumerate(self._before):
             texture.use(unit)
         for name, value in uniforms.items():
             self._triangle.program[name] = value
-        self._triangle.render(vertices=3)
+        self._decided.run(lambda: self._triangle.render(vertices=3))
 
     def _program(self) -> moderngl.VertexArray:
         probe, law = self._probe, self._law

@@ -12,12 +12,12 @@ section and ``reproduce.R`` have it: all of them go through `ANALYSES`.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib import import_module
-from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.declarations import declared_in
 from vrcomfort.report.analyses.contract import (
     Analysis,
     AnalysisData,
@@ -53,15 +53,8 @@ __all__ = [
 ]
 
 
-def _declared() -> Iterator[Analysis[Any]]:
-    """Yield what the modules of this package declare."""
-    for each in iter_modules(__path__):
-        module = import_module(f"{__name__}.{each.name}")
-        yield from (value for value in vars(module).values() if isinstance(value, Analysis))
-
-
 ANALYSES: tuple[Analysis[Any], ...] = tuple(
-    sorted(_declared(), key=lambda each: (each.order, each.key))
+    sorted(declared_in(sys.modules[__name__], Analysis), key=lambda each: (each.order, each.key))
 )
 """All of them, in the order of results.json."""
 Rows = Mapping[str, Sequence[Any]]

@@ -14,7 +14,8 @@ from collections.abc import Callable
 import moderngl
 
 from vrcomfort.geometry import Fov, focal_length_px
-from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu import gl, passes, shaders
+from vrcomfort.gpu.passes import Image, Pass
 from vrcomfort.optics.lens_sampling import FEW, view_points, view_radius
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
 from vrcomfort.render.camera import Lens
@@ -190,6 +191,9 @@ def _at_one_dioptre_px(settings: DepthOfField, part: float, size_px: tuple[int, 
     return part * radius_per_dioptre_px(settings, size_px)
 
 
+SCALED_COPY = "depth_of_field/scaled_copy.frag"
+
+
 class LensViews:
     """Averages views through points of a lens; the mean is `target`.
 
@@ -219,20 +223,24 @@ class LensViews:
         self.target = gl.color_texture(ctx, view.size)
         self._view = view
         self._ctx = ctx
-        self._copy = shaders.fullscreen(ctx, "depth_of_field/scaled_copy.frag")
+        self._copy = shaders.fullscreen(ctx, SCALED_COPY)
         self._summing = ctx.framebuffer([self._sum])
         self._averaging = ctx.framebuffer([self.target])
+        one, total, mean = (Image.of(each) for each in (view, self._sum, self.target))
+        self._cleared = passes.clear([self._sum])
+        self._added = Pass(SCALED_COPY, (one,), (total,), blends=True)
+        self._averaged = Pass(SCALED_COPY, (total,), (mean,))
 
     def render(self, fov: Fov, draw: Callable[[Lens], None]) -> None:
         """Average the views of an eye with this frustum; `draw` fills the view's texture."""
-        self._summing.clear()
+        self._cleared.run(self._summing.clear)
         for point in self._lenses(fov):
             draw(point)
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE  # `draw` may have set another
             with self._ctx.scope(self._summing, moderngl.BLEND):
-                self._scaled(self._view, 1.0)
+                self._added.run(lambda: self._scaled(self._view, 1.0))
         with self._ctx.scope(self._averaging, moderngl.NOTHING):
-            self._scaled(self._sum, 1 / self.views)
+            self._averaged.run(lambda: self._scaled(self._sum, 1 / self.views))
 
     def _scaled(self, image: moderngl.Texture, share: float) -> None:
         image.use(0)

@@ -16,8 +16,9 @@ import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Array
-from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu import gl, passes, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MipChain
+from vrcomfort.gpu.passes import Image, Pass
 from vrcomfort.optics import blur_kernels
 from vrcomfort.protocol.conditions import DepthOfField, Kernel
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
@@ -459,6 +460,9 @@ class ScatterKernel:
         shares = gl.color_texture(ctx, coc.size_px, dtype="f4")
         self._framebuffer = ctx.framebuffer([shares])
         self._scope = ctx.scope(self._framebuffer, moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
+        reads, writes = (Image.of(coc.colour_and_coc),), (Image.of(shares),)
+        self._cleared = passes.clear([shares])
+        self._declared = Pass("depth_of_field/scatter.frag", reads, writes, blends=True)
         # Squares are drawn where the widest disc is larger than the driver's largest point.
         widest_px = 2 * (TALLEST_PIXEL * (coc.limit_px + 0.5) + 1)
         self._fits_points = widest_px <= ctx.info["GL_POINT_SIZE_RANGE"][1]
@@ -479,16 +483,19 @@ class ScatterKernel:
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
         self._sprites.program["pixel_aspect"] = pixel_aspect
-        self._framebuffer.clear()
+        self._cleared.run(self._framebuffer.clear)
         self._colour_and_coc.use(0)
         self._ctx.blend_func = moderngl.ONE, moderngl.ONE
+        self._declared.run(self._draw)
+        self._mean.render()
+
+    def _draw(self) -> None:
         pixels = self._colour_and_coc.width * self._colour_and_coc.height
         with self._scope:
             if self._fits_points:
                 self._sprites.render(moderngl.POINTS, vertices=pixels)
             else:
                 self._sprites.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=pixels)
-        self._mean.render()
 
 
 _Maker = Callable[[moderngl.Context, CocPasses, DepthOfField], BlurKernel]

@@ -1,0 +1,181 @@
+"""Passes as they are declared: the textures that each reads and writes, and who watches.
+
+Every draw, clear and copy of a frame goes through :meth:`Pass.run`. Counts of memory traffic, times
+of passes and figures of the graph watch there; without a watcher nothing is asked of OpenGL.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import moderngl
+
+from vrcomfort.gpu.memory import texel_bytes, texture_bytes
+
+AnyTexture: TypeAlias = moderngl.Texture | moderngl.TextureArray
+
+
+@dataclass(frozen=True)
+class Image:
+    """A texture of a pass, without the texture.
+
+    Parameters
+    ----------
+    name
+        OpenGL's.
+    size_px
+        (width, height).
+    bytes
+        Of all that may be read: all samples and layers, and all mipmap levels where they are used.
+    samples
+        Of each pixel.
+    """
+
+    name: int
+    size_px: tuple[int, int]
+    bytes: float
+    samples: int = 1
+
+    @classmethod
+    def of(cls, texture: AnyTexture, *, mipmaps: bool = False) -> Image:
+        """Return the image of a texture."""
+        width, height = texture.size[:2]
+        layers = 1 if isinstance(texture, moderngl.Texture) else texture.layers
+        samples = texture.samples if isinstance(texture, moderngl.Texture) else 0
+        texel = texel_bytes(texture.components, texture.dtype)
+        size = texture_bytes((width, height), texel, samples=samples, mipmaps=mipmaps)
+        return cls(texture.glo, (width, height), layers * size, max(samples, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Pass:
+    """A draw, clear or copy.
+
+    Parameters
+    ----------
+    name
+        File of its fragment shader; ``clear``, ``copy`` and ``geometry`` have none of their own.
+    reads, writes
+        Its textures, depth among them. Nothing is both: a pass cannot read what it writes.
+    blends
+        Whether what it writes is read, too.
+    earlier
+        Read as the frame before left them.
+
+    Raises
+    ------
+    ValueError
+        If it reads what it writes.
+    """
+
+    name: str
+    reads: tuple[Image, ...]
+    writes: tuple[Image, ...]
+    blends: bool = False
+    earlier: tuple[Image, ...] = ()
+
+    def __post_init__(self) -> None:
+        written = {image.name for image in self.writes}
+        for image in self.reads:
+            if image.name in written:
+                size = "×".join(map(str, image.size_px))
+                raise ValueError(f"the pass {self.name} reads the {size} texture that it writes")
+
+    def run(self, draw: Callable[[], int | None]) -> None:
+        """Draw; `draw` returns how many draws that were, None for one."""
+        if _watchers:
+            _watchers[-1].run(self, draw)
+        else:
+            draw()
+
+
+class Watcher:
+    """Watches passes, and the parts of a frame that they belong to: each method may be another."""
+
+    def run(self, declared: Pass, draw: Callable[[], int | None]) -> None:
+        """Draw a pass; `draw` is as in :meth:`Pass.run`."""
+        del declared
+        draw()
+
+    def part(self, name: str) -> AbstractContextManager[None]:
+        """Return the context in which a part of a frame is drawn; parts stand within parts."""
+        del name
+        return _NOTHING
+
+
+_NOTHING = nullcontext()
+_watchers: list[Watcher] = []
+
+
+@contextmanager
+def watched(watcher: Watcher) -> Iterator[None]:
+    """Let a watcher draw all passes inside; of nested ones, the innermost."""
+    _watchers.append(watcher)
+    try:
+        yield
+    finally:
+        _watchers.remove(watcher)
+
+
+def part(name: str) -> AbstractContextManager[None]:
+    """Return the context in which a part of a frame is drawn, such as an effect."""
+    return _watchers[-1].part(name) if _watchers else _NOTHING
+
+
+def clear(textures: Iterable[AnyTexture]) -> Pass:
+    """Return the pass that clears textures."""
+    return Pass("clear", (), tuple(map(Image.of, textures)))
+
+
+def copy(source: AnyTexture, target: AnyTexture) -> Pass:
+    """Return the pass that copies a texture over another."""
+    return Pass("copy", (Image.of(source),), (Image.of(target),))
+
+
+class PassOrder(Watcher):
+    """Checks that passes are drawn in an order in which each reads what is there."""
+
+    def __init__(self) -> None:
+        self._drawn: list[Pass] = []
+
+    def run(self, declared: Pass, draw: Callable[[], int | None]) -> None:
+        """Draw a pass, and note it."""
+        self._drawn.append(declared)
+        draw()
+
+    def check(self) -> None:
+        """Make sure that no pass has read what only later ones write.
+
+        Raises
+        ------
+        ValueError
+            With the names of both: they stand in a cycle, or in the wrong order.
+        """
+        check_order(self._drawn)
+
+
+def check_order(passes: Iterable[Pass]) -> None:
+    """Make sure that no pass reads what only later ones write.
+
+    Raises
+    ------
+    ValueError
+        With the names of both: they stand in a cycle, or in the wrong order.
+    """
+    listed = list(passes)
+    written: set[int] = set()
+    writers: dict[int, str] = {}
+    for each in reversed(listed):
+        writers.update(dict.fromkeys((image.name for image in each.writes), each.name))
+    for each in listed:
+        for image in each.reads:
+            if image.name in writers and image.name not in written:
+                size = "×".join(map(str, image.size_px))
+                raise ValueError(
+                    f"the pass {each.name} reads a {size} texture that the pass "
+                    f"{writers[image.name]} writes after it"
+                )
+        written |= {image.name for image in each.writes}
