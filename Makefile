@@ -70,6 +70,7 @@ check: setup
 	@$(BIN)/lint-imports --no-cache
 
 docs: setup
+	@$(BIN)/python scripts/frame_figure.py
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --site-dir $(abspath $(OUT))/site
 	@echo "$(OUT)/site/index.html is written; vrcomfort docs opens it"
 

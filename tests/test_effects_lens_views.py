@@ -16,8 +16,8 @@ from vrcomfort.render.effects.depth_of_field.lens_radius import (
     radius_per_dioptre_px,
     unlimited,
 )
-from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.graph import plan_passes
+from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import Reference, read_rgb
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene

@@ -20,8 +20,8 @@ from vrcomfort.protocol.conditions import (
     SpeedBlur,
     TurnRamp,
 )
-from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.graph import plan_passes
+from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import read_rgb
 from vrcomfort.scene.animation import Animation, Channel
 from vrcomfort.scene.load import load_scene

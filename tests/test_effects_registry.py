@@ -5,10 +5,24 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from importlib import import_module
+from pathlib import Path
 
+import pytest
+
+from tests.support.render import still_life
 from tests.support.study import PROTOCOL, tiny_protocol
-from vrcomfort.protocol.conditions import EFFECTS
+from vrcomfort.geometry import Pose
+from vrcomfort.gpu.passes import watched
+from vrcomfort.gpu.traffic import TrafficCounter
+from vrcomfort.protocol.conditions import EFFECTS, Condition
+from vrcomfort.protocol.quality_levels import dialled, quality_table
 from vrcomfort.render import graph
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.settings.reading import fields_at
+from vrcomfort.tradeoff.costs import a_step
+
+ROOT = Path(__file__).parent.parent
 
 FACTORS = """\
 [[factors]]
@@ -126,3 +140,63 @@ def test_every_effect_has_a_way_to_be_drawn():
 def test_what_is_centred_on_the_gaze_can_be_crossed_as_a_factor(tmp_path):
     protocol = tiny_protocol(tmp_path, crossed(GAZE))
     assert [each.centred_on_gaze for each in protocol.conditions] == [(), ("vignette",)]
+
+
+def test_levels_of_quality_name_effects_and_their_settings():
+    assert set(dialled()) <= set(EFFECTS)
+    for level in quality_table().levels.values():
+        for effect, settings in level.root.items():
+            fields = fields_at(Condition, ["depth_of_field" if effect == "lens" else effect])
+            assert set(settings) <= set(fields), effect
+
+
+def test_a_part_that_reads_what_no_part_writes_is_refused_by_name():
+    plan = graph.EFFECTS["vignette"].plan
+    scene = graph.Part("scene", plan, writes=("colour",))
+    fog = graph.Part("fog", plan, reads=("colour", "haze"), writes=("colour",))
+    haze = graph.Part("haze_search", plan, reads=("colour",), writes=("haze",))
+    graph.check_parts([scene, haze, fog])
+    with pytest.raises(ValueError, match="fog reads the image 'haze', which no part of a frame"):
+        graph.check_parts([scene, fog])
+    with pytest.raises(ValueError, match="'haze', which haze_search writes after it"):
+        graph.check_parts([scene, fog, haze])
+
+
+def test_the_figure_of_a_frame_is_made_from_its_declaration(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "scripts")
+    figure = import_module("frame_figure")
+    parts = graph.frame_of(Condition(name="all"))
+    drawn = figure.frame_svg(parts)
+    assert figure.FILE.read_text(encoding="utf-8") == drawn, "run python scripts/frame_figure.py"
+    assert drawn.count('fill="#1f5fa8"') == sum(len(part.writes) for part in parts)
+    assert figure.frame_svg(parts[:-1]) != drawn
+
+
+def test_an_effect_reads_the_images_that_it_declares(ctx):
+    """Depth, focus and velocity are read by those that say so, and by no others."""
+    walking = {"moving": {"from_m_s": 0.01, "to_m_s": 0.1}}
+    settings = {
+        "depth_of_field": {}, "motion_blur": {"mode": "full"}, "speed_blur": walking,
+        "relocation_blur": {}, "vignette": {"open_deg": 20.0, "restricted_deg": 10.0},
+    }  # fmt: skip
+    condition = Condition.model_validate({"name": "all", **settings})
+    assert tuple(settings) == EFFECTS
+    renderer, counter = StereoRenderer(ctx, (48, 40), eyes=1), TrafficCounter(ctx)
+    renderer.build(still_life(), condition)
+    before, frame = a_step(Pose(), (48, 40))
+    renderer.render(before, 0.0)
+    with watched(counter):
+        renderer.render(frame, 0.1)
+    scene = renderer.scene_pass
+    images = {
+        "depth": scene.depth.glo, "velocity": scene.velocity.glo,
+        "focus": renderer.focus.texture.glo,
+    }  # fmt: skip
+    for name, effect in graph.EFFECTS.items():
+        read = {image.name for each in counter.parts[name] for image in each.declared.reads}
+        if name == "depth_of_field":  # its radii are written where samples are resolved
+            read |= {
+                image.name for each in counter.parts["resolve"] for image in each.declared.reads
+            }
+        assert {image for image, number in images.items() if number in read} == effect.reads
+    renderer.release()

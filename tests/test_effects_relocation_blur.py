@@ -16,9 +16,9 @@ from vrcomfort.optics.motion import level_after
 from vrcomfort.protocol.conditions import Condition, RelocationBlur
 from vrcomfort.render.camera import HeadStep
 from vrcomfort.render.effects.relocation_blur import RelocationBlurPass
+from vrcomfort.render.graph import plan_passes
 from vrcomfort.render.output import read_rgb8
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.graph import plan_passes
 
 RESTING = HeadStep(Pose(), Pose(), Pose(), Pose(), 1 / 90)
 SECOND_NS = 1_000_000_000

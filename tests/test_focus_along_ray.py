@@ -23,8 +23,8 @@ from vrcomfort.render.effects.depth_of_field.coc_passes import (
 from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.focus.search import HeadView
 from vrcomfort.render.gpu_scene import GpuScene
-from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.graph import plan_effect
+from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import Reference
 
 NEAR_M = 0.02

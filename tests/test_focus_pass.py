@@ -12,7 +12,8 @@ from vrcomfort.geometry import Pose, axis_angle, yaw_pitch_roll
 from vrcomfort.gpu.gl import LATENCY
 from vrcomfort.optics.refocus import LAWS
 from vrcomfort.protocol.conditions import Focus, FocusRuleName
-from vrcomfort.render.focus.rules import RULES, FixedFocus, make_focus_pass
+from vrcomfort.render.focus.at_rest import FixedFocus
+from vrcomfort.render.focus.rules import RULES, make_focus_pass
 from vrcomfort.render.focus.search import HeadView
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.scene.animation import Animation, Channel

@@ -16,8 +16,8 @@ from vrcomfort.headset.playback import default_fovs
 from vrcomfort.optics.focus import scripted_focus_m
 from vrcomfort.protocol import Condition, DepthOfField, Focus
 from vrcomfort.protocol.conditions import MotionBlur
-from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.graph import plan_focus
+from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
 
 SCRIPT = ((1.0, 4.0), (2.0, 4.0), (3.0, 1.0))

@@ -25,9 +25,9 @@ from vrcomfort.render.effects.vignette import VignettePass
 from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.focus.search import HeadView
 from vrcomfort.render.gpu_scene import GpuScene
+from vrcomfort.render.graph import plan_passes
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.graph import plan_passes
 
 NEAR_M = 0.02
 LEFT_EYE = Fov(*np.arctan([-1.2, 0.9, 1.0, -1.1]).tolist())

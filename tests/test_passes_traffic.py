@@ -4,7 +4,14 @@ import json
 
 import pytest
 
+from tests.support.gl_trace import traced
 from vrcomfort.cli import main
+from vrcomfort.gpu.passes import watched
+from vrcomfort.gpu.traffic import TrafficCounter
+from vrcomfort.protocol import load_protocol
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.scene.load import load_scene
+from vrcomfort.tradeoff.costs import a_step
 
 
 @pytest.fixture
@@ -20,17 +27,23 @@ def passes(monkeypatch, capsys):
 
 
 @pytest.mark.slow
-def test_effects_have_passes_draws_and_bytes_and_plain_frames_have_none(passes):
+def test_all_parts_of_a_frame_have_passes_draws_and_bytes(passes):
     found = json.loads(passes("motion_blur_2020", "--size", "64x48", "--json"))["traffic"]
-    assert {(row["condition"], row["effect"]) for row in found} == {
-        (name, "motion_blur") for name in ("full", "objects", "translation", "translation_faded")
-    }
-    for row in found:
-        assert row["draws"] >= row["passes"] >= 2
-        # Colour and velocity are read, and colour is written: at least.
-        assert row["bytes_per_pixel"] >= 8 + 4 + 8
-        both_eyes = 2 * 64 * 48 * row["bytes_per_pixel"] / 1e6
-        assert row["megabytes_both_eyes"] == pytest.approx(both_eyes, abs=0.01)
+    whole = {(row["condition"], row["part"]): row for row in found}
+    assert {condition for condition, part in whole if part == "motion_blur"} == {
+        "full", "objects", "translation", "translation_faded",
+    }  # fmt: skip
+    parts = {part for condition, part in whole if condition == "off"}
+    assert parts == {"shadow", "scene", "resolve", "tone_map", "headset", "whole frame"}
+    blurred = whole["full", "motion_blur"]
+    assert blurred["draws"] >= blurred["passes"] >= 2
+    # Colour and velocity are read, and colour is written: at least.
+    assert blurred["bytes_per_pixel"] >= 8 + 4 + 8
+    assert whole["off", "headset"]["bytes_per_pixel"] == 4 * 4  # colour and depth, read and written
+    for condition in {condition for condition, _ in whole}:
+        rows = [row for (name, _), row in whole.items() if name == condition]
+        *each, total = (row["megabytes_both_eyes"] for row in rows)
+        assert total == pytest.approx(sum(each), abs=0.005 * len(rows))
 
 
 @pytest.mark.slow
@@ -45,5 +58,28 @@ def test_nothing_is_drawn_where_nobody_asks(passes):
 def test_the_table_says_how_it_was_counted(passes):
     said = passes("motion_blur_2020", "--size", "64x48")
     assert "Passes and draws of an eye" in said
+    assert "whole frame" in said
     assert "motion_blur" in said
     assert "reads each of its textures once" in " ".join(said.split())
+
+
+@pytest.mark.parametrize("case", ["plain", "dof", "both"])
+def test_the_bytes_of_a_whole_frame_are_those_that_opengl_tells(ctx, case):
+    """Within 5 %, with every texture, target and sample asked of OpenGL at each call."""
+    condition = load_protocol("smoke").condition(case)
+    scene, size_px = load_scene("temple"), (96, 80)
+    before, frame = a_step(scene.spawn, size_px)
+    renderer, counter = StereoRenderer(ctx, size_px), TrafficCounter(ctx)
+    with traced(ctx) as trace:
+        renderer.build(scene, condition)
+        renderer.render(before, 0.0)
+        trace.begin()
+        renderer.render(frame, 0.1)
+        told = trace.bytes
+    renderer.render(before, 0.0)
+    with watched(counter):
+        renderer.render(frame, 0.1)
+    renderer.release()
+    declared = sum(each.bytes for each in counter.drawn)
+    assert declared > 200 * size_px[0] * size_px[1]
+    assert declared == pytest.approx(told, rel=0.05)

@@ -16,8 +16,8 @@ from vrcomfort.gpu import gl
 from vrcomfort.gpu.passes import Watcher
 from vrcomfort.gpu.passes import watched as passes_watched
 from vrcomfort.protocol.conditions import EFFECTS, Condition, Kernel
-from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.graph import plan_passes
+from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.tradeoff.costs import a_step, by_effect, traffic_of
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 

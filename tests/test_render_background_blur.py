@@ -13,9 +13,9 @@ from tests.support.render import still_life
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.conditions import BackgroundBlur, Condition, DepthOfField
 from vrcomfort.render.camera import NEAR_M
+from vrcomfort.render.graph import plan_passes
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.graph import plan_passes
 from vrcomfort.scene.data import Node
 
 PLAIN = Condition(name="plain")

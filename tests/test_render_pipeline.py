@@ -8,9 +8,9 @@ from tests.support.render import RIGHT_ANGLE, at, floor, glowing, scene, still_l
 from vrcomfort.geometry import Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.gpu import gl
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
+from vrcomfort.render.graph import plan_passes
 from vrcomfort.render.output import read_rgb8, read_texture
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.graph import plan_passes
 
 SIZE = (48, 40)
 PLAIN = Condition(name="plain")

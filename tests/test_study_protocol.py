@@ -13,7 +13,7 @@ from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol, parse_protocol
 from vrcomfort.protocol.condition_check import NEEDS, condition_tables
-from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
+from vrcomfort.protocol.conditions import Condition
 from vrcomfort.resources import data_folder
 from vrcomfort.settings.locate import locate
 

@@ -24,6 +24,11 @@ if TYPE_CHECKING:
     from vrcomfort.scene.data import Scene
 
 UNKNOWN = "?"
+WHOLE = "whole frame"
+ONCE = ("shadow", "focus", "gaze_hit")
+"""Parts that are drawn once for both eyes."""
+COLOUR_BYTES, DEPTH_BYTES = 4, 4
+"""Of a pixel that the runtime gets."""
 MOST_VIEWS = 4
 """Through the lens, of which a frame is drawn to count what it sends through memory."""
 
@@ -85,7 +90,8 @@ class PlannedPasses:
     megabytes
         GPU memory by kind, or None where there is no OpenGL.
     traffic
-        What each effect sends through memory for one eye; None where no frame was drawn.
+        What each part of a frame sends through memory, by name: parts of both eyes for one eye;
+        None where no frame was drawn.
     """
 
     scene: str
@@ -124,9 +130,9 @@ class StudyPasses:
             "costs": [name | self._cost(row) for row, name in names],
             "no_limit": [_beyond_as_data(name, beyond) for name, beyond in self.beyond.items()],
             "traffic": [
-                name | {"effect": effect} | _traffic_as_data(found, self.size_px)
+                name | {"part": part} | _traffic_as_data(part, found, self.size_px)
                 for row, name in names
-                for effect, found in (row.traffic or {}).items()
+                for part, found in (row.traffic or {}).items()
             ],
             "measured": measured.model_dump() if measured else None,
         }
@@ -148,15 +154,31 @@ def _beyond_as_data(condition: str, beyond: Unlimited) -> dict[str, Any]:
     return {"condition": condition, **beyond._asdict(), "ranges": ranges}
 
 
-def _traffic_as_data(found: Traffic, size_px: tuple[int, int]) -> dict[str, Any]:
-    """Return passes and draws of an eye, and bytes for each of its pixels and of both eyes."""
-    pixels = size_px[0] * size_px[1]
+def _traffic_as_data(part: str, found: Traffic, size_px: tuple[int, int]) -> dict[str, Any]:
+    """Return passes and draws of an eye, and bytes for each of its pixels and of both eyes.
+
+    What is drawn once for both eyes counts half for each.
+    """
+    both = found.bytes * (1 if part in ONCE else 2)
     return {
         "passes": found.passes,
         "draws": found.draws,
-        "bytes_per_pixel": round(found.bytes / pixels, 2),
-        "megabytes_both_eyes": round(2 * found.bytes / 1e6, 2),
+        "bytes_per_pixel": round(both / 2 / (size_px[0] * size_px[1]), 2),
+        "megabytes_both_eyes": round(both / 1e6, 2),
     }
+
+
+def _whole(traffic: dict[str, Traffic]) -> Traffic:
+    """Return a frame's traffic of one eye, what is drawn once for both eyes by half its bytes."""
+    from vrcomfort.gpu.traffic import Traffic
+
+    found = traffic.items()
+    return Traffic(
+        sum(each.passes for _, each in found),
+        sum(each.draws for _, each in found),
+        sum(each.bytes / (2 if part in ONCE else 1) for part, each in found),
+        None,
+    )
 
 
 def study_passes(study: Protocol, size_px: tuple[int, int], *, draw: bool = True) -> StudyPasses:
@@ -222,14 +244,17 @@ def _traffic(
     scene: Scene, condition: Condition, renderer: StereoRenderer
 ) -> dict[str, Traffic] | None:
     """Draw a frame where the scene begins; not of many views, which would take minutes."""
-    from vrcomfort.tradeoff.costs import a_step, by_effect, traffic_of
+    from vrcomfort.gpu.traffic import copied
+    from vrcomfort.tradeoff.costs import a_step, traffic_of
 
     lens = condition.depth_of_field
     if lens is not None and lens.views > MOST_VIEWS:
         return None
     size_px = renderer.size_px
     step = a_step(scene.spawn, size_px)
-    return by_effect(traffic_of(renderer.ctx, scene, condition, step, size_px))
+    found = traffic_of(renderer.ctx, scene, condition, step, size_px)
+    found["headset"] = copied(size_px, COLOUR_BYTES + DEPTH_BYTES)
+    return found | {WHOLE: _whole(found)}
 
 
 def _quality(condition: Condition, drawn: list[str]) -> str:
@@ -292,21 +317,19 @@ def _cost_table(found: StudyPasses) -> Table:
 
 def _traffic_table(found: StudyPasses) -> Table:
     width, height = found.size_px
-    table = _table(
-        f"Passes and draws of an eye, bytes through memory of both, 2 × {width}×{height}"
-    )
+    table = _table(f"Passes and draws of an eye; bytes of the frames of both, 2 × {width}×{height}")
     for column in ("condition", "scene"):
         table.add_column(column, overflow="fold")
-    table.add_column("effect", no_wrap=True)
+    table.add_column("part", no_wrap=True)
     for column in ("passes", "draws", "bytes/px", "MB"):
         table.add_column(column, justify="right", no_wrap=True)
     for row in found.rows:
-        for effect, each in (row.traffic or {}).items():
-            data = _traffic_as_data(each, found.size_px)
+        for part, each in (row.traffic or {}).items():
+            data = _traffic_as_data(part, each, found.size_px)
             table.add_row(
                 row.condition,
                 row.scene,
-                effect,
+                part,
                 str(each.passes),
                 str(each.draws),
                 f"{data['bytes_per_pixel']:.1f}",
@@ -341,7 +364,9 @@ def _notes(found: StudyPasses) -> list[str]:
         told.append(
             "Passes, draws and bytes are those of a frame drawn here where the scene begins, of a "
             "head that walks: each pass reads each of its textures once and writes what it draws; "
-            "a mip chain is one pass. They grow with what is on the way."
+            "a mip chain is one pass. They grow with what is on the way. "
+            "`headset` is the copy of each image to the runtime; vertices are not counted, and a "
+            "GPU that compresses, or keeps tiles on chip, moves less."
         )
     return [
         *told,

@@ -22,6 +22,7 @@ from vrcomfort.cli.options import (
 from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.geometry import Pose
+from vrcomfort.protocol.changed import changed, idle_settings
 
 PoseOption = Annotated[
     str | None,
@@ -51,6 +52,15 @@ def render(
     ] = None,
     protocol: ProtocolOption = None,
     condition: ConditionOption = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="SETTING=VALUE",
+            help="A setting of the condition, such as vignette.open_deg=60, or motion_blur=none; "
+            "once for each.",
+        ),
+    ] = None,
     size: Size = "640x800",
     reference: Annotated[
         int,
@@ -69,8 +79,12 @@ def render(
 
     - `vrcomfort render --scene temple --out picture`
     - `vrcomfort render --scene mountain --pose 0,1.6,0,30,-5,0 --reference 256 --out picture`
+    - `vrcomfort render --scene temple --set motion_blur=none --set vignette.open_deg=60 --out v`
     """
     study, shown = pick_condition(protocol, condition)
+    shown = changed(shown, "--set", settings or ())
+    for note in idle_settings(shown, settings or ()):
+        warn(f"--set {note}")
     folder = output_folder(out)
     views = render_views(
         scene,

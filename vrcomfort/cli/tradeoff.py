@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
@@ -14,6 +14,9 @@ from vrcomfort.api.outputs import output_folder
 from vrcomfort.cli.options import Quiet, output_option, parse_size
 from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.errors import InputError
+
+if TYPE_CHECKING:
+    from vrcomfort.tradeoff.methods import Effect
 
 Name = TypeVar("Name", bound=str)
 QUICK_SAMPLES = 512
@@ -34,8 +37,8 @@ def tradeoff(
         str | None,
         typer.Option(
             metavar="NAME,…",
-            help="depth_of_field, motion_blur, both; without it, the first two. Or focus, "
-            "alone: what each search for the focus costs.",
+            help="depth_of_field, motion_blur, both; without it, the first two. Or other effects: "
+            "what each costs. Or focus, alone: what each search for the focus costs.",
         ),
     ] = None,
     methods: Annotated[
@@ -104,27 +107,40 @@ def tradeoff(
     - `vrcomfort tradeoff --quick --out out/tradeoff`
     - `vrcomfort tradeoff --scenes temple --effects depth_of_field --samples 4096 --out temple`
     - `vrcomfort tradeoff --effects depth_of_field --size 1832x1920 --windows --out headset`
+    - `vrcomfort tradeoff --effects vignette,speed_blur --out effects`
     - `vrcomfort tradeoff --effects focus --out focus`
     - `vrcomfort tradeoff --cluster tcp://host:8786 --cache /shared/cache --out out/tradeoff`
     """
     # Before anything loads OpenMP: FLIP's threads would wait for each other's cores.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     from vrcomfort.tradeoff.cases import Scope
+    from vrcomfort.tradeoff.effect_costs import NAMES
     from vrcomfort.tradeoff.methods import EFFECTS, LENS_NAMES
     from vrcomfort.tradeoff.run import tradeoff as run
     from vrcomfort.tradeoff.store import default_folder
     from vrcomfort.tradeoff.walk import SCENES
 
-    if effects is not None and effects.strip() == "focus":
+    asked = _chosen("--effects", effects, EFFECTS[:2], (*EFFECTS, *NAMES, "focus"))
+    judged: tuple[Effect, ...] = tuple(each for each in EFFECTS if each in asked)
+    if set(asked) & {"focus", *NAMES}:
+        if judged or ("focus" in asked and len(asked) > 1):
+            raise InputError(
+                f"--effects {effects} asks for tables of different kinds; ask in runs of their "
+                f"own for focus, for {', '.join(NAMES)}, and for {', '.join(EFFECTS)}"
+            )
         others = (methods, lens, poses, pose, samples, jobs, cluster, cache)
         if any((windows, flicker, references, eyes == 1, *(each is not None for each in others))):
-            raise InputError("--effects focus takes --scenes, --size, --rounds and --quick alone")
-        chosen = _chosen("--scenes", scenes, SCENES)
-        _tradeoff_of_focus(output_folder(out), chosen, size, rounds, quick=quick, quiet=quiet)
+            message = f"--effects {effects} takes --scenes, --size, --rounds and --quick alone"
+            raise InputError(message)
+        where = output_folder(out), _chosen("--scenes", scenes, SCENES)
+        if "focus" in asked:
+            _tradeoff_of_focus(*where, size, rounds, quick=quick, quiet=quiet)
+        else:
+            _tradeoff_of_effects(*where, asked, size, rounds, quick=quick, quiet=quiet)
         return
     scope = Scope(
         scenes=_chosen("--scenes", scenes, SCENES),
-        effects=_chosen("--effects", effects, EFFECTS[:2], EFFECTS),
+        effects=judged,
         motions=("walk",) if quick else ("walk", "turn"),
         poses=poses or (1 if quick else 2),
         pose=None if pose is None else pose - 1,
@@ -188,6 +204,29 @@ def _tradeoff_of_focus(
                 costs += focus.search_costs(scene, size_px, rounds, advance)
             errors += focus.zone_errors(scene, places, advance)
     console(quiet).print(f"Focus: {focus.write(out, costs, errors, context())}")
+
+
+def _tradeoff_of_effects(
+    out: Path,
+    scenes: tuple[str, ...],
+    names: tuple[str, ...],
+    size: str | None,
+    rounds: int | None,
+    *,
+    quick: bool,
+    quiet: bool,
+) -> None:
+    """Measure effects that err from no ground truth, and write effects.md and effects.csv."""
+    from vrcomfort.tradeoff import effect_costs as measured
+    from vrcomfort.tradeoff.captures import context
+    from vrcomfort.tradeoff.cases import Scope
+
+    size_px = parse_size(size) if size else QUICK_SIZE_PX if quick else Scope.size_px
+    scope = Scope(scenes=scenes, size_px=size_px, quick=quick, rounds=rounds)
+    steps = measured.steps(names) * len(scenes)
+    with progress_bar("effects", steps, quiet=quiet) as advance:
+        costs = measured.effect_costs(scope, names, advance)
+    console(quiet).print(f"Effects: {measured.write(out, costs, context())}")
 
 
 def _chosen(

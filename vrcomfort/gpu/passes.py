@@ -32,22 +32,27 @@ class Image:
         Of all that may be read: all samples and layers, and all mipmap levels where they are used.
     samples
         Of each pixel.
+    of_surface
+        Bytes of a texel where surfaces are painted with it, of which a pixel reads but one; 0 for
+        what passes read as a whole.
     """
 
     name: int
     size_px: tuple[int, int]
     bytes: float
     samples: int = 1
+    of_surface: int = 0
 
     @classmethod
-    def of(cls, texture: AnyTexture, *, mipmaps: bool = False) -> Image:
+    def of(cls, texture: AnyTexture, *, mipmaps: bool = False, of_surface: bool = False) -> Image:
         """Return the image of a texture."""
         width, height = texture.size[:2]
         layers = 1 if isinstance(texture, moderngl.Texture) else texture.layers
         samples = texture.samples if isinstance(texture, moderngl.Texture) else 0
         texel = texel_bytes(texture.components, texture.dtype)
         size = texture_bytes((width, height), texel, samples=samples, mipmaps=mipmaps)
-        return cls(texture.glo, (width, height), layers * size, max(samples, 1))
+        surface = texel if of_surface else 0
+        return cls(texture.glo, (width, height), layers * size, max(samples, 1), surface)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,8 @@ This travels between machines, as times do not. Passes declare what they read an
 
 The accounting: a pass reads each of its textures once, all levels that its sampler may use, and
 writes every sample that it draws; where it blends, it reads that too. A draw that covers a part of
-its target reads the same part of each texture. Caches are perfect within a pass and empty between
+its target reads the same part of each texture; of images that surfaces are painted with, each
+pixel reads a texel. Caches are perfect within a pass and empty between
 two: a floor, which no reading of a texel twice changes. Vertices are not counted.
 """
 
@@ -52,10 +53,14 @@ class DrawnPass:
         whole = sum(image.bytes for image in (*reads, *self.declared.earlier))
         if not self.draws:
             return whole + sum(image.bytes for image in writes)
-        samples = max(image.size_px[0] * image.size_px[1] * image.samples for image in writes)
-        covered = self.samples / samples
+        target = max(writes, key=lambda image: image.size_px[0] * image.size_px[1])
+        covered = self.samples / (target.size_px[0] * target.size_px[1] * target.samples)
+        pixels = self.samples / target.samples
+        surfaces = sum(image.bytes for image in reads if image.of_surface)
+        painted = sum(pixels * image.of_surface for image in reads)
+        read = min(1.0, covered) * (whole - surfaces) + min(surfaces, painted)
         written = covered * sum(image.bytes for image in writes)
-        return min(1.0, covered) * whole + written * (2 if self.declared.blends else 1)
+        return read + written * (2 if self.declared.blends else 1)
 
 
 class Traffic(NamedTuple):
@@ -79,6 +84,11 @@ def added_up(drawn: Sequence[DrawnPass]) -> Traffic:
         bytes=sum(each.bytes for each in drawn),
         reads=reads or None,
     )
+
+
+def copied(size_px: tuple[int, int], texel: int) -> Traffic:
+    """Return the traffic of copying an image with `texel` bytes a texel."""
+    return Traffic(0, 0, 2 * size_px[0] * size_px[1] * texel, None)
 
 
 def _passes(drawn: Sequence[Pass]) -> int:

@@ -146,7 +146,7 @@ class ConditionPasses:
                 self.scene.depth,
                 # Only the first effect reads the scene's own image: there the resolve writes radii.
                 self.scene.resolve if self.colour is self.scene.colour else None,
-                {name: texture for name in registered.reads if (texture := made[name]) is not None},
+                {name: found for name in registered.reads if (found := made.get(name)) is not None},
             )
         )
         if effect is not None:

@@ -19,8 +19,19 @@ from vrcomfort.render.lighting import has_sun
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
-_FOUND = {each.name: each for each in declared_in(effects, RegisteredEffect)}
-EFFECTS = {name: _FOUND[name] for name in NAMES}
+
+def _registered() -> dict[EffectName, RegisteredEffect]:
+    found = {each.name: each for each in declared_in(effects, RegisteredEffect)}
+    missing, unknown = set(NAMES) - set(found), set(found) - set(NAMES)
+    if missing or unknown:
+        raise RuntimeError(
+            f"EffectTables and the modules of {effects.__name__} declare different effects: "
+            f"{', '.join(sorted(missing | unknown))}"
+        )
+    return {name: found[name] for name in NAMES}
+
+
+EFFECTS = _registered()
 """By name, in the order of their tables in a condition."""
 
 
@@ -102,8 +113,7 @@ def plan_effect(name: EffectName, scene: Scene, condition: Condition) -> Planned
 
 
 def _effect(effect: RegisteredEffect) -> Part:
-    reads = ("colour", "depth", *sorted(effect.reads))
-    return Part(effect.name, effect.plan, reads, writes=("colour",))
+    return Part(effect.name, effect.plan, ("colour", *sorted(effect.reads)), writes=("colour",))
 
 
 def _readers(texture: str, scene: Scene, condition: Condition) -> list[str]:

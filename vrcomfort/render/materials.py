@@ -266,7 +266,9 @@ class TextureStore:
             for kind, images in zip(arrays.kinds, arrays.layers, strict=True)
         ]
 
-        self.images = tuple(passes.Image.of(each, mipmaps=True) for each in uploaded)
+        self.images = tuple(
+            passes.Image.of(each, mipmaps=True, of_surface=True) for each in uploaded
+        )
         """What surfaces may read."""
         self.bind = gl.binder(ctx, uploaded, FIRST_UNIT)
         """Puts every array on its unit."""

@@ -26,6 +26,7 @@ from vrcomfort.gpu.gl import describe
 from vrcomfort.gpu.timer import is_software
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.conditions import Condition, Focus
+from vrcomfort.render.focus.rules import RULES
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.tradeoff.captures import context
 from vrcomfort.tradeoff.store import scene_and_hash
@@ -89,9 +90,13 @@ def searches() -> list[FocusMethod]:
         FocusMethod("autofocus_zone", _with(zone, zone_ratio=ratio, zone_mean_on=where))
         for ratio, where in product(ZONE_RATIOS, ("cpu", "gpu"))
     ]
-    rays = FocusMethod("nine_ray", _with(zone, method="nine_ray"))
+    rules = [
+        FocusMethod(name, _with(zone, method=name))
+        for name, rule in RULES.items()
+        if name not in {"autofocus_zone", "gaze"} and rule.plan(zone).needed
+    ]
     fixed = FocusMethod("fixed", Focus(method="fixed", fixed_m=1.5))
-    return [FocusMethod("no blur", None), fixed, *zones, rays]
+    return [FocusMethod("no blur", None), fixed, *zones, *rules]
 
 
 def search_costs(

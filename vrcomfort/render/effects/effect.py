@@ -8,7 +8,7 @@ an `EffectPass`, its shader and the shader's twin, and an `RegisteredEffect` in
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 import moderngl
@@ -123,10 +123,13 @@ class RegisteredEffect:
     build
         Make it, where it is there; None where it needs no pass of its own.
     reads
-        Textures besides colour and depth, which are made for nothing else.
+        Images besides colour; focus and velocity are made for nothing else.
+    measured
+        Settings, besides defaults, with which its cost is measured on a walk: so that it draws.
     """
 
     name: EffectName
     plan: Callable[[Scene, Condition], PlannedPass]
     build: Callable[[EffectInputs], EffectPass | None]
-    reads: frozenset[Literal["focus", "velocity"]] = frozenset()
+    reads: frozenset[Literal["depth", "focus", "velocity"]] = frozenset()
+    measured: Mapping[str, Any] = field(default_factory=dict)

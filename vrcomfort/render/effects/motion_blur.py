@@ -164,7 +164,7 @@ class MotionBlurPass:
         )
 
 
-EFFECT = RegisteredEffect("motion_blur", plan, build, reads=frozenset({"velocity"}))
+EFFECT = RegisteredEffect("motion_blur", plan, build, reads=frozenset({"depth", "velocity"}))
 
 
 class Shutter(NamedTuple):

@@ -96,4 +96,9 @@ def _axis(
     )
 
 
-EFFECT = RegisteredEffect("speed_blur", plan, reading_colour(SpeedBlurPass))
+EFFECT = RegisteredEffect(
+    "speed_blur",
+    plan,
+    reading_colour(SpeedBlurPass),
+    measured={"moving": {"from_m_s": 0.01, "to_m_s": 0.1}},
+)

@@ -169,4 +169,6 @@ def _mean(
     )
 
 
-EFFECT = RegisteredEffect("vignette", plan, reading_colour(VignettePass))
+EFFECT = RegisteredEffect(
+    "vignette", plan, reading_colour(VignettePass), measured={"open_deg": 60.0}
+)

@@ -151,7 +151,7 @@ class DepthOfFieldPass:
         self._coc.reset()
 
 
-EFFECT = RegisteredEffect("depth_of_field", plan, build, reads=frozenset({"focus"}))
+EFFECT = RegisteredEffect("depth_of_field", plan, build, reads=frozenset({"depth", "focus"}))
 
 
 LEAST_BLUR_PX = 0.75
