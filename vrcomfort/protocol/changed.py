@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable
 from typing import Any
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.condition_check import NEEDS, idle
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.settings import did_you_mean
+from vrcomfort.settings import did_you_mean, read_toml
 from vrcomfort.settings.reading import Problem, fields_at, parse_data
 
 NO_TABLE = "none"
@@ -93,6 +92,6 @@ def _check(option: str, path: str) -> None:
 def _value(text: str) -> Any:
     """Return a TOML value, or the text itself where it is none: a word without its marks."""
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except ValueError:
+        return read_toml(f"value = {text}", None)["value"]
+    except InputError:
         return text
