@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import t as t_distribution
 
 from vrcomfort.errors import InputError
 from vrcomfort.stats.anova import anova
@@ -137,7 +138,7 @@ def ours_marginal_means(name: str) -> dict[str, float | None]:
     table = crossed(name).reset_index(drop=True).drop(index=[2, 7, 13, 14, 39, 60])
     model = mixed_model(
         table, value="value", participant="participant", factors=["dose", "view", "group"],
-        references={"dose": "low"},
+        references={"dose": "low"}, errors="model",
     )  # fmt: skip
     keys = ("estimate", "standard_error", "df", "low", "high")
     found = {
@@ -187,6 +188,9 @@ def test_numbers_are_those_of_r(analysis: str, dataset: str) -> None:
     ours = OURS[analysis](dataset)
     expected = dict(zip(rows["quantity"], rows["value"], strict=True))
     known = {key: value for key, value in expected.items() if not np.isnan(value)}
+    if analysis == "pearson":  # R's interval is Fisher's, which skewed scores leave
+        low, high = known.pop("low"), known.pop("high")
+        assert ours["low"] <= low < high <= ours["high"]
     assert {key: ours[key] for key in known} == pytest.approx(known, rel=1e-6, abs=1e-12)
 
 
@@ -350,3 +354,30 @@ def test_a_bayes_factor_is_that_of_pingouin(t: float, sizes: tuple[int, int | No
     n, m = sizes
     theirs = pingouin().bayesfactor_ttest(t, n, m, paired=m is None, r=PRIOR_SCALE)
     assert jzs_bayes_factor(t, n, m) == pytest.approx(float(theirs), rel=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("method", ["pearson", "spearman", "kendall"])
+def test_intervals_of_correlations_say_of_0_what_p_says(method: str, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    x, y = random.integers(0, 5, (2, 5 + seed % 12)) ** 2
+    found = correlation(x, y + x * (seed % 3), method=method)
+    if found.low is None or found.high is None or found.p is None:
+        return
+    above = found.low < 0 or (found.low == 0 and found.low_closed)
+    below = found.high > 0 or (found.high == 0 and found.high_closed)
+    assert (above and below) == (found.p > 0.05)
+    assert -1 <= found.low <= found.estimate <= found.high <= 1
+
+
+def test_pearsons_interval_is_that_of_the_jackknife_where_a_pair_is_far_out() -> None:
+    """SciPy's r of each set without a pair; the jackknife's error of atanh r, and t of 8 df."""
+    x = np.array([1.0, 2, 2, 3, 4, 4, 5, 6, 7, 30])
+    y = np.array([2.0, 1, 3, 2, 5, 3, 6, 4, 5, 12])
+    z = np.arctanh([np.corrcoef(np.delete(x, i), np.delete(y, i))[0, 1] for i in range(10)])
+    error = np.sqrt(9 / 10 * np.sum((z - z.mean()) ** 2))
+    assert error > 1 / np.sqrt(7)
+    found = correlation(x, y, method="pearson")
+    half = t_distribution.isf(0.025, 8) * error
+    expected = np.tanh(np.arctanh(found.estimate) + np.array([-half, half]))
+    assert (found.low, found.high) == pytest.approx(tuple(expected), rel=1e-9)

@@ -44,7 +44,7 @@ def test_mixed_model_of_complete_crossover_data_is_the_closed_form():
     closed = crossover(FIRST, SECOND, A_FIRST)
     model = mixed_model(
         long(), value="y", participant="id", factors=["condition", "period", "sequence"],
-        references={"condition": "b"},
+        references={"condition": "b"}, errors="model",
     )  # fmt: skip
     pairs = zip(
         model.terms.values(), (closed.condition, closed.period, closed.sequence), strict=True
@@ -103,7 +103,9 @@ def fewest(text: str) -> pd.DataFrame:
 
 def test_standard_error_with_missing_cells_is_that_of_lme4_and_nlme():
     table = fewest("ax0 ay9 bx4 by7 cx22 cy30 dy11 ex15 fy3")
-    model = mixed_model(table, value="y", participant="person", factors=["condition"])
+    model = mixed_model(
+        table, value="y", participant="person", factors=["condition"], errors="model"
+    )
     assert model.terms["condition: y − x"].standard_error == pytest.approx(1.8317, abs=5e-5)
 
 
@@ -168,7 +170,9 @@ def test_people_who_differ_as_residuals_do_leave_all_degrees_of_freedom():
         for i, value in enumerate(values)
         if value is not None
     ]
-    model = mixed_model(pd.DataFrame(rows), value="y", participant="id", factors=["condition"])
+    model = mixed_model(
+        pd.DataFrame(rows), value="y", participant="id", factors=["condition"], errors="model"
+    )
     assert model.participant_sd == 0
     assert [term.df for term in model.terms.values()] == pytest.approx([38, 38])
     assert model.terms["condition: c − a"].p == pytest.approx(0.06602701, abs=1e-8)

@@ -158,7 +158,9 @@ def ours_friedman(name: str) -> Values:
 def ours_mixed_model(name: str) -> Values:
     found, table = {}, data_set("exposures.csv", name)
     for factors in (["condition"], ["condition", "period"])[: table["period"].nunique()]:
-        model = mixed_model(table, value="score", participant="participant", factors=factors)
+        model = mixed_model(
+            table, value="score", participant="participant", factors=factors, errors="model"
+        )
         values = chosen(model, "n_participants", "n_values", "participant_sd", "residual_sd")
         for term, estimate in model.terms.items():
             values |= prefixed(f"{term} ", chosen(estimate, *ESTIMATE))

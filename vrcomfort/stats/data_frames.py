@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from vrcomfort.stats.anova import AnovaEffect, SumsOfSquares
     from vrcomfort.stats.correlation import Method
     from vrcomfort.stats.effects import EffectSize
-    from vrcomfort.stats.mixed import Estimate
+    from vrcomfort.stats.mixed import Errors, Estimate
     from vrcomfort.stats.ranks import Alternative
     from vrcomfort.stats.shift import Shift
     from vrcomfort.stats.signed_rank import PValue, Zeros
@@ -396,6 +396,7 @@ def mixed_model(
     factors: str | Sequence[str],
     covariates: str | Sequence[str] = (),
     references: Mapping[str, str] | None = None,
+    errors: Errors = "cluster_robust",
     confidence: float = 0.95,
 ) -> pd.DataFrame:
     """Fit ``dv ~ factors + covariates + (1 | subject)`` to all rows, complete people or not.
@@ -410,6 +411,8 @@ def mixed_model(
         Columns with categories, and with numbers.
     references : dict, optional
         Reference level of a factor; the first in sorted order without it.
+    errors : {"cluster_robust", "model"}
+        Standard errors: CR2, robust to skew and to unequal people, or those of the model.
     confidence : float
         Of the intervals.
 
@@ -427,7 +430,8 @@ def mixed_model(
     """
     fit = _mixed.mixed_model(
         data, value=dv, participant=subject, factors=_names(factors),
-        references=dict(references or {}), covariates=_names(covariates), confidence=confidence,
+        references=dict(references or {}), covariates=_names(covariates), errors=errors,
+        confidence=confidence,
     )  # fmt: skip
     return _frame(
         _t_rows("term", {"intercept": fit.intercept, **fit.terms}),
@@ -548,7 +552,7 @@ def corr(
     x: str,
     y: str,
     subject: str | None = None,
-    method: Method = "pearson",
+    method: Method = "spearman",
     confidence: float = 0.95,
 ) -> pd.DataFrame:
     """Correlate two columns: between people, or within people with ``"repeated_measures"``.
@@ -698,7 +702,8 @@ def log_rank(
     -------
     pandas.DataFrame
         A row for each group: ``by`` column, ``n``, ``observed``, ``expected``, and the test
-        ``chi2``, ``df``, ``p`` in every row.
+        ``chi2``, ``df``, ``p`` in every row: the exact p of two groups, where labellings can be
+        listed, else that of χ².
 
     Raises
     ------

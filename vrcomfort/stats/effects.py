@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Literal
 
@@ -161,6 +161,30 @@ class EffectSize:
     low: float | None
     high: float | None
     confidence: float
+    low_closed: bool = True
+    """Whether the end itself is in the interval."""
+    high_closed: bool = True
+
+
+def decided_at_zero(effect: EffectSize, *, rejected: bool) -> EffectSize:
+    """Return an interval that holds 0 exactly where the test of no effect does not reject.
+
+    Where an interval of an effect is no inversion of the printed test, that test decides on 0: the
+    interval is widened to 0, or ends before it on the side of the estimate. So it is still a
+    region of the effects that some test at the same level does not reject.
+    """
+    low, high = effect.low, effect.high
+    if low is None or high is None:
+        return effect
+    if not rejected:
+        return replace(effect, low=min(low, 0.0), high=max(high, 0.0))
+    if low > 0 or high < 0:
+        return effect
+    if effect.estimate > 0:
+        return replace(effect, low=0.0, low_closed=False)
+    if effect.estimate < 0:
+        return replace(effect, high=0.0, high_closed=False)
+    return replace(effect, low=None, high=None)
 
 
 RankBiserialInterval = Literal["normal_shift", "fisher_z"]

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import norm
 
-from vrcomfort.stats.effects import EffectSize
+from vrcomfort.stats.effects import EffectSize, decided_at_zero
 from vrcomfort.stats.ranks import ExactOrAsymptotic, doubled_midranks, tied_count
 from vrcomfort.stats.shift import Shift
 
@@ -88,7 +88,7 @@ def mann_whitney(
     MannWhitney or None
         None where a group is empty. The interval of the shift holds the shifts that this very
         test, ranked anew, does not reject; that of the effect is Newcombe's (2006, method 5),
-        which has a width with complete separation as well.
+        which has a width with complete separation as well, and says of 0 what p says.
 
     Examples
     --------
@@ -117,6 +117,7 @@ def mann_whitney(
         return test
     shift = _shift(first, second, unit, test, confidence)
     effect = superiority_interval(sums.u, first.size, second.size, alternative, confidence)
+    effect = decided_at_zero(effect, rejected=test.p <= 1 - confidence)
     return replace(test, shift=shift, effect=effect)
 
 

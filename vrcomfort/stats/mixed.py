@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from scipy.special import stdtr, stdtrit
 from scipy.stats import t as t_distribution
 
 from vrcomfort.errors import InputError
+from vrcomfort.stats.cluster_robust import cluster_robust
 from vrcomfort.stats.random_intercept import FTest, fit_random_intercept
 
 if TYPE_CHECKING:
@@ -19,9 +20,13 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import ArrayLike, NDArray
 
+    from vrcomfort.stats.cluster_robust import ClusterRobust
     from vrcomfort.stats.random_intercept import RandomIntercept
 
     Floats = NDArray[np.float64]
+
+Errors = Literal["cluster_robust", "model"]
+"""Of a mixed model: robust to its assumptions about people (CR2), or its own."""
 
 # The two-period crossover: condition, period and sequence (carry-over) effects.
 #
@@ -100,8 +105,8 @@ def _difference(x: NDArray[np.float64], y: NDArray[np.float64], confidence: floa
 
 
 def t_estimate(estimate: float, error: float, df: float, confidence: float) -> Estimate:
-    """Return `estimate` with its two-sided t test; no test without error variance."""
-    if not error > 0:
+    """Return `estimate` with its two-sided t test; no test without error variance or df."""
+    if not (error > 0 and df > 0):
         return Estimate(estimate, error, df, None, None, None, None)
     t = estimate / error
     half = float(stdtrit(df, (1 + confidence) / 2)) * error
@@ -136,7 +141,7 @@ class Pairwise:
 
 
 def marginal_means(
-    fit: RandomIntercept,
+    fit: RandomIntercept | ClusterRobust,
     factors: Mapping[str, tuple[str, ...]],
     covariates: int,
     confidence: float,
@@ -179,12 +184,14 @@ def _row(factors: Mapping[str, tuple[str, ...]], name: str, level: str, covariat
     return np.concatenate([*parts, np.zeros(covariates)])
 
 
-def _estimated(fit: RandomIntercept, row: Floats, confidence: float) -> Estimate:
-    error = float(np.sqrt(row @ fit.covariance @ row))
-    return t_estimate(float(row @ fit.coefficients), error, fit.degrees_of_freedom(row), confidence)
+def _estimated(fit: RandomIntercept | ClusterRobust, row: Floats, confidence: float) -> Estimate:
+    estimate, error = float(row @ fit.coefficients), fit.standard_error(row)
+    return t_estimate(estimate, error, fit.degrees_of_freedom(row), confidence)
 
 
-def _pairwise(fit: RandomIntercept, row: Floats, count: int, confidence: float) -> Pairwise:
+def _pairwise(
+    fit: RandomIntercept | ClusterRobust, row: Floats, count: int, confidence: float
+) -> Pairwise:
     found = _estimated(fit, row, confidence)
     if found.p is None:
         nothing = (None, None, None, None, None)
@@ -211,6 +218,7 @@ class MixedModel:
 
     n_participants: int
     n_values: int
+    errors: Errors
     intercept: Estimate
     """The mean at the reference levels and the means of the covariates."""
     terms: dict[str, Estimate]
@@ -234,13 +242,16 @@ def mixed_model(
     factors: Sequence[str],
     references: dict[str, str] | None = None,
     covariates: Sequence[str] = (),
+    errors: Errors = "cluster_robust",
     confidence: float = 0.95,
 ) -> MixedModel:
     """Fit ``value ~ factors + (1 | participant)`` to every row, complete participants or not.
 
-    Standard errors are those of generalised least squares at the fitted variances; degrees of
-    freedom are Satterthwaite's, as in R's ``lmerTest`` (Kuznetsova, Brockhoff & Christensen 2017),
-    whose ``anova`` has the same omnibus tests.
+    Standard errors are cluster-robust: CR2, with the fitted model as the working one, which holds
+    its level with skewed scores of few people (Pustejovsky & Tipton 2018); see `cluster_robust`.
+    Those of the model itself are those of generalised least squares at the fitted variances, as in
+    R's ``lmerTest`` (Kuznetsova, Brockhoff & Christensen 2017), whose ``anova`` has the same
+    omnibus tests. Degrees of freedom are Satterthwaite's in both.
 
     Parameters
     ----------
@@ -250,6 +261,8 @@ def mixed_model(
         Reference level of a factor; the first in sorted order otherwise.
     covariates
         Columns with numbers, each an effect of one degree of freedom: points per unit.
+    errors
+        `cluster_robust` (CR2), or those of the `model`.
 
     Raises
     ------
@@ -271,14 +284,12 @@ def mixed_model(
         names = " and ".join([*factors, *covariates])
         raise InputError(f"{names} cannot be told apart in these data")
     people, groups = np.unique(rows[participant].astype(str), return_inverse=True)
-    fit = fit_random_intercept(rows[value].to_numpy(dtype=np.float64), design, groups)
+    values = rows[value].to_numpy(dtype=np.float64)
+    fitted = fit_random_intercept(values, design, groups)
+    robust = errors == "cluster_robust"
+    fit = cluster_robust(fitted, values, design, groups) if robust else fitted
     unit = np.eye(design.shape[1])
     places = {name: unit[i] for i, name in enumerate(terms, start=1)}
-
-    def estimate(row: Floats) -> Estimate:
-        error = float(np.sqrt(row @ fit.covariance @ row))
-        df = fit.degrees_of_freedom(row)
-        return t_estimate(float(row @ fit.coefficients), error, df, confidence)
 
     levels = {
         factor: _levels(rows, factor, (references or {}).get(factor))
@@ -290,8 +301,9 @@ def mixed_model(
     return MixedModel(
         n_participants=people.size,
         n_values=len(rows),
-        intercept=estimate(unit[0]),
-        terms={name: estimate(row) for name, row in places.items()},
+        errors=errors,
+        intercept=_estimated(fit, unit[0], confidence),
+        terms={name: _estimated(fit, row, confidence) for name, row in places.items()},
         omnibus=(
             {next(iter(columns)): fit.omnibus(_sequential_contrasts(design))}
             if len(columns) == 1
@@ -301,8 +313,8 @@ def mixed_model(
                 if found
             }
         ),
-        participant_sd=float(np.sqrt(fit.group_variance)),
-        residual_sd=float(np.sqrt(fit.residual_variance)),
+        participant_sd=float(np.sqrt(fitted.group_variance)),
+        residual_sd=float(np.sqrt(fitted.residual_variance)),
         means=means,
         pairwise=pairwise,
     )

@@ -34,12 +34,12 @@ ROUNDING = 1e-20
 
 @dataclass(frozen=True)
 class FTest:
-    """An omnibus test of several fixed effects."""
+    """An omnibus test of several fixed effects; None where too few groups allow no test."""
 
-    f: float
+    f: float | None
     df_effect: int
-    df_error: float
-    p: float
+    df_error: float | None
+    p: float | None
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,10 @@ class RandomIntercept:
     """Derivatives of `covariance` in σ² and in λ, shape (2, p, p)."""
     _components: Floats
     """Covariance of the estimates of σ² and λ, shape (2, 2)."""
+
+    def standard_error(self, contrast: Floats) -> float:
+        """Return the standard error of a contrast of the coefficients, shape (p,)."""
+        return float(np.sqrt(contrast @ self.covariance @ contrast))
 
     def degrees_of_freedom(self, contrast: Floats) -> float:
         """Return Satterthwaite's df of a contrast of the coefficients, shape (p,)."""

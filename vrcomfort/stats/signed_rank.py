@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from scipy.special import ndtr
 
-from vrcomfort.stats.effects import EffectSize, RankBiserialInterval, rank_biserial
+from vrcomfort.stats.effects import (
+    EffectSize,
+    RankBiserialInterval,
+    decided_at_zero,
+    rank_biserial,
+)
 from vrcomfort.stats.ranks import (
     Alternative,
     ExactOrAsymptotic,
@@ -124,7 +129,7 @@ def signed_rank(
         ``inverted_test``: the hull of the shifts that this test does not reject (`inversion`), so
         that it agrees with p; ``order_statistics``: see `shift.hodges_lehmann`.
     effect_interval, interval_n
-        See `effects.rank_biserial`.
+        See `effects.rank_biserial`. On 0, an interval of ``normal_shift`` says what p says.
 
     Examples
     --------
@@ -165,6 +170,8 @@ def signed_rank(
         alternative=alternative,
         confidence=confidence,
     )
+    if effect is not None and effect_interval == "normal_shift":
+        effect = decided_at_zero(effect, rejected=test.p <= 1 - confidence)
     return replace(test, shift=shift, effect=effect)
 
 

@@ -74,7 +74,7 @@ class KaplanMeier:
             at_risk = int(self.at_risk[np.searchsorted(self.times_s, time)])
             events, before = int(self.events[before:row].sum()), row
             if row == 0:
-                found.append(SurvivalAt(float(time), at_risk, 0, 1.0, 0.0, 1.0, 1.0))
+                found.append(SurvivalAt(float(time), at_risk, 0, 1.0, 0.0, None, None))
                 continue
             numbers = (self.standard_errors, self.low, self.high)
             error, low, high = (_known(values[row - 1]) for values in numbers)
@@ -117,8 +117,9 @@ def kaplan_meier(
 ) -> KaplanMeier:
     """Estimate how many have not had the event by each time.
 
-    The interval is that of the logarithm of survival (``conf.type = "log"``, R's default), cut at
-    1. Where survival is 0 there is none.
+    The interval is that of log(−log survival) (``conf.type = "log-log"`` in R), which stays between
+    0 and 1 and covers with few courses, where R's default, of log survival, does not (.94 and .84
+    of 8; Borgan & Liestøl 1990). Where survival is 0 or 1 there is none.
 
     Parameters
     ----------
@@ -146,15 +147,16 @@ def kaplan_meier(
         else:
             variance = _jackknife_variance(place, had, deaths, at_risk, np.asarray(people))
     errors: Floats = np.sqrt(np.where(survival > 0, variance, np.nan))
-    half = norm.isf((1 - confidence) / 2) * errors
+    inside = np.where((survival > 0) & (survival < 1), survival, np.nan)
+    half = norm.isf((1 - confidence) / 2) * errors / -np.log(inside)
     return KaplanMeier(
         times_s=moments,
         at_risk=at_risk.astype(np.int64),
         events=deaths,
         survival=survival,
         standard_errors=survival * errors,
-        low=survival * np.exp(-half),
-        high=np.minimum(survival * np.exp(half), 1.0),
+        low=inside ** np.exp(half),
+        high=inside ** np.exp(-half),
         confidence=confidence,
         robust=people is not None,
     )
@@ -195,6 +197,11 @@ class LogRank:
     chi_square: float
     df: int
     p: float
+    """The exact p, or that of χ² without one."""
+    p_exact: float | None
+    """Of two groups: over all ways in which labels could have fallen within strata; None of more
+    groups, and where that are more sums than `MOST_SUMS`."""
+    p_asymptotic: float
     strata: int
     """Within how many strata courses were compared; 1: all with all."""
 
@@ -207,6 +214,10 @@ def log_rank(
     strata: ArrayLike | None = None,
 ) -> LogRank:
     """Test whether groups differ in the time to an event.
+
+    Observed minus expected events of a group are the sum of its courses' scores, 1 (if the event
+    came) minus the cumulative hazard at their end; the exact test permutes labels within strata
+    (Cox & Oakes 1984, section 7.4), which takes censoring to be alike under both labels.
 
     Parameters
     ----------
@@ -242,6 +253,13 @@ def log_rank(
     part = covariance[np.ix_(compared, compared)][1:, 1:]
     statistic = float(difference @ np.linalg.pinv(part, hermitian=True) @ difference)
     df = int(np.linalg.matrix_rank(part, hermitian=True))
+    asymptotic = float(chi2.sf(statistic, df))
+    exact = None
+    if names.size == 2:
+        strata_of = [np.flatnonzero(layers == layer) for layer in range(layers.max() + 1)]
+        exact = _permutation_p(
+            [(_scores(times[rows], had[rows]), member[rows] == 1) for rows in strata_of]
+        )
     return LogRank(
         groups=tuple(map(str, names)),
         n=tuple(map(int, np.bincount(member))),
@@ -249,9 +267,73 @@ def log_rank(
         expected=tuple(map(float, expected)),
         chi_square=statistic,
         df=df,
-        p=float(chi2.sf(statistic, df)),
+        p=asymptotic if exact is None else exact,
+        p_exact=exact,
+        p_asymptotic=asymptotic,
         strata=int(layers.max()) + 1,
     )
+
+
+MOST_SUMS = 50_000
+"""Different sums up to which their exact distribution is made."""
+_DIGITS = 12
+"""Of sums of scores that are kept apart."""
+_ONE_SUM = 1e-8
+"""Sums that differ by less are one: each is of a few hundred rounded scores at most."""
+
+
+def _scores(times: Floats, had: Floats) -> Floats:
+    """Return the log-rank score of each course: observed minus expected events until its end."""
+    moments, place = np.unique(times, return_inverse=True)
+    at_risk = times.size - np.searchsorted(np.sort(times), moments)
+    hazard = np.cumsum(np.bincount(place, had) / at_risk)
+    scores: Floats = had - hazard[place]
+    return scores
+
+
+def _permutation_p(strata: list[tuple[Floats, NDArray[np.bool_]]]) -> float | None:
+    """Return the share of all labellings within strata whose sum is as far from 0."""
+    sums, shares = np.zeros(1), np.ones(1)
+    for scores, mine in strata:
+        if mine.all() or not mine.any():
+            continue
+        own = _sums_of(scores, int(mine.sum()))
+        if own is None or sums.size * own[0].size > MOST_SUMS * 20:
+            return None
+        sums, shares = _merged(
+            np.add.outer(sums, own[0]).ravel(), np.multiply.outer(shares, own[1]).ravel()
+        )
+        if sums.size > MOST_SUMS:
+            return None
+    observed = sum(float(scores[mine].sum()) for scores, mine in strata if not mine.all())
+    far = np.abs(sums) >= abs(observed) - _ONE_SUM
+    return min(1.0, float(shares[far].sum()))
+
+
+def _sums_of(scores: Floats, count: int) -> tuple[Floats, Floats] | None:
+    """Return the sums of `count` of the scores, and the share of subsets with each."""
+    of_size: list[tuple[Floats, Floats]] = [(np.zeros(1), np.ones(1))]
+    for done, score in enumerate(scores):
+        longest = min(done + 1, count)
+        grown = [of_size[0]]
+        for size in range(1, longest + 1):
+            values, ways = of_size[size - 1]
+            values = values + score
+            if size < len(of_size):
+                values = np.concatenate([of_size[size][0], values])
+                ways = np.concatenate([of_size[size][1], ways])
+            grown.append(_merged(values, ways))
+            if grown[-1][0].size > MOST_SUMS:
+                return None
+        of_size = grown
+    sums, ways = of_size[count]
+    return sums, ways / ways.sum()
+
+
+def _merged(sums: Floats, weights: Floats) -> tuple[Floats, Floats]:
+    """Return the different sums, with their weights added."""
+    found, place = np.unique(np.round(sums, _DIGITS), return_inverse=True)
+    return found, np.bincount(place, weights).astype(np.float64)
 
 
 def _of_stratum(times: Floats, had: Floats, member: Integers, groups: int) -> tuple[Floats, Floats]:

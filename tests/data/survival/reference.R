@@ -48,9 +48,10 @@ hazards <- function(model, name, analysis) {
 control <- coxph.control(eps = 1e-13, toler.chol = 1e-14, iter.max = 100)
 everything <- function(set, name) {
   set$condition <- factor(set$condition)
-  curve(survfit(Surv(time_s, event) ~ 1, set), name, "kaplan_meier")
+  curve(survfit(Surv(time_s, event) ~ 1, set, conf.type = "log-log"), name, "kaplan_meier")
   if (any(duplicated(set$participant))) {
-    robust <- survfit(Surv(time_s, event) ~ 1, set, cluster = participant, robust = TRUE)
+    robust <- survfit(Surv(time_s, event) ~ 1, set, cluster = participant, robust = TRUE,
+                      conf.type = "log-log")
     curve(robust, name, "kaplan_meier_robust")
   }
   if (nlevels(set$condition) < 2) return(invisible())

@@ -166,7 +166,11 @@ def _sentences(row: CorrelationRow, words: Vocabulary) -> Iterator[Sentence]:
 
 
 _METHODS: dict[str, tuple[str, tuple[str, ...]]] = {
-    "pearson": ("Pearson’s r has Fisher’s interval.", ()),
+    "pearson": (
+        "Pearson’s r has an interval of t on Fisher’s scale, with the larger of the normal and the "
+        "jackknife’s standard error.",
+        (),
+    ),
     "spearman": (
         "Spearman’s ρ has the interval of Bonett & Wright (2000); its p is exact up to 8 pairs.",
         ("bonett_2000",),

@@ -32,13 +32,31 @@ from vrcomfort.report.analyses.contract import (
 from vrcomfort.report.exposures import column_of
 from vrcomfort.report.factors import points
 from vrcomfort.report.rows import INLINE
-from vrcomfort.report.words import degrees, interval, number, p_value
+from vrcomfort.report.words import NONE, degrees, interval, number, p_value
 from vrcomfort.stats.mixed import MOST_LEVELS, Estimate, MixedModel, Pairwise, mixed_model
 
 if TYPE_CHECKING:
     from vrcomfort.report.rows import Cells
     from vrcomfort.report.vocabulary import Vocabulary
     from vrcomfort.stats.random_intercept import FTest
+
+ERRORS = {
+    "cluster_robust": "robust to what the model takes for granted of people (CR2 of Bell & "
+    "McCaffrey, 2002; Pustejovsky & Tipton, 2018), with Satterthwaite’s (1946) degrees of freedom "
+    "and Hotelling’s T² for an effect as a whole.",
+    "model": "those of generalised least squares at the fitted variances, its degrees of freedom "
+    "Satterthwaite’s (1946; Kuznetsova et al., 2017).",
+}
+"""What is said of each kind of standard errors."""
+NOTED = {
+    "cluster_robust": "Standard errors robust to skew and to unequal people (CR2), with "
+    "Satterthwaite’s degrees of freedom",
+    "model": "Standard errors of the model, with Satterthwaite’s degrees of freedom",
+}
+CITED = {
+    "cluster_robust": ("bell_2002", "pustejovsky_2018", "satterthwaite_1946"),
+    "model": ("satterthwaite_1946", "kuznetsova_2017"),
+}
 
 
 @dataclass(frozen=True)
@@ -87,6 +105,7 @@ def _fit(data: AnalysisData, outcome: str) -> MixedFit:
                 factors=factors,
                 references={"condition": data.reference},
                 covariates=covariates,
+                errors=plan.mixed_model_errors,
                 confidence=plan.confidence,
             )
         except InputError:
@@ -100,16 +119,15 @@ def _fit(data: AnalysisData, outcome: str) -> MixedFit:
     raise InputError("no effect has two levels in the data")
 
 
-def _methods(rows: Sequence[MixedRow], _: ReportContext) -> Iterator[MethodsParagraph]:
+def _methods(rows: Sequence[MixedRow], report: ReportContext) -> Iterator[MethodsParagraph]:
     models = [row.fit.model for row in rows if row.fit]
     if models:
         yield MethodsParagraph(
             "Mixed model",
             "The mixed model has a random intercept per participant (Laird & Ware, 1982) and is "
             "fitted by restricted maximum likelihood to every scored exposure; its standard errors "
-            "are those of generalised least squares at the fitted variances, its degrees of "
-            "freedom Satterthwaite’s (1946; Kuznetsova et al., 2017).",
-            ("laird_1982", "satterthwaite_1946", "kuznetsova_2017"),
+            f"are {ERRORS[report.plan.mixed_model_errors]}",
+            ("laird_1982", *CITED[report.plan.mixed_model_errors]),
         )
     if any("condition" in model.means for model in models):
         yield MethodsParagraph(
@@ -129,7 +147,8 @@ def _csv(row: MixedRow) -> Iterator[Cells]:
     model = row.fit.model
     keys = {
         "outcome": row.outcome, "n_participants": model.n_participants,
-        "n_values": model.n_values, "left_out": " × ".join(row.fit.left_out),
+        "n_values": model.n_values, "errors": model.errors,
+        "left_out": " × ".join(row.fit.left_out),
     }  # fmt: skip
     for name, term in model.terms.items():
         yield {**keys, "term": name, **asdict(term)}
@@ -200,6 +219,10 @@ def _means(row: MixedRow) -> Iterator[_Mean]:
         yield _Mean(None, "", pair, difference)
 
 
+def _dfs(test: FTest) -> str:
+    return NONE if test.df_error is None else f"{test.df_effect}, {degrees(test.df_error)}"
+
+
 def _outcome(line: _Whole | _Mean, words: Vocabulary) -> str:
     return "" if line.outcome is None else words.outcome(line.outcome)
 
@@ -210,15 +233,14 @@ def _condition(line: _Mean, words: Vocabulary) -> str:
     return words.term(f"condition: {line.pair}").replace("condition: ", "")
 
 
-def _note(rows: Sequence[MixedRow], _: ReportContext) -> str:
+def _note(rows: Sequence[MixedRow], report: ReportContext) -> str:
     left_out = next(row.fit.left_out for row in rows if row.fit)
     also = f" Cannot be told apart from the others and left out: {', '.join(left_out)}."
     return (
         "Participants with missing scores are included, and each effect is adjusted for the "
         "others, so that differences and their intervals are not those of the pairs; valid if "
-        "what is missing depends only on what was observed. Satterthwaite’s degrees of freedom."
-        + also
-        * bool(left_out)
+        "what is missing depends only on what was observed. "
+        f"{NOTED[report.plan.mixed_model_errors]}." + also * bool(left_out)
     )
 
 
@@ -263,7 +285,7 @@ _TABLE_OF_EFFECTS: AnalysisTable[MixedRow, _Whole] = AnalysisTable(
         _Effect("Score", _outcome),
         _Effect("Effect", lambda line, _: line.effect, of_words=True),
         _Effect(Markup("<i>F</i>"), lambda line, _: number(line.test.f)),
-        _Effect("df", lambda line, _: f"{line.test.df_effect}, {degrees(line.test.df_error)}"),
+        _Effect("df", lambda line, _: _dfs(line.test)),
         _Effect(ITALIC_P, lambda line, _: p_value(line.test.p)),
     ),
     lines=_wholes,
@@ -291,7 +313,7 @@ _TABLE_OF_MEANS: AnalysisTable[MixedRow, _Mean] = AnalysisTable(
 _R_LINES = r"""
 # The mixed model with a random participant; the level after the minus sign is the reference.
 mixed_of <- function(found) {
-  terms <- found[!is.na(found$estimate), ]; whole <- found[!is.na(found$f), ]
+  terms <- found[!is.na(found$estimate), ]; whole <- found[!is.na(found$df_effect), ]
   called <- setNames(paste0("f", seq_len(nrow(whole))), whole$term)
   mine <- data.frame(who = scores$participant, score = as.numeric(scores[[found$outcome[1]]]))
   coefficient <- character()
@@ -313,8 +335,30 @@ mixed_of <- function(found) {
   formula <- as.formula(paste("score ~", paste(called, collapse = " + "), "+ (1 | who)"))
   precise <- lme4::lmerControl(optimizer = "bobyqa", check.conv.singular = "ignore",
                                optCtrl = list(rhobeg = 0.2, rhoend = 1e-12, maxfun = 1e5))
-  fit <- lmerTest::lmer(formula, mine, control = precise)
-  table <- coef(summary(fit)); omnibus <- anova(fit, type = "III")
+  robust <- found$errors[1] == "cluster_robust"
+  if (robust && !requireNamespace("clubSandwich", quietly = TRUE))
+    return(not_here("errors of the mixed model of", found$outcome[1],
+                    "(package clubSandwich is not installed)"))
+  if (robust) {
+    # The data stand in the call, where clubSandwich looks for them.
+    fit <- do.call(lme4::lmer, list(formula, mine, control = precise))
+    table <- as.data.frame(clubSandwich::coef_test(fit, vcov = "CR2", cluster = mine$who))
+    rownames(table) <- names(lme4::fixef(fit))
+    names(table)[match(c("beta", "SE", "df_Satt", "p_Satt"), names(table))] <-
+      c("Estimate", "Std. Error", "df", "Pr(>|t|)")
+    columns <- attr(lme4::getME(fit, "X"), "assign")
+    tested <- called[!is.na(whole$f)]   # it stops where errors of a contrast are 0
+    omnibus <- do.call(rbind, lapply(tested, function(name) {
+      own <- which(columns == match(name, called))
+      whole <- clubSandwich::Wald_test(fit, clubSandwich::constrain_zero(own), "CR2",
+                                       test = "HTZ", cluster = mine$who)
+      data.frame("F value" = whole$Fstat, "Pr(>F)" = whole$p_val, check.names = FALSE)
+    }))
+    if (length(tested)) rownames(omnibus) <- tested
+  } else {
+    fit <- lmerTest::lmer(formula, mine, control = precise)
+    table <- coef(summary(fit)); omnibus <- anova(fit, type = "III")
+  }
   theta <- lme4::getME(fit, "theta")
   searched <- theta == 0 || theta > MOST_OF_ROUNDING
   if (!searched) not_here("df and p of the mixed model of", found$outcome[1],
@@ -325,14 +369,18 @@ mixed_of <- function(found) {
   }
   for (k in seq_len(nrow(terms))) {
     line <- terms[k, ]; row <- table[coefficient[line$term], ]
-    of_search(line, "estimate", line$estimate, row[["Estimate"]], as.numeric(line$standard_error))
+    of_search(line, "estimate", line$estimate, row[["Estimate"]],
+              max(as.numeric(line$standard_error), 1e-9))
+    if (is.na(line$p)) next
     of_search(line, "standard error", line$standard_error, row[["Std. Error"]])
     if (!searched) next
     of_search(line, "df", line$df, row[["df"]])
     of_search(line, "p", line$p, row[["Pr(>|t|)"]])
   }
   for (k in seq_len(nrow(whole))) {
-    line <- whole[k, ]; row <- omnibus[called[line$term], ]
+    line <- whole[k, ]
+    if (is.na(line$f)) next
+    row <- omnibus[called[line$term], ]
     of_search(line, "F", line$f, row[["F value"]], 1e-2)
     if (searched) of_search(line, "p of F", line$p, row[["Pr(>F)"]])
   }

@@ -175,6 +175,9 @@ class Plan(Settings):
     """Whether the effects of the ANOVA are tested on aligned ranks as well."""
     mixed_model: tuple[str, ...] = ("condition", "scene", "position", "session")
     """Fixed effects of the model of all available data, the most wanted first."""
+    mixed_model_errors: Literal["cluster_robust", "model"] = "cluster_robust"
+    """Standard errors of mixed models, those of ratings too: `cluster_robust` ones (CR2) hold their
+    level with few people and skewed scores; those of the `model` are lme4's."""
     covariates: tuple[str, ...] = ()
     """Columns of participants.csv with numbers, added to the mixed model."""
     smallest_effect_power: Annotated[float, Field(ge=0.1, le=0.99)] | None = None

@@ -208,13 +208,13 @@ def _ratings(
         conditions=conditions,
         counts=_counts(rated),
         summaries=[row for s in asked.summaries for row in describe(answered, s, conditions)],
-        models=models(answered, asked.summaries, reference, plan.confidence),
+        models=models(answered, asked.summaries, reference, plan),
         sensitivity=sensitivity(
             [e for e in exposures if e.course.answered.ratings.size or e.left],
             asked.summaries,
             reference,
             float(high),
-            plan.confidence,
+            plan,
         ),
         threshold=threshold,
         threshold_planned=asked.threshold is not None,
@@ -329,7 +329,12 @@ def course_paragraphs(courses: TimeCourseAnalysis) -> Iterator[MethodsParagraph]
     rated = ratings if ratings is not None and ratings.curves else None
     if rated:
         several = len(rated.conditions) > 1
-        yield time_course_paragraph(several=several, assumptions=bool(rated.sensitivity))
+        errors = next((each.found.errors for each in rated.models if each.found), None)
+        yield time_course_paragraph(
+            several=several,
+            assumptions=bool(rated.sensitivity),
+            errors=errors or "cluster_robust",
+        )
     reached = [way.found for way in rated.reached[:1]] if rated else []
     made = [*reached, *([leaving] if leaving else [])]
     if made:

@@ -81,6 +81,8 @@ class LogRankStatistics:
     chi_square: float
     df: int
     p: float
+    p_exact: float | None
+    p_asymptotic: float
 
 
 @dataclass(frozen=True)
@@ -124,6 +126,11 @@ class SurvivalAnalysis:
     by_position: list[PositionCount]
     log_rank: list[LogRankRow]
     cox: HazardRatios | NoHazardRatios
+
+    @property
+    def deciding(self) -> list[LogRankRow]:
+        """Return the tests that decide: within people, where these come again."""
+        return [row for row in self.log_rank if row.within_people == self.repeated]
 
 
 def times_to_threshold(
@@ -271,6 +278,8 @@ def _tests(
             chi_square=found.chi_square,
             df=found.df,
             p=found.p,
+            p_exact=found.p_exact,
+            p_asymptotic=found.p_asymptotic,
         )
         rows.append(LogRankRow(by, names, within, None, statistics))
     return rows
@@ -337,16 +346,18 @@ def survival_paragraph(*, again: bool) -> MethodsParagraph:
     """Return the paragraph on survival analyses; `again`: people have several exposures."""
     text = (
         "Times to events are Kaplan–Meier estimates (1958) with Greenwood’s error and intervals "
-        "of the logarithm of survival; groups are compared by log-rank tests (Mantel, 1966) and "
-        "by Cox’s (1972) proportional hazards with Efron’s (1977) treatment of ties, of condition "
-        "and order."
+        "of log(−log survival) (Borgan & Liestøl, 1990); groups are compared by log-rank tests "
+        "(Mantel, 1966), of two groups exactly, over all labellings, where these can be listed. "
+        "Hazard ratios describe: Cox’s (1972) proportional hazards with Efron’s (1977) treatment "
+        "of ties, of condition and order; their test would reject too often with few people, so "
+        "there is none."
     )
-    cited = ["kaplan_1958", "mantel_1966", "cox_1972", "efron_1977"]
+    cited = ["kaplan_1958", "borgan_1990", "mantel_1966", "cox_1972", "efron_1977"]
     if again:
         text += (
-            " As people come more than once, log-rank tests are made within people as well (each "
-            "one a stratum), and errors of hazard ratios and of curves are robust: scores and "
-            "influences are summed within people (Lin & Wei, 1989)."
+            " As people come more than once, log-rank tests within people decide (each one a "
+            "stratum), and errors of curves are robust: influences are summed within people (Lin "
+            "& Wei, 1989)."
         )
         cited.append("lin_1989")
     return MethodsParagraph("Time to events", text, tuple(cited))

@@ -10,10 +10,11 @@ import pandas as pd
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.analyses.contract import MethodsParagraph
+from vrcomfort.report.analyses.mixed import CITED, ERRORS
 from vrcomfort.report.rated_exposures import ALL, CARRIED, COMPLETERS, WORST
 from vrcomfort.report.rows import INLINE, Cells
 from vrcomfort.stats.means import MeanCurves, mean_curves
-from vrcomfort.stats.mixed import Estimate, MixedModel, Pairwise, mixed_model
+from vrcomfort.stats.mixed import Errors, Estimate, MixedModel, Pairwise, mixed_model
 from vrcomfort.stats.random_intercept import FTest
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vrcomfort.report.plan import Plan
     from vrcomfort.report.rated_exposures import RatedExposure
     from vrcomfort.report.ratings.settings import Course
     from vrcomfort.stats.rating_courses import RatingCourse
@@ -64,11 +66,18 @@ class SummaryStatistics:
 
 @dataclass(frozen=True)
 class OmnibusTest:
-    """The test of a factor, with the squares that lme4 prints beside it."""
+    """The test of a factor, with the squares that lme4 prints beside it where errors are its."""
 
     test: FTest = field(metadata=INLINE)
-    mean_square: float
-    sum_of_squares: float
+    mean_square: float | None
+    sum_of_squares: float | None
+
+    @classmethod
+    def of(cls, test: FTest, square: float | None) -> OmnibusTest:
+        """Return a test with its squares; `square` is the variance of the residuals, or None."""
+        if square is None or test.f is None:
+            return cls(test, None, None)
+        return cls(test, test.f * square, test.f * test.df_effect * square)
 
 
 @dataclass(frozen=True)
@@ -78,6 +87,7 @@ class SummaryEstimates:
     reference: str
     n_participants: int
     n_values: int
+    errors: Errors
     intercept: Estimate
     terms: dict[str, Estimate]
     omnibus: dict[str, OmnibusTest]
@@ -87,13 +97,9 @@ class SummaryEstimates:
     pairwise: dict[str, dict[str, Pairwise]]
 
     @classmethod
-    def of(cls, model: MixedModel, reference: str) -> SummaryEstimates:
-        """Return the estimates of a fitted model."""
-        square = model.residual_sd**2
-        tests = {
-            name: OmnibusTest(test, test.f * square, test.f * test.df_effect * square)
-            for name, test in model.omnibus.items()
-        }
+    def of(cls, model: MixedModel, reference: str, square: float | None) -> SummaryEstimates:
+        """Return the estimates of a fitted model; `square` as in `OmnibusTest.of`."""
+        tests = {name: OmnibusTest.of(test, square) for name, test in model.omnibus.items()}
         return cls(reference, **{**vars(model), "omnibus": tests})
 
 
@@ -170,9 +176,7 @@ def describe(
     return rows if len(conditions) > 1 else rows[:-1]
 
 
-def model_of(
-    table: pd.DataFrame, summary: Course, reference: str, confidence: float
-) -> SummaryModel:
+def model_of(table: pd.DataFrame, summary: Course, reference: str, plan: Plan) -> SummaryModel:
     """Fit ``summary ~ condition + (1 | participant)``; or return the reason for no model."""
     try:
         model = mixed_model(
@@ -181,22 +185,24 @@ def model_of(
             participant="participant",
             factors=["condition"],
             references={"condition": reference},
-            confidence=confidence,
+            errors=plan.mixed_model_errors,
+            confidence=plan.confidence,
         )
     except InputError as error:
         return SummaryModel(summary, error.message)
-    return SummaryModel(summary, None, SummaryEstimates.of(model, reference))
+    square = model.residual_sd**2 if plan.mixed_model_errors == "model" else None
+    return SummaryModel(summary, None, SummaryEstimates.of(model, reference, square))
 
 
 def models(
-    exposures: list[RatedExposure], summaries: Iterable[Course], reference: str, confidence: float
+    exposures: list[RatedExposure], summaries: Iterable[Course], reference: str, plan: Plan
 ) -> list[SummaryModel]:
     """Return the model of each summary, of all available data."""
 
     def table(name: Course) -> pd.DataFrame:
         return summary_table(exposures, name, lambda e: SUMMARIES[name](e.course))
 
-    return [model_of(table(name), name, reference, confidence) for name in summaries]
+    return [model_of(table(name), name, reference, plan) for name in summaries]
 
 
 def sensitivity(
@@ -204,7 +210,7 @@ def sensitivity(
     summaries: Iterable[Course],
     reference: str,
     highest: float,
-    confidence: float,
+    plan: Plan,
 ) -> list[DropoutSensitivity]:
     """Return the effects of each model under other assumptions about withdrawals.
 
@@ -217,7 +223,7 @@ def sensitivity(
     for name in summaries:
         for how, of in _assumptions(name, planned, highest).items():
             kept = [e for e in exposures if how != COMPLETERS or e.ending == "completed"]
-            model = model_of(summary_table(kept, name, of), name, reference, confidence)
+            model = model_of(summary_table(kept, name, of), name, reference, plan)
             if model.found is None:
                 rows.append(DropoutSensitivity(name, how, None, model.not_fitted))
                 continue
@@ -379,14 +385,14 @@ def curve_points(
     return points
 
 
-def time_course_paragraph(*, several: bool, assumptions: bool) -> MethodsParagraph:
+def time_course_paragraph(*, several: bool, assumptions: bool, errors: Errors) -> MethodsParagraph:
     """Return the paragraph on time courses of several conditions, and on assumptions."""
     text = (
         "Each course of ratings is summed up by one number (Matthews et al., 1990), which a mixed "
-        "model with a random intercept for each participant takes as its outcome. Times are live "
-        "ones, where they were recorded. "
+        "model with a random intercept for each participant takes as its outcome; its standard "
+        f"errors are {ERRORS[errors]} Times are live ones, where they were recorded. "
     )
-    cited = ["matthews_1990"]
+    cited = ["matthews_1990", *CITED[errors]]
     if several:
         text += (
             "At each time, the means of conditions are those of such a model of the last ratings "

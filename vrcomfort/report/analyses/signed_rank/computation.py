@@ -66,6 +66,8 @@ class PairedTTest:
     confidence: float
     alternative: str
     cohen_dz: float
+    cohen_dz_low: float | None
+    cohen_dz_high: float | None
     bayes_factor_10: float
 
 
@@ -276,9 +278,11 @@ def _t_test(pairs: Pairs, plan: Plan, alternative: Alternative) -> PairedTTest |
     )
     if found is None:
         return None
+    d = found.cohen_d_interval
     return PairedTTest(
         found.n, found.mean, found.standard_error, int(found.df), found.t, found.p, found.low,
-        found.high, found.confidence, found.alternative, found.cohen_d, found.bayes_factor_10,
+        found.high, found.confidence, found.alternative, d.estimate, d.low, d.high,
+        found.bayes_factor_10,
     )  # fmt: skip
 
 

@@ -48,13 +48,13 @@ from vrcomfort.report.words import (
     number,
     p_value,
 )
+from vrcomfort.stats.effects import EffectSize
 from vrcomfort.stats.ranks import fewest_for_interval
 
 if TYPE_CHECKING:
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.rows import Cells
     from vrcomfort.report.vocabulary import Vocabulary
-    from vrcomfort.stats.effects import EffectSize
     from vrcomfort.stats.shift import Shift
 
 
@@ -283,6 +283,11 @@ def _difference(line: _Means, words: Vocabulary) -> str:
     return f"{words.condition(line.row.a)} minus {words.condition(line.row.b)}"
 
 
+def _standardised(test: PairedTTest) -> str:
+    d = EffectSize(test.cohen_dz, test.cohen_dz_low, test.cohen_dz_high, test.confidence)
+    return f"{number(d.estimate)} {interval(d)}"
+
+
 _Mean = TableColumn[_Means]
 TABLE_OF_MEANS: AnalysisTable[SignedRankRow, _Means] = AnalysisTable(
     "t_tests",
@@ -296,7 +301,7 @@ TABLE_OF_MEANS: AnalysisTable[SignedRankRow, _Means] = AnalysisTable(
         _Mean(Markup("<i>t</i>"), lambda line, _: number(line.test.t)),
         _Mean("df", lambda line, _: degrees(line.test.df)),
         _Mean(ITALIC_P, lambda line, _: p_value(line.test.p)),
-        _Mean(Markup("<i>d</i><sub>z</sub>"), lambda line, _: number(line.test.cohen_dz)),
+        _Mean(Markup("<i>d</i><sub>z</sub>"), lambda line, _: _standardised(line.test)),
         _Mean("BF₁₀", lambda line, _: bayes_factor(line.test.bayes_factor_10)),
     ),
     lines=_means,
