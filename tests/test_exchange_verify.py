@@ -17,6 +17,7 @@ from tests.support.resume import go
 from tests.support.study import Scripted
 from tests.test_study_answers import Corrects
 from vrcomfort.errors import InputError
+from vrcomfort.exchange.verifying import session as session_of_study
 from vrcomfort.exchange.verifying import study as verifying
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.questionnaire import shipped_instruments
@@ -450,3 +451,98 @@ def test_lists_of_checksums_are_read_by_sha256sum(study: Path) -> None:
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
         assert done.stderr == ""
+
+
+def goes_on(study: Path) -> None:
+    """Let the first session be one that is being recorded."""
+    in_manifest(status="running", finished_at=None)(study)
+    (study / SESSION / CHECKSUMS).unlink()
+    file = study / "participants.csv"
+    file.write_text(file.read_text().replace("completed", "enrolled"))
+    (study / CHECKSUMS).unlink()
+
+
+def test_rows_that_come_while_a_session_is_looked_at_are_left_out(
+    study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    goes_on(study)
+    read = session_of_study._read  # of all rows but those of frames
+    frames = (study / SESSION / "frames.csv").read_text().splitlines(keepends=True)
+    later = frames[-1].split(",")
+    later[0], later[1] = "999.0", str(10**15)
+
+    def and_meanwhile(*arguments: Any) -> Any:
+        found = read(*arguments)
+        with (study / SESSION / "frames.csv").open("a") as file:
+            file.write(",".join(later))
+        return found
+
+    monkeypatch.setattr(session_of_study, "_read", and_meanwhile)
+    found = verify_study(study)
+    assert found.faults == []
+    rows = len(frames) - 1
+    assert any(f"looked at up to row {rows} of frames.csv" in each.message for each in found.notes)
+    assert found.counts["rows of frames.csv"] == 2 * rows
+
+
+def test_a_moment_is_taken_again_when_the_manifest_changes_in_it(
+    study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    goes_on(study)
+    folder = study / SESSION
+    read, calls = session_of_study.read_manifest, []
+
+    def and_goes_on(place: Path) -> dict[str, Any]:
+        calls.append(place)
+        found = read(place)
+        if len(calls) == 1:  # the next exposure begins, and its first row comes
+            in_manifest(started_at="2026-01-01T00:00:00+00:00")(study)
+            with (folder / "events.csv").open("a") as file:
+                file.write("1.0,0.0,note,,0\n")
+        return found
+
+    monkeypatch.setattr(session_of_study, "read_manifest", and_goes_on)
+    manifest, ends = session_of_study.read_moment(folder)
+    assert manifest["started_at"].startswith("2026-01-01")
+    assert ends is not None
+    assert ends["events.csv"] == (folder / "events.csv").stat().st_size
+    assert len(calls) == 3
+
+
+def test_what_is_found_while_a_program_writes_is_looked_at_again(
+    study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = study / SESSION / "trials.csv"
+    whole = file.read_text()
+    file.write_text("")  # another program is just writing it again
+    look = verifying.verify_session
+
+    def and_meanwhile(folder: Path, found: Any) -> Any:
+        result = look(folder, found)
+        file.write_text(whole)
+        return result
+
+    monkeypatch.setattr(verifying, "verify_session", and_meanwhile)
+    assert told(study) == []
+
+
+def test_a_study_that_was_just_begun_has_no_fault(study: Path) -> None:
+    for each in study.glob("sub-P01/ses-*"):
+        shutil.rmtree(each)
+    (study / "sub-P01/ses-1").mkdir()
+    (study / "participants.csv").unlink()
+    (study / "sub-P01/ses-1/events.csv").write_text("")
+    found = verify_study(study)
+    assert found.faults == []
+    words = [each.message for each in found.notes]
+    assert any("nobody has been enrolled" in each for each in words)
+    assert any("holds no row yet" in each for each in words)
+
+
+def test_somebody_whose_session_ends_just_now_is_not_yet_completed(study: Path) -> None:
+    file = study / "participants.csv"
+    file.write_text(file.read_text().replace("completed", "enrolled"))
+    (fault,) = told(study)
+    assert "all sessions are completed; write completed" in fault
+    (study / "sub-P01/lock").write_text('{"pid": 1, "host": "here"}\n')  # a program has it
+    assert told(study) == []

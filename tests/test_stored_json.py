@@ -157,6 +157,7 @@ def test_whatever_stands_there_no_command_falls(run, study, monkeypatch):
 CHECKED_ELSEWHERE = {
     "importing/text_files.py": "tables of other programs, whose mapping says what they mean",
     "records/json_file.py": "the reader",
+    "records/checksums.py": "keys of a description, to name those that were changed",
     "records/disk.py": "whoever holds a lock is named where that can be read",
     "report/writing.py": "names of files to remove, each checked against a pattern",
     "scene/gltf/file.py": "scenes",

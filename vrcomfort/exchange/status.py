@@ -6,6 +6,7 @@ import shlex
 import shutil
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -145,7 +146,7 @@ def status_of(study: Path) -> StudyState:
         not_known=not_known,
         schema_versions=dict(Counter(str(each.get("schema_version", 1)) for each in known)),
         versions=dict(Counter(str(each["versions"].get("vrcomfort", "?")) for each in known)),
-        bytes_used=sum(f.lstat().st_size for f in study.rglob("*") if f.is_file()),
+        bytes_used=_bytes_of(study),
         bytes_free=shutil.disk_usage(study).free,
         differences=differences(known),
     )
@@ -153,6 +154,14 @@ def status_of(study: Path) -> StudyState:
         _next_participant(state, rows, design)
         state.participants_planned = protocol_of(last).participants
     return state
+
+
+def _bytes_of(study: Path) -> int:
+    size = 0
+    for file in study.rglob("*"):
+        with suppress(FileNotFoundError):  # a draft, which has taken its place meanwhile
+            size += file.lstat().st_size if file.is_file() else 0
+    return size
 
 
 def _manifest(session: Session) -> Content | InputError:

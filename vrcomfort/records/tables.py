@@ -104,6 +104,7 @@ def read_rows(
     *,
     version: int = SCHEMA_VERSION,
     cut: bool = False,
+    until_bytes: float = math.inf,
     told: Callable[[InputError], None] | None = None,
 ) -> Iterator[RecordedRow]:
     """Yield the rows of a session's table as values.
@@ -115,6 +116,8 @@ def read_rows(
     cut
         The last row may be half-written, by a program that was killed; it is left out then. Else
         the file has been repaired.
+    until_bytes
+        Where the rows end that are read: the session is going on.
     told
         Is called with every fault, and the other rows are yielded; the columns have to be those of
         the version then, in their order. Without it the first fault is raised, and columns that
@@ -138,7 +141,11 @@ def read_rows(
                 return
         known = {name: columns[name] for name in columns if name in header}
         numbers = () if told is None else _further_numbers(header, row_type)
+        at_bytes = len(first)
         for number, line in enumerate(stream, start=2):
+            at_bytes += len(line)
+            if at_bytes > until_bytes:
+                return
             if not line.endswith(b"\n") and cut:
                 return
             if not line.endswith(b"\n") and told is not None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -51,6 +52,8 @@ class Verified:
         checksum holds.
     intact, altered
         Files that are as their checksum says, and others that have one.
+    ends
+        Folder of a session that is going on → file name → bytes that are looked at.
     """
 
     study: Path
@@ -58,6 +61,7 @@ class Verified:
     counts: Counter[str] = field(default_factory=Counter)
     intact: set[Path] = field(default_factory=set)
     altered: set[Path] = field(default_factory=set)
+    ends: dict[Path, Mapping[str, int]] = field(default_factory=dict)
 
     @property
     def faults(self) -> list[Finding]:
@@ -76,6 +80,13 @@ class Verified:
     def note(self, file: Path, message: str) -> None:
         """Add something that should be known."""
         self.findings.append(Finding(self._name(file), None, message, fault=False))
+
+    def add(self, other: Verified) -> None:
+        """Add what was found elsewhere in the study."""
+        self.findings += other.findings
+        self.counts += other.counts
+        self.intact |= other.intact
+        self.altered |= other.altered
 
     def suspect(self, file: Path, other: Path) -> Path:
         """Return which of two files that disagree to name: the one that was altered, if one was."""
@@ -142,10 +153,15 @@ def read(folder: Path, row_type: type[Row], version: int, found: Verified) -> It
         found.fault(file, "is missing; restore it from a copy")
         return
 
+    ends = found.ends.get(folder)
+    until = math.inf if ends is None else ends.get(row_type.FILE, 0)
+    if not until:
+        return
+
     def told(error: InputError) -> None:
         column = "" if error.column is None else f"column {error.column}: "
         found.fault(file, f"{column}{error.message}", error.line)
 
-    for row in read_rows(folder, row_type, version=version, told=told):
+    for row in read_rows(folder, row_type, version=version, until_bytes=until, told=told):
         found.counts[f"rows of {row_type.FILE}"] += 1
         yield row

@@ -42,8 +42,14 @@ from vrcomfort.records.exposure_rows import (
     TrialRow,
 )
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
-from vrcomfort.records.interruptions import OF_FRAMES, Interruption, interruptions
+from vrcomfort.records.interruptions import (
+    OF_FRAMES,
+    WRITTEN_IN_ORDER,
+    Interruption,
+    interruptions,
+)
 from vrcomfort.records.manifest import read_manifest
+from vrcomfort.records.recorder import is_begun
 from vrcomfort.records.recording import Recording, parquet_of
 from vrcomfort.records.rows import Row
 from vrcomfort.records.schema import OPTIONAL_ROWS, SESSION_ROWS
@@ -78,10 +84,16 @@ def check_files(folder: Path, found: Verified) -> None:
             _check_packed(each, found)
         elif beside in _BESIDE and each.stem in _OWN:
             found.note(each, _BESIDE[beside])
-        elif each.name.startswith(".") and each.name.endswith(".new"):
-            found.note(each, "a draft that a killed program left; remove it")
+        elif is_draft(each):
+            if each.exists():  # still: a program that goes on puts it in its place
+                found.note(each, "a draft that a killed program left; remove it")
         else:
             found.fault(each, "is no file of a session; move it out of the study")
+
+
+def is_draft(file: Path) -> bool:
+    """Return whether a file is to take another's place as a whole."""
+    return file.name.startswith(".") and file.name.endswith(".new")
 
 
 def _check_packed(file: Path, found: Verified) -> None:
@@ -155,11 +167,16 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
     """Verify a session's folder; return its manifest, None where it cannot be read."""
     check_files(folder, found)
     try:
-        manifest = read_manifest(folder)
+        manifest, ends = read_moment(folder)
     except InputError as error:
+        if not is_begun(folder):
+            found.note(folder, "holds no row yet; a program has just made it, or was killed then")
+            return None
         found.refusal(error, folder / "manifest.json")
         check_checksums(folder, found, ended=False)
         return None
+    if ends is not None:
+        found.ends[folder] = ends
     found.counts[f"sessions {manifest['status']}"] += 1
     version = manifest.get("schema_version", 1)
     note_version(folder, version, found)
@@ -182,6 +199,11 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
     check_places(recorded.answers, recorded.attempts, manifest.get("settings") or {}, found)
     rows = read(folder, FrameRow, version, found)
     frames = read_frames(rows, recorded.trials, manifest.get("under_way"), found)
+    if ends is not None:
+        message = "the session is being run, or its program was killed; looked at up to row"
+        message = f"{message} {len(frames.times)} of {FrameRow.FILE}"
+        hint = "if it was killed: vrcomfort run … --resume goes on with it"
+        found.note(folder / "manifest.json", f"{message}; {hint}")
     check_counts(recorded.trials, frames, found, not_recorded=_not_recorded(recorded.events))
     if not _not_recorded(recorded.events):
         flagged = {(row["trial"], row["attempt"]): row["flagged"] == 1 for row in recorded.timing}
@@ -193,6 +215,33 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
         check_clocks(read(folder, ClockRow, version, found), stopped, found)
     check_checksums(folder, found, ended=manifest["status"] != "running")
     return manifest
+
+
+_MOST_TRIES = 20
+
+
+def read_moment(folder: Path) -> tuple[dict[str, Any], Mapping[str, int] | None]:
+    """Return a session's manifest and, while it is running, how much of each file is of one moment.
+
+    A row is written after those that it relies on. So the sizes are taken from the last file to the
+    first: whatever a row refers to is there. They count where the manifest did not change.
+
+    Raises
+    ------
+    InputError
+        If the manifest is damaged.
+    """
+    manifest = read_manifest(folder)
+    ends: dict[str, int] = {}
+    for _ in range(_MOST_TRIES):
+        if manifest["status"] != "running":
+            return manifest, None
+        files = [folder / name for name in reversed(WRITTEN_IN_ORDER)]
+        ends = {each.name: each.stat().st_size for each in files if each.exists()}
+        before, manifest = manifest, read_manifest(folder)
+        if manifest == before:
+            break
+    return manifest, ends
 
 
 def _check_of_frames(
@@ -248,8 +297,6 @@ def _check_manifest(
         found.fault(file, f"{message}; restore the manifest from a copy")
     finished = manifest.get("finished_at")
     if status == "running":
-        message = "the session is being run, or its program was killed"
-        found.note(file, f"{message}; if it was: vrcomfort run … --resume goes on with it")
         return
     if status == "aborted":
         found.note(file, "the session was interrupted; vrcomfort run … --resume goes on with it")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of
 from vrcomfort.exchange.imports import IMPORT, is_import
 from vrcomfort.exchange.verifying.findings import Verified
-from vrcomfort.exchange.verifying.session import check_order, verify_session
+from vrcomfort.exchange.verifying.session import check_order, is_draft, verify_session
 from vrcomfort.files import read_text, sha256_of
 from vrcomfort.records.checksums import CHECKSUMS, Checksum, changed_parts, read_checksums
 from vrcomfort.records.choice import SessionName, session_name
@@ -27,6 +28,7 @@ from vrcomfort.records.json_file import (
 from vrcomfort.records.preflights import FILE as PREFLIGHT
 from vrcomfort.records.preflights import read_preflight
 from vrcomfort.records.reader import Session
+from vrcomfort.records.recorder import is_begun
 from vrcomfort.records.session_rows import ConsentRow, ParticipantRow, QuestionnaireRow
 from vrcomfort.records.study import DESCRIPTION, read_description, read_participants
 from vrcomfort.records.tables import read_table
@@ -68,8 +70,9 @@ def verify_study(
         _imported(study, found)
         found.leave_out_consequences()
         return found
+    begun = {each.parent for each in session_folders(study) if is_begun(each)}  # listed before
     people = _participants(study, found)
-    _strangers(study, people, found)
+    _strangers(study, begun, people, found)
     left_out = {*without, *_not_copied(study, found)}
     manifests = {
         name: _sessions(study / f"sub-{name}", found, told, left_out)
@@ -80,8 +83,9 @@ def verify_study(
         read_preflight(study)
     except InputError as error:
         found.refusal(error, study / PREFLIGHT)
+    now = _rows_now(study)  # whoever was changed meanwhile is being run
     for name, sessions in sorted(manifests.items()):
-        if people and name in people:
+        if people and name in people and now.get(name) == people[name]:
             left = sum(each.participant == name for each in left_out)
             _agree(study, people[name], sessions, seed, found, left)
     found.leave_out_consequences()
@@ -103,11 +107,20 @@ def check_listed(study: Path, found: Verified) -> None:
         found.refusal(error, file)
         return
     for name in (each for each in known if (study / each).is_file()):
-        if known[name].fits(sha256_of(study / name)):
+        if _is_listed(study / name):
             found.intact.add(study / name)
         else:
             found.altered.add(study / name)
             _tell_change(study / name, known, found)
+
+
+def _is_listed(file: Path) -> bool:
+    """Return whether a file is as its list says; commands may change both meanwhile."""
+    for _ in range(_MOST_LOOKS):
+        with suppress(InputError, OSError, KeyError):
+            if read_checksums(file.parent)[file.name].fits(sha256_of(file)):
+                return True
+    return False
 
 
 def _tell_change(file: Path, known: Mapping[str, Checksum], found: Verified) -> None:
@@ -191,6 +204,9 @@ def _description(study: Path, found: Verified, *, imported: bool) -> int | None:
 def _participants(study: Path, found: Verified) -> dict[str, ParticipantRow] | None:
     """Return name → row; None, and a finding, where the list cannot be read."""
     file = study / ParticipantRow.FILE
+    if not file.exists() and not any(is_begun(each) for each in session_folders(study)):
+        found.note(file, "is not there yet: nobody has been enrolled")
+        return {}
     if not file.exists():
         found.fault(file, "is missing; restore it from a copy")
         return None
@@ -203,20 +219,38 @@ def _participants(study: Path, found: Verified) -> dict[str, ParticipantRow] | N
     return {row.participant: row for row in rows}
 
 
+def _rows_now(study: Path) -> dict[str, ParticipantRow]:
+    try:
+        return {row.participant: row for row in read_participants(study)}
+    except InputError:  # which has been told
+        return {}
+
+
 def _folders(study: Path) -> set[str]:
     return {each.name.removeprefix("sub-") for each in study.glob("sub-*") if each.is_dir()}
 
 
-def _strangers(study: Path, people: Mapping[str, ParticipantRow] | None, found: Verified) -> None:
-    """Find files in the study's folder that no recording has put there."""
+def _strangers(
+    study: Path,
+    begun: Collection[Path],
+    people: Mapping[str, ParticipantRow] | None,
+    found: Verified,
+) -> None:
+    """Find files in the study's folder that no recording has put there.
+
+    Parameters
+    ----------
+    begun
+        Folders of participants with a session.
+    """
     for each in sorted(study.iterdir()):
         if each.name.startswith("sub-") and each.is_dir():
             known = people is None or each.name.removeprefix("sub-") in people
-            if not known and any(each.glob("ses-*")):
+            if not known and each in begun:
                 _homeless(each, study / ParticipantRow.FILE, found)
         elif each.is_symlink():
             found.fault(each, "is a symbolic link; put the file or folder itself here")
-        elif each.name not in _OWN:
+        elif each.name not in _OWN and not is_draft(each):
             found.note(each, "is not of vrcomfort's making; nothing in it was checked")
 
 
@@ -259,13 +293,34 @@ def _entries(folder: Path, found: Verified) -> list[Path]:
         return []
 
 
+_MOST_LOOKS = 3
+
+
 def _session(folder: Path, found: Verified) -> dict[str, Any] | None:
-    """Verify one session; a file that the system refuses to read is a finding."""
+    """Verify one session; a file that the system refuses to read is a finding.
+
+    Where something is wrong and a program has written meanwhile, it is looked at again.
+    """
+    manifest = None
+    for _ in range(_MOST_LOOKS):
+        looked, before = Verified(found.study), _state(folder)
+        try:
+            manifest = verify_session(folder, looked)
+        except OSError as error:
+            manifest = None
+            looked.unreadable(error, folder)
+        if not looked.faults or _state(folder) == before:
+            break
+    found.add(looked)
+    return manifest
+
+
+def _state(folder: Path) -> set[tuple[str, int, int]]:
+    """Return name, number and size of each file of a session."""
     try:
-        return verify_session(folder, found)
-    except OSError as error:
-        found.unreadable(error, folder)
-        return None
+        return {(f.name, f.lstat().st_ino, f.lstat().st_size) for f in folder.iterdir()}
+    except OSError:
+        return set()
 
 
 def _agree(
@@ -327,10 +382,12 @@ def _check_status(
     elif row.status == "enrolled" and planned is not None and len(completed) == planned:
         message = f"{who} is enrolled, and all sessions are completed; write completed"
         folder = file.parent / f"sub-{who}" / f"ses-{completed[-1]}"
-        if (folder / CHECKSUMS).exists():
+        lock = folder.with_name("lock")
+        under_way = lock.exists() and lock.stat().st_size > 0
+        if (folder / CHECKSUMS).exists() and not under_way:
             found.fault(file, message)
         else:  # which come last
-            found.note(file, f"{message}, for the program was killed before it did")
+            found.note(file, f"{message}, where the program was killed before it did")
 
 
 def _check_session_order(
