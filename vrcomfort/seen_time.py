@@ -63,7 +63,7 @@ FRAME_COLUMNS = (
 
 
 class ShownFrame(NamedTuple):
-    """What a frame says of the time until the next one.
+    """The state of a frame, which holds until the next one.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class ShownFrame(NamedTuple):
 
     @classmethod
     def of(cls, frame: Frame) -> Self:
-        """Return what a frame of a headset says."""
+        """Return the state of a headset's frame."""
         return cls(
             frame.predicted_display_time_ns,
             frame.period_ns,
@@ -96,7 +96,7 @@ class ShownFrame(NamedTuple):
 
     @classmethod
     def of_row(cls, row: Mapping[str, Any]) -> Self:
-        """Return what a row of ``frames.csv`` says; a blank cell (None) says nothing."""
+        """Return the state of a row of ``frames.csv``; a blank cell (None) leaves it unknown."""
         return cls(
             row["xr_time_ns"],
             row["period_ns"],
@@ -133,7 +133,7 @@ def passed_between_ns(before: ShownFrame, frame: ShownFrame) -> int:
 
 
 def display_intervals(before: ShownFrame, frame: ShownFrame) -> Iterator[tuple[SeenState, int]]:
-    """Yield the states between two frames, and their nanoseconds; these sum to what passed."""
+    """Yield the states between two frames with their nanoseconds, which sum to the interval."""
     state, period_ns = before.state, before.period_ns
     passed_ns = passed_between_ns(before, frame)
     late = is_late(passed_ns, period_ns)
@@ -176,11 +176,11 @@ class SeenTime:
                 self._ns[state] += passed_ns
 
     def pass_without_frames(self, duration_s: float) -> None:
-        """Take time of a session that simulates what is seen, and shows no frames."""
+        """Count time as seen, in a session that draws no frames."""
         self._ns[SeenState.LIVE] += round(duration_s * 1e9)
 
     def end(self, elapsed_s: float) -> None:
-        """Give the last frame its period; what no frame tells of was not visible."""
+        """Give the last frame its period; the time without frames was not visible."""
         untold_ns = round(elapsed_s * 1e9) - sum(self._ns.values())
         before, self._frame = self._frame, None
         if before is not None:

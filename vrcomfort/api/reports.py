@@ -205,7 +205,7 @@ def _without_import_if_refused(out: Path) -> Iterator[None]:
 def _chosen(
     source: Path, without: Sequence[str], *, accept_flagged: bool
 ) -> tuple[Choice, list[str]]:
-    """Return what a report takes, and what it says of that.
+    """Return the sessions that a report takes, and the sentences on its choice.
 
     Raises
     ------

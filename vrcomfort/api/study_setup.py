@@ -303,7 +303,7 @@ def require_wording(protocol: Protocol, kind: RespondentKind, *, in_headset: boo
 
 
 def _scene_loader(protocol: Protocol, frames: bool, note: Note) -> Callable[[str], Any]:
-    """Return the loader of what a session needs of its scenes."""
+    """Return the loader of a session's scenes."""
     from vrcomfort.session import scenes_for
 
     return partial(_load_scene, note=note) if frames else scenes_for(protocol)

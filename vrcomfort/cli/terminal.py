@@ -40,7 +40,7 @@ class _Terminal(Console):
     def render(
         self, renderable: RenderableType, options: ConsoleOptions | None = None
     ) -> Iterator[Segment]:
-        """Yield the segments of what is printed."""
+        """Yield the segments of printed text."""
         for each in super().render(renderable, options):
             yield each if each.control else each._replace(text=escape_unprintable(each.text))
 
@@ -89,7 +89,7 @@ def ask_for_code(code: TaskCode) -> bool:
 
 
 def ask_to_go_on(sentence: str) -> bool:
-    """Say what is missing, and ask at the terminal whether to go on; True without a terminal."""
+    """Name the missing, and ask at the terminal whether to go on; True without a terminal."""
     warn(sentence)
     if not (sys.stdin.isatty() and sys.stderr.isatty()):
         return True

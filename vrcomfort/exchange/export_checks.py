@@ -33,7 +33,7 @@ def require_whole(study: Path, choice: Choice = EVERYTHING) -> list[Finding]:
 
 
 def flagged_sessions(faults: Sequence[Finding]) -> set[SessionName]:
-    """Return the sessions in whose folders faults were found."""
+    """Return the sessions with faults in their folders."""
     places = (each.file.removeprefix("sub-").split("/") for each in faults)
     named = (place for place in places if len(place) > 1)
     return {session_name("/".join(place[:2])) for place in named if place[1].startswith("ses-")}
@@ -41,7 +41,7 @@ def flagged_sessions(faults: Sequence[Finding]) -> set[SessionName]:
 
 @contextmanager
 def from_damaged(session: Session, faults: Sequence[Finding]) -> Iterator[None]:
-    """Say what to do where a session whose faults are accepted cannot be read for a copy."""
+    """Name the remedy where a damaged session with accepted faults cannot be copied."""
     try:
         yield
     except (ValueError, LookupError, TypeError, OSError) as error:
@@ -79,7 +79,7 @@ def new_folder(study: Path, out: Path) -> Iterator[Path]:
 
 
 def said_of(choice: Choice, faults: Sequence[Finding]) -> str:
-    """Return the section of a README on what was left out and what was accepted; blank without."""
+    """Return the section of a README on exclusions and accepted faults; blank without any."""
     sentences = choice.sentences([str(each) for each in faults])
     lines = "".join(f"- {each}\n" for each in sentences)
     return f"\n## Not the whole study as recorded\n\n{lines}" if lines else ""

@@ -353,7 +353,7 @@ def find_tasks(protocol: Protocol) -> tuple[dict[str, TaskSettings], list[Proble
 def _taken(
     model: type[TaskSettings], task: OwnTask, index: int
 ) -> tuple[TaskSettings | None, list[Problem]]:
-    """Return an entry of [[tasks]] as a model of its settings, or what the model finds wrong."""
+    """Return an entry of [[tasks]] as a model of its settings, or its faults."""
     try:
         return model.model_validate(task.model_dump(), strict=True), []
     except ValidationError as error:

@@ -76,7 +76,7 @@ class Choice:
                 raise InputError(f"--without {each}: the study has no such session", file=study)
 
     def sentences(self, flagged: Sequence[str]) -> list[str]:
-        """Return what is to be written down of it; `flagged` are the faults that are accepted."""
+        """Return the sentences for the record; `flagged` are the accepted faults."""
         left = ", ".join(str(each) for each in sorted(self.without))
         said = [f"left out on request: {left}"] if left else []
         return said + [f"accepted as it is: {each}" for each in flagged]

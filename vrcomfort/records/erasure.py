@@ -30,7 +30,7 @@ _IN_NOTES = "[erased]"
 
 @dataclass(frozen=True)
 class Erasure:
-    """What was erased, and where the name still stands.
+    """The erased data, and places where the name still stands.
 
     Parameters
     ----------

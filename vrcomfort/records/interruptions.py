@@ -45,7 +45,7 @@ SAFE_AFTER_S = 1.2
 
 
 class Kept(NamedTuple):
-    """What is kept of a file, whatever happens.
+    """The part of a file that survives any interruption.
 
     Parameters
     ----------

@@ -103,7 +103,7 @@ class SharedFile:
         return [name for name, needs in self.columns.items() if not needs <= kept]
 
     def stays(self, kept: Needs) -> dict[str, Needs]:
-        """Return the columns that a copy with these traits keeps → what each tells of."""
+        """Return column → traits, of the columns that a copy with these traits keeps."""
         return {name: self.needs | needs for name, needs in self.columns.items() if needs <= kept}
 
 

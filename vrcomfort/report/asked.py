@@ -1,4 +1,4 @@
-"""Which questionnaires count: of whom, at which timepoints, complete, and asked last."""
+"""Selection of questionnaires: participants, timepoints, completeness, the last administration."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Unscored:
 
 
 def kept_by_the_experimenter(study: StudyData) -> list[Sheet]:
-    """Leave out those whom participants.csv calls excluded; `why_not` gives the reason."""
+    """Drop participants marked as excluded in participants.csv; `why_not` gives the reason."""
     gone = {p["participant"] for p in study.participants if p["status"] == "excluded"}
     return [sheet for sheet in study.sheets if sheet.participant not in gone]
 
@@ -67,7 +67,7 @@ def timepoints_of(plan: Plan) -> tuple[str, ...]:
 
 
 def last_runs(sheets: list[Sheet], plan: Plan, excluded: list[Unscored]) -> list[Sheet]:
-    """Leave out what was asked again later; but each run of a session needs its baseline."""
+    """Drop administrations repeated later, but keep the baseline of each run of a session."""
     last: dict[tuple[str, ...], int] = {}
     for sheet in sheets:
         moment = (*moment_of(sheet), sheet.timepoint)

@@ -43,7 +43,7 @@ FORMS: tuple[Form, ...] = ("svg", "png", "pdf")
 
 @dataclass(frozen=True)
 class ReportSummary:
-    """What a report says in short, and where it is.
+    """Summary of a report, and the paths of its files.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def _build(
     forms: Collection[Form],
     memory: Memory | None,
 ) -> ReportSummary:
-    """Analyse what was read, and write everything; see `build_report`."""
+    """Analyse a study, and write all files of the report; see `build_report`."""
     chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
     sections = run_sections(results.for_sections(study, memory))
@@ -234,7 +234,7 @@ def choose_plan(study: StudyData, plan: Plan | str | Path | None) -> Plan:
 
 
 def _read(source: Path, plan: Plan | str | Path | None, out: Path) -> list[Path]:
-    """Return what is read and must stay; a report's own plan.toml is written again as it was."""
+    """Return input files that the report must not overwrite, less its own plan.toml."""
     own = Path(out) / PLAN_FILE
     given = plan.file if isinstance(plan, Plan) else plan
     file = None if given is None else find_plan(given)

@@ -103,7 +103,7 @@ def _met_by_different_people(study: StudyData, timepoint: str) -> bool:
 
 
 def _outcomes(study: StudyData, timepoint: str) -> tuple[Outcome, ...]:
-    """Return the scores of what was asked then, that everybody who answered all of it has."""
+    """Return the scores at a timepoint that every complete participant has."""
     found: list[Outcome] = []
     asked = [s for s in study.sheets if s.timepoint == timepoint]
     exposed = {s.keys["instrument"] for s in asked if s.condition}  # of a session: no condition
@@ -131,7 +131,7 @@ def _title(conditions: list[str], *, before: bool) -> str:
 
 
 def _moments(study: StudyData) -> dict[str, str]:
-    """Return the timepoints by what they are, as far as their names say."""
+    """Return the roles of timepoints, as far as their names tell."""
     there = Counter(sheet.timepoint for sheet in study.sheets)
     known = {name.casefold(): name for name in there}
 
@@ -158,7 +158,7 @@ def _contrasts(study: StudyData, conditions: list[str], moments: dict[str, str])
 
 
 def _families(outcomes: tuple[Outcome, ...]) -> Iterator[str]:
-    """Adjust the totals, and what they are summed from, apart: they say the same twice."""
+    """Adjust totals and their subscales in separate families: both hold the same answers."""
     totals = [each.name for each in outcomes if each.parts]
     others = [each.name for each in outcomes if not each.parts]
     named = {"total": totals, "subscales": others} if totals else {"scores": others}

@@ -1,4 +1,4 @@
-"""What a report had to do otherwise than its plan says: one sentence for each."""
+"""Deviations of a report from its plan, one sentence each."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ class AppliedRule:
 def apply_rules(
     scored: Exposures, study: StudyData, plan: Plan
 ) -> tuple[Exposures, list[ExcludedByRule]]:
-    """Return what is left, and one row per exclusion.
+    """Return the remaining scores, and one row per exclusion.
 
     Raises
     ------

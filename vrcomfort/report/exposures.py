@@ -1,4 +1,4 @@
-"""From questionnaires to one row of integer scores per exposure, and who is left out and why."""
+"""One row of integer scores per exposure from questionnaires, with exclusions and reasons."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class Exposures:
     """What was looked up in the tables before, by what it is; see `looked_up`."""
 
     def looked_up(self, key: tuple[Any, ...], look: Callable[[], Found]) -> Found:
-        """Return what `look` found when it was asked for first: tests ask for the same rows."""
+        """Return the result of the first call of `look` for a key: tests need the same rows."""
         if key not in self.found:
             self.found[key] = look()
         there: Found = self.found[key]
@@ -102,12 +102,12 @@ class Exposures:
 
     @property
     def titles(self) -> dict[str, str]:
-        """Return outcome → what readers call it."""
+        """Return outcome → title."""
         return {outcome.name: outcome.title for outcome in self.outcomes}
 
     @property
     def basis(self) -> Basis:
-        """Return what the scores of the first outcome that has any are."""
+        """Return the basis of the first outcome with scores."""
         scores = (basis for basis in self.bases.values() if basis != "measured")
         return next(scores, "measured")
 
@@ -118,7 +118,7 @@ class Exposures:
 
 
 def column_of(scored: Exposures, table: pd.DataFrame, column: str) -> pd.Series:
-    """Return a column of the exposures, or what participants.csv says of each row's person."""
+    """Return a column of the exposures, or of participants.csv for the participant of each row."""
     if column in COLUMNS:
         return table[column].replace("", pd.NA)
     said = table["participant"].map(lambda who: scored.people.get(who, {}).get(column))
@@ -156,7 +156,7 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
 
 
 def _without_primary(wanted: Iterable[Outcome | Measure], absent: Mapping[str, str]) -> str:
-    """Say that the data do not have the planned primary outcome, why, and what to do."""
+    """State that the planned primary outcome is not in the data, with reason and remedy."""
     primary = next(iter(wanted), None)
     if primary is None or primary.name not in absent:
         return ""
@@ -317,7 +317,7 @@ class _Work:
 
 
 def _table(rows: list[Row], columns: list[str]) -> pd.DataFrame:
-    """Return rows as a table whose words are Python's strings.
+    """Return rows as a data frame with Python strings.
 
     Pandas' own strings take several times as long to walk through, and most of what is done with
     words here is to walk through them.

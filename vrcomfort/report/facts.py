@@ -1,4 +1,4 @@
-"""What other files of a study say about an exposure: its place, its trial, and its people."""
+"""Facts on an exposure from other files of a study: position, trial, participants."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class Facts:
         }
 
     def _only_condition(self, sheet: Sheet) -> str:
-        """Return the condition of a session that has one, for what was asked at its end."""
+        """Return the only condition of a session, for questionnaires at its end."""
         met = self.conditions.get((sheet.participant, sheet.session), set())
         return next(iter(met)) if len(met) == 1 else ""
 

@@ -1,4 +1,4 @@
-"""What a study folder of vrcomfort's lacks, and what of a folder cannot be read."""
+"""Missing and unreadable files of a study folder."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def gaps(
     manifests: Sequence[ManifestShape],
     without: Collection[SessionName] = (),
 ) -> list[str]:
-    """Say what is missing of a study that vrcomfort recorded; of other folders, nothing.
+    """Name missing files of a study that vrcomfort recorded; of other folders, none.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def measured(study: StudyData, plan: Plan, measure: Measure) -> list[MeasuredValue]:
-    """Return the values of everybody whom the experimenter has not excluded.
+    """Return the values of all participants not excluded by the experimenter.
 
     Raises
     ------
@@ -35,7 +35,7 @@ def measured(study: StudyData, plan: Plan, measure: Measure) -> list[MeasuredVal
 
 
 def exposure_of(value: MeasuredValue, timepoint: str) -> Sheet:
-    """Return what a value is of, as a questionnaire without answers, whose facts are looked up."""
+    """Return the exposure of a value as a questionnaire response without answers."""
     keys = {name: str(getattr(value, name)) for name in _WHOSE}
     return Sheet(0, keys | {"timepoint": timepoint})
 

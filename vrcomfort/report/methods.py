@@ -1,4 +1,4 @@
-"""The methods section: what was done in this report, no more, and the literature of it."""
+"""The methods section: methods used in this report alone, with their references."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def methods(
 
 
 def basis_sentence(results: Results) -> str:
-    """Say what the scores are; nothing where there are only measures."""
+    """Describe the basis of the scores; blank where there are only measures."""
     if results.score_basis == "measured":
         return ""
     if results.score_basis == "difference_from_baseline":
@@ -99,7 +99,7 @@ def _scoring(results: Results, words: Vocabulary) -> MethodsParagraph | None:
 
 
 def _measures(results: Results) -> str:
-    """Say what each measure is, and which direction is the good one."""
+    """Describe each measure, with the direction that is better."""
     named = [each for each in results.outcomes if each.basis == "measured"]
     return " ".join(
         f"{each.title}{' in ' + each.unit_label if each.unit_label else ''} is "
@@ -109,7 +109,7 @@ def _measures(results: Results) -> str:
 
 
 def _instrument(asked: ReportedInstrument) -> str:
-    """Say what was asked, after whom it was scored, and how."""
+    """Describe an instrument: items, source and scoring rule."""
     known = f"{asked.short}; " if asked.short != asked.title else ""
     count, scale = len(asked.items), asked.answers
     items = f"{count} items, {scale}" if count > 1 else scale

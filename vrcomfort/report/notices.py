@@ -1,4 +1,4 @@
-"""What a reader has to know before any number: on the terminal, and at the top of the page."""
+"""Notices to read before any number, on the terminal and at the top of the page."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def _short_forms(study: StudyData) -> list[str]:
 def _losses(
     study: StudyData, tests: Sequence[SignedRankRow], exclusions: Sequence[ExcludedByRule]
 ) -> list[str]:
-    """Say where more than a tenth of those who met either side are not in the test."""
+    """Report contrasts of which the test lacks more than a tenth of the exposed participants."""
     found = []
     excluded = {p["participant"] for p in study.participants if p["status"] == "excluded"}
     excluded |= {row.participant for row in exclusions if row.is_person}
@@ -123,7 +123,7 @@ def _losses(
 
 
 def _left_under_one(study: StudyData, tests: Sequence[SignedRankRow]) -> list[str]:
-    """Say that all or most who left did so under one condition: who stayed is a choice of it."""
+    """Report dropout concentrated in one condition: its completers are a selected sample."""
     left = find_withdrawals(study)
     conditions = {trial["condition"] for trial in study.trials} - {""}
     under = Counter(each.condition for each in left if each.condition)
@@ -140,7 +140,7 @@ def _left_under_one(study: StudyData, tests: Sequence[SignedRankRow]) -> list[st
 
 
 def _of_both(study: StudyData, sides: list[set[str]]) -> set[str]:
-    """Return who met a side of a contrast, less groups of people of whom nobody met the other."""
+    """Return participants exposed to a side of a contrast, less groups that never met the other."""
     group = {row["participant"]: row.get("group", "") for row in study.participants}
     groups = [{group.get(who, "") for who in side} for side in sides]
     both = set.intersection(*groups)
@@ -160,7 +160,7 @@ _BY = {
 
 
 def _screened(study: StudyData) -> list[str]:
-    """Say how many numbers were beyond a screening rule, and what was decided."""
+    """Report the numbers beyond a screening rule, and the decisions."""
     rules = sorted({row["rule"] for row in study.screening})
     found = []
     for rule in rules:
@@ -187,7 +187,7 @@ def _ended_early(study: StudyData) -> list[str]:
 
 
 def _met(study: StudyData, side: Side) -> set[str]:
-    """Return who met a side of a contrast, or was asked at its timepoint, answered or not."""
+    """Return participants exposed to a side of a contrast, or asked at its timepoint."""
     condition, timepoint = side.condition, side.timepoint
     if not timepoint:
         met = {s.participant for s in study.sheets if s.condition == condition}
@@ -197,7 +197,7 @@ def _met(study: StudyData, side: Side) -> set[str]:
 
 
 def _repeated(scored: Exposures) -> list[str]:
-    """Say who has more exposures of a condition than are planned."""
+    """Report participants with more exposures of a condition than planned."""
     counts = Counter(zip(scored.table["participant"], scored.table["condition"], strict=True))
     people = {who for (who, what), n in counts.items() if n > scored.planned.get(what, n)}
     if not people:

@@ -143,7 +143,7 @@ def one_order(
 
 
 def _first_of(table: pd.DataFrame, a: str, b: str, participants: Collection[str]) -> list[int]:
-    """Return 1 for each person who met a first, −1 for b, 0 for neither; who met both alone."""
+    """Return 1 for each participant with a first, −1 with b, 0 for neither; of those with both."""
     part = table[table["participant"].isin(participants) & (table["position"] > 0)]
     part = part.sort_values(
         ["session", "position"],

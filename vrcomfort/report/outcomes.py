@@ -1,4 +1,4 @@
-"""What can be analysed: the scores of every instrument, and measures, as plans name them."""
+"""Outcomes that plans can name: scores of instruments, and measures."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def _name(instrument: Instrument, scale: Scale) -> str:
 def _sums(
     scale: Scale, before: Mapping[str, dict[str, tuple[Fraction, Fraction]] | None]
 ) -> dict[str, tuple[Fraction, Fraction]] | None:
-    """Return what each item adds to a scale, in its steps."""
+    """Return the weight of each item in a scale, in steps."""
     if scale.weights:
         return None
     if not scale.parts:

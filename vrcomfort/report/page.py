@@ -105,7 +105,7 @@ def _templates() -> Environment:
 
 @dataclass(frozen=True)
 class OutcomeAnswers:
-    """The sentences on an outcome, or, with blank names, on what is of no single outcome."""
+    """The sentences on an outcome, or, with blank names, on several outcomes."""
 
     outcome: str
     name: str

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Side:
-    """What one side of a contrast is: a condition, a timepoint, or both; or a group of people."""
+    """One side of a contrast: a condition, a timepoint, or both; or a group of participants."""
 
     condition: str = ""
     timepoint: str = ""

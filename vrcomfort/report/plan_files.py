@@ -99,13 +99,13 @@ def read_plan(
 
 
 def _of_analyses(plan: Plan) -> Iterator[Problem]:
-    """Yield what the types of the analyses' keys cannot say is wrong."""
+    """Yield faults of the analyses' keys beyond their types."""
     for each in ANALYSES:
         yield from each.problems(plan, plan.entries(each.key))
 
 
 def in_order(plan: Plan) -> dict[str, Any]:
-    """Return a plan as results.json has it: what analyses are asked stands after the tests."""
+    """Return a plan as results.json has it: the analyses' keys stand after those of the tests."""
     said = plan.model_dump(mode="json")
     asked = {key: said.pop(key) for key in _KEYS if key in said}
     found: dict[str, Any] = {}

@@ -1,4 +1,4 @@
-"""How many exposures of each condition a participant is to have, and when what was asked."""
+"""Planned exposures of each condition, and planned times of questionnaires."""
 
 from __future__ import annotations
 

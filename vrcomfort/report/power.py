@@ -84,7 +84,7 @@ class Pilot(NamedTuple):
 
 @dataclass(frozen=True)
 class Question:
-    """What is simulated.
+    """Settings of a simulation.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def read_pilot(study: Path, plan_name: str) -> tuple[Plan, Pilot]:
 def question_of(
     plan_name: str, effect: Effect | None, *, sd: float | None = None, pilot: Path | None = None
 ) -> Question:
-    """Return what is simulated for the primary test of a plan.
+    """Return the settings of a simulation of a plan's primary test.
 
     Parameters
     ----------

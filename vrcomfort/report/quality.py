@@ -1,4 +1,4 @@
-"""What the records say about the quality of the data."""
+"""Quality of the data, from a study's records."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def _frames(study: StudyData) -> ShownFrames | None:
 
 
 def _seen(study: StudyData) -> dict[str, float]:
-    """Add up what was seen in how many seconds, over the trials that say so."""
+    """Sum the seconds in each state of seen time, over trials that recorded it."""
     said = [trial for trial in study.trials if trial.get("live_s")]
     names = recorded_states(study) if said else ()
     return {name: sum(float(trial[name] or 0) for trial in said) for name in names}
@@ -143,7 +143,7 @@ def _never_asked(study: StudyData, plan: Plan) -> list[Unscored]:
 
 
 def _asking_sessions(study: StudyData, plan: Plan) -> set[tuple[str, str]]:
-    """Return (participant, session) of those whose protocol asks after each exposure."""
+    """Return (participant, session) of protocols that ask after each exposure."""
     known = known_outcomes(study.instruments.values())
     asked_first = next((known[name] for name in plan.outcomes if name in known), None)
     if asked_first is None:

@@ -217,7 +217,7 @@ class RatedExposure:
 
     @property
     def key(self) -> Key:
-        """Return what tells it from others."""
+        """Return its key among all exposures."""
         return self.participant, self.session, self.trial, self.condition
 
     @property

@@ -21,7 +21,7 @@ _PARTS = re.compile("# ANALYSES ([a-z ]+)\n")
 
 
 def r_script() -> str:
-    """Return the script; it is the same for every study and reads what it needs from tables/."""
+    """Return the script; it is the same for every study, and reads its data from tables/."""
     text = (data_folder("analysis") / "report" / NAME).read_text(encoding="utf-8")
     text = text.replace(_FUNCTIONS, _joined(r_functions()))
     return _PARTS.sub(lambda found: _joined(r_sections(*_sections(found[1]))), text)

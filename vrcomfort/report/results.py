@@ -93,7 +93,7 @@ PLAN_FILE = "plan.toml"
 
 @dataclass(frozen=True)
 class ReportedStudy:
-    """What the study is called, its protocol, and the folder or file that was read."""
+    """Title and protocol of the study, and the folder or file that was read."""
 
     title: str
     protocol: str | None
@@ -110,7 +110,7 @@ class Bootstrap:
 
 @dataclass(frozen=True)
 class RandomSeed:
-    """A seed, and what was drawn from it."""
+    """A seed, and its use."""
 
     what: str
     seed: int
@@ -119,7 +119,7 @@ class RandomSeed:
 
 @dataclass(frozen=True)
 class Participants:
-    """Who is in the analysis, and who is not.
+    """Participants in the analysis, and those excluded.
 
     Parameters
     ----------
@@ -216,18 +216,18 @@ class Results:
         return COMPARISONS.of(self.of_tests)
 
     def __getitem__(self, key: str) -> Any:
-        """Return the rows of an analysis, or what a section found, as templates name them."""
+        """Return the rows of an analysis, or the results of a section, as templates name them."""
         return {**self.rows, **self.sections}[key]
 
     @property
     def vocabulary(self) -> Vocabulary:
-        """Return what conditions, outcomes and questions are called."""
+        """Return the names of conditions, outcomes and questions for readers."""
         return Vocabulary.of(
             self.conditions, self.labels, self.outcomes, self.instruments, self.study.protocol
         )
 
     def for_sections(self, study: StudyData, memory: Memory | None = None) -> SectionData:
-        """Return what the analyses with a section of their own are made of."""
+        """Return the input of the analyses with a section of their own."""
         tests = [test for test in self.tests if not any(side.timepoint for side in test.sides)]
         return SectionData(
             study=study,
@@ -310,7 +310,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[Results, Exposures]:
 
 
 def _analysis_data(study: StudyData, scored: Exposures, plan: Plan) -> AnalysisData:
-    """Return what analyses are made of; the plan is checked against the data."""
+    """Return the input of analyses; the plan is checked against the data."""
     conditions = conditions_of(scored, study.labels)
     asked = conditions_in(study, plan.exposure_timepoint)
     there = list(dict.fromkeys([*conditions, *study.labels, *asked]))
@@ -326,7 +326,7 @@ def _analysis_data(study: StudyData, scored: Exposures, plan: Plan) -> AnalysisD
 def _participants(
     data: AnalysisData, tested: list[Sequence[str]], exclusions: Sequence[ExcludedByRule]
 ) -> Participants:
-    """Return who is in the tests, and why others are not; `tested` has the people of each."""
+    """Return analysed and excluded participants; `tested` has the participants of each test."""
     study, scored, left = data.study, data.scored, data.withdrawals
     analysed = _analysed(tested, scored.table)
     in_every_test = set(analysed).intersection(*(people for people in tested if people))

@@ -1,4 +1,4 @@
-"""What frames and trials say of each condition: seconds seen as meant, movement, focus."""
+"""Stimulus time of each condition from frames and trials, with movement and focus."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _BEFORE_5 = ("live_s", "frozen_s", "hidden_s", "unfocused_s")
 
 @dataclass(frozen=True)
 class ConditionTime:
-    """What was shown under a condition.
+    """Seen time of a condition.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class ConditionMovement:
 
 @dataclass(frozen=True)
 class FrameMeasures:
-    """What the frames of an exposure say.
+    """Measures from the frames of an exposure.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def _untracked(study: StudyData) -> dict[str, float]:
 
 
 def movement(study: StudyData, conditions: Iterable[str]) -> list[ConditionMovement]:
-    """Return the means over each condition's exposures of what their frames say."""
+    """Return each condition's mean measures of frames over its exposures."""
     found = []
     rows = frame_measures(study)
     for condition in conditions:
@@ -125,7 +125,7 @@ def _mean(values: Iterable[float | None]) -> float | None:
 
 
 def frame_measures(study: StudyData) -> list[FrameMeasures]:
-    """Return what the frames of each exposure that counts, its last attempt, say."""
+    """Return the measures of frames of the last attempt at each exposure."""
     of = {_key(trial): trial["condition"] for trial in study.trials}
     keys = ((each.participant, each.session, each.trial, each.attempt) for each in study.frames)
     pairs = zip(keys, study.frames, strict=True)

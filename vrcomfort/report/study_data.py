@@ -1,4 +1,4 @@
-"""Reads what a study left: every questionnaire at any depth, and whatever else is there."""
+"""Reads a study: its questionnaires at any depth, and its other tables."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ class StudyData:
 
     @property
     def recorded_sessions(self) -> list[Session]:
-        """Return the sessions whose frames were recorded, in the order of their paths."""
+        """Return the sessions with recorded frames, in the order of their paths."""
         return [Session(file.parent) for file in sorted(self.folder.files(FrameRow))]
 
     @property
@@ -122,7 +122,7 @@ class StudyData:
         return tuple(name for name, _ in counts.most_common())
 
     def between(self, column: str) -> dict[str, str]:
-        """Return participant → value of a column, of those who have exactly one there.
+        """Return participant → value of a column, where it is unique.
 
         The column may be one of participants.csv or, as `sequence`, of the questionnaires.
         """
@@ -321,7 +321,7 @@ def undone_attempts(study: StudyData) -> set[tuple[str, ...]]:
 
 
 def cut_short(trial: Mapping[str, str]) -> bool:
-    """Return whether an exposure ended before its time: what was done in it had less time.
+    """Return whether an exposure ended early, with less time for tasks and ratings.
 
     One that a task or a confirmed adjustment ended was whole.
     """
@@ -330,7 +330,7 @@ def cut_short(trial: Mapping[str, str]) -> bool:
 
 
 def _tables(folder: Study, row_type: type[Row], warnings: list[str]) -> Iterator[CsvTable]:
-    """Yield the tables of a name; what was half-written is told."""
+    """Yield the tables of a name; half-written rows are reported."""
     source = folder.folder
     prefix = f"{source}/" if source.is_dir() else f"{source.parent}/"
     for found in folder.tables(row_type):
@@ -339,7 +339,7 @@ def _tables(folder: Study, row_type: type[Row], warnings: list[str]) -> Iterator
 
 
 def _table(folder: Study, row_type: type[Row], warnings: list[str]) -> tuple[dict[str, str], ...]:
-    """Read what enriches a report; a file of that name from elsewhere is told and left alone."""
+    """Read an optional table of a study; foreign files of that name are reported and ignored."""
     rows: list[dict[str, str]] = []
     columns = ("participant", "status") if row_type is ParticipantRow else row_type.columns()
     for found in _tables(folder, row_type, warnings):
@@ -367,7 +367,7 @@ def _require_each_once(source: Path, rows: list[dict[str, str]]) -> None:
 
 
 def _last_attempts(trials: tuple[dict[str, str], ...]) -> tuple[dict[str, str], ...]:
-    """Leave out what was begun again later; a table without attempts stays as it is."""
+    """Drop attempts that were repeated later; a table without attempts stays as it is."""
     if not all(trial["attempt"] for trial in trials):
         return trials
     last = {(trial["participant"], trial["session"], trial["trial"]): trial for trial in trials}
@@ -404,7 +404,7 @@ def _slid(dials: Iterable[dict[str, str]]) -> Iterator[dict[str, str]]:
 def _stored(
     file: Path, model: type[Shape], what: str, source: Path, warnings: list[str]
 ) -> Shape | None:
-    """Read JSON of a study; what is of another shape is told with its place, and not used.
+    """Read JSON of a study; values of another shape are reported with their place, and not used.
 
     Raises
     ------

@@ -130,7 +130,7 @@ def _line(cells: Iterable[Any]) -> str:
 
 
 def inert(cell: Any) -> Any:
-    """Return a cell of which no spreadsheet computes anything; numbers stay what they are.
+    """Return a cell that no spreadsheet takes for a formula; numbers stay as they are.
 
     ``reproduce.R`` takes the apostrophe off again: to it, names are data.
     """

@@ -1,4 +1,4 @@
-"""What conditions, scores and questions are called where people read of them."""
+"""Names of conditions, scores and questions for readers."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ BASES = {
 
 @dataclass(frozen=True)
 class ReportedOutcome:
-    """An outcome: what it is called, and what its numbers mean."""
+    """An outcome: its title, unit and basis."""
 
     name: str
     title: str
@@ -63,7 +63,7 @@ class ReportedInstrument:
 
 @dataclass(frozen=True)
 class ReportedCondition:
-    """A condition, and what readers call it."""
+    """A condition and its label."""
 
     name: str
     label: str
@@ -145,7 +145,7 @@ class Vocabulary:
         return list(self.labels).index(name)
 
     def outcome(self, name: str) -> str:
-        """Return what a score is called."""
+        """Return the title of a score."""
         return self.outcomes.get(name, name)
 
     def unit(self, name: str) -> str:
@@ -153,13 +153,13 @@ class Vocabulary:
         return self.unit_labels.get(name, "")
 
     def axis(self, name: str, *, raw: bool = False) -> str:
-        """Return what an axis with an outcome's values is called; `raw`: scores, not changes."""
+        """Return the title of an axis with an outcome's values; `raw`: scores, not changes."""
         basis = ("score" if raw and self.bases[name] else self.bases[name]) or self.unit(name)
         return f"{self.outcome(name)}, {basis}" if basis else self.outcome(name)
 
     @property
     def basis(self) -> str:
-        """Return what the first score says: a change, or the score itself."""
+        """Return the noun for scores: changes, or the scores themselves."""
         return next((basis for basis in self.bases.values() if basis), "")
 
     @property
@@ -178,7 +178,7 @@ class Vocabulary:
         return next((item.text for item in asked if item.name == name), name)
 
     def asks(self, instruments: Iterable[str]) -> str:
-        """Return what items (of all instruments, if none) are: symptoms, if all ask those."""
+        """Return the noun for items (of all instruments, if none): symptoms, if all ask those."""
         names = set(instruments)
         found = [each for each in self.instruments if not names or each.name in names]
         return "symptoms" if found and all(i.asks == "symptoms" for i in found) else "questions"

@@ -90,7 +90,7 @@ class WithdrawalCounts:
 
 @dataclass(frozen=True)
 class MissingParticipant:
-    """A participant who is in no test, or not in all of them, and why."""
+    """A participant missing from some or all tests, with the reason."""
 
     participant: str
     reason: str
@@ -132,7 +132,7 @@ def _comes_back(trial: Mapping[str, str]) -> bool:
 
 
 def screened_out(study: StudyData) -> set[str]:
-    """Return whose study an experimenter has ended by a screening rule."""
+    """Return the participants screened out by an experimenter."""
     return {
         manifest.participant
         for manifest in study.manifests
@@ -141,7 +141,7 @@ def screened_out(study: StudyData) -> set[str]:
 
 
 def early_endings(study: StudyData) -> list[EarlyEnding]:
-    """Count what ended exposures, sessions and studies before their time, and by what."""
+    """Count early endings of exposures, sessions and studies by cause."""
     counts: Counter[tuple[str, str]] = Counter()
     for trial in study.trials:
         if trial["status"] == "completed" and trial.get("abort_code"):
@@ -244,7 +244,7 @@ def _by_first(first: dict[str, str], gone: set[str]) -> WithdrawalsByFirst:
 
 
 def lost_signs(found: Sequence[Withdrawal], a: str, b: str) -> dict[str, int]:
-    """Return for each who withdrew: 1 under condition a, −1 under b, 0 if neither is known."""
+    """Return a sign for each withdrawal: 1 under condition a, −1 under b, 0 where unknown."""
     return {each.participant: {a: 1, b: -1}.get(each.condition, 0) for each in found}
 
 
@@ -261,7 +261,7 @@ def why_not(
     *,
     in_every_test: set[str],
 ) -> list[MissingParticipant]:
-    """Return everybody else, who is in no test or not in all, with all known reasons."""
+    """Return the participants missing from some or all tests, with all known reasons."""
     reasons: dict[str, list[str]] = defaultdict(list)
     for withdrawal in found:
         reasons[withdrawal.participant].append(_in_words(withdrawal, study.labels))

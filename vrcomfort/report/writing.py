@@ -70,7 +70,7 @@ def write_report(out: Path, files: Mapping[str, str | bytes]) -> None:
 
 
 def name_of_study(source: Path) -> str:
-    """Return what a report calls its source: the study's folder, or the file of answers."""
+    """Return the name of a report's source: the study's folder, or the file of answers."""
     path = source.resolve()
     return path.parent.name if path.name == QuestionnaireRow.FILE else path.name
 

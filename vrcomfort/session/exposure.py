@@ -264,7 +264,7 @@ class FrameLoop:
         return frame.seen and not (frame.unfocused and self.context.protocol.unfocused == "pause")
 
     def _wait(self, frame: Frame, stimulus: Stimulus) -> None:
-        """Show a frame whose time is no exposure, or take note of it."""
+        """Show a frame outside the exposure's time, or take note of it."""
         if frame.paused:  # nobody sees it
             self.headset.submit(frame, None)
             now_s = self.context.clock.now_s()

@@ -217,7 +217,7 @@ class FrameLog:
         self.timing.rate_change = detail or self.timing.rate_change
 
     def timing_of(self, trial: int) -> TrialTiming:
-        """Return the timing of a trial: none, while what was shown last is not of it.
+        """Return the timing of a trial; empty before its first frame.
 
         An exposure may end at any line, also between its training and its first frame.
         """

@@ -91,7 +91,7 @@ def _cells(row: Mapping[str, str], instrument: Instrument | None) -> Iterable[tu
 def meaning_of_answer(
     row: Mapping[str, str], when: str, instrument: Instrument | None
 ) -> dict[str, Any]:
-    """Return what a sidecar says of the column of an answer."""
+    """Return the sidecar's entry of the column of an answer."""
     item = instrument.item(row["item"]) if instrument else None
     if instrument is None or item is None:
         return {"Description": f"{row['item']} ({when})"}
@@ -160,7 +160,7 @@ def write_practice(session: Session, folder: Path, whose: str, task: str) -> Non
 
 
 def described_column(column: Column) -> dict[str, str]:
-    """Return what a sidecar says of a column."""
+    """Return the sidecar's entry of a column."""
     return {
         "Description": full_meaning(column),
         **({"Units": column.unit} if column.unit else {}),
@@ -263,7 +263,7 @@ def _columns_of_participants(others: list[str]) -> dict[str, Any]:
 
 
 def column_of_participants(name: str, origin: str) -> dict[str, str]:
-    """Return what a sidecar says of a covariate."""
+    """Return the sidecar's entry of a covariate."""
     return {"Description": f"{name}, {origin}"}
 
 

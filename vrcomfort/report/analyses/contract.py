@@ -503,7 +503,7 @@ def with_dot(name: str, words: Vocabulary) -> str:
 
 
 def html(text: str, *inserted: str) -> Markup:
-    """Return HTML with texts inserted at its ``{}``: escaped, but for what is HTML already."""
+    """Return HTML with texts inserted at its ``{}``, escaped unless they are HTML already."""
     safe = (t if isinstance(t, Markup) else escape_hidden(t) for t in inserted)
     return Markup(text).format(*safe)  # noqa: S704 - a constant of the program
 

@@ -1,4 +1,4 @@
-"""What a plan says of gaze and head motion."""
+"""Settings of the analysis of gaze and head motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Analysis plans: what is compared, how, and which tests form a family. Read from TOML.
+"""Analysis plans: contrasts, tests, families. Read from TOML.
 
 A plan is a pre-registration in code: everything that a report decides stands in it, and what a
 report had to do otherwise is told (`deviations`).
@@ -202,7 +202,7 @@ class Plan(Settings):
 
     @property
     def needs_every_score(self) -> bool:
-        """Return whether an analysis takes those alone who have every planned score."""
+        """Return whether an analysis is of participants with every planned score alone."""
         return self.withdrawals != "available_pairs"
 
     @property

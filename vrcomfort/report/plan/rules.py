@@ -1,4 +1,4 @@
-"""What the types of a plan cannot say: names that must be there, and keys that go together."""
+"""Rules of plans beyond types: known names, and keys that go together."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _TAKEN = {"participant", "score"}
 
 
 def problems(plan: Plan, instruments: Iterable[Instrument] | None = None) -> Iterator[Problem]:
-    """Yield every fault of a plan whose scores are those of instruments, or of shipped ones."""
+    """Yield every fault of a plan; its scores are those of the instruments, or of shipped ones."""
     known = known_outcomes(instruments)
     yield from repeated(("outcomes",), plan.outcomes)
     yield from repeated(("mixed_model",), plan.mixed_model)
@@ -89,7 +89,7 @@ def _families(plan: Plan, known: Mapping[str, Outcome]) -> Iterator[Problem]:
 
 
 def _of_groups(contrast: Contrast) -> Iterator[str]:
-    """Yield what is wrong with a contrast between groups."""
+    """Yield the faults of a contrast between groups."""
     if contrast.a_timepoint or contrast.b_timepoint:
         yield "groups are compared after exposure; leave the timepoints away"
     if not contrast.a or not contrast.b or contrast.a == contrast.b:

@@ -1,4 +1,4 @@
-"""What a plan says of ratings during exposure."""
+"""Settings of the analysis of ratings during exposure."""
 
 from __future__ import annotations
 

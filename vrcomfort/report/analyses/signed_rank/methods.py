@@ -65,7 +65,7 @@ def _is_adjusted(plan: Plan) -> bool:
 
 
 def _families(plan: Plan, words: Vocabulary) -> str:
-    """Say over what p values were adjusted."""
+    """Name the families over which p values were adjusted."""
     holm = [each for each in plan.families if each.method == "holm"]
     if not holm:
         return "p values are not adjusted."
