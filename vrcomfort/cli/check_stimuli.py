@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from vrcomfort.scene.data import Scene
     from vrcomfort.session.start_pose import StartPose
 
+# Sizes are proportional to the image's width: they are found on a small one, and scaled.
 PROBE_WIDTH_PX = 160
 _MOMENT_S, _SUSTAINED = 0.1, 300
 """Steps of this length, so many, are a motion that lasts."""

@@ -11,6 +11,7 @@ JSON: Kind = b"j"
 PICTURE: Kind = b"p"
 
 _HEAD = struct.Struct("<Ic")
+# A longer length is no message: the stream is out of step.
 LONGEST_BYTES = 1 << 24
 
 

@@ -267,6 +267,7 @@ def _remedy() -> str:
     return "a window needs a graphical session: log in to one, set DISPLAY, or start Xvfb"
 
 
+# Enough for bystanders; a copy at the display's rate would take time from frames.
 USUAL_HZ = 15.0
 
 Eyes: TypeAlias = tuple[moderngl.Texture, moderngl.Texture]

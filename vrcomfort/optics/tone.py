@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from vrcomfort.geometry import Array
 
+# Constants of Khronos' PBR Neutral: 0.8 − F90 (0.04), and its desaturation.
 COMPRESSION_START = 0.8 - 0.04
 DESATURATION = 0.15
 

@@ -35,6 +35,7 @@ _UNITS = {"MB": 10**6, "GB": 10**9, "MIB": 2**20, "GIB": 2**30}
 _SIZE = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(MB|GB|MIB|GIB)\s*", re.IGNORECASE)
 _FOR_PYTHON_BYTES = 128 * 10**6
 """What the interpreter and its packages take, and what the database does not count of its own."""
+# Twice what Python takes: the database has the other half.
 _LEAST_BYTES = 256 * 10**6
 
 
@@ -486,6 +487,7 @@ def _end_of_whole_rows(csv: Path, width: int) -> int:
 
 # A part of a table: long enough to be read fast, short enough for a small machine.
 _ROWS_AT_ONCE = 4096
+# Of int64, DuckDB's BIGINT.
 _LARGEST = 2**63
 TIME = "xr_time_ns"
 

@@ -26,6 +26,7 @@ GAZE = 255, 64, 208
 
 _FAR_M = 1000.0
 """Where a gaze goes that meets nothing that is known."""
+# Smaller letters cannot be read.
 _SMALLEST_PX = 9
 
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 FAST_S = 2.0
 """Seconds per question below which answers are suspected to be given without reading (Huang et
 al., 2012)."""
+# One or two equal answers are no pattern.
 FEWEST_ITEMS = 3
 _WHOSE = ("participant", "session", "trial", "condition", "timepoint", "instrument")
 

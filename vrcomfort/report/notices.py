@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 TOLERATED_LOSS = 0.1
 """Share of the people of a comparison who may be missing from its test without a notice."""
 MOST_NAMED = 8
+# A single withdrawal is always under one condition.
 FEWEST_LEFT = 2
 ONE_SIDED = 0.75
 """Share of those who left, from which on a condition is named under which they did."""

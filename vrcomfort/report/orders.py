@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 ALPHA = 0.05
+# A single participant always has one order.
 FEWEST = 2
 
 

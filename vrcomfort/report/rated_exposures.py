@@ -178,6 +178,7 @@ FINISHED = (ENDINGS["completed"], UNKNOWN)
 """Endings of exposures that were watched to their end, as far as is known."""
 LEFT = ("withdrew", "stop rule")
 """Endings that tell of discomfort."""
+# A rating at an exposure's very end may be rounded beyond it.
 _NEAR_S = 1e-6
 
 

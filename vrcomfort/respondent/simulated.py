@@ -58,12 +58,15 @@ THRESHOLDS = (0.8, 1.7, 2.6)
 
 _SICKNESS_OF_RANGE = 4.0
 """Sickness at which other scales end: 5 steps of FMS per unit, 2.5 of MISC."""
+# Median; their logarithm has a standard deviation of 0.3.
 _SECONDS_PER_ANSWER = 3.0
 _SHORTEST_S = 1e-6
 """Less is no time: clocks count nanoseconds."""
 _SECONDS_PER_WORD, _SECONDS_PER_PICTURE = 0.3, 5.0
 """Of instructions: 200 words a minute."""
+# Of an exposure, over which the hazard is summed.
 _STEPS = 1000
+# No simulated participant gets near it: a kept state that says more is damaged.
 _UNHEARD_OF = 1e6
 
 

@@ -11,6 +11,7 @@ from vrcomfort.geometry import Array, EyeGaze, Gaze, Pose, normalize, turn_to, y
 from vrcomfort.protocol.simulation import SimulatedEyes
 from vrcomfort.traces.gaze_quality import angles_deg
 
+# Standard deviation from frame to frame.
 _PUPIL_NOISE_MM = 0.05
 
 
@@ -70,6 +71,7 @@ def beside(head: Pose, direction: Array, off_deg: Array) -> Array:
 
 _LATENCY_S = 0.2
 """From the appearance of something to look at to the saccade."""
+# Durations of fixations are skewed to the right: standard deviation of their logarithm.
 _SPREAD_OF_LOG = 0.5
 _SACCADE_S, _SACCADE_S_PER_DEG = 0.021, 0.0022
 """Duration of a saccade: 21 ms and 2.2 ms per degree (Carpenter 1988, from the main sequence)."""

@@ -24,7 +24,9 @@ HELD_M = 1.0
 """A smaller thing is looked at as if it were held up, not as if it lay on the floor."""
 VIEW = math.tan(math.radians(30.0))
 """What is looked at lies within this tangent of straight ahead, which every headset shows."""
+# From the eyes to the near side of a small scene.
 NEAREST_M = 0.5
+# A level with less above it is no floor to stand on.
 HEADROOM_M = 2.0
 
 

@@ -30,6 +30,7 @@ STEP_M = 0.25
 TOUCH_M = 1e-9
 """Floors that lie this close to each other touch."""
 
+# Feet this close to an edge stand at it, and slide along it.
 NEAR_EDGE_M = 1e-6
 
 PARALLEL = 1e-12

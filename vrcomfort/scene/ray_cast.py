@@ -11,11 +11,13 @@ from vrcomfort.geometry import Array, Pose
 from vrcomfort.scene.data import Primitive, Scene
 from vrcomfort.scene.node_poses import NodePoses
 
+# Smaller determinants are of rays along the plane of a triangle.
 _PARALLEL = 1e-12
 _FLAT = 1e-12
 """Smaller volumes are those of a node that is scaled to nothing."""
 _CELL = 32
 """Triangles that lie near each other and share a box."""
+# Of each axis: 1024 steps across the triangles, 30 bits in all.
 _MORTON_BITS = 10
 
 

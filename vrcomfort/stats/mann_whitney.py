@@ -35,6 +35,7 @@ OUTWARDS = 12
 DOUBT = 0.2
 """Share of the level down to which the asymptotic p is not trusted far outside to say that the test
 rejects."""
+# Brackets of the other root end before 0 and 1, which are roots themselves.
 ALMOST = 1 - 1e-9
 NEAR = 12
 """Differences on either side of the median at which a shift that is not rejected is looked for."""

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 # and of heavy tails on both. `docs/statistics.md` says how often each covers.
 
 
+# One less than a multiple of 40: quantiles of 95 % intervals are order statistics.
 RESAMPLES = 1999
 SEED = 19930101
 """Of every bootstrap here; a report says it, and the same data give the same interval."""
@@ -35,6 +36,7 @@ KEPT_UP_TO = 200
 distinct values, they are drawn as counts of those."""
 ROUNDING = 1e-13
 """Of the largest value, or of its square: less is no mean, or the variance of equal values."""
+# Numbers of resamples that are in memory at a time: 16 MB.
 _BLOCK = 2_000_000
 
 

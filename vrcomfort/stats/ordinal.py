@@ -37,6 +37,7 @@ LEAST_SD = 1e-3
 LARGEST_ERROR = 30.0
 """Of a log odds ratio or threshold; larger ones are those of data that a line separates, whose
 likelihood has no maximum."""
+# Keeps the logarithm finite where a step of the search makes a probability 0.
 _TINY = 1e-100
 
 

@@ -25,6 +25,7 @@ STEPS_PER_SD = 1e6
 """Normal differences are rounded to this, for rank tests are made on whole numbers: no ties."""
 SEARCH_STEPS = 12
 """Of the bisection for the smallest effect: to 5/2¹² = .001 standard deviations."""
+# In standard deviations of the differences; a test that misses it finds none, however large.
 LARGEST_EFFECT = 5.0
 
 

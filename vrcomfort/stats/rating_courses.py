@@ -164,6 +164,7 @@ class RatingCourse:
 
 MOST_SENSITISED = 1000.0
 """Largest ``h`` that is looked for."""
+# At 1, an AR(1) process has no stationary variance.
 MOST_CORRELATED = 0.99
 EDGE = 1e-6
 """An ``h`` below this is 0: its error is not that of a free parameter."""

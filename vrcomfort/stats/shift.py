@@ -72,6 +72,7 @@ class WalshSums:
 # rounded.
 
 
+# Walsh averages lie on half steps; a quarter is between any two of them.
 QUARTERS = 4
 DOUBT = 0.5
 """Share of the level down to which the asymptotic p is not trusted to say that the test rejects."""

@@ -58,6 +58,7 @@ _SINCE_1970_S = (0.9e9, 3e9)
 _USUAL_HZ, _POSSIBLE_HZ = (25.0, 250.0), (2.0, 2500.0)
 _HEIGHTS_M = (0.7, 2.3)
 """Where heads are, sitting and standing."""
+# A whole turn in radians, with room for rounding: larger angles are degrees.
 TURN = 2 * np.pi + 0.02
 _HEAD_IN_NAMES = ("head", "hmd", "camera", "xrcam", "centereye", "kopf", "player")
 _TELLING = 0.2

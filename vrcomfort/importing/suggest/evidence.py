@@ -21,6 +21,7 @@ from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.vocabulary import IGNORED, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 
+# A column with more different texts holds names, or answers in own words.
 MOST_CONDITIONS = 12
 LONGEST_CODE = 24
 """Letters of a participant's code at most."""

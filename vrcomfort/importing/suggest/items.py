@@ -17,6 +17,7 @@ from vrcomfort.questionnaire import Instrument, plain
 How = Literal["name", "near", "abbreviation", "initials", "number", "position"]
 
 _LONGEST = 40
+# Of SequenceMatcher: one wrong letter in a word of seven passes, two in one of thirteen.
 _NEAR = 0.84
 
 

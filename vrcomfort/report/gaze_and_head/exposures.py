@@ -46,6 +46,7 @@ _FOV = tuple(f"{eye}_fov_{side}_rad" for eye in ("left", "right") for side in _S
 _FRAMES = ("session_s", "xr_time_ns", "period_ns", "trial", "discontinuity", "head_valid",
            "should_render", *_HEAD, *_AVATAR, *_FOV)  # fmt: skip
 _GAZE = ("xr_time_ns", "valid", "direction_x", "direction_y", "direction_z")
+# Exposures begin and end at frames, whose times are rounded apart from theirs.
 _ROUNDING_S = 1e-6
 _FORWARD = (0.0, 0.0, -1.0)
 
