@@ -18,6 +18,16 @@ TURNING = {"from_deg_s": 0.0, "to_deg_s": 200.0}
 LENS = {"max_radius_percent": 5.0}
 BASES = {
     "focus.fixed_m": ({"focus": FIXED, "depth_of_field": {**LENS, "full_blur_m": 3.0}}, 2.5, 6.0),
+    "focus.infinity_m": (
+        {"focus": {"method": "nine_ray", "law": "linear"}, "depth_of_field": LENS},
+        4.0,
+        400.0,
+    ),
+    "depth_of_field.max_radius_percent": (
+        {"focus": FIXED, "depth_of_field": {"full_blur_m": 3.0}},
+        1.0,
+        4.0,
+    ),
     "depth_of_field.full_blur_m": ({"focus": FIXED, "depth_of_field": LENS}, 2.0, 9.0),
     "depth_of_field.full_blur_dioptre": (
         {"focus": FIXED, "depth_of_field": {**LENS, "law": "dioptre"}},

@@ -40,7 +40,8 @@ Table = TypeVar("Table", bound=BaseModel)
 
 ADJUSTABLE = tuple(live_settings(Condition))
 """Settings that passes take up between two frames: those marked `LIVE`. The others decide which
-passes, textures and shaders there are, and cannot change during an exposure."""
+passes, textures and shaders there are, and cannot change during an exposure. Passes are built for
+the largest value of a dial's range."""
 
 
 class Adjustment(Dial):

@@ -205,12 +205,21 @@ def why_not(condition: Condition, setting: str) -> str | None:
         reason = idle(effect, needs)
         if reason:
             return f"it has {reason}"
-    if tables[0] == "focus" and condition.depth_of_field is None:
-        return "it has no depth_of_field"
+    if tables[0] == "focus":
+        return _why_not_focus(condition, name)
     if tables[0] == "depth_of_field" and effect.views > 1:
         return "views > 1 are drawn from the points of one lens"
     if tables[0] == "depth_of_field" and effect.kernel == "mip_slices" and effect.slices_m:
         return "slices_m decide its blur"
+    return None
+
+
+def _why_not_focus(condition: Condition, name: str) -> str | None:
+    if condition.depth_of_field is None:
+        return "it has no depth_of_field"
+    method = condition.focus.method
+    if name == "infinity_m" and method not in {"nine_ray", "gaze"}:
+        return f'its focus has the method "{method}"'
     return None
 
 

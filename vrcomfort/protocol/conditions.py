@@ -156,7 +156,7 @@ class Focus(Settings):
     """Time of every change of focus with `duration`."""
     refixation_dioptre: Dioptres = 0.1
     """With `duration`, a target that moves less is followed; further away, a new change begins."""
-    infinity_m: Distance = 30_000.0
+    infinity_m: Annotated[Distance, LIVE] = 30_000.0
     """Distance taken for the sky (the paper's d_max)."""
 
     @model_validator(mode="after")
@@ -218,7 +218,7 @@ class DepthOfField(Settings):
     forward axis, so that a lens is sharp in a plane; `ray`, from the head centre, so that it is
     sharp on a sphere. An eye accommodates to the distance along its line of sight: where people
     look 40° aside, the two differ by 1/cos 40° = 1.3."""
-    max_radius_percent: Annotated[float, Field(ge=0, le=10)] = 1.75
+    max_radius_percent: Annotated[float, Field(ge=0, le=10), LIVE] = 1.75
     """r_max as a percentage of one eye's image width; 0 gives the pinhole image."""
     full_blur_m: Annotated[Distance, OnlyWith(law=("linear",)), LIVE] = 10.0
     """Defocus at which the `linear` law reaches r_max (the paper gives no constant). A focus

@@ -23,6 +23,7 @@ from vrcomfort.render.effects.effect import (
     EffectPass,
     EyeFrame,
     RegisteredEffect,
+    SeesTheSky,
 )
 from vrcomfort.render.focus.autofocus_zone import screen_tangents
 from vrcomfort.render.focus.rays import GazeHits
@@ -246,6 +247,8 @@ class ConditionPasses:
         for name, effect in self._effects.items():
             if isinstance(effect, Adjustable):
                 effect.adjust(getattr(condition, name))
+            if isinstance(effect, SeesTheSky):
+                effect.adjust_infinity(condition.focus.infinity_m)
         focus: object = self.focus
         if isinstance(focus, Adjustable):
             focus.adjust(condition.focus)

@@ -41,7 +41,8 @@ class Opponents(Targets):
     shown_s: Range = (2.0, 5.0)
     """Shortest and longest time for which an opponent is seen before it hides, evenly drawn."""
     hidden_s: Range = (1.0, 3.0)
-    """The same of the time until it comes again, elsewhere, with the life that it had left."""
+    """The same of the time until it comes again, elsewhere, with the life that it had left. All
+    are there at the beginning."""
     sway_deg: Annotated[float, Field(ge=0, le=45)] = 4.0
     """An opponent moves this far to either side of its place, seen from where it appeared to."""
     sway_s: Period = 2.0
@@ -104,10 +105,7 @@ class _Opponents(Task):
         self._settings, self._random = settings, surroundings.random
         self._places = PlaceDraw(settings, surroundings)
         self._life = settings.own_life_hits
-        self._opponents = [
-            _Opponent(self._between(settings.hidden_s), settings.life_hits)
-            for _ in range(settings.opponents)
-        ]
+        self._opponents = [_Opponent(0.0, settings.life_hits) for _ in range(settings.opponents)]
         self._met = self._frags = self._deaths = self._shots = 0
         self._ready_s = self._time_s = 0.0
 

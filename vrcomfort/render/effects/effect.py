@@ -99,6 +99,14 @@ class Adjustable(Protocol):
         """Draw by these settings from now on: its own table of the condition."""
 
 
+@runtime_checkable
+class SeesTheSky(Protocol):
+    """An effect in which the focus's `infinity_m` counts."""
+
+    def adjust_infinity(self, infinity_m: float) -> None:
+        """Take another distance of the sky from now on."""
+
+
 def reading_colour(make: Callable[..., EffectPass]) -> Callable[[EffectInputs], EffectPass]:
     """Return the builder of an effect that reads only `colour`."""
 

@@ -203,6 +203,14 @@ class FocusSearch:
         self._decide({**look.uniforms, "step_size": step})
         return self._readback.record(view.frame_index, look.rays, look.ray_lengths, self._target)
 
+    def adjust(self, settings: Focus) -> None:
+        """Take another `infinity_m` from now on."""
+        self._settings = settings
+        self._readback.adjust_infinity(settings.infinity_m)
+        self._triangle.program["infinity_m"] = settings.infinity_m
+        for name, value in self._law.constants(settings).items():
+            self._triangle.program[name] = value
+
     def drain(self) -> tuple[FocusSample, ...]:
         """Return the samples that are still on their way."""
         return self._readback.drain()
@@ -241,6 +249,10 @@ class Readback:
         # One buffer for each frame in flight, and one for the frame that is being drawn.
         self._free = [gl.dynamic_buffer(ctx, (RAYS + 4) * 4) for _ in range(LATENCY + 1)]
         self._pending: deque[tuple[int, Array, moderngl.Buffer]] = deque()
+
+    def adjust_infinity(self, infinity_m: float) -> None:
+        """Take the sky at another distance from now on."""
+        self._infinity_m = infinity_m
 
     def record(
         self,

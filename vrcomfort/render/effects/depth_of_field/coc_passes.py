@@ -116,8 +116,9 @@ class DepthToCoc:
         self._settings, self._size_px = settings, depth.size
         self.depth = depth
         self.inputs = {"focus": focus}
+        self._infinity = _Infinity(infinity_m)
         self.constants: Uniforms = UniformGroup(
-            _lens_constants(settings, infinity_m), *_peripheral_constants(settings)
+            *_lens_constants(settings), *_peripheral_constants(settings)
         )
         self._along_ray = settings.distance_along == "ray"
         self.defines: dict[str, Any] = {
@@ -150,8 +151,12 @@ class DepthToCoc:
         )
 
     def adjust(self, settings: DepthOfField) -> None:
-        """Take other settings of the same law, largest radius and peripheral exponent."""
+        """Take other settings of the same law and peripheral exponent."""
         self._settings = settings
+
+    def adjust_infinity(self, infinity_m: float) -> None:
+        """Take another distance of the sky."""
+        self._infinity = _Infinity(infinity_m)
 
     def of_eye(
         self, eye: EyeUniforms, focal_px: float, peripheral_axis: Axis | None = None
@@ -163,7 +168,8 @@ class DepthToCoc:
         limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
         used = eye if self._along_ray else ForwardUniforms(*eye[:-1])
         axis = peripheral_axis or eye.head_forward_in_view
-        return UniformGroup(used, scale, limit, *_peripheral_unit(self._settings, focal_px, axis))
+        more = (self._infinity, scale, limit)
+        return UniformGroup(used, *more, *_peripheral_unit(self._settings, focal_px, axis))
 
     def of_camera(self, camera: EyeCamera) -> Uniforms:
         """Return the uniforms of a camera."""
@@ -296,6 +302,10 @@ class CocPasses:
         self._settings = settings
         self.depth_to_coc.adjust(settings)
 
+    def adjust_infinity(self, infinity_m: float) -> None:
+        """Take another distance of the sky from now on."""
+        self.depth_to_coc.adjust_infinity(infinity_m)
+
     def reset(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
         self._tile_min_max.reset()
@@ -387,11 +397,10 @@ def _law_defines(settings: DepthOfField) -> dict[str, int | float]:
     return {"LAW_DIOPTRE": 1, "LAW_THIN_LENS": 1, "CLOSEST_FOCUS": CLOSEST_FOCUS}
 
 
-def _lens_constants(settings: DepthOfField, infinity_m: float) -> Uniforms:
-    infinity = _Infinity(infinity_m)
+def _lens_constants(settings: DepthOfField) -> tuple[Uniforms, ...]:
     if settings.law != "thin_lens":
-        return infinity
-    return UniformGroup(infinity, _ThinLens(settings.focal_length_m, settings.distance_offset_m))
+        return ()
+    return (_ThinLens(settings.focal_length_m, settings.distance_offset_m),)
 
 
 def _peripheral_defines(settings: DepthOfField) -> dict[str, int]:

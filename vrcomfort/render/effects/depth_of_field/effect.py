@@ -128,6 +128,10 @@ class DepthOfFieldPass:
         """Blur by other settings from now on."""
         self._coc.adjust(settings)
 
+    def adjust_infinity(self, infinity_m: float) -> None:
+        """Take another distance of the sky from now on: a setting of the focus."""
+        self._coc.adjust_infinity(infinity_m)
+
     def leave_out_records(self) -> None:
         """Draw nothing from now on that only :meth:`clamps` needs: for measurements."""
         self._coc.tells_clamps = False
