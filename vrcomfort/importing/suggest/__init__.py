@@ -12,7 +12,13 @@ from vrcomfort.importing.files import as_table, read_grids
 from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.source import Reading, SourceTable
-from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
+from vrcomfort.importing.suggest.draft import (
+    REFUSED,
+    ROWS,
+    OpenDoubt,
+    TomlDraft,
+    write_doubts,
+)
 from vrcomfort.importing.suggest.layouts import stands_on_its_side
 from vrcomfort.importing.suggest.table_draft import TableDraft, pattern_of
 from vrcomfort.importing.suggest.vocabulary import (
@@ -24,6 +30,7 @@ from vrcomfort.importing.suggest.vocabulary import (
 from vrcomfort.json_text import escape_surrogates
 from vrcomfort.questionnaire import Instrument, usual_instruments
 
+_REFUSAL = "As it stands, the import refuses the files; mend this:"
 _TOP = (
     "What the columns of these files mean, as `vrcomfort import --suggest` understood them.",
     "Read it, mend what is wrong, and write an answer in each [[doubts]] below: while one is",
@@ -40,7 +47,9 @@ class Suggestion:
     text
         TOML.
     doubts
-        The questions that it leaves open, with what it takes for granted.
+        The weightiest questions that it leaves open, with what it takes for granted.
+    guesses
+        How many others there are, answered by a guess.
     notes
         What was found out while reading.
     imported
@@ -49,6 +58,7 @@ class Suggestion:
 
     text: str
     doubts: tuple[str, ...]
+    guesses: int
     notes: tuple[str, ...]
     imported: Imported | None
 
@@ -94,14 +104,13 @@ def suggest_mapping(
     top.lists["tables"] = [draft.draft for draft in useful]
     imported, refusal = _tried(top, files, [*own.values()])
     if refusal:
-        doubts.append(OpenDoubt("As it stands, the import refuses the files; mend this:", refusal))
-    top.lists["doubts"] = [
-        TomlDraft({"question": d.question, "assumed": d.assumed, "answer": ""}) for d in doubts
-    ]
+        doubts.append(OpenDoubt(_REFUSAL, refusal, *REFUSED))
+    asked = write_doubts(top, doubts)
     notes = tuple(dict.fromkeys(note for table in read for note in table.notes))
     return Suggestion(
         escape_surrogates(top.text()),
-        tuple(f"{d.question} Assumed: {d.assumed}" for d in doubts),
+        tuple(doubt.words for doubt in asked),
+        len(top.lists.get("guesses", ())),
         notes,
         imported,
     )
@@ -125,7 +134,9 @@ def _ignored_sheets(
         return []
     top.put("ignore_sheets", [*map(pattern_of, others)])
     return [
-        OpenDoubt(f"May the sheets {', '.join(others)} be left out? No answers were found.", "yes")
+        OpenDoubt(
+            f"May the sheets {', '.join(others)} be left out? No answers were found.", "yes", *ROWS
+        )
     ]
 
 
@@ -136,4 +147,5 @@ def _tried(
     try:
         return import_files(files, parse_mapping(top.text(), None), own), ""
     except InputError as error:
-        return None, str(error)
+        # The user has the files, and not the lines of a mapping that is not written yet.
+        return None, str(error) if error.file is not None else error.message

@@ -17,6 +17,32 @@ MOST_ASKED = 5
 _ORDINARY = 50
 
 
+class Stake(NamedTuple):
+    """What depends on an assumption: the consequence if it is wrong, and how much that is."""
+
+    otherwise: str
+    rank: int
+
+
+REFUSED = Stake("nothing is imported", 100)
+LAYOUT = Stake("every cell would be read as another", 95)
+PEOPLE = Stake("one person's answers would count as another's", 90)
+CODING = Stake("answers would count one too high, or not at all", 88)
+CONDITIONS = Stake("conditions would be compared that were none", 86)
+TIMEPOINTS = Stake("before and after would be exchanged", 84)
+ITEM_ORDER = Stake("every answer would count for another symptom", 82)
+NAMES_OF_FILES = Stake("answers would be of other people or conditions", 80)
+ITEM = Stake("an answer would count for another symptom", 74)
+INSTRUMENT = Stake("scores would be made by another formula", 72)
+SHORT_FORM = Stake("a questionnaire would be scored as if it had been shorter", 70)
+SCORE_KIND = Stake("scores would be called what they are not", 68)
+SAME_PERSON = Stake("one person would count as two", 66)
+SAME_CONDITION = Stake("one condition would count as two", 64)
+ORDER = Stake("exposures would be numbered in another order", 55)
+ROWS = Stake("rows with answers would be missing", 50)
+CURIOUS = Stake("something is left out that an analysis might need", 10)
+
+
 class OpenDoubt(NamedTuple):
     """A question that the files do not answer, and the assumption meanwhile.
 
@@ -26,12 +52,15 @@ class OpenDoubt(NamedTuple):
         The consequence if the assumption is wrong.
     rank
         How much depends on the answer; the highest ranks are asked.
+    like
+        Doubts with one such text are asked as one.
     """
 
     question: str
     assumed: str
     otherwise: str = ""
     rank: int = _ORDINARY
+    like: str = ""
 
     @property
     def words(self) -> str:
@@ -101,7 +130,7 @@ def write_doubts(draft: TomlDraft, doubts: Iterable[OpenDoubt]) -> list[OpenDoub
 
     One question hardly matters beside five that do, and a person who is asked forty reads none.
     """
-    ranked = sorted(dict.fromkeys(doubts), key=lambda doubt: -doubt.rank)
+    ranked = sorted(_joined(doubts), key=lambda doubt: -doubt.rank)
     asked, guessed = ranked[:MOST_ASKED], ranked[MOST_ASKED:]
     draft.lists["doubts"] = [TomlDraft({**_said(doubt), "answer": ""}) for doubt in asked]
     if guessed:
@@ -109,6 +138,19 @@ def write_doubts(draft: TomlDraft, doubts: Iterable[OpenDoubt]) -> list[OpenDoub
         line = "Not asked, since less depends on it: mend what is wrong."
         draft.lists["guesses"][0].note(line)
     return asked
+
+
+def _joined(doubts: Iterable[OpenDoubt]) -> list[OpenDoubt]:
+    """Return the doubts with those that are alike as one."""
+    groups: dict[str, list[OpenDoubt]] = {}
+    for doubt in dict.fromkeys(doubts):
+        groups.setdefault(doubt.like or doubt.question, []).append(doubt)
+    return [
+        each[0]._replace(question=f"{each[0].question} (And {len(each) - 1} more blocks like it.)")
+        if len(each) > 1 and each[0].like
+        else each[0]
+        for each in groups.values()
+    ]
 
 
 def _said(doubt: OpenDoubt) -> dict[str, object]:

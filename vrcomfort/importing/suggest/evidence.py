@@ -74,6 +74,8 @@ class Context:
         Fact → its columns, as decided so far.
     covariates
         Name → its column, as decided so far.
+    derived
+        Columns that are sums or means of others.
     """
 
     table: SourceTable
@@ -85,6 +87,7 @@ class Context:
     used: set[int] = field(default_factory=set)
     columns: dict[str, tuple[int, ...]] = field(default_factory=dict)
     covariates: dict[str, int] = field(default_factory=dict)
+    derived: frozenset[int] = frozenset()
 
 
 class HeadingEvidence(NamedTuple):
@@ -145,6 +148,17 @@ def _word_of_covariate_label(text: str, vocabulary: LabVocabulary) -> list[str]:
     return [name for name, known in vocabulary.covariate_labels.items() if long & known]
 
 
+def _measure_word(text: str, vocabulary: LabVocabulary) -> list[str]:
+    words = set(tokens(text))
+    return [IGNORED] if len(words) <= 5 and words & vocabulary.measures else []
+
+
+def _row_number(text: str, _: LabVocabulary) -> list[str]:
+    return [IGNORED] if _ROW_NUMBER.fullmatch(text) else []
+
+
+_ROW_NUMBER = re.compile(r"(?i)unnamed: ?\d+|row ?(names?|no|number|id)?|zeile|x\.?1|index")
+"""What pandas and R call the numbers of rows, and columns without a name."""
 HEADINGS: tuple[HeadingEvidence, ...] = (
     HeadingEvidence("a label of the lab's own vocabulary", 110, _own_label),
     HeadingEvidence(
@@ -155,6 +169,8 @@ HEADINGS: tuple[HeadingEvidence, ...] = (
     HeadingEvidence(
         "a word for a fact, among at most 12 words", 90, lambda t, v: _fact_word(t, v, most=12)
     ),
+    HeadingEvidence("a word for what no questionnaire asks", 85, _measure_word),
+    HeadingEvidence("a number of the row, or a column without a name", 82, _row_number),
     HeadingEvidence(
         "a label that no analysis needs", 80, lambda t, v: _label(t, v, IGNORED.__eq__)
     ),
@@ -276,8 +292,10 @@ def _differs_within_people(context: Context, column: int) -> bool:
     table, open_ = context.table, {*context.roles.unknown, *context.roles.facts["scene"]}
     if context.participant is None or column not in open_ - context.used:
         return False
-    if not few_texts(table, column) or _measures(table, column):
+    if column in context.derived or not few_texts(table, column) or _measures(table, column):
         return False
+    if {*tokens(table.headings[column])} & context.vocabulary.scale_fillers:
+        return False  # a sum or a score
     return varies_within(table, column, context.participant)
 
 
@@ -290,6 +308,15 @@ def _measures(table: SourceTable, column: int) -> bool:
     words = texts(table, column)
     decimals = all(map(is_number, words)) and any("." in word or "," in word for word in words)
     return decimals or any(len(word) > LONGEST_CONDITION for word in words)
+
+
+def _few_scenes(context: Context, column: int) -> bool:
+    """Return whether a column under a heading for scenes has two or a few words, no more."""
+    named = column in context.roles.facts["scene"] and column not in context.used
+    return named and few_texts(context.table, column, most=_FEW_SCENES)
+
+
+_FEW_SCENES = 4
 
 
 def _counts_exposures(context: Context, column: int) -> bool:
@@ -359,6 +386,10 @@ CELLS: tuple[CellEvidence, ...] = (
     CellEvidence(
         "condition", "few words that differ within participants", 40, _words_within_people,
         "Is {heading!r} the condition?", "it is",
+    ),
+    CellEvidence(
+        "condition", "two to four words under a heading for scenes", 35, _few_scenes,
+        "Is {heading!r} the condition?", "it is: no other column says one",
     ),
     CellEvidence(
         "condition", "few texts that differ within participants", 30, _differs_within_people,

@@ -10,7 +10,18 @@ from difflib import SequenceMatcher
 from itertools import combinations
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
+from vrcomfort.importing.suggest.draft import (
+    CONDITIONS,
+    CURIOUS,
+    NAMES_OF_FILES,
+    ORDER,
+    PEOPLE,
+    SAME_CONDITION,
+    TIMEPOINTS,
+    OpenDoubt,
+    Stake,
+    TomlDraft,
+)
 from vrcomfort.importing.suggest.evidence import (
     BASELINE_AMONG_CONDITIONS,
     COUNTS_EXPOSURES,
@@ -28,8 +39,10 @@ from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 from vrcomfort.questionnaire import plain
 from vrcomfort.settings import toml_value
 
+_STAKES = {"participant": PEOPLE, "condition": CONDITIONS, "timepoint": TIMEPOINTS, "trial": ORDER}
 _PART = re.compile(r"([_\-\s.]+)")
 MOST_NAMED = 5
+_FEWEST_ROWS = 3
 LONG_WORD, NEAR, RARER = 6, 0.85, 2
 """Letters in which a misspelling shows, how alike the two words are, and how much rarer one is."""
 
@@ -101,14 +114,14 @@ class FactDraft:
         self._context.columns[fact] = (column,)
         self.found.draft.put(fact, {"column": self.heading(column), **more}, comment)
 
-    def doubt(self, question: str, assumed: str) -> None:
+    def doubt(self, question: str, assumed: str, stake: Stake) -> None:
         """Add a question that the files leave open."""
-        self.found.doubts.append(OpenDoubt(question, assumed))
+        self.found.doubts.append(OpenDoubt(question, assumed, *stake))
 
     def doubt_of(self, found: Candidate) -> None:
         """Add the question that a piece of evidence leaves open."""
         question = found.evidence.question.format(heading=self.heading(found.column))
-        self.doubt(question, found.evidence.assumed)
+        self.doubt(question, found.evidence.assumed, _STAKES[found.evidence.role])
 
 
 class Conditions(FactDraft):
@@ -142,10 +155,13 @@ class Conditions(FactDraft):
         chosen = within or columns[:1]
         if len(chosen) == 1:
             self.use("condition", chosen[0])
-            self.doubt(f"Which of {names} is the condition?", repr(self.heading(chosen[0])))
+            chosen_one = repr(self.heading(chosen[0]))
+            self.doubt(f"Which of {names} is the condition?", chosen_one, CONDITIONS)
         else:
             self._join_condition(chosen)
-            self.doubt(f"Are conditions made of {names} together?", "they are, joined by _")
+            self.doubt(
+                f"Are conditions made of {names} together?", "they are, joined by _", CONDITIONS
+            )
 
     def _join_condition(self, columns: Sequence[int]) -> None:
         self._context.used |= set(columns)
@@ -164,7 +180,8 @@ class Conditions(FactDraft):
         found = candidates("condition", columns, context)
         if not found:
             self.found.draft.put("condition", {"constant": "all"})
-            self.doubt("No column says the condition: was there but one?", "one, called `all`")
+            question = "No column says the condition: was there but one?"
+            self.doubt(question, "one, called `all`", CONDITIONS)
         elif found[0].evidence is COUNTS_EXPOSURES and found[-1].evidence is GROUPS_PEOPLE:
             self._crossover(found[-1].column, found[0].column)
         elif found[0].column in decided:  # it keeps the role that it has
@@ -184,7 +201,7 @@ class Conditions(FactDraft):
             a, b = self.heading(group), self.heading(number)
             question = f"Which condition did each {a} have in each {b} (a crossover)?"
             assumed = "each combination is a condition of its own; under values, give those that"
-            self.doubt(question, f"{assumed} are one condition one name")
+            self.doubt(question, f"{assumed} are one condition one name", CONDITIONS)
 
     def _letters(self, sequence: int, number: int) -> bool:
         """Take letters of sequences such as AB for the conditions, in their order."""
@@ -199,7 +216,8 @@ class Conditions(FactDraft):
         self.found.draft.put("condition", {"columns": names, "values": values})
         a, b = names
         question = f"Does {a!r} name the conditions in the order of {b!r}?"
-        self.doubt(question, ", ".join(f"{key} is {value}" for key, value in values.items()))
+        shown = ", ".join(f"{key} is {value}" for key, value in values.items())
+        self.doubt(question, shown, CONDITIONS)
         return True
 
     def _repetitions(self) -> None:
@@ -240,7 +258,7 @@ class Conditions(FactDraft):
         same = [each for found in again.values() for each in found]
         if same:
             assumed += f" (but {same[0]}: leave it out of the file if it was saved twice)"
-        self.doubt(f"{question}order of time?", assumed)
+        self.doubt(f"{question}order of time?", assumed, ORDER)
 
     def _alike(self) -> None:
         """Ask whether words for conditions that are nearly the same are one."""
@@ -258,7 +276,7 @@ class Conditions(FactDraft):
             one = {word: word for word in counts} | {rare: usual for usual, rare in pairs}
             said = "they are not; `values` of condition make them one: "
             question = f"Is each of these one condition, typed differently: {shown}?"
-            self.doubt(question, f"{said}values = {toml_value(one)}")
+            self.doubt(question, f"{said}values = {toml_value(one)}", SAME_CONDITION)
 
 
 def _are_alike(counts: Mapping[str, int], a: str, b: str) -> bool:
@@ -294,16 +312,20 @@ class _Facts(FactDraft):
         self._participant()
         if context.time is not None:
             context.used.add(context.time)
-        for fact in ("session", "period", "block", "trial", "scene"):
+        for fact in ("session", "period", "block", "trial"):
             self._plain_fact(fact)
+        if self._condition_is_named() or not answers.answered:
+            self._plain_fact("scene")
         self._timepoint()
         self._covariates()
         if answers.answered:
             Conditions(answers, self.found, self._named).draft()
+            if "scene" not in self._context.columns:
+                self._plain_fact("scene")
         for column in self._varying:
             if column not in self._context.used:
                 question = f"Why has a participant more than one {self.heading(column)!r}?"
-                self.doubt(question, "it is ignored")
+                self.doubt(question, "it is ignored", CURIOUS)
         self.found.unused += [
             column
             for columns in self._roles.facts.values()
@@ -314,16 +336,30 @@ class _Facts(FactDraft):
             c for c in self._roles.covariates.values() if c not in self._context.used
         ]
 
+    def _condition_is_named(self) -> bool:
+        """Return whether headings, names of files or a column say the condition."""
+        columns = self._roles.facts.get("condition", [])
+        named = "condition" in self._answers.said or "condition" in self._named
+        return named or any(texts(self._table, column) for column in columns)
+
     def _participant_column(self) -> None:
         columns = self._roles.facts.get("participant", [])
         columns = [c for c in columns if len(texts(self._table, c)) > 1] or columns
+        columns = [c for c in columns if not self._has_codes(c)] or columns
         if columns:
             self._context.participant = columns[0]
             columns = [c for c in columns if c in self._roles.alike["participant"]]
             if len(columns) > 1:
                 names = ", ".join(repr(self.heading(c)) for c in columns)
                 question = f"Which of the columns {names} tells participants apart?"
-                self.doubt(question, f"`{self.heading(columns[0])}`")
+                self.doubt(question, f"`{self.heading(columns[0])}`", PEOPLE)
+
+    def _has_codes(self, column: int) -> bool:
+        """Return whether a column has codes of missing values, such as -66, in place of people."""
+        return any(
+            re.fullmatch(r"-\d+", text) or text.casefold() in self._vocabulary.missing
+            for text in texts(self._table, column)
+        )
 
     def _order(self) -> None:
         """Take an order that differs within participants for the number of the exposure."""
@@ -357,7 +393,7 @@ class _Facts(FactDraft):
             self._named |= parts.texts
             shown = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
             said = "; ".join(f"{f}: {', '.join(t[:6])}" for f, t in parts.texts.items())
-            self.doubt(f"Do the names of the {what} ({shown}) say this?", said)
+            self.doubt(f"Do the names of the {what} ({shown}) say this?", said, NAMES_OF_FILES)
 
     def _participant(self) -> None:
         column = self._context.participant
@@ -375,13 +411,20 @@ class _Facts(FactDraft):
             self.use("participant", column)
             return
         self.found.draft.put("participant", {"count": True}, "the number of the row")
-        self.doubt("No column tells participants apart: is each row another person?", "it is")
+        self.doubt(
+            "No column tells participants apart: is each row another person?", "it is", PEOPLE
+        )
 
     def _plain_fact(self, fact: str) -> None:
         columns = [c for c in self._roles.facts.get(fact, []) if texts(self._table, c)]
         if not columns or fact in self._answers.said:
             return
-        column = columns[0]
+        column = next((c for c in columns if c not in self._context.used), None)
+        if column is None:
+            return
+        if self._is_key_of_rows(fact, column):
+            self._roles.metadata.append(column)
+            return
         if fact in {"trial", "period"} and "condition" in self._answers.said:
             self._exposures_of_rows(fact, column)
             return
@@ -392,9 +435,15 @@ class _Facts(FactDraft):
             question = (
                 f"Are the texts of {self.heading(column)!r} {fact}s, in the order of the rows?"
             )
-            self.doubt(question, f"they are, {what}")
+            self.doubt(question, f"they are, {what}", ORDER)
         else:
             self.use(fact, column)
+
+    def _is_key_of_rows(self, fact: str, column: int) -> bool:
+        """Return whether a column has another text in each row, as codes of web sessions are."""
+        words = texts(self._table, column)
+        each_row = len(words) == len(self._table.rows) > _FEWEST_ROWS
+        return fact == "session" and each_row and not is_numeric(self._table, column)
 
     def _exposures_of_rows(self, fact: str, column: int) -> None:
         """Count exposures: the number of a row, which is ignored, is not that of each in it."""
@@ -406,6 +455,7 @@ class _Facts(FactDraft):
         self.doubt(
             f"{question} conditions in a row, stand in the order of time?",
             "they do; exposures are numbered so",
+            ORDER,
         )
 
     def _timepoint(self) -> None:
@@ -433,7 +483,7 @@ class _Facts(FactDraft):
         self.use("timepoint", column, values=said)
         if len(set(said.values())) < len(said):
             shown = ", ".join(f"{a} is {b}" for a, b in said.items())
-            self.doubt("Are these timepoints right, though two are one?", shown)
+            self.doubt("Are these timepoints right, though two are one?", shown, TIMEPOINTS)
 
     def _other_timepoints(self, column: int) -> None:
         """Take texts such as T0 and T1 for timepoints in their alphabetical order, and ask."""
@@ -442,7 +492,7 @@ class _Facts(FactDraft):
         values = dict(zip(ordered, names, strict=False))
         self.use("timepoint", column, values=values)
         shown = ", ".join(f"{a} {b}" for a, b in values.items())
-        self.doubt(f"Which timepoints are {', '.join(ordered)}?", shown)
+        self.doubt(f"Which timepoints are {', '.join(ordered)}?", shown, TIMEPOINTS)
 
     def _mixed(self, column: int) -> None:
         """Take both the timepoint and the condition from one column."""
@@ -453,7 +503,7 @@ class _Facts(FactDraft):
         self.use("condition", column, values=what)
         before = ", ".join(repr(word) for word in words if when[word] == "baseline")
         question = f"Is {before} in {self.heading(column)!r} before exposure, of no condition?"
-        self.doubt(question, "it is; the others are conditions, asked after exposure")
+        self.doubt(question, "it is; the others are conditions, asked after exposure", TIMEPOINTS)
 
     def _covariates(self) -> None:
         who = self._context.participant

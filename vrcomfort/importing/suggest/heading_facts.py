@@ -8,7 +8,7 @@ from itertools import takewhile
 from typing import NamedTuple
 
 from vrcomfort.importing.mapping import template_pattern
-from vrcomfort.importing.suggest.draft import OpenDoubt
+from vrcomfort.importing.suggest.draft import CONDITIONS, TIMEPOINTS, OpenDoubt
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 
 _ITEM = "{item}"
@@ -25,6 +25,7 @@ def heading_facts(
     numbers
         The fact that numbers are taken for that stand alone.
     """
+    contexts = [tuple(_unglued(word, vocabulary) for word in each) for each in contexts]
     if len(contexts) == 1:
         return _of_one(contexts[0], vocabulary)
     shared = set.intersection(*map(set, contexts))
@@ -44,6 +45,19 @@ def heading_facts(
     _two_unnamed(facts, doubts)
     _name_the_rest(facts, doubts, numbers)
     return facts, doubts
+
+
+def _unglued(word: str, vocabulary: LabVocabulary) -> str:
+    """Return the timepoint at the end of a word such as ``qprae``, or else the word."""
+    if word in vocabulary.timepoints or word in vocabulary.condition_fillers:
+        return word
+    ends = (when for when in vocabulary.timepoints if len(when) >= _LETTERS and word.endswith(when))
+    found = max(ends, key=len, default=word)
+    return found if len(word) - len(found) <= _GLUED else word
+
+
+_LETTERS, _GLUED = 3, 2
+"""Letters of a timepoint that is known inside a word, and the most before it."""
 
 
 def _of_one(
@@ -86,20 +100,29 @@ def _numbered_times(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> Non
         each["timepoint"] = names.get(when, when)
     shown = ", ".join(f"{old.upper()} {names.get(old, old)}" for old in said)
     doubts.append(
-        OpenDoubt("Which timepoints are T0, T1 …: before exposure, after it, later?", shown)
+        OpenDoubt(
+            "Which timepoints are T0, T1 …: before exposure, after it, later?", shown, *TIMEPOINTS
+        )
     )
 
 
 def _two_unnamed(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
     """Take two blocks of the same headings, the second marked with a number, for before, after."""
     bare = [f for f in facts if not f]
-    second = [f for f in facts if set(f) == {"condition"} and f["condition"].isdecimal()]
+    second = [f for f in facts if set(f) == {"condition"} and _is_second(f["condition"])]
     if len(facts) == 2 and len(bare) == 1 and len(second) == 1:
         bare[0]["timepoint"] = "baseline"
         second[0].pop("condition")
         second[0]["timepoint"] = "post"
         question = "The same items are asked twice in a row: are these before and after exposure?"
-        doubts.append(OpenDoubt(question, "the first columns are baseline, the second post"))
+        doubts.append(
+            OpenDoubt(question, "the first columns are baseline, the second post", *TIMEPOINTS)
+        )
+
+
+def _is_second(text: str) -> bool:
+    """Return whether a mark says no more than that this is the other block: ``2``, or ``p``."""
+    return text.isdecimal() or text == "p"
 
 
 def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: str) -> None:
@@ -108,7 +131,7 @@ def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: s
     if numbers:
         shown = ", ".join(dict.fromkeys(f["condition"] for f in numbers))
         question = f"What do the numbers {shown} in the headings stand for?"
-        doubts.append(OpenDoubt(question, f"each is a {fact}"))
+        doubts.append(OpenDoubt(question, f"each is a {fact}", *CONDITIONS))
         for each in numbers:
             each[fact] = each.pop("condition")
     several = len({f.get("condition", "") for f in facts}) > 1
@@ -118,7 +141,7 @@ def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: s
         if nameless or (not each and len(facts) > 1):
             each["condition"] = f"questionnaire_{place}"
             question = f"Of which condition is questionnaire {place} of a row?"
-            doubts.append(OpenDoubt(question, f"`questionnaire_{place}`"))
+            doubts.append(OpenDoubt(question, f"`questionnaire_{place}`", *CONDITIONS))
 
 
 class Template(NamedTuple):

@@ -10,6 +10,7 @@ from difflib import SequenceMatcher
 from functools import lru_cache
 from typing import Literal, NamedTuple
 
+from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
@@ -199,9 +200,12 @@ class Found(FoundAnswers):
     ----------
     items
         Item → index of its column.
+    siblings
+        Columns of other administrations of the instrument, which are coded as these are.
     """
 
     items: dict[str, Named]
+    siblings: tuple[int, ...] = ()
 
     @property
     def columns(self) -> list[int]:
@@ -228,7 +232,14 @@ def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> lis
         found += _best(table, blocks, known.instruments)
     if not found and not table.reading.heading_rows:
         found = _by_position(table, known.instruments)
+    found = [replace(block, siblings=_siblings(block, found)) for block in found]
     return sorted(found, key=lambda block: block.columns)
+
+
+def _siblings(block: Found, found: Sequence[Found]) -> tuple[int, ...]:
+    others = (each for each in found if each is not block)
+    alike = (each for each in others if each.instrument is block.instrument)
+    return tuple(column for each in alike for column in each.columns)
 
 
 def _by_name(
@@ -360,7 +371,8 @@ def _by_number(
     for (before, after), columns in groups.items():
         first = min(columns)
         whole = sorted(columns) == list(range(first, first + count)) and first in {0, 1}
-        if whole and _are_answers(table, list(columns.values())):
+        places = list(columns.values())
+        if whole and _is_named(table, places, instrument) and _fit(table, places, instrument):
             items = {
                 item.name: Named(columns[n], instrument.name, item.name, "number", before, after)
                 for n, item in enumerate(instrument.asked, start=first)
@@ -369,6 +381,29 @@ def _by_number(
             context = tuple(word for word in (*before, *after) if word not in own)
             found.append(Found(instrument, context, items))
     return found
+
+
+_FEWEST_UNNAMED = 8
+"""Items of an instrument that numbers alone can tell: four columns called 1 to 4 are anything."""
+
+
+def _is_named(table: SourceTable, columns: Sequence[int], instrument: Instrument) -> bool:
+    """Return whether numbered columns name their instrument, or are too many for another."""
+    said = " ".join([table.file.stem, table.sheet, *(table.headings[c] for c in columns)])
+    many = len(instrument.asked) >= _FEWEST_UNNAMED
+    return many or instrument.name in mentions(said, [instrument])
+
+
+def _fit(table: SourceTable, columns: Sequence[int], instrument: Instrument) -> bool:
+    """Return whether most numbers in columns are answers, counted from its lowest or from 1."""
+    if not _are_answers(table, columns):
+        return False
+    decimal = table.reading.decimal or "."
+    cells = [cell for column in columns for cell in table.column(column) if cell]
+    values = [value for cell in cells if (value := number(cell, decimal)) is not None]
+    low, high = float(instrument.low), float(instrument.high)
+    inside = sum(low <= value <= high + 1 for value in values)
+    return inside * 10 >= len(values) * 8
 
 
 def _by_initials(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -96,16 +96,28 @@ def stands_on_its_side(grid: Grid, known: Known) -> bool:
 
 
 def _best_long(found: list[Long]) -> list[Long]:
-    """Keep questionnaires that are named in a column of their own, or else the one that fits."""
+    """Keep questionnaires that are named in a column of their own, or else those that fit.
+
+    Several can fit, one after the other: each of the others has all its items among the texts that
+    are no item of those before.
+    """
     named = [long for long in found if long.instrument_column is not None]
     if named:
         return named
+    ranked = sorted(found, key=lambda each: (-_share(each), len(each.others)))
+    kept = ranked[:1]
+    for long in ranked[1:]:
+        taken = {text for each in kept for text in each.items.values()}
+        if _share(long) == 1 and not taken & {*long.items.values()}:
+            kept.append(long)
+    taken = {text for each in kept for text in each.items.values()}
     return [
-        max(
-            found,
-            key=lambda long: (len(long.items) / len(long.instrument.asked), -len(long.others)),
-        )
+        replace(each, others=[text for text in each.others if text not in taken]) for each in kept
     ]
+
+
+def _share(long: Long) -> float:
+    return len(long.items) / len(long.instrument.asked)
 
 
 def _named_in_rows(
@@ -163,7 +175,14 @@ def _response_column(table: SourceTable, item_column: int, vocabulary: LabVocabu
         if column != item_column and _is_response(table, column, heading, vocabulary)
     ]
     named = [c for c in candidates if _last_word(table.headings[c]) in vocabulary.response_labels]
+    if not named and not table.reading.heading_rows:
+        # Without headings, answers are small numbers or words of severity: times and dates are not.
+        named = [c for c in candidates if len(texts(table, c)) <= _FEW_ANSWERS]
+        named = named if len(named) == 1 else []
     return named[0] if named else None
+
+
+_FEW_ANSWERS = 11
 
 
 def _last_word(heading: str) -> str:
@@ -173,10 +192,11 @@ def _last_word(heading: str) -> str:
 
 def _is_response(table: SourceTable, column: int, heading: str, vocabulary: LabVocabulary) -> bool:
     words = texts(table, column)
-    if not words or len(words) > 110:
+    labelled = _last_word(heading) in vocabulary.response_labels
+    if not words or (len(words) > 110 and not labelled):
         return False
     known = sum(is_number(word) or plain(word) in vocabulary.severity for word in words)
-    return known * 2 >= len(words) or _last_word(heading) in vocabulary.response_labels
+    return known * 2 >= len(words) or labelled
 
 
 def _instrument_column(
@@ -224,7 +244,8 @@ class FoundCourse(FoundAnswers):
 def find_ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
     """Return the columns of ratings that are in no time course."""
     ratings = _ratings(table, columns, known)
-    in_courses = [rating for course in _courses_of(ratings) for rating in course]
+    courses = _courses_of(ratings, known.vocabulary.units)
+    in_courses = [rating for course in courses for rating in course]
     return [rating for rating in ratings if rating not in in_courses]
 
 
@@ -232,15 +253,29 @@ def find_courses(table: SourceTable, columns: Sequence[int], known: Known) -> li
     """Return the rating time courses that have a column for each time."""
     units = known.vocabulary.units
     found = []
-    for course in _courses_of(_ratings(table, columns, known)):
-        context = (word for word in course[0].context if not word.isdecimal() and word not in units)
+    for course in _courses_of(_ratings(table, columns, known), units):
+        first = course[0].context
+        time = _time_in(first, units)
+        context = (w for n, w in enumerate(first) if n != time and w not in units)
         found.append(FoundCourse(course[0].instrument, tuple(context), tuple(course)))
     return found
 
 
+def _time_in(context: Sequence[str], units: Set[str]) -> int | None:
+    """Return the place of the one number that is a time: before a unit, where there are others."""
+    numbers = [n for n, word in enumerate(context) if word.isdecimal()]
+    if len(numbers) > 1:
+        numbers = [n for n in numbers if {*context[n + 1 : n + 2]} & units]
+    return numbers[0] if len(numbers) == 1 else None
+
+
 def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
     """Return the columns that are called by the name of a scale of one item."""
-    time = next((c for c in columns if plain(table.headings[c]) in known.vocabulary.seconds), None)
+    totals = {c for each in find_scores(table, columns, known) for c in each.columns}
+    seconds = known.vocabulary.seconds
+    time = next(
+        (c for c in columns if plain(table.headings[c]) in seconds and c not in totals), None
+    )
     found = []
     for instrument in known.instruments:
         if len(instrument.asked) == 1:
@@ -258,22 +293,26 @@ def _is_rating(table: SourceTable, column: int, instrument: Instrument) -> bool:
     named = plain(table.headings[column]) in keys or (
         plain(instrument.name) in words and len(words) <= 5
     )
-    values = [number(t, table.reading.decimal or ".") for t in set(table.column(column)) if t]
-    high = instrument.high
-    return named and any(v is not None and instrument.low <= v <= high for v in values)
+    if not named:
+        return False
+    cells = [cell.replace(",", ".") for cell in table.column(column) if cell]
+    values = [number(cell, ".") for cell in cells]
+    inside = [v for v in values if v is not None and instrument.low <= v <= instrument.high]
+    # Means of ratings stand under the scale's name, too, and most are no answers of it.
+    return bool(inside) and sum(map(instrument.answers.has, inside)) * 10 >= len(inside) * 7
 
 
 FEWEST_TIMES = 3
 """Columns of one scale that differ in a number alone and are a time course of ratings."""
 
 
-def _courses_of(ratings: Sequence[FoundRating]) -> list[list[FoundRating]]:
+def _courses_of(ratings: Sequence[FoundRating], units: Set[str]) -> list[list[FoundRating]]:
     """Group ratings by headings that differ in one number alone, such as ``FMS_1 min``."""
     groups: dict[tuple[str, ...], list[FoundRating]] = {}
     for rating in ratings:
-        digits = [word for word in rating.context if word.isdecimal()]
-        if rating.time is None and len(digits) == 1:
-            rest = tuple("#" if word.isdecimal() else word for word in rating.context)
+        place = _time_in(rating.context, units)
+        if rating.time is None and place is not None:
+            rest = tuple("#" if n == place else word for n, word in enumerate(rating.context))
             groups.setdefault((rating.instrument.name, *rest), []).append(rating)
     return [group for group in groups.values() if len(group) >= FEWEST_TIMES]
 
@@ -321,14 +360,30 @@ def _of_instrument(
     groups: dict[tuple[str, ...], dict[str, int]] = {}
     for column in columns:
         named = _scale(table.headings[column], instrument, words, fillers)
-        if named is not None and _numeric(table, column):
+        measured = {*tokens(table.headings[column])} & vocabulary.measures
+        if named is not None and not measured and _numeric(table, column):
             scale, context = named
             groups.setdefault(context, {}).setdefault(scale, column)
+    most = max(map(len, groups.values()), default=0)
     return [
         FoundScores(instrument, context, scales)
         for context, scales in groups.items()
-        if _is_sure(table, instrument, scales)
+        if _is_sure(table, instrument, scales) and _is_like(table, instrument, scales, most)
     ]
+
+
+def _is_like(
+    table: SourceTable, instrument: Instrument, scales: Mapping[str, int], most: int
+) -> bool:
+    """Return whether a group has the scales of the largest one, or names the instrument itself.
+
+    Beside N, O, D and T, a single column called ``Overall …`` is something else.
+    """
+    names = " ".join(table.headings[column] for column in scales.values())
+    return most < _WHOLE or len(scales) > 1 or instrument.name in mentions(names, [instrument])
+
+
+_WHOLE = 3
 
 
 def _scale_words(instrument: Instrument, vocabulary: LabVocabulary) -> dict[str, str]:
@@ -374,6 +429,26 @@ def _numeric(table: SourceTable, column: int) -> bool:
     cells = [cell for cell in table.column(column) if cell]
     values = [number(cell, table.reading.decimal or ".") for cell in cells]
     return sum(value is not None for value in values) * 10 >= len(values) * 8 > 0
+
+
+def by_kind(table: SourceTable, found: FoundScores) -> dict[ScoreKind, FoundScores]:
+    """Return the kind of scores: ``score``, ``raw_sum``, both in two parts, or else ``other``.
+
+    Labs write raw sums of the subscales beside a weighted total.
+    """
+    whole = kind_of(table, found)
+    if whole != "other":
+        return {whole: found}
+    kinds: dict[ScoreKind, dict[str, int]] = {}
+    for scale, column in found.scales.items():
+        kinds.setdefault(_likelier(table, found, scale), {})[scale] = column
+    if "other" in kinds:
+        return {whole: found}
+    return {kind: replace(found, scales=scales) for kind, scales in kinds.items()}
+
+
+def _likelier(table: SourceTable, found: FoundScores, scale: str) -> ScoreKind:
+    return kind_of(table, replace(found, scales={scale: found.scales[scale]}))
 
 
 def kind_of(table: SourceTable, found: FoundScores) -> ScoreKind:

@@ -10,7 +10,19 @@ from dataclasses import dataclass, field, replace
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
+from vrcomfort.importing.suggest.draft import (
+    CODING,
+    CURIOUS,
+    INSTRUMENT,
+    ITEM,
+    ITEM_ORDER,
+    ORDER,
+    REFUSED,
+    ROWS,
+    SHORT_FORM,
+    OpenDoubt,
+    TomlDraft,
+)
 from vrcomfort.importing.suggest.evidence import Roles, texts
 from vrcomfort.importing.suggest.items import Found, Named, mentions
 from vrcomfort.importing.suggest.layouts import FoundCourse, FoundRating, Long, parts_of
@@ -92,7 +104,7 @@ def coding_of_texts(
     if broken:
         shown = ", ".join(broken[:6]) + (" …" if len(broken) > 6 else "")
         question = f"Why are answers {shown}, where those of {instrument.name} are whole numbers?"
-        found.doubts.append(OpenDoubt(question, "the import will refuse them"))
+        found.doubts.append(OpenDoubt(question, "the import will refuse them", *REFUSED))
     _words(words, values, instrument, found, vocabulary)
     _numbers(values, instrument, found)
     return found
@@ -111,9 +123,11 @@ def _words(
         answer = said.get(plain(text))
         if answer is None:
             answer = _numbered(text, said, instrument)
+        if answer is None:
+            answer = _in_two_languages(text, said)
         if plain(text) == "none" and values and len(words) == 1:
             question = "Is `None` an answer (0) or a missing value? All others are numbers."
-            found.doubts.append(OpenDoubt(question, "it is missing"))
+            found.doubts.append(OpenDoubt(question, "it is missing", *CODING))
             found.missing.append(text)
         elif text.casefold() in vocabulary.missing:
             found.missing.append(text)
@@ -127,7 +141,7 @@ def _words(
         shown = ", ".join(repr(text) for text in unknown[:8]) + (" …" if len(unknown) > 8 else "")
         question = f"Which answers of {instrument.name} are the words {shown}?"
         found.doubts.append(
-            OpenDoubt(question, "none yet: give them under answers, or under missing")
+            OpenDoubt(question, "none yet: give them under answers, or under missing", *REFUSED)
         )
     _doubled(found, instrument)
 
@@ -153,6 +167,12 @@ def _numbered(text: str, said: dict[str, int], instrument: Instrument) -> int | 
     return value if instrument.low <= value <= instrument.high else None
 
 
+def _in_two_languages(text: str, said: dict[str, int]) -> int | None:
+    """Return the answer of ``None / Inexistente``: what one of its parts says, if none differs."""
+    found = {said[plain(part)] for part in re.split(r"[/|]", text) if plain(part) in said}
+    return found.pop() if len(found) == 1 else None
+
+
 def _doubled(found: Coding, instrument: Instrument) -> None:
     """Ask where two words mean one answer, or more words were met than there are answers."""
     by_value: dict[int, set[str]] = {}
@@ -162,7 +182,7 @@ def _doubled(found: Coding, instrument: Instrument) -> None:
     if doubled:
         shown = "; ".join(" and ".join(words) for words in doubled)
         question = f"Are these one answer of {instrument.name} each: {shown}?"
-        found.doubts.append(OpenDoubt(question, "they are, as `answers` has them"))
+        found.doubts.append(OpenDoubt(question, "they are, as `answers` has them", *CODING))
 
 
 def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> None:
@@ -176,33 +196,35 @@ def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> N
     if codes:
         shown = ", ".join(map(str, codes))
         question = f"Do the numbers {shown} stand for missing answers? {instrument.name} has none."
-        found.doubts.append(OpenDoubt(question, "they do"))
+        found.doubts.append(OpenDoubt(question, "they do", *CODING))
     rest = [value for value in outside if value not in codes]
     variant = _variant(instrument, values)
     if rest and low in values and variant is not None:
         found.variant = variant
         question = f"Answers go from {low} to {max(rest)}: is this the {variant.short}?"
         found.doubts.append(
-            OpenDoubt(question, f"it is, and not comparable with {instrument.short}")
+            OpenDoubt(question, f"it is, and not comparable with {instrument.short}", *INSTRUMENT)
         )
     elif rest == [low - 1] and high not in values:
         found.coded_from = low - 1
         question = f"Are the answers {low - 1} to {high - 1} in place of {low} to {high}?"
-        found.doubts.append(OpenDoubt(question, f"they are: {low - 1} stands for {low}"))
+        found.doubts.append(OpenDoubt(question, f"they are: {low - 1} stands for {low}", *CODING))
     elif rest == [high + 1] and low not in values:
         found.coded_from = low + 1
         question = f"Are the answers {low + 1} to {high + 1} in place of {low} to {high}?"
-        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}"))
+        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}", *CODING))
     elif rest:
         shown = ", ".join(map(str, rest[:6]))
         question = f"What do the answers {shown} mean? {instrument.name} has {low} to {high}."
-        found.doubts.append(OpenDoubt(question, "the import will refuse them"))
+        found.doubts.append(OpenDoubt(question, "the import will refuse them", *REFUSED))
     # The task load index is printed with 21 marks, of which labs type the number.
     elif high >= 100 and inside and max(inside) <= 21:
         found.times = 10 if max(inside) <= 10 else 5
         found.coded_from = 1 if max(inside) == 21 else None
         question = f"Answers of {instrument.short} are {low} to {high}, these {min(inside)} to"
-        doubt = OpenDoubt(f"{question} {max(inside)}: are they marks?", f"times {found.times}")
+        doubt = OpenDoubt(
+            f"{question} {max(inside)}: are they marks?", f"times {found.times}", *CODING
+        )
         found.doubts.append(doubt)
     elif not found.answers and (
         count := never_zero(instrument, {value: values[value] for value in inside})
@@ -212,7 +234,7 @@ def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> N
             f"None of {count} answers is {low}: are they counted from {low + 1} (with no "
             f"{high + 1} among them), or was {low} never answered?"
         )
-        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}"))
+        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}", *CODING))
 
 
 def _mend_items(
@@ -244,7 +266,7 @@ def _mend_items(
         else:
             assumed = f"`{heading}` is ignored, and {item} was not asked"
         question = f"{heading!r} is exactly the sum of {shown}: which column is the item {item}?"
-        doubts.append(OpenDoubt(question, assumed))
+        doubts.append(OpenDoubt(question, assumed, *ITEM))
     return replace(block, items=items), doubts
 
 
@@ -283,7 +305,8 @@ def draft_block(
     block, doubts = _mend_items(table, block, roles, known.vocabulary)
     draft = TomlDraft({"instrument": block.instrument.name, **facts})
     doubts += _instrument_doubts(table, block, known)
-    coding = coding_of(table, block.columns, block.instrument, known.vocabulary)
+    columns = [*dict.fromkeys((*block.columns, *block.siblings))]
+    coding = coding_of(table, columns, block.instrument, known.vocabulary)
     if coding.variant is not None:
         block = replace(block, instrument=coding.variant)
         draft.put("instrument", block.instrument.name)
@@ -296,7 +319,9 @@ def draft_block(
         draft.put("not_asked", block.absent)
         names = ", ".join(block.absent)
         question = f"No column was found for {names}: were they not asked?"
-        doubts.append(OpenDoubt(question, "they were not (a short form); its scores lack them"))
+        doubts.append(
+            OpenDoubt(question, "they were not (a short form); its scores lack them", *SHORT_FORM)
+        )
     items = TomlDraft(dict(headings))
     for item in order:
         how = block.items[item].how
@@ -323,7 +348,7 @@ def _instrument_doubts(table: SourceTable, block: Found, known: Known) -> list[O
     if not others:
         return []
     question = f"Items of {block.instrument.name.upper()} are items of {', '.join(others)}, too:"
-    return [OpenDoubt(f"{question} which was asked?", block.instrument.name.upper())]
+    return [OpenDoubt(f"{question} which was asked?", block.instrument.name.upper(), *INSTRUMENT)]
 
 
 def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[OpenDoubt]:
@@ -332,22 +357,27 @@ def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[OpenDoubt]:
     by_how: dict[str, list[str]] = {}
     for item in headings:
         by_how.setdefault(block.items[item].how, []).append(item)
+    like = f"order of {block.instrument.name}"
     if numbered := by_how.get("number"):
         first, last = headings[numbered[0]], headings[numbered[-1]]
         title, citation = block.instrument.title, block.instrument.citation.split(",")[0]
         question = f"Are {first} … {last} in the published order of the {title} ({citation})?"
-        doubts.append(OpenDoubt(question, f"they are: {first} is {numbered[0]}"))
+        doubts.append(OpenDoubt(question, f"they are: {first} is {numbered[0]}", *ITEM_ORDER, like))
     if placed := by_how.get("position"):
         first, last = headings[placed[0]], headings[placed[-1]]
         if len(placed) > 1:
             question = f"Are {first} … {last} the {block.instrument.title} in published order?"
-            doubts.append(OpenDoubt(question, f"they are: {first} is {placed[0]}"))
+            doubts.append(OpenDoubt(question, f"they are: {first} is {placed[0]}", *ITEM_ORDER))
     if near := by_how.get("near"):
         shown = "; ".join(f"{headings[item]!r} is {item}" for item in near)
-        doubts.append(OpenDoubt(f"Is it right that {shown}?", "it is: these are misspellings"))
+        doubts.append(
+            OpenDoubt(f"Is it right that {shown}?", "it is: these are misspellings", *ITEM)
+        )
     if short := [*by_how.get("abbreviation", ()), *by_how.get("initials", ())]:
         shown = "; ".join(f"{headings[item]!r} is {item}" for item in short)
-        doubts.append(OpenDoubt(f"Is it right that {shown}?", "it is: these are abbreviations"))
+        doubts.append(
+            OpenDoubt(f"Is it right that {shown}?", "it is: these are abbreviations", *ITEM)
+        )
     return doubts
 
 
@@ -376,7 +406,7 @@ def _of_single_items(
             own.tables[item] = TomlDraft({"coded_from": low + 1})
             heading = table.headings[named.column]
             question = f"Is {heading!r} counted from {low + 1}, unlike the other items?"
-            doubts.append(OpenDoubt(question, f"it is: {low + 1} stands for {low}"))
+            doubts.append(OpenDoubt(question, f"it is: {low + 1} stands for {low}", *CODING))
     if own.tables:
         draft.tables["item_coding"] = own
         stale = [d for d in doubts if d.question.startswith(f"What do the answers {high + 1} mean")]
@@ -414,11 +444,13 @@ def draft_long(
     if block.absent:
         draft.put("not_asked", block.absent)
         question = f"No row was found for {', '.join(block.absent)}: were they not asked?"
-        doubts.append(OpenDoubt(question, "they were not (a short form); its scores lack them"))
+        doubts.append(
+            OpenDoubt(question, "they were not (a short form); its scores lack them", *SHORT_FORM)
+        )
     if long.others and long.instrument_column is None:
         shown = ", ".join(map(repr, long.others[:8])) + (" …" if len(long.others) > 8 else "")
         question = f"May the rows of {shown} be left out, which are no items of this instrument?"
-        doubts.append(OpenDoubt(question, "they are left out"))
+        doubts.append(OpenDoubt(question, "they are left out", *ROWS))
     draft.tables["items"] = TomlDraft({item: long.items[item] for item in order})
     return draft, doubts
 
@@ -432,7 +464,7 @@ def _other_instruments(table: SourceTable, column: int, known: Known) -> list[Op
     if not others:
         return []
     question = f"May the rows with {', '.join(others)} in {table.headings[column]!r} be left out?"
-    return [OpenDoubt(question, "they are: no instrument of ours is called so")]
+    return [OpenDoubt(question, "they are: no instrument of ours is called so", *ROWS)]
 
 
 def draft_rating(
@@ -469,37 +501,49 @@ def draft_course(
     question = (
         f"Are {headings[0]} … {headings[-1]} ratings during exposure, {what} after its start?"
     )
-    return draft, [*coding.doubts, OpenDoubt(question, f"they are, {what}")]
+    return draft, [*coding.doubts, OpenDoubt(question, f"they are, {what}", *ORDER)]
 
 
-def leftovers(
-    table: SourceTable, columns: Sequence[int], blocks: Sequence[Found], vocabulary: LabVocabulary
-) -> tuple[dict[int, str], list[OpenDoubt]]:
-    """Return why columns are ignored, as far as that is known, and ask about answers in them."""
-    reasons: dict[int, str] = {}
-    doubts = []
-    items = [
-        {
+def sum_of(
+    table: SourceTable, column: int, blocks: Sequence[Found], known: Known
+) -> list[str] | None:
+    """Return the columns of a questionnaire of which another is the exact (weighted) sum."""
+    words = texts(table, column)
+    if not words or not all(map(is_number, words)):
+        return None
+    values = _values(table, column)
+    for block in blocks:
+        answers = {
             table.headings[named.column]: _coded_values(
-                table, named.column, block.instrument, vocabulary
+                table, named.column, block.instrument, known.vocabulary
             )
             for named in block.items.values()
         }
-        for block in blocks
-    ]
+        if parts := parts_of(values, answers):
+            return parts
+    return None
+
+
+def leftovers(
+    table: SourceTable, columns: Sequence[int], blocks: Sequence[Found], known: Known
+) -> tuple[dict[int, str], list[OpenDoubt]]:
+    """Return why columns are ignored, as far as that is known, and ask about answers in them."""
+    reasons: dict[int, str] = {}
+    doubts: list[OpenDoubt] = []
+    maybe: list[str] = []
     for column in columns:
         words = texts(table, column)
         heading = table.headings[column]
         if not words:
             reasons[column] = "empty"
-            continue
-        numeric = all(map(is_number, words))
-        sums = (parts_of(_values(table, column), each) for each in items) if numeric else ()
-        parts = next((found for found in sums if found), None)
-        if parts is not None:
+        elif parts := sum_of(table, column, blocks, known):
             shown = ", ".join(parts[:3]) + (f" and {len(parts) - 3} more" if parts[3:] else "")
             reasons[column] = f"the exact (weighted) sum of {shown}"
-        elif blocks and _may_answer(table, column, blocks[0].instrument, vocabulary):
-            question = f"{heading!r} holds what may be answers: is it an item?"
-            doubts.append(OpenDoubt(question, "it is not, and is ignored"))
+        elif blocks and _may_answer(table, column, blocks[0].instrument, known.vocabulary):
+            maybe.append(heading)
+    if maybe:
+        shown = ", ".join(map(repr, maybe[:6]))
+        shown += f" and {len(maybe) - 6} more" if maybe[6:] else ""
+        question = f"These hold what may be answers: {shown}. Is one of them an item?"
+        doubts.append(OpenDoubt(question, "none is, and they are ignored", *CURIOUS))
     return reasons, doubts

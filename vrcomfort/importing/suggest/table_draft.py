@@ -9,7 +9,15 @@ from typing import Any, Generic, TypeVar
 
 from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft
+from vrcomfort.importing.suggest.draft import (
+    LAYOUT,
+    PEOPLE,
+    ROWS,
+    SAME_PERSON,
+    SCORE_KIND,
+    OpenDoubt,
+    TomlDraft,
+)
 from vrcomfort.importing.suggest.evidence import (
     FIRST_COLUMNS,
     Context,
@@ -23,11 +31,12 @@ from vrcomfort.importing.suggest.facts import AnswersFound, DraftedFacts, draft_
 from vrcomfort.importing.suggest.heading_facts import heading_facts, template_of
 from vrcomfort.importing.suggest.items import FoundAnswers, find_blocks
 from vrcomfort.importing.suggest.layouts import (
+    FoundScores,
+    by_kind,
     find_courses,
     find_long,
     find_ratings,
     find_scores,
-    kind_of,
 )
 from vrcomfort.importing.suggest.questionnaires import (
     Drafted,
@@ -36,6 +45,7 @@ from vrcomfort.importing.suggest.questionnaires import (
     draft_long,
     draft_rating,
     leftovers,
+    sum_of,
 )
 from vrcomfort.importing.suggest.vocabulary import Known, words_of
 from vrcomfort.settings import toml_value
@@ -136,6 +146,7 @@ class TableDraft:
         self._answers = AnswerColumns(self.table, known)
         others = [c for c in range(len(self.table.headings)) if c not in self._answers.taken]
         self._roles = roles_of(self.table, others, self._vocabulary)
+        self._nobodys_rows()
         self._facts: dict[Layout[Any], list[dict[str, str]]] = {}
         """Layout → what the headings of its answers say."""
         self._made: dict[int, str] = {}
@@ -166,13 +177,13 @@ class TableDraft:
         if read.transpose:
             values["transpose"] = True
             question = "Do participants stand side by side, and items one below the other?"
-            self.doubts.append(OpenDoubt(question, "they do; columns are read as rows"))
+            self.doubts.append(OpenDoubt(question, "they do; columns are read as rows", *LAYOUT))
         if values:
             self.draft.put("read", values)
         if not read.heading_rows and "heading_rows" in values:
             question = f"{self.table.file.name} seems to have no headings: is its first row data?"
             self.doubts.append(
-                OpenDoubt(question, "it is; columns are called column 1, column 2 …")
+                OpenDoubt(question, "it is; columns are called column 1, column 2 …", *LAYOUT)
             )
 
     def _write(self) -> None:
@@ -199,7 +210,8 @@ class TableDraft:
 
     def _numbers(self) -> str:
         """Return the fact that numbers in headings are: a column may say the condition already."""
-        return "trial" if self._roles.facts.get("condition") else "condition"
+        said = self._roles.facts.get("condition", [])
+        return "trial" if any(len(texts(self.table, c)) > 1 for c in said) else "condition"
 
     def _spelt(self, facts: dict[str, str]) -> dict[str, str]:
         """Return conditions with the capital letters that the headings have."""
@@ -218,7 +230,23 @@ class TableDraft:
     def _context(self) -> Context:
         time = next((r.time for r in self._answers[RATINGS] if r.time is not None), None)
         single = not self._answers[LONG]
-        return Context(self.table, self._vocabulary, self._roles, one_row_each=single, time=time)
+        return Context(
+            self.table,
+            self._vocabulary,
+            self._roles,
+            one_row_each=single,
+            time=time,
+            derived=self._derived(),
+        )
+
+    def _derived(self) -> frozenset[int]:
+        """Return the columns that are exactly the sum of a questionnaire's answers."""
+        blocks = self._answers[BLOCKS]
+        return frozenset(
+            column
+            for column in self._roles.unknown
+            if sum_of(self.table, column, blocks, self._known)
+        )
 
     def _found_answers(self, said: set[str]) -> AnswersFound:
         keys = [column for long in self._answers[LONG][:1] for column in long.row_keys]
@@ -252,8 +280,18 @@ class TableDraft:
                 self.table = replace(self.table, rows=tuple(rows))
                 self.draft.put("fill_down", [name])
                 question = f"Do the blank cells of {name!r} mean the participant above them?"
-                self.doubts.append(OpenDoubt(question, "they do"))
+                self.doubts.append(OpenDoubt(question, "they do", *PEOPLE))
                 return
+
+    def _nobodys_rows(self) -> None:
+        """Take rows without a participant out of the table: means often stand in them."""
+        named = self._roles.facts.get("participant", [])
+        if not named or not self._answers or all(self.table.column(named[0])):
+            return
+        rows = tuple(row for row in self.table.rows if row[named[0]])
+        if rows:
+            self.table = replace(self.table, rows=rows)
+            self._totals[named[0]] = [*self._totals.get(named[0], []), ""]
 
     def _leave_out(self, participant: int | None) -> None:
         out = dict(self._totals)
@@ -268,7 +306,7 @@ class TableDraft:
             question = (
                 f"May the rows with {shown} in {names[column]!r} be left out, as no person's?"
             )
-            self.doubts.append(OpenDoubt(question, "they are left out"))
+            self.doubts.append(OpenDoubt(question, "they are left out", *ROWS))
 
     def _questionnaires(self) -> None:
         drafts: list[TomlDraft] = []
@@ -356,21 +394,31 @@ class TableDraft:
             if each.instrument.name in answered:
                 self._made |= dict.fromkeys(each.columns, "a score made of the answers")
                 continue
-            kind = kind_of(self.table, each)
-            scales = {scale: self.table.headings[c] for scale, c in each.scales.items()}
-            draft = TomlDraft({"instrument": each.instrument.name, **said, "kind": kind})
-            draft.note("The answers are not in the file: scores alone.")
-            draft.tables["scales"] = TomlDraft(dict(scales))
-            drafts.append(draft)
-            what = {"raw_sum": "raw sums", "score": "scores by the published formula"}.get(
-                kind, "scores by another formula"
-            )
-            asked.setdefault(f"{what} of the {each.instrument.short}", []).extend(scales.values())
+            if self._averages(each):
+                self._made |= dict.fromkeys(each.columns, "a mean of the others")
+                continue
+            for kind, part in by_kind(self.table, each).items():
+                scales = {scale: self.table.headings[c] for scale, c in part.scales.items()}
+                draft = TomlDraft({"instrument": part.instrument.name, **said, "kind": kind})
+                draft.note("The answers are not in the file: scores alone.")
+                draft.tables["scales"] = TomlDraft(dict(scales))
+                drafts.append(draft)
+                what = {"raw_sum": "raw sums", "score": "scores by the published formula"}.get(
+                    kind, "scores by another formula"
+                )
+                of = f"{what} of the {part.instrument.short}"
+                asked.setdefault(of, []).extend(scales.values())
         for what, names in asked.items():
             question = f"{', '.join(names)}: are these {what}?"
-            self.doubts.append(OpenDoubt(question, f"they are {what}; the answers are not there"))
+            self.doubts.append(
+                OpenDoubt(question, f"they are {what}; the answers are not there", *SCORE_KIND)
+            )
         if drafts:
             self.draft.lists["scores"] = drafts
+
+    def _averages(self, scores: FoundScores) -> bool:
+        """Return whether scores are means over conditions, which others are beside."""
+        return len(self._answers[SCORES]) > 1 and bool({*scores.context} & self._vocabulary.totals)
 
     def _covariates(self, exposures: DraftedFacts) -> None:
         if exposures.context.covariates:
@@ -383,7 +431,9 @@ class TableDraft:
                 one = {other: group[0] for group in groups for other in group[1:]}
                 said = "they are not; `values` of participant make them one: "
                 question = f"Are these participants one person each: {shown}?"
-                self.doubts.append(OpenDoubt(question, f"{said}values = {toml_value(one)}"))
+                self.doubts.append(
+                    OpenDoubt(question, f"{said}values = {toml_value(one)}", *SAME_PERSON)
+                )
 
     def _ignore(self, exposures: DraftedFacts) -> None:
         """List every column that nothing was said of, with the reason."""
@@ -401,7 +451,7 @@ class TableDraft:
         if not columns:
             return
         asked = [column for column in columns if column not in self._roles.metadata]
-        reasons, doubts = leftovers(self.table, asked, self._answers[BLOCKS], self._vocabulary)
+        reasons, doubts = leftovers(self.table, asked, self._answers[BLOCKS], self._known)
         self.doubts += doubts
         for column in columns:
             name = self.table.headings[column]

@@ -75,6 +75,12 @@ class IgnoredLabels(Settings):
     """Headings of columns that may identify a person."""
 
 
+class MeasureLabels(Settings):
+    """Columns of what no questionnaire asks: physiology, performance, the room."""
+
+    words: _Words = ()
+
+
 class LongLabels(Settings):
     """Headings of files with a row for each answer."""
 
@@ -131,6 +137,7 @@ class VocabularyFile(Settings):
     covariates: dict[Word, Labels] = Field(default_factory=dict)
     """Name in participants.csv → its headings."""
     ignored: IgnoredLabels = IgnoredLabels()
+    measures: MeasureLabels = MeasureLabels()
     long: LongLabels = LongLabels()
     ratings: RatingLabels = RatingLabels()
     numbered: NumberedWords = NumberedWords()
@@ -191,6 +198,7 @@ class LabVocabulary:
         self.covariate_words = _word_sets(merged["covariates"], "words")
         self.covariate_labels = _word_sets(merged["covariates"], "labels")
         self.personal = _plain_set(merged["ignored"]["personal"])
+        self.measures = _plain_set(merged["measures"]["words"])
         self.item_labels = _plain_set(merged["long"]["item"])
         self.response_labels = _plain_set(merged["long"]["response"])
         self.seconds = _plain_set(merged["ratings"]["seconds"])
