@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 
 from vrcomfort.importing.answers import number
@@ -42,6 +42,8 @@ class Block:
         Index of a column → texts that a row has to have there.
     onset_s
         When the rating of these columns was given, where their headings say it.
+    beside
+        Fact → index of the column that says it of these columns alone.
     """
 
     source: Questionnaire | Scores
@@ -54,6 +56,7 @@ class Block:
     words: dict[str, str]
     where: dict[int, tuple[str, ...]]
     onset_s: float | None = None
+    beside: dict[str, int] = field(default_factory=dict)
 
 
 class Columns:
@@ -72,6 +75,8 @@ class Columns:
             for name in FACTS
             if (columns := _columns_of(mapping, name))
         }
+        order = mapping.condition.order
+        self.order = None if order is None else self.index(order, "condition.order")
         self.participants = {
             name: self.index(column, f"participants.{name}")
             for name, column in mapping.participants.items()
@@ -113,8 +118,14 @@ class Columns:
         where = {
             self.index(column, "where"): texts_of(texts) for column, texts in source.where.items()
         }
+        if isinstance(source, Questionnaire) and source.first_columns:
+            return [
+                self._placed_block(source, instrument, where, place, first)
+                for place, first in enumerate(source.first_columns)
+            ]
+        beside = self._beside(source, 0)
         if isinstance(source, Questionnaire) and source.item_column is not None:
-            return [self._long_block(source, instrument, where)]
+            return [replace(self._long_block(source, instrument, where), beside=beside)]
         pieces = self._pieces(source, instrument)
         pattern = re.compile(source.pattern) if source.pattern else template_pattern(source.heading)
         found: dict[tuple[tuple[str, str], ...], dict[int, str]] = {}
@@ -149,6 +160,7 @@ class Columns:
                 {},
                 where,
                 self._onset_s(dict(facts)),
+                beside,
             )
             for facts, columns in found.items()
         ]
@@ -172,6 +184,38 @@ class Columns:
                     raise self._table.fault(message)
                 return value * seconds
         return None
+
+    def _placed_block(
+        self,
+        source: Questionnaire,
+        instrument: Instrument,
+        where: dict[int, tuple[str, ...]],
+        number: int,
+        heading: str,
+    ) -> Block:
+        """Return the answers that stand side by side from a column on."""
+        first = self.index(heading, "first_columns")
+        if self._used[first] == "first_columns":
+            del self._used[first]
+        order = source.item_order or tuple(item.name for item in instrument.asked)
+        if first + len(order) > len(self._table.headings):
+            message = f"has only {len(self._table.headings) - first} columns from here on, for"
+            raise self._table.fault(f"{message} {len(order)} items", column=first)
+        for place, item in enumerate(order, start=first):
+            self._take(place, f"{instrument.name} {item}" if item else "no item")
+        columns = {place: item for place, item in enumerate(order, start=first) if item}
+        if not source.item_order:
+            self._require_items(source, instrument, {(): columns})
+        return Block(
+            source, instrument, source.constants, columns, None, None, None, {}, where,
+            beside=self._beside(source, number),
+        )  # fmt: skip
+
+    def _beside(self, source: Questionnaire | Scores, number: int) -> dict[str, int]:
+        """Return fact → index of the column that says it of one of a source's questionnaires."""
+        named = {fact: texts_of(columns) for fact, columns in source.beside.items()}
+        chosen = {fact: each[number if len(each) > 1 else 0] for fact, each in named.items()}
+        return {f: self.index(name, f"beside.{f}") for f, name in chosen.items() if name}
 
     def _long_block(
         self, source: Questionnaire, instrument: Instrument, where: dict[int, tuple[str, ...]]
@@ -263,6 +307,19 @@ def _columns_of(mapping: TableMapping, fact: str) -> tuple[str, ...]:
     return (found.column,) if found.column is not None else found.columns
 
 
+def conditions_in(order: str) -> list[str]:
+    """Return the conditions that an order such as ``A, B`` or ``AB`` gives, one after the other.
+
+    >>> conditions_in("no blur > blur"), conditions_in("BAC"), conditions_in("B-A")
+    (['no blur', 'blur'], ['B', 'A', 'C'], ['B', 'A'])
+    """
+    for signs in (r"[,;/>|→]+", r"[-–_\s]+"):
+        parts = [part.strip() for part in re.split(signs, order) if part.strip()]
+        if len(parts) > 1:
+            return parts
+    return [*order.strip()]
+
+
 TIMEPOINT = "post"
 """What a questionnaire is taken for of which nothing says when it was asked."""
 
@@ -293,6 +350,7 @@ class RowFacts:
         self._of_table = self._captured(mapping.sheet_name, table.sheet, "sheet")
         name = table.file.name.removesuffix(table.file.suffix)
         self._of_table |= self._captured(mapping.file_name, name, "file's name")
+        self._of_table |= self._matched(mapping.file_pattern, name)
         self._sources = [
             (name, mapping.fact(name), columns.facts.get(name))
             for name in FACTS
@@ -316,6 +374,15 @@ class RowFacts:
             raise self._table.fault(f"the {what} {text!r} is not made as {template!r}")
         return match.groupdict()
 
+    def _matched(self, pattern: str, name: str) -> dict[str, str]:
+        """Return the groups of a file's name; those that are not there are blank."""
+        if not pattern:
+            return {}
+        match = re.fullmatch(pattern, name)
+        if match is None:
+            raise self._table.fault(f"the file's name {name!r} does not match {pattern!r}")
+        return match.groupdict(default="")
+
     def of_row(self, cells: tuple[str, ...], row: int) -> dict[str, str]:
         """Return the facts of a row, but for those that are counted.
 
@@ -327,7 +394,7 @@ class RowFacts:
         facts = {}
         for name, fact, columns in self._sources:
             text = self._said(name, fact, columns, cells)
-            if text:
+            if text or (not columns and "" in fact.values):
                 facts[name] = self.renamed(name, text, row) if fact.values else text
         if self._mapping.participant.count:
             facts["participant"] = f"R{row:03d}"
@@ -361,6 +428,26 @@ class RowFacts:
         columns = self._columns.facts.get(name)
         message = f"{text!r} is not among the values of {name} in the mapping; add it there"
         raise self._table.fault(message, row, columns[0] if columns else None)
+
+    def in_order(
+        self, facts: Mapping[str, str], cells: tuple[str, ...], row: int
+    ) -> Mapping[str, str]:
+        """Return the facts with the condition that an order of conditions gives.
+
+        Raises
+        ------
+        InputError
+            If the order has no condition of this number, with row and column.
+        """
+        column, by = self._columns.order, self._mapping.condition.by
+        number = facts.get(by, "")
+        if column is None or not number or not cells[column]:
+            return facts
+        parts = conditions_in(cells[column])
+        if not number.isdecimal() or not 0 < int(number) <= len(parts):
+            message = f"the order {cells[column]!r} has no condition number {number} ({by})"
+            raise self._table.fault(message, row, column)
+        return {**facts, "condition": self.renamed("condition", parts[int(number) - 1], row)}
 
     def counted(self, facts: Mapping[str, str], item: str = "") -> dict[str, str]:
         """Return the facts with numbers where the mapping has them counted.

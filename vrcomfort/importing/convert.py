@@ -176,6 +176,7 @@ class TableImport:
         self._columns = Columns(table, mapping, known)
         self._facts = RowFacts(table, mapping, self._columns, numbers)
         self._all_blocks = (*self._columns.blocks, *self._columns.scores)
+        self._beside = [tuple(block.beside.values()) for block in self._all_blocks]
         self._known_administrations: dict[tuple[object, ...], list[Administration]] = {}
         self._left_out = 0
         self._blank: Counter[str] = Counter()
@@ -221,16 +222,23 @@ class TableImport:
     ) -> list[Administration]:
         """Return the administration of each block of a row; equal rows are looked up."""
         said = self._facts.key(cells)
-        key = (*blocks, said)
+        order = self._columns.order
+        beside = tuple(cells[i] for b in blocks for i in self._beside[b])
+        key = (*blocks, said, beside, None if order is None else cells[order])
         if said is not None and key in self._known_administrations:
             return self._known_administrations[key]
         of_row = self._facts.of_row(cells, row)
-        counted: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
+        counted: dict[tuple[object, ...], dict[str, str]] = {}
+        met: Counter[tuple[object, ...]] = Counter()
         found = []
         for block in map(self._all_blocks.__getitem__, blocks):
-            facts = {**of_row, **self._renamed(block, row)}
-            same = tuple(sorted(facts.items()))
-            if same not in counted:  # questionnaires of one administration are of one exposure
+            facts = {**of_row, **self._renamed(block, row), **self._beside_of(block, cells, row)}
+            facts = dict(self._facts.in_order(facts, cells, row))
+            said_here = tuple(sorted(facts.items()))
+            met[block.instrument.name, said_here] += 1
+            # Questionnaires of one administration are of one exposure, two of a kind are not.
+            same = said_here, met[block.instrument.name, said_here]
+            if same not in counted:
                 counted[same] = self._facts.counted(facts, _item_text(block, cells))
             found.append(self._administration(counted[same], row))
         if said is not None:
@@ -242,6 +250,15 @@ class TableImport:
         return {
             name: text if name in said else self._facts.renamed(name, text, row)
             for name, text in block.facts.items()
+        }
+
+    def _beside_of(self, block: Block, cells: tuple[str, ...], row: int) -> dict[str, str]:
+        """Return the facts that stand in columns beside a questionnaire; blank ones say nothing."""
+        missing = {"", *self._mapping.missing}
+        return {
+            fact: self._facts.renamed(fact, cells[column], row)
+            for fact, column in block.beside.items()
+            if cells[column] not in missing
         }
 
     def _administration(self, facts: dict[str, str], row: int) -> Administration:
@@ -312,10 +329,9 @@ class TableImport:
         for column, item in found:
             self._require_unanswered(response, item, administration, row, column)
             response.answers[item] = answers[item]
-        source = block.source
-        if isinstance(source, Questionnaire) and source.not_asked:
+        if not_asked := _not_asked(block):
             before = self._imported.not_asked.get(name, ())
-            self._imported.not_asked[name] = tuple(dict.fromkeys((*before, *source.not_asked)))
+            self._imported.not_asked[name] = tuple(dict.fromkeys((*before, *not_asked)))
 
     def _rating(
         self,
@@ -451,6 +467,15 @@ class TableImport:
                 raise self._table.fault(f"{message} under leave_out, in the mapping", *cells[0])
             what = f"{len(cells)} rows of {text!r} were left out"
             yield f"{self._table.name}: {what}: no item of that name"
+
+
+def _not_asked(block: Block) -> tuple[str, ...]:
+    """Return the items that were left out by design."""
+    if not isinstance(block.source, Questionnaire):
+        return ()
+    if not block.source.item_order:
+        return block.source.not_asked
+    return tuple(i.name for i in block.instrument.asked if i.name not in block.source.item_order)
 
 
 def _item_text(block: Block, cells: tuple[str, ...]) -> str:

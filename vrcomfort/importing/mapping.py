@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -47,6 +47,10 @@ class Fact(Settings):
     values: dict[str, str] = Field(default_factory=dict)
     """The file's word → ours. Where there are any, all words of the file must be here; but
     participants who are not here keep their names."""
+    order: str | None = None
+    """Of the condition: the column that gives those of a row in their order, such as ``BAC``."""
+    by: Literal["trial", "session", "period"] = "trial"
+    """With `order`: the fact that numbers the questionnaires of a row."""
     count: bool = False
     """Number what is met, from 1 for each participant, in the order of the rows: the different
     texts of the column, or (without one) each exposure. For participants: number the rows."""
@@ -108,6 +112,9 @@ class _Columns(Settings):
     timepoint: str | None = None
     where: dict[str, Texts] = Field(default_factory=dict)
     """Column → text (or texts) that a row has to have there."""
+    beside: dict[str, Texts] = Field(default_factory=dict)
+    """Fact → the column that says it of this questionnaire alone, beside its answers; with several
+    `first_columns`, one for each."""
 
     @property
     def constants(self) -> dict[str, str]:
@@ -122,6 +129,11 @@ class Questionnaire(_Columns, AnswerCoding):
     items: dict[str, Texts] = Field(default_factory=dict)
     """Item → what stands for ``{item}`` in its heading (in long files: in `item_column`). Without
     any: items by their own names."""
+    first_columns: tuple[str, ...] = ()
+    """The columns with the first answer of each administration; the others follow it."""
+    item_order: tuple[str, ...] = ()
+    """Items in the order of the columns from each of `first_columns` on (without it, the published
+    order); ``""`` is a column that is no item. Items that are not here were not asked."""
     item_column: str | None = None
     """Long files: the column that says which item a row answers."""
     response_column: str | None = None
@@ -153,6 +165,8 @@ class TableMapping(Settings):
     sheets: tuple[str, ...] = ("*",)
     file_name: str = ""
     """How the file's name (without its ending) is made: ``{participant}_{condition}``."""
+    file_pattern: str = ""
+    """A regular expression instead, with named groups; one that is not there says ``""``."""
     sheet_name: str = ""
     """How the sheet's name is made."""
     read: Read = Field(default_factory=Read)
@@ -305,13 +319,15 @@ def _unknown_scales(scores: Scores, instrument: Instrument, path: KeyPath) -> It
 
 def _unknown_items(each: Questionnaire, instrument: Instrument, path: KeyPath) -> Iterator[Problem]:
     names = {item.name for item in instrument.items}
-    for key in ("items", "item_coding", "not_asked"):
+    for key in ("items", "item_coding", "not_asked", "item_order"):
         for index, item in enumerate(getattr(each, key)):
-            if item not in names:
+            if item not in names and item:
                 near = instrument.nearest(item)
                 hint = f"did you mean `{near}`?" if near else did_you_mean(item, names)
                 message = f"`{item}` is no item of {instrument.name}; {hint}"
-                yield Problem((*path, key, index if key == "not_asked" else item), message)
+                yield Problem(
+                    (*path, key, index if key in {"not_asked", "item_order"} else item), message
+                )
 
 
 def _problems(mapping: LabMapping) -> Iterator[Problem]:
@@ -324,9 +340,17 @@ def _problems(mapping: LabMapping) -> Iterator[Problem]:
             if sum(ways) > 1:
                 message = f"`{name}` has more than one of column, columns and constant; keep one"
                 yield Problem((*here, name), message)
+            if fact.order is not None and (name != "condition" or any(ways)):
+                message = "`order` is of conditions, and of those that no column says"
+                yield Problem((*here, name, "order"), message)
             if fact.count and name not in {"participant", "session", "period", "block", "trial"}:
                 message = f"`{name}` cannot be counted; trial and session can"
                 yield Problem((*here, name, "count"), message)
+        if table.file_name and table.file_pattern:
+            message = "`file_name` and `file_pattern` say the same; keep one"
+            yield Problem((*here, "file_pattern"), message)
+        if table.file_pattern:
+            yield from _expression(table.file_pattern, (*here, "file_pattern"), {*FACTS})
         if "participant" in table.participants:
             message = "`participant` is a fact; write it beside [tables.participants]"
             yield Problem((*here, "participants", "participant"), message)
@@ -343,8 +367,14 @@ def _problems_of(each: Questionnaire, here: tuple[str | int, ...]) -> Iterator[P
     if (each.item_column is None) != (each.response_column is None):
         message = "item_column and response_column go together; write both"
         yield Problem(here, message)
-    if each.item_column is not None and (each.pattern or each.heading != "{item}"):
+    by_name = each.pattern or each.heading != "{item}"
+    if each.item_column is not None and by_name:
         yield Problem(here, "a long questionnaire has item_column, and no heading or pattern")
+    if each.first_columns and (by_name or each.items or each.item_column is not None):
+        message = "with first_columns, items stand in item_order; leave out heading and items"
+        yield Problem((*here, "first_columns"), message)
+    if each.item_order and not each.first_columns:
+        yield Problem((*here, "item_order"), "`item_order` needs first_columns; write them")
     in_heading = TIMES & {*placeholders(each.heading), *re.findall(r"\?P<(\w+)>", each.pattern)}
     if each.summaries and each.time is None and not in_heading:
         yield Problem((*here, "summaries"), "`summaries` are of ratings during exposure; give time")
@@ -352,6 +382,14 @@ def _problems_of(each: Questionnaire, here: tuple[str | int, ...]) -> Iterator[P
 
 
 def _pattern_problems(each: _Columns, here: tuple[str | int, ...]) -> Iterator[Problem]:
+    for fact, columns in each.beside.items():
+        blocks = len(each.first_columns) if isinstance(each, Questionnaire) else 0
+        if len(texts_of(columns)) not in {1, blocks}:
+            message = f"`{fact}` has {len(texts_of(columns))} columns for {blocks} questionnaires"
+            yield Problem((*here, "beside", fact), f"{message}; name one for each")
+        if fact not in FACTS or fact == "participant":
+            known = ", ".join(name for name in FACTS if name != "participant")
+            yield Problem((*here, "beside", fact), f"`{fact}` is no fact; there are {known}")
     if each.pattern:
         try:
             names = set(re.compile(each.pattern).groupindex)
@@ -368,6 +406,17 @@ def _pattern_problems(each: _Columns, here: tuple[str | int, ...]) -> Iterator[P
     for unknown in sorted(names - {*FACTS, *TIMES, "item", "*"}):
         known = ", ".join(FACTS)
         yield Problem(here, f"`{unknown}` is no fact; there are item, {known}")
+
+
+def _expression(text: str, path: tuple[str | int, ...], known: Set[str]) -> Iterator[Problem]:
+    """Yield the problem of a text that is no regular expression with these groups."""
+    try:
+        names = {*re.compile(text).groupindex}
+    except re.error as error:
+        yield Problem(path, f"`{path[-1]}` is no regular expression: {error}")
+        return
+    for unknown in sorted(names - known):
+        yield Problem(path, f"`{unknown}` is no fact; there are {', '.join(sorted(known))}")
 
 
 def scale_named(instrument: Instrument, name: str) -> Scale | None:

@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 from vrcomfort.settings import toml_key, toml_value
 
+_EDITED = {"item_order"}
+"""Lists that a person is likely to write anew: one line, however long."""
 _WIDEST = 90
 """Characters of a list in one line."""
 
@@ -101,7 +103,7 @@ class TomlDraft:
     def _lines(self, path: str) -> Iterator[str]:
         for key, value in self.values.items():
             yield from (f"# {line}" for line in self.comments.get(key, ()))
-            yield f"{toml_key(key)} = {_wrapped(value)}"
+            yield f"{toml_key(key)} = {toml_value(value) if key in _EDITED else _wrapped(value)}"
         for key, table in self.tables.items():
             name = f"{path}{toml_key(key)}"
             yield from self._opened(table, f"[{name}]", name)

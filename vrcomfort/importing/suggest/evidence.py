@@ -55,6 +55,14 @@ class Roles:
     unknown: list[int] = field(default_factory=list)
     alike: dict[str, list[int]] = field(default_factory=dict)
 
+    def forget(self, column: int) -> None:
+        """Take a column out of all roles, as it has been decided on."""
+        for columns in (*self.facts.values(), self.metadata, self.unknown, *self.alike.values()):
+            if column in columns:
+                columns.remove(column)
+        for name in [name for name, each in self.covariates.items() if each == column]:
+            del self.covariates[name]
+
 
 @dataclass
 class Context:
@@ -220,12 +228,25 @@ def _heaviest(said: Sequence[str], vocabulary: LabVocabulary) -> tuple[str, int]
     return "", 0
 
 
+_DATE = re.compile(r"\d{1,4}[/.\-]\d{1,2}[/.\-]\d{1,4}\b|\d{1,2}:\d{2}")
+
+
+def _counts_rows(context: Context, column: int) -> bool:
+    """Return whether a column without a heading holds 0, 1, 2 … or 1, 2, 3 …: R's row names."""
+    table, cells = context.table, context.table.column(column)
+    nameless = table.headings[column].startswith("column ")
+    count = [str(n) for n in range(len(cells) + 1)]
+    return nameless and len(cells) > 1 and cells in (count[:-1], count[1:])
+
+
 def _tells_people_apart(context: Context, column: int) -> bool:
     table = context.table
     if column not in context.roles.unknown[:FIRST_COLUMNS]:
         return False
     words, rows = texts(table, column), len(table.rows)
-    if not words or all(map(context.vocabulary.timepoint, words)):
+    if not words or all(map(context.vocabulary.timepoint, words)) or all(map(_DATE.match, words)):
+        return False
+    if _counts_rows(context, column):
         return False
     each_row = len(words) == rows
     # Long tables have many rows for each person; without headings or on its side, codes repeat.
@@ -366,6 +387,10 @@ CELLS: tuple[CellEvidence, ...] = (
     CellEvidence(
         "participant", "short texts, others for each row or person", 30, _tells_people_apart,
         "Does {heading!r} tell participants apart?", "it does",
+    ),
+    CellEvidence(
+        "participant", "numbers of rows without a heading", 5, _counts_rows,
+        "Does {heading!r} tell participants apart?", "it does, for want of another",
     ),
     CellEvidence(
         "participant", "codes under a heading for names", 20, _codes_of_people,

@@ -389,10 +389,17 @@ class _Facts(FactDraft):
             parts = parts_of_names(names, left, self._vocabulary) if len(names) > 1 else None
             if parts is None:
                 continue
-            self.found.draft.put(key, parts.template)
+            self.found.draft.put("file_pattern" if parts.expression else key, parts.template)
             self._named |= parts.texts
+            if "" in parts.texts.get("condition", ()):
+                words = [text for text in parts.texts["condition"] if text]
+                values = {"": f"without_{words[0]}"} | {word: word for word in words}
+                self.found.draft.put("condition", {"values": values})
             shown = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
-            said = "; ".join(f"{f}: {', '.join(t[:6])}" for f, t in parts.texts.items())
+            said = "; ".join(
+                f"{f}: {', '.join(text or 'nothing' for text in t[:6])}"
+                for f, t in parts.texts.items()
+            )
             self.doubt(f"Do the names of the {what} ({shown}) say this?", said, NAMES_OF_FILES)
 
     def _participant(self) -> None:
@@ -472,7 +479,10 @@ class _Facts(FactDraft):
             self._known_timepoints(found[0].column)
         elif "timepoint" in self._named:
             timepoint = self._vocabulary.timepoint
-            values = {text: timepoint(text) or text for text in self._named["timepoint"]}
+            words = [text for text in self._named["timepoint"] if text]
+            values = {text: timepoint(text) or text for text in words}
+            if "" in self._named["timepoint"]:
+                values[""] = "post" if "baseline" in values.values() else "baseline"
             self.found.draft.put("timepoint", {"values": values})
         elif self._answers.answered:
             comment = "nothing says when it was asked: after exposure"
@@ -534,13 +544,16 @@ class NameParts:
     Parameters
     ----------
     template
-        With ``{condition}`` and the like where they differ.
+        With ``{condition}`` and the like where they differ, or a regular expression.
     texts
-        Fact → the different texts that stand for it.
+        Fact → the different texts that stand for it; ``""`` where names lack a word.
+    expression
+        Whether it is a regular expression.
     """
 
     template: str
     texts: dict[str, list[str]]
+    expression: bool = False
 
 
 def parts_of_names(
@@ -555,7 +568,7 @@ def parts_of_names(
     if len(set(names)) < 2 or not wanted:
         return None
     if len({tuple(parts[1::2]) for parts in split}) > 1:  # made in different ways
-        return _whole(names, wanted)
+        return _optional(names, wanted, vocabulary) or _whole(names, wanted)
     columns = list(zip(*split, strict=True))
     differing = [i for i in range(0, len(columns), 2) if len(set(columns[i])) > 1]
     left = list(wanted)
@@ -579,6 +592,42 @@ def parts_of_names(
         roles[rest[0]] = "condition"
         rest = rest[1:]
     return _made(columns, roles)
+
+
+def _optional(
+    names: Sequence[str], wanted: Sequence[str], vocabulary: LabVocabulary
+) -> NameParts | None:
+    """Return how names are made of which some have a word that others lack: ``P01_SSQ[_PRE]``.
+
+    Words that all names share are anchors; before the first one stands the participant, and after
+    the last one words for the timepoint and for the condition.
+    """
+    split = [_PART.split(name)[::2] for name in names]
+    anchors = [word for word in split[0] if all(words.count(word) == 1 for words in split)]
+    if not anchors or {"participant", "condition", "timepoint"} - {*wanted}:
+        return None
+    first = [words.index(anchors[0]) for words in split]
+    ends = [words[words.index(anchors[-1]) + 1 :] for words in split]
+    middle = {tuple(w[w.index(anchors[0]) : w.index(anchors[-1]) + 1]) for w in split}
+    if {*first} != {1} or len(middle) > 1 or max(map(len, ends)) > 2:
+        return None
+    rest = list(dict.fromkeys(word for words in ends for word in words))
+    when = [word for word in rest if vocabulary.timepoint(word)]
+    what = [word for word in rest if word not in when]
+    texts: dict[str, list[str]] = {"participant": list(dict.fromkeys(w[0] for w in split))}
+    slots = [("timepoint", when), ("condition", what)]
+    if any(len(words) == 2 and words[0] in what for words in ends):
+        slots.reverse()
+    sign = r"[_\-\s.]+"
+    pattern = rf"(?P<participant>[^_\-\s.]+){sign}" + sign.join(map(re.escape, min(middle)))
+    for fact, words in slots:
+        if words:
+            pattern += rf"(?:{sign}(?P<{fact}>{'|'.join(map(re.escape, words))}))?"
+            blank = [""] if any(not {*words} & {*each} for each in ends) else []
+            texts[fact] = [*blank, *words]
+    if not all(re.fullmatch(pattern, name) for name in names):
+        return None
+    return NameParts(pattern, texts, expression=True)
 
 
 def _whole(names: Sequence[str], wanted: Sequence[str]) -> NameParts | None:

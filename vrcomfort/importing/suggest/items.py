@@ -231,7 +231,7 @@ def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> lis
         blocks = [b for i in known.instruments for b in find(table, i, taken, known.vocabulary)]
         found += _best(table, blocks, known.instruments)
     if not found and not table.reading.heading_rows:
-        found = _by_position(table, known.instruments)
+        found = _runs(table, known) or _by_position(table, known.instruments)
     found = [replace(block, siblings=_siblings(block, found)) for block in found]
     return sorted(found, key=lambda block: block.columns)
 
@@ -433,6 +433,56 @@ def _are_answers(table: SourceTable, columns: Sequence[int]) -> bool:
     """Return whether columns hold a few short texts, as those of a questionnaire do."""
     texts = {text for column in columns for text in table.column(column) if text}
     return 0 < len(texts) <= 30 and max(map(len, texts)) <= 40
+
+
+def _runs(table: SourceTable, known: Known) -> list[Found]:
+    """Find blocks of as many columns of answers each, with other columns between them."""
+    blocks: list[list[int]] = []
+    before = False
+    for column in range(len(table.headings)):
+        now = _holds_answers(table, column, known.vocabulary)
+        if now and before:
+            blocks[-1].append(column)
+        elif now:
+            blocks.append([column])
+        before = now
+    length = Counter(map(len, blocks)).most_common(1)[0][0] if blocks else 0
+    runs = [block for block in blocks if len(block) == length]
+    said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
+    fits = [i for i in known.instruments if len(i.asked) >= length and i.high - i.low == _STEPS]
+    fits.sort(key=lambda each: (len(each.asked) != length, each.name not in said))
+    if len(runs) < 2 or length < FEWEST or not fits:
+        return []
+    return [
+        Found(
+            fits[0],
+            (),
+            {
+                item.name: Named(column, fits[0].name, item.name, "position", (), ())
+                for item, column in zip(fits[0].asked, run, strict=False)
+            },
+        )
+        for run in runs
+    ]
+
+
+_STEPS = 3
+"""From none to severe: instruments whose answers may be words of severity."""
+
+
+def _holds_answers(table: SourceTable, column: int, vocabulary: LabVocabulary) -> bool:
+    """Return whether all texts of a column are words of severity, or 0 to 4."""
+    words = {text for text in table.column(column) if text}
+    parts = [{plain(part) for part in word.split("/")} for word in words]
+    asked = all(each & vocabulary.yes_no for each in parts)
+    severe = all(
+        word in _SMALL or each & vocabulary.severity.keys()
+        for word, each in zip(words, parts, strict=True)
+    )
+    return bool(words) and severe and not asked
+
+
+_SMALL = frozenset("01234")
 
 
 def _by_position(table: SourceTable, instruments: Sequence[Instrument]) -> list[Found]:

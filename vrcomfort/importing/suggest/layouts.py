@@ -177,12 +177,17 @@ def _response_column(table: SourceTable, item_column: int, vocabulary: LabVocabu
     named = [c for c in candidates if _last_word(table.headings[c]) in vocabulary.response_labels]
     if not named and not table.reading.heading_rows:
         # Without headings, answers are small numbers or words of severity: times and dates are not.
-        named = [c for c in candidates if len(texts(table, c)) <= _FEW_ANSWERS]
+        named = [c for c in candidates if _are_few_and_short(texts(table, c))]
         named = named if len(named) == 1 else []
     return named[0] if named else None
 
 
-_FEW_ANSWERS = 11
+def _are_few_and_short(words: Sequence[str]) -> bool:
+    digits = (word for word in words if is_number(word))
+    return len(words) <= _FEW_ANSWERS and all(len(each) <= _DIGITS for each in digits)
+
+
+_FEW_ANSWERS, _DIGITS = 11, 3
 
 
 def _last_word(heading: str) -> str:

@@ -322,6 +322,13 @@ def draft_block(
         doubts.append(
             OpenDoubt(question, "they were not (a short form); its scores lack them", *SHORT_FORM)
         )
+    if block.siblings and {each.how for each in block.items.values()} == {"position"}:
+        columns = block.columns
+        draft.values.pop("not_asked", None)
+        draft.put("first_columns", [table.headings[columns[0]]])
+        by_column = {named.column: item for item, named in block.items.items()}
+        draft.put("item_order", [by_column[column] for column in columns])
+        return draft, doubts
     items = TomlDraft(dict(headings))
     for item in order:
         how = block.items[item].how
@@ -367,7 +374,8 @@ def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[OpenDoubt]:
         first, last = headings[placed[0]], headings[placed[-1]]
         if len(placed) > 1:
             question = f"Are {first} … {last} the {block.instrument.title} in published order?"
-            doubts.append(OpenDoubt(question, f"they are: {first} is {placed[0]}", *ITEM_ORDER))
+            assumed = f"they are: {first} is {placed[0]}"
+            doubts.append(OpenDoubt(question, assumed, *ITEM_ORDER, like))
     if near := by_how.get("near"):
         shown = "; ".join(f"{headings[item]!r} is {item}" for item in near)
         doubts.append(
@@ -501,7 +509,10 @@ def draft_course(
     question = (
         f"Are {headings[0]} … {headings[-1]} ratings during exposure, {what} after its start?"
     )
-    return draft, [*coding.doubts, OpenDoubt(question, f"they are, {what}", *ORDER)]
+    return draft, [
+        *coding.doubts,
+        OpenDoubt(question, f"they are, {what}", *ORDER, "rating courses"),
+    ]
 
 
 def sum_of(

@@ -7,10 +7,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
+from vrcomfort.importing.columns import conditions_in
 from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.block_conditions import (
+    conditions_beside,
+    order_column,
+    without_repeats,
+)
 from vrcomfort.importing.suggest.draft import (
+    CONDITIONS,
     LAYOUT,
+    ORDER,
     PEOPLE,
     ROWS,
     SAME_PERSON,
@@ -91,12 +99,17 @@ class AnswerColumns:
         self._found: dict[Layout[Any], list[Any]] = {}
         self.taken: set[int] = set()
         """Columns of answers."""
+        self.repeated: list[int] = []
+        """Those that say again what others say."""
         for layout in sorted(LAYOUTS, key=lambda each: -each.weight):
             left = [c for c in range(len(table.headings)) if c not in self.taken]
             closed = layout.whole and any(
                 each.whole and found for each, found in self._found.items()
             )
             self._found[layout] = [] if closed else layout.find(table, left, known)
+            if layout is BLOCKS:
+                self._found[layout], self.repeated = without_repeats(table, self._found[layout])
+                self.taken.update(self.repeated)
             self.taken.update(c for each in self._found[layout] for c in each.columns)
 
     def __getitem__(self, layout: Layout[FoundT]) -> list[FoundT]:
@@ -110,6 +123,32 @@ class AnswerColumns:
         """Return the layout with the facts of a row in its headings, if there is one."""
         leading: tuple[Layout[Any], ...] = (BLOCKS, SCORES, RATINGS)
         return next((each for each in leading if self[each]), None)
+
+
+def _placed_in_short(drafts: Sequence[TomlDraft]) -> list[TomlDraft]:
+    """Merge questionnaires that are known by their first columns, and alike otherwise."""
+    merged: list[TomlDraft] = []
+    for draft in drafts:
+        own = {k: v for k, v in draft.values.items() if k not in {"first_columns", "beside"}}
+        before = merged[-1] if merged else None
+        alike_so_far = before is not None and own == {
+            k: v for k, v in before.values.items() if k not in {"first_columns", "beside"}
+        }
+        if before is None or not alike_so_far:
+            merged.append(draft)
+            continue
+        for key in ("first_columns", "beside"):
+            before.values[key] = _together(before.values.get(key), draft.values.get(key))
+    return merged
+
+
+def _together(one: object, other: object) -> object:
+    """Return two lists as one, or of two tables the values of each key."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return {key: _together(one[key], other[key]) for key in one}
+    return [
+        *(one if isinstance(one, list) else [one]), *(other if isinstance(other, list) else [other])
+    ]  # fmt: skip
 
 
 def pattern_of(name: str) -> str:
@@ -149,7 +188,11 @@ class TableDraft:
         self._nobodys_rows()
         self._facts: dict[Layout[Any], list[dict[str, str]]] = {}
         """Layout → what the headings of its answers say."""
-        self._made: dict[int, str] = {}
+        self._beside: list[str | None] = []
+        """For each block, the column of its condition, where conditions stand beside them."""
+        self._made: dict[int, str] = dict.fromkeys(
+            self._answers.repeated, "the same answers, by their order"
+        )
         """Column of a score whose answers are there → why it is ignored."""
         self._write()
 
@@ -188,7 +231,9 @@ class TableDraft:
 
     def _write(self) -> None:
         leading = self._answers.leading
-        facts = self._heading_facts_of(self._answers[leading]) if leading else []
+        facts = self._facts_beside() or (
+            self._heading_facts_of(self._answers[leading]) if leading else []
+        )
         when = self._roles.facts.get("timepoint", [])
         if len(facts) == 1 and any(len(texts(self.table, column)) > 1 for column in when):
             facts[0].pop("timepoint", None)  # a column says it better
@@ -196,6 +241,7 @@ class TableDraft:
         courses = self._heading_facts_of(rated)
         self._facts = {COURSES: courses} | ({leading: facts} if leading else {})
         said = {name for each in (*facts, *courses) for name in each}
+        said |= self._in_order(facts)
         context, answers = self._context(), self._found_answers(said)
         exposures = draft_facts(context, answers)
         self.draft.values |= exposures.draft.values
@@ -207,6 +253,55 @@ class TableDraft:
         self._covariates(exposures)
         self._ignore(exposures)
         self.gives = bool(self.draft.lists or self.draft.values.get("participants"))
+
+    def _facts_beside(self) -> list[dict[str, str]]:
+        """Return the facts of blocks whose conditions stand in columns beside them."""
+        blocks = self._answers[BLOCKS]
+        columns = conditions_beside(self.table, blocks, self._answers.taken, self._vocabulary)
+        if not columns:
+            return []
+        names = [None if c is None else self.table.headings[c] for c in columns]
+        self._beside = names
+        for column in columns:
+            if column is not None:
+                self._roles.forget(column)
+        shown = ", ".join(repr(name) for name in names if name is not None)
+        question = f"Do {shown} say the condition of the answers beside them?"
+        first = "they do"
+        if names[0] is None:
+            first = f"{first}; the first answers, which have none, are before exposure"
+        self.doubts.append(OpenDoubt(question, first, *CONDITIONS))
+        for row in self.table.rows:
+            said = [row[column] for column in columns if column is not None and row[column]]
+            if len({*said}) < len(said):
+                self.draft.put("trial", {"count": True}, "exposures in the order of the columns")
+                question = f"One condition twice in a row ({', '.join(said)}): was it shown twice?"
+                self.doubts.append(OpenDoubt(question, "it was", *ORDER))
+                break
+        return [{"timepoint": "baseline" if name is None else "post"} for name in names]
+
+    def _in_order(self, facts: list[dict[str, str]]) -> set[str]:
+        """Let a column that gives the conditions in their order say them; return what it says."""
+        if self._beside:
+            return {"condition"}
+        roles = self._roles
+        columns = [*roles.covariates.values(), *roles.unknown, *roles.facts["condition"]]
+        found = order_column(self.table, columns, facts)
+        if found is None:
+            return set()
+        for each in facts:
+            if each.get("condition", "").isdecimal():
+                each[found.by] = each.pop("condition")
+        roles.forget(found.column)
+        self.doubts = [d for d in self.doubts if not d.question.startswith("What do the numbers")]
+        name = self.table.headings[found.column]
+        self.draft.put("condition", {"order": name, "by": found.by})
+        one = texts(self.table, found.column)[0]
+        question = f"Does {name!r} give the conditions in the order of the {found.by}s?"
+        assumed = f"it does: {one} is {', then '.join(conditions_in(one))}"
+        self.doubts.append(OpenDoubt(question, assumed, *CONDITIONS))
+        self.draft.put("participants", {"sequence": name})
+        return {"condition"}
 
     def _numbers(self) -> str:
         """Return the fact that numbers in headings are: a column may say the condition already."""
@@ -315,6 +410,9 @@ class TableDraft:
                 continue
             for found, own in zip(self._answers[layout], self._facts_of(layout), strict=True):
                 draft, doubts = layout.draft(self.table, found, own, self._known, self._roles)
+                beside = self._beside[len(drafts)] if len(drafts) < len(self._beside) else None
+                if beside is not None and layout is BLOCKS:
+                    draft.put("beside", {"condition": beside})
                 drafts.append(draft)
                 self.doubts += doubts
         self.doubts[:] = list(dict.fromkeys(self.doubts))
@@ -339,6 +437,8 @@ class TableDraft:
         names = {draft.values["instrument"] for draft in drafts[:count]}
         if count < 2 or len(names) > 1:
             return drafts
+        if any("items" not in draft.tables for draft in drafts[:count]):
+            return [*_placed_in_short(drafts[:count]), *drafts[count:]]
         first = drafts[0]
         own = {key: value for key, value in first.values.items() if key not in facts[0]}
         own.pop("answers", None)
@@ -423,7 +523,8 @@ class TableDraft:
     def _covariates(self, exposures: DraftedFacts) -> None:
         if exposures.context.covariates:
             names = {n: self.table.headings[c] for n, c in exposures.context.covariates.items()}
-            self.draft.put("participants", names)
+            there = self.draft.values.get("participants", {})
+            self.draft.put("participants", {**(there if isinstance(there, dict) else {}), **names})
         if exposures.context.participant is not None:
             groups = alike(dict.fromkeys(self.table.column(exposures.context.participant)))
             if groups:
@@ -450,7 +551,8 @@ class TableDraft:
         columns = sorted(set(rest))
         if not columns:
             return
-        asked = [column for column in columns if column not in self._roles.metadata]
+        known = {*self._roles.metadata, *self._made}
+        asked = [column for column in columns if column not in known]
         reasons, doubts = leftovers(self.table, asked, self._answers[BLOCKS], self._known)
         self.doubts += doubts
         for column in columns:

@@ -146,6 +146,7 @@ class VocabularyFile(Settings):
     """Instrument → scale → words for it."""
     missing: _Words = ()
     totals: _Words = ()
+    yes_no: _Words = ()
     timepoints: TimepointWords = TimepointWords()
     severity: dict[str, SeverityWords] = Field(default_factory=dict)
     """Language → answers in words."""
@@ -212,6 +213,7 @@ class LabVocabulary:
         """Instrument → word → scale."""
         self.missing = frozenset(text.casefold() for text in merged["missing"])
         self.totals = frozenset(text.casefold() for text in merged["totals"])
+        self.yes_no = _plain_set(merged["yes_no"])
         self.timepoints = _looked_up(merged["timepoints"])
         """Word → timepoint."""
         self.severity: dict[str, int] = {}

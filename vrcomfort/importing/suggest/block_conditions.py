@@ -1,0 +1,136 @@
+"""Finds the conditions of several questionnaires in a row that their headings do not say.
+
+They stand in a column beside each block, or in one column that gives them in their order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence, Set
+from typing import Literal, NamedTuple, TypeAlias
+
+from vrcomfort.importing.columns import conditions_in
+from vrcomfort.importing.files import is_number
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.evidence import LONGEST_CONDITION, MOST_CONDITIONS, texts
+from vrcomfort.importing.suggest.items import Found
+from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
+from vrcomfort.questionnaire import plain
+
+FARTHEST = 6
+"""Columns between a block and the condition beside it."""
+Counted: TypeAlias = Literal["trial", "session", "period"]
+_COUNTED: tuple[Counted, ...] = ("trial", "session", "period")
+
+
+class Ordered(NamedTuple):
+    """A column that gives the conditions of the blocks of a row in their order.
+
+    Parameters
+    ----------
+    by
+        The fact that numbers the blocks.
+    """
+
+    column: int
+    by: Counted
+
+
+def conditions_beside(
+    table: SourceTable, blocks: Sequence[Found], taken: Set[int], vocabulary: LabVocabulary
+) -> list[int | None]:
+    """Return for each block the column of its condition, or None; no column for any if none fits.
+
+    The columns stand equally far before (or after) their blocks; the first block may have none, as
+    it is often a baseline.
+    """
+    if len(blocks) < 2:
+        return []
+    after = (lambda b, d: b.columns[-1] + d, lambda b, d: b.columns[0] - d)
+    for distance in range(1, FARTHEST + 1):
+        for place in reversed(after):
+            columns = [_at(place, block, distance, taken, table) for block in blocks]
+            columns = [
+                c if c is not None and _names(table, c, vocabulary) else None for c in columns
+            ]
+            rest = columns if columns[0] is not None else columns[1:]
+            if None not in rest and len(rest) > 1 and _are_alike(table, rest):
+                return columns
+    return []
+
+
+def _at(
+    place: Callable[[Found, int], int],
+    block: Found,
+    distance: int,
+    taken: Set[int],
+    table: SourceTable,
+) -> int | None:
+    column = place(block, distance)
+    return column if 0 <= column < len(table.headings) and column not in taken else None
+
+
+def _names(table: SourceTable, column: int, vocabulary: LabVocabulary) -> bool:
+    """Return whether a column has a few texts that may be names of conditions."""
+    words = texts(table, column)
+    few = 0 < len(words) <= MOST_CONDITIONS and max(map(len, words)) <= 2 * LONGEST_CONDITION
+    said_no = all({*map(plain, tokens(word))} & vocabulary.yes_no for word in words)
+    numbers = all(map(is_number, words))
+    when = all(vocabulary.timepoint(word) for word in words)
+    return few and not said_no and not numbers and not when
+
+
+def _are_alike(table: SourceTable, columns: Sequence[int | None]) -> bool:
+    """Return whether columns share their texts, and differ from each other within a row."""
+    found = [column for column in columns if column is not None]
+    sets = [{*texts(table, column)} for column in found]
+    every = set.union(*sets)
+    differ = any(len({row[c] for c in found if row[c]}) > 1 for row in table.rows)
+    return (
+        2 <= len(every) <= MOST_CONDITIONS
+        and differ
+        and all(len(s) * 2 > 1 for s in sets)
+        and (sum(len(each & other) > 0 for each in sets for other in sets) == len(sets) ** 2)
+    )
+
+
+def order_column(
+    table: SourceTable, columns: Sequence[int], facts: Sequence[Mapping[str, str]]
+) -> Ordered | None:
+    """Return the column that gives the conditions of numbered blocks in their order."""
+    for by in ("condition", *_COUNTED):
+        numbers = sorted({each[by] for each in facts if each.get(by, "").isdecimal()})
+        if len(numbers) < 2 or [*map(int, numbers)] != list(range(1, len(numbers) + 1)):
+            continue
+        for column in columns:
+            orders = texts(table, column)
+            parts = [sorted(conditions_in(order)) for order in orders]
+            permuted = len(orders) > 1 and all(part == parts[0] for part in parts)
+            if permuted and len({*parts[0]}) == len(parts[0]) == len(numbers):
+                return Ordered(column, next((each for each in _COUNTED if each == by), "trial"))
+    return None
+
+
+def without_repeats(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[Found], list[int]]:
+    """Return the blocks without those that say the same again, and the columns of the latter.
+
+    Labs sort the answers of each row by condition, and keep them in their order beside.
+    """
+    numbered = [b for b in blocks if any(word.isdecimal() for word in b.context)]
+    named = [b for b in blocks if b not in numbered]
+    for extra in (0, 1):  # a baseline stands beside the named ones
+        others = named[extra:] if extra else named
+        if len(numbered) > 1 and len(numbered) == len(others) and _same(table, numbered, others):
+            columns = [column for block in numbered for column in block.columns]
+            return [block for block in blocks if block not in numbered], columns
+    return [*blocks], []
+
+
+def _same(table: SourceTable, one: Sequence[Found], other: Sequence[Found]) -> bool:
+    def answers(row: tuple[str, ...], block: Found) -> tuple[str, ...]:
+        return tuple(row[block.items[item].column] for item in sorted(block.items))
+
+    return all(
+        sorted(answers(row, block) for block in one)
+        == sorted(answers(row, block) for block in other)
+        for row in table.rows
+    )
