@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
+from tests.support.lab_layouts import LAB_LAYOUTS
 from tests.support.layouts import ITEMS, LAYOUTS, Truth, write
 from tests.support.odd_layouts import ODD_LAYOUTS
 from tests.support.report import build_report
@@ -30,11 +32,13 @@ def answers_of(imported: Imported) -> Truth:
         (m.participant, m.condition, m.timepoint): tuple(
             _code(response.answers.get(item)) for item in ITEMS
         )
-        for (_, m), response in imported.responses.items()
+        for (instrument, m), response in imported.responses.items()
+        if instrument == "ssq"
     }
 
 
-ALL = {**LAYOUTS, **ODD_LAYOUTS}
+ALL = {**LAYOUTS, **ODD_LAYOUTS, **LAB_LAYOUTS}
+"""Of the doubts of each, the most that a person is asked is five."""
 
 
 def _code(answer: float | None) -> int:
@@ -62,8 +66,17 @@ def test_suggested_mapping_reads_every_answer(
     read = {
         (s.participant, s.condition, s.timepoint): tuple(_code(s.answers[i]) for i in ITEMS)
         for s in read_study(study).sheets
+        if ITEMS[0] in s.answers
     }
     assert read == truth
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_at_most_five_doubts_are_asked_each_with_its_consequence(name: str, tmp_path: Path) -> None:
+    text = suggest_mapping(ALL[name](tmp_path)[0]).text
+    doubts = tomllib.loads(text).get("doubts", [])
+    assert len(doubts) <= 5
+    assert all(doubt["assumed"] and doubt["otherwise"] for doubt in doubts)
 
 
 @pytest.mark.parametrize("name", ["limesurvey", "headerless", "long_numbers", "misspelt"])
@@ -366,3 +379,35 @@ def test_raised_digits_in_headings_are_letters(tmp_path: Path) -> None:
     rows = [",".join(["P01", *"0123012301230123"]), ",".join(["P02", *"1111000022223333"])]
     file.write_text("\n".join([",".join(["id", *headings]), *rows, ""]), encoding="utf-8")
     assert "SSQ ³" in suggest_mapping([file]).text
+
+
+def test_raw_sums_stand_beside_a_weighted_total(tmp_path: Path) -> None:
+    """N, O and D are raw sums, TS is weighted, before and after; physiology is nobody's score."""
+    head = ["n", "o", "d", "TS", "n_p", "o_p", "d_p", "TS_p", "OverallHR", "OverallGSR", "Dig"]
+    rows: list[list[object]] = [[*head]]
+    for k in range(12):
+        n, o, d = k % 5, (k * 7) % 6, (k * 3) % 4
+        after = n + 2, o + 1, d + k % 2
+        scores = [n, o, d, round(3.74 * (n + o + d), 2), *after, round(3.74 * sum(after), 2)]
+        rows.append([*scores, 80 + k / 7, 1 + k / 9, k])
+    found = suggest_mapping([write(tmp_path / "SSQ_scores.csv", rows)]).imported
+    assert found is not None
+    kept = {(name, m.timepoint): [*r.answers.values()] for (name, m), r in found.responses.items()}
+    assert {key for key, _ in kept.items()} == {
+        (name, when) for name in ("ssq_raw_sums", "ssq_scores") for when in ("baseline", "post")
+    }
+    assert kept["ssq_raw_sums", "post"] == [11 % 5 + 2, 77 % 6 + 1, 33 % 4 + 1]
+    assert kept["ssq_scores", "baseline"] == [round(3.74 * (11 % 5 + 77 % 6 + 33 % 4), 2)]
+
+
+def test_means_over_conditions_are_no_condition(tmp_path: Path) -> None:
+    scales = [f"SSQ_{scale}_{c}" for c in ("FP", "H", "AVG") for scale in ("N", "O", "D", "TS")]
+    rows: list[list[object]] = [["ID", *scales]]
+    for k in range(9):
+        a = [round(9.54 * (k % 3), 2), 7.58, 13.92, 35.68 + k]
+        b = [0, round(7.58 * (k % 4), 2), 0, 28.3 + k]
+        rows.append([f"P{k}", *a, *b, *((x + y) / 2 for x, y in zip(a, b, strict=True))])
+    suggested = suggest_mapping([write(tmp_path / "scores.csv", rows)])
+    assert suggested.imported is not None
+    assert suggested.imported.conditions == ["FP", "H"]
+    assert "SSQ_N_AVG: a mean of the others" in suggested.text

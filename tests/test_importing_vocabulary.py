@@ -38,8 +38,8 @@ def test_a_label_is_added_by_one_line(tmp_path: Path) -> None:
         '[facts]\nparticipant.labels = ["zuordnung"]\ncondition.labels = ["abdunklung"]\n',
     )
     unknown = suggest_mapping([file])
-    assert any("No column tells participants apart" in doubt for doubt in unknown.doubts)
-    assert any("No column says the condition" in doubt for doubt in unknown.doubts)
+    assert any("Does 'Zuordnung' tell participants apart" in doubt for doubt in unknown.doubts)
+    assert any("Is 'Abdunklung' the condition" in doubt for doubt in unknown.doubts)
     known = suggest_mapping([file], vocabularies=[own])
     assert not known.doubts
     assert 'participant = { column = "Zuordnung" }' in known.text

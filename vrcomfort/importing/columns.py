@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 
@@ -13,6 +13,7 @@ from vrcomfort.importing.mapping import (
     FACTS,
     TIMES,
     Fact,
+    Leaving,
     Questionnaire,
     Scores,
     TableMapping,
@@ -86,8 +87,28 @@ class Columns:
             for column, texts in mapping.leave_out.items()
         }
         self.blocks = [b for each in mapping.questionnaires for b in self._blocks(each)]
+        self.left_at = self._left_at(mapping.left_at)
         self.scores = [block for each in mapping.scores for block in self._blocks(each)]
+        self._suspicious = {
+            item: heading
+            for block in self.blocks
+            for item, heading in self._passed_over(block).items()
+        }
         self._ignore()
+
+    @property
+    def suspicions(self) -> list[str]:
+        """Return a sentence for each item that was not asked, though a column looks like it."""
+        return [
+            f"{self._table.name}: {item} was not asked, as the mapping says, but the column "
+            f"{heading!r} looks like it"
+            for item, heading in self._suspicious.items()
+        ]
+
+    def _passed_over(self, block: Block) -> dict[str, str]:
+        if not isinstance(block.source, Questionnaire) or block.item_column is not None:
+            return {}
+        return self.looks_like(block.instrument, block.source.not_asked)
 
     def index(self, heading: str, key: str) -> int:
         """Return the index of a column, and note its use."""
@@ -112,6 +133,20 @@ class Columns:
             message = f"is taken twice, for {self._used[index]} and for {what}; keep one"
             raise self._table.fault(message, column=index)
         self._used[index] = what
+
+    def _left_at(self, leaving: Leaving | None) -> dict[int, dict[str, str]]:
+        """Return the index of each column of leaving times → what its heading says."""
+        if leaving is None:
+            return {}
+        pattern = template_pattern(leaving.heading)
+        matches = ((i, pattern.fullmatch(h)) for i, h in enumerate(self._table.headings))
+        found = {index: match.groupdict() for index, match in matches if match is not None}
+        if not found:
+            message = f"no heading is made as the mapping's left_at, {leaving.heading!r}"
+            raise self._table.fault(message)
+        for index in found:
+            self._take(index, "left_at")
+        return found
 
     def _blocks(self, source: Questionnaire | Scores) -> list[Block]:
         instrument = self._instrument(source.instrument)
@@ -264,8 +299,24 @@ class Columns:
                 ]
                 if silent:
                     names = ", ".join(silent)
-                    message = f"{named} has no column for {names}; give them under items, or"
-                    raise self._table.fault(f"{message} under not_asked if they were not asked")
+                    message = f"{named} has no column for {names}{self._hint(instrument, silent)}"
+                    cure = "give them under items, or under not_asked if they were not asked"
+                    raise self._table.fault(f"{message}; {cure}")
+
+    def _hint(self, instrument: Instrument, items: Sequence[str]) -> str:
+        """Return the headings that look like items, misspelt."""
+        found = self.looks_like(instrument, items)
+        shown = ", ".join(f"{heading!r} looks like {item}" for item, heading in found.items())
+        return f", but {shown}" if shown else ""
+
+    def looks_like(self, instrument: Instrument, items: Sequence[str]) -> dict[str, str]:
+        """Return item → the heading of a column without use that is almost its name."""
+        free = {
+            plain(heading): heading
+            for index, heading in enumerate(self._table.headings)
+            if index not in self._used and plain(heading)
+        }
+        return nearly_named(instrument, items, free)
 
     def _ignore(self) -> None:
         """See that every column is said something of."""
@@ -300,6 +351,29 @@ class _Pieces:
             found = self._instrument.item(text)
             return found.name if found else None
         return self._exact.get(text) or self._plain.get(plain(text))
+
+
+ALMOST = 0.85
+"""Similarity from which a text counts as another one misspelt."""
+
+
+def nearly_named(
+    instrument: Instrument, items: Sequence[str], texts: Mapping[str, str]
+) -> dict[str, str]:
+    """Return item → the text that is almost one of its names.
+
+    Parameters
+    ----------
+    texts
+        `plain` text → text.
+    """
+    found = {}
+    for item in instrument.items:
+        near = (get_close_matches(key, texts, n=1, cutoff=ALMOST) for key in item.keys)
+        match = next((each[0] for each in near if each), None)
+        if item.name in items and match is not None:
+            found[item.name] = texts[match]
+    return found
 
 
 def _columns_of(mapping: TableMapping, fact: str) -> tuple[str, ...]:

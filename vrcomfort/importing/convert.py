@@ -12,7 +12,15 @@ from typing import TypeAlias
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.answers import AnswerReader, number
-from vrcomfort.importing.columns import TIMEPOINT, Block, Columns, Numbers, RowFacts
+from vrcomfort.importing.columns import (
+    ALMOST,
+    TIMEPOINT,
+    Block,
+    Columns,
+    Numbers,
+    RowFacts,
+    nearly_named,
+)
 from vrcomfort.importing.files import as_table, read_grids
 from vrcomfort.importing.made_instruments import (
     MOST,
@@ -33,6 +41,7 @@ from vrcomfort.importing.mapping import (
 )
 from vrcomfort.importing.rows import (
     Administration,
+    ExposureEnd,
     Imported,
     ImportedResponse,
     Rating,
@@ -142,8 +151,6 @@ def _spaced(text: str) -> str:
 
 
 KnownInstruments = dict[str, Instrument]
-ALMOST = 0.85
-"""Similarity from which a text counts as another one misspelt."""
 STATUSES = ("enrolled", "completed", "withdrawn", "excluded")
 
 
@@ -213,9 +220,39 @@ class TableImport:
             self._take(place, self._all_blocks[place], administration, cells, row)
         if elsewhere and not taken:
             self._elsewhere[", ".join(dict.fromkeys(elsewhere))] += 1
+        self._ends(cells, row)
         if self._columns.participants:
             who = self._facts.of_row(cells, row).get("participant", "")
             self._covariates(who, cells, row)
+
+    def _ends(self, cells: tuple[str, ...], row: int) -> None:
+        """Read how long the exposures of a row lasted."""
+        leaving = self._mapping.left_at
+        for column, said in self._columns.left_at.items() if leaving is not None else ():
+            facts = {**self._facts.of_row(cells, row)}
+            facts |= {name: self._facts.renamed(name, text, row) for name, text in said.items()}
+            facts = {name: text for name, text in facts.items() if name != "timepoint"}
+            administration = self._administration(facts, row)._replace(timepoint="")
+            if leaving is None or any(
+                e.administration == administration for e in self._imported.ends
+            ):
+                continue
+            self._imported.ends.append(self._end(administration, cells[column], row, column))
+
+    def _end(self, administration: Administration, text: str, row: int, column: int) -> ExposureEnd:
+        leaving = self._mapping.left_at
+        if leaving is None:
+            raise TypeError(leaving)
+        if text in {"", *leaving.missing, *self._mapping.missing}:
+            return ExposureEnd(administration, leaving.planned_s, left=False)
+        value = number(text, self._table.reading.decimal or ".")
+        if value is None or value < 0:
+            message = f"{text!r} is no time at which somebody left; texts for those who stayed go"
+            raise self._table.fault(f"{message} under missing of left_at", row, column)
+        end_s = value * (60 if leaving.unit == "min" else 1)
+        return ExposureEnd(
+            administration, min(end_s, leaving.planned_s), left=end_s < leaving.planned_s
+        )
 
     def _administrations_of(
         self, blocks: list[int], cells: tuple[str, ...], row: int
@@ -436,7 +473,7 @@ class TableImport:
             known[name] = text or known.get(name, "")
 
     def _note(self) -> None:
-        notes = [*self._table.notes]
+        notes = [*self._table.notes, *self._columns.suspicions]
         name = self._table.name
         if self._left_out:
             notes.append(f"{name}: {self._left_out} rows were left out, as the mapping says")
@@ -465,8 +502,21 @@ class TableImport:
             if near := get_close_matches(plain(text), known, n=1, cutoff=ALMOST):
                 message = f"{text!r} is no item; is it {known[near[0]]!r}? Give it under items, or"
                 raise self._table.fault(f"{message} under leave_out, in the mapping", *cells[0])
+            if item := self._not_asked_item(text):
+                message = f"{text!r} looks like {item}, which was not asked, as the mapping says"
+                yield f"{self._table.name}: {message}; {len(cells)} rows of it were left out"
+                continue
             what = f"{len(cells)} rows of {text!r} were left out"
             yield f"{self._table.name}: {what}: no item of that name"
+
+    def _not_asked_item(self, text: str) -> str:
+        """Return the item that was not asked, of which a text is almost the name; or nothing."""
+        for block in self._columns.blocks:
+            if block.item_column is not None and plain(text):
+                near = nearly_named(block.instrument, _not_asked(block), {plain(text): text})
+                if near:
+                    return next(iter(near))
+        return ""
 
 
 def _not_asked(block: Block) -> tuple[str, ...]:
@@ -561,6 +611,7 @@ def _finish(imported: Imported) -> None:
     """Add participants without covariates, and note ids that may be one person."""
     people = [administration.participant for _, administration in imported.responses]
     people += [rating.administration.participant for rating in imported.ratings]
+    people += [end.administration.participant for end in imported.ends]
     answered = dict.fromkeys(people)
     silent = [name for name in imported.participants if name not in answered]
     if silent:

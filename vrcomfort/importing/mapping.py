@@ -157,6 +157,18 @@ class Scores(_Columns):
     """`other`: of another formula; taken as they are, on no known range."""
 
 
+class Leaving(Settings):
+    """How long exposures lasted; participants left those that are shorter than planned."""
+
+    heading: str
+    """The column of the times, or how their headings are made: ``{condition}_left_at_s``."""
+    unit: Literal["s", "min"] = "s"
+    planned_s: Annotated[float, Field(gt=0)]
+    """The length of an exposure that nobody leaves: that of blank cells, and of times as long."""
+    missing: tuple[str, ...] = ()
+    """Texts that mean that the participant stayed, beside the blank."""
+
+
 class TableMapping(Settings):
     """Files (or sheets) with columns of the same meaning."""
 
@@ -180,6 +192,8 @@ class TableMapping(Settings):
     timepoint: Fact = Field(default_factory=Fact)
     questionnaires: tuple[Questionnaire, ...] = ()
     scores: tuple[Scores, ...] = ()
+    left_at: Leaving | None = None
+    """When participants left exposures; for the time to withdrawal in reports."""
     participants: dict[str, str] = Field(default_factory=dict)
     """Name in participants.csv → column: age, sex, group, sequence …"""
     missing: tuple[str, ...] = ()
@@ -334,18 +348,7 @@ def _problems(mapping: LabMapping) -> Iterator[Problem]:
     """Yield problems between keys, which types cannot express."""
     for place, table in enumerate(mapping.tables):
         here: tuple[str | int, ...] = ("tables", place)
-        for name in FACTS:
-            fact = table.fact(name)
-            ways = [fact.column is not None, bool(fact.columns), fact.constant is not None]
-            if sum(ways) > 1:
-                message = f"`{name}` has more than one of column, columns and constant; keep one"
-                yield Problem((*here, name), message)
-            if fact.order is not None and (name != "condition" or any(ways)):
-                message = "`order` is of conditions, and of those that no column says"
-                yield Problem((*here, name, "order"), message)
-            if fact.count and name not in {"participant", "session", "period", "block", "trial"}:
-                message = f"`{name}` cannot be counted; trial and session can"
-                yield Problem((*here, name, "count"), message)
+        yield from _fact_problems(table, here)
         if table.file_name and table.file_pattern:
             message = "`file_name` and `file_pattern` say the same; keep one"
             yield Problem((*here, "file_pattern"), message)
@@ -354,13 +357,33 @@ def _problems(mapping: LabMapping) -> Iterator[Problem]:
         if "participant" in table.participants:
             message = "`participant` is a fact; write it beside [tables.participants]"
             yield Problem((*here, "participants", "participant"), message)
-        if not (table.questionnaires or table.scores or table.participants):
+        left_at = placeholders(table.left_at.heading) if table.left_at else []
+        for unknown in sorted({*left_at} - {*FACTS, "*"}):
+            message = f"`{unknown}` is no fact; there are {', '.join(FACTS)}"
+            yield Problem((*here, "left_at", "heading"), message)
+        if not (table.questionnaires or table.scores or table.participants or table.left_at):
             message = "this table gives nothing: no questionnaires, scores or participants"
             yield Problem(here, message)
         for index, each in enumerate(table.questionnaires):
             yield from _problems_of(each, (*here, "questionnaires", index))
         for index, scores in enumerate(table.scores):
             yield from _pattern_problems(scores, (*here, "scores", index))
+
+
+def _fact_problems(table: TableMapping, here: tuple[str | int, ...]) -> Iterator[Problem]:
+    """Yield problems of where facts come from."""
+    for name in FACTS:
+        fact = table.fact(name)
+        ways = [fact.column is not None, bool(fact.columns), fact.constant is not None]
+        if sum(ways) > 1:
+            message = f"`{name}` has more than one of column, columns and constant; keep one"
+            yield Problem((*here, name), message)
+        if fact.order is not None and (name != "condition" or any(ways)):
+            message = "`order` is of conditions, and of those that no column says"
+            yield Problem((*here, name, "order"), message)
+        if fact.count and name not in {"participant", "session", "period", "block", "trial"}:
+            message = f"`{name}` cannot be counted; trial and session can"
+            yield Problem((*here, name, "count"), message)
 
 
 def _problems_of(each: Questionnaire, here: tuple[str | int, ...]) -> Iterator[Problem]:

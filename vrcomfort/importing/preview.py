@@ -62,6 +62,10 @@ def _counts(imported: Imported) -> list[str]:
         f"{name}: {condition}: {count} ratings during exposure"
         for (name, condition), count in rated.items()
     ]
+    if imported.ends:
+        left = Counter(end.administration.condition for end in imported.ends if end.left)
+        shown = ", ".join(f"{n} {name or '(no condition)'}" for name, n in left.items())
+        lines.append(f"{len(imported.ends)} exposures with their length; left: {shown or 'none'}")
     people = _count(len(imported.participants), "participant")
     total = f"{people}, {_count(len(imported.conditions), 'condition')}"
     names = ", ".join(imported.covariates)

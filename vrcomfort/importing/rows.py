@@ -78,6 +78,14 @@ class Rating(NamedTuple):
     response: Answer | None
 
 
+class ExposureEnd(NamedTuple):
+    """How long an exposure lasted, and whether its participant left it."""
+
+    administration: Administration
+    end_s: float
+    left: bool
+
+
 @dataclass
 class Imported:
     """Everything that the files gave.
@@ -94,12 +102,15 @@ class Imported:
         Names of those among them that stand for scores without answers.
     not_asked
         Instrument → items that the mapping says were left out by design.
+    ends
+        How exposures ended, where files say it.
     notes
         What the user should know, one sentence each.
     """
 
     responses: dict[tuple[str, Administration], ImportedResponse] = field(default_factory=dict)
     ratings: list[Rating] = field(default_factory=list)
+    ends: list[ExposureEnd] = field(default_factory=list)
     participants: dict[str, dict[str, str]] = field(default_factory=dict)
     instruments: dict[str, Instrument] = field(default_factory=dict)
     scores: list[str] = field(default_factory=list)
@@ -111,6 +122,7 @@ class Imported:
         """Return the conditions in the order in which they were met."""
         every = [administration for _, administration in self.responses]
         every += [rating.administration for rating in self.ratings]
+        every += [end.administration for end in self.ends]
         return list(dict.fromkeys(each.condition for each in every if each.condition))
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,7 +16,7 @@ from vrcomfort.json_text import json_of
 from vrcomfort.questionnaire import FOLDER
 from vrcomfort.records.checksums import CHECKSUMS, replace_listed
 from vrcomfort.records.disk import OWNER, make_folders, replace_text
-from vrcomfort.records.exposure_rows import RatingRow
+from vrcomfort.records.exposure_rows import RatingRow, TrialRow
 from vrcomfort.records.names import check_study
 from vrcomfort.records.rows import Cell, csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION
@@ -51,6 +52,8 @@ def write_study(
         texts[QuestionnaireRow.FILE] = _questionnaires(imported)
     if imported.ratings:
         texts[RatingRow.FILE] = _ratings(imported)
+    if imported.ends:
+        texts[TrialRow.FILE] = _trials(imported)
     spare([mapping.file, *files], [folder / name for name in texts])
     make_folders(folder, folder, OWNER)
     if own:
@@ -67,7 +70,7 @@ def write_study(
 
 _ALL = frozenset((
     "dataset_description.json", ParticipantRow.FILE, PROVENANCE, MAPPING,
-    QuestionnaireRow.FILE, RatingRow.FILE,
+    QuestionnaireRow.FILE, RatingRow.FILE, TrialRow.FILE,
 ))  # fmt: skip
 
 
@@ -167,3 +170,22 @@ def _ratings(imported: Imported) -> str:
         for m, instrument, onset_s, response in imported.ratings
     ]  # fmt: skip
     return _table(RatingRow.columns(), rows)
+
+
+def _trials(imported: Imported) -> str:
+    """Return the exposures whose ends are known.
+
+    Who left one exposure and has others has left that session alone, not the study.
+    """
+    met = Counter(end.administration.participant for end in imported.ends)
+    rows: list[list[Cell]] = []
+    for m, end_s, left in imported.ends:
+        why = ("participant_session" if met[m.participant] > 1 else "participant") if left else None
+        known: dict[str, Cell] = {
+            "participant": m.participant, "session": m.session, "period": m.period,
+            "block": m.block, "trial": m.trial, "condition": m.condition, "scene": m.scene,
+            "start_s": 0.0, "end_s": end_s, "status": "withdrawn" if left else "completed",
+            "abort_code": why,
+        }  # fmt: skip
+        rows.append([known.get(name) for name in TrialRow.columns()])
+    return _table(TrialRow.columns(), rows)

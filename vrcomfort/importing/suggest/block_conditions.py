@@ -52,9 +52,11 @@ def conditions_beside(
             columns = [
                 c if c is not None and _names(table, c, vocabulary) else None for c in columns
             ]
-            rest = columns if columns[0] is not None else columns[1:]
-            if None not in rest and len(rest) > 1 and _are_alike(table, rest):
-                return columns
+            for first in (columns[0], None):
+                found = [first, *columns[1:]]
+                rest = found if first is not None else found[1:]
+                if None not in rest and len(rest) > 1 and _are_alike(table, rest):
+                    return found
     return []
 
 
@@ -83,14 +85,9 @@ def _are_alike(table: SourceTable, columns: Sequence[int | None]) -> bool:
     """Return whether columns share their texts, and differ from each other within a row."""
     found = [column for column in columns if column is not None]
     sets = [{*texts(table, column)} for column in found]
-    every = set.union(*sets)
     differ = any(len({row[c] for c in found if row[c]}) > 1 for row in table.rows)
-    return (
-        2 <= len(every) <= MOST_CONDITIONS
-        and differ
-        and all(len(s) * 2 > 1 for s in sets)
-        and (sum(len(each & other) > 0 for each in sets for other in sets) == len(sets) ** 2)
-    )
+    few = 2 <= len(set.union(*sets)) <= MOST_CONDITIONS
+    return few and differ and all(one & other for one in sets for other in sets)
 
 
 def order_column(

@@ -10,7 +10,7 @@ a line here.
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -257,6 +257,24 @@ def _tells_people_apart(context: Context, column: int) -> bool:
     return (each_row or few_rows or in_front) and max(map(len, words)) <= LONGEST_CODE
 
 
+def _codes_in_equally_many_rows(context: Context, column: int) -> bool:
+    """Return whether a column of the first ones has codes such as P01, each equally often."""
+    counts = Counter(cell for cell in context.table.column(column) if cell)
+    codes = all(re.fullmatch(r"[^\W\d_]{1,12}[ _-]?\d+", text) for text in counts)
+    often = {*counts.values()}
+    among_first = column in context.roles.unknown[:FIRST_COLUMNS]
+    return (
+        among_first
+        and codes
+        and len(counts) >= _FEWEST_PEOPLE
+        and len(often) == 1
+        and min(often) > 1
+    )
+
+
+_FEWEST_PEOPLE = 5
+
+
 def _codes_of_people(context: Context, column: int) -> bool:
     words = texts(context.table, column)
     codes = all(re.fullmatch(r"[\w -]*\d[\w -]*", w) and len(w) <= LONGEST_CODE for w in words)
@@ -386,6 +404,10 @@ GROUPS_PEOPLE = CellEvidence(
 CELLS: tuple[CellEvidence, ...] = (
     CellEvidence(
         "participant", "short texts, others for each row or person", 30, _tells_people_apart,
+        "Does {heading!r} tell participants apart?", "it does",
+    ),
+    CellEvidence(
+        "participant", "codes, each in equally many rows", 25, _codes_in_equally_many_rows,
         "Does {heading!r} tell participants apart?", "it does",
     ),
     CellEvidence(

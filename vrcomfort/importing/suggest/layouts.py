@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from itertools import takewhile
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -320,6 +322,57 @@ def _courses_of(ratings: Sequence[FoundRating], units: Set[str]) -> list[list[Fo
             rest = tuple("#" if n == place else word for n, word in enumerate(rating.context))
             groups.setdefault((rating.instrument.name, *rest), []).append(rating)
     return [group for group in groups.values() if len(group) >= FEWEST_TIMES]
+
+
+class FoundLeaving(NamedTuple):
+    """Columns of the times at which participants left.
+
+    Parameters
+    ----------
+    columns
+        Index of the column → the condition that its heading says, or nothing.
+    heading
+        How the headings are made.
+    """
+
+    columns: dict[int, str]
+    heading: str
+    unit: Literal["s", "min"]
+
+
+def find_leaving(table: SourceTable, columns: Sequence[int], known: Known) -> FoundLeaving | None:
+    """Return the columns of leaving times; None where there are none."""
+    found = [
+        column
+        for column in columns
+        if any(_within(each, tokens(table.headings[column])) for each in known.vocabulary.leaving)
+        and _values(table, column)
+    ]
+    if not found:
+        return None
+    headings = [table.headings[column] for column in found]
+    minutes = any({*tokens(heading)} & _MINUTES for heading in headings)
+    unit: Literal["s", "min"] = "min" if minutes else "s"
+    if len(found) == 1:
+        return FoundLeaving({found[0]: ""}, headings[0], unit)
+    start, end = _common_start(headings), _common_start([each[::-1] for each in headings])[::-1]
+    said = {
+        column: heading.removeprefix(start).removesuffix(end)
+        for column, heading in zip(found, headings, strict=True)
+    }
+    return FoundLeaving(said, f"{start}{{condition}}{end}", unit)
+
+
+_MINUTES = frozenset(["min", "mins", "minute", "minutes", "minuten"])
+
+
+def _within(label: Sequence[str], words: Sequence[str]) -> bool:
+    return any([*words[n : n + len(label)]] == [*label] for n in range(len(words)))
+
+
+def _common_start(texts: Sequence[str]) -> str:
+    same = takewhile(lambda letters: len({*letters}) == 1, zip(*texts, strict=False))
+    return "".join(letters[0] for letters in same)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
+from vrcomfort.importing.answers import number
 from vrcomfort.importing.columns import conditions_in
 from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
@@ -23,6 +24,7 @@ from vrcomfort.importing.suggest.draft import (
     ROWS,
     SAME_PERSON,
     SCORE_KIND,
+    STAYED,
     OpenDoubt,
     TomlDraft,
 )
@@ -42,6 +44,7 @@ from vrcomfort.importing.suggest.layouts import (
     FoundScores,
     by_kind,
     find_courses,
+    find_leaving,
     find_long,
     find_ratings,
     find_scores,
@@ -184,6 +187,9 @@ class TableDraft:
         self._files()
         self._answers = AnswerColumns(self.table, known)
         others = [c for c in range(len(self.table.headings)) if c not in self._answers.taken]
+        self._leaving = find_leaving(self.table, others, known)
+        left = self._leaving.columns if self._leaving else {}
+        others = [column for column in others if column not in left]
         self._roles = roles_of(self.table, others, self._vocabulary)
         self._nobodys_rows()
         self._facts: dict[Layout[Any], list[dict[str, str]]] = {}
@@ -248,11 +254,14 @@ class TableDraft:
         self.draft.comments |= exposures.draft.comments
         self.doubts += exposures.doubts
         self._leave_out(context.participant)
+        self._draft_leaving()
         self._questionnaires()
         self._score_tables()
         self._covariates(exposures)
         self._ignore(exposures)
-        self.gives = bool(self.draft.lists or self.draft.values.get("participants"))
+        self.gives = bool(
+            self.draft.lists or self._leaving or self.draft.values.get("participants")
+        )
 
     def _facts_beside(self) -> list[dict[str, str]]:
         """Return the facts of blocks whose conditions stand in columns beside them."""
@@ -402,6 +411,20 @@ class TableDraft:
                 f"May the rows with {shown} in {names[column]!r} be left out, as no person's?"
             )
             self.doubts.append(OpenDoubt(question, "they are left out", *ROWS))
+
+    def _draft_leaving(self) -> None:
+        """Draft when participants left exposures, and ask how long exposures were to be."""
+        if self._leaving is None:
+            return
+        decimal = self.table.reading.decimal or "."
+        columns, heading, unit = self._leaving
+        cells = (row[column] for row in self.table.rows for column in columns)
+        longest = max((number(cell, decimal) or 0.0 for cell in cells), default=0.0)
+        planned_s = longest * (60 if unit == "min" else 1)
+        self.draft.put("left_at", {"heading": heading, "unit": unit, "planned_s": planned_s})
+        question = f"Was an exposure that nobody left {planned_s:g} s long?"
+        assumed = "it was: who has this time, or none, stayed to the end"
+        self.doubts.append(OpenDoubt(question, assumed, *STAYED))
 
     def _questionnaires(self) -> None:
         drafts: list[TomlDraft] = []

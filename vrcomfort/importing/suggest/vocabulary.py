@@ -81,6 +81,12 @@ class MeasureLabels(Settings):
     words: _Words = ()
 
 
+class LeavingLabels(Settings):
+    """Columns of the times at which participants left exposures."""
+
+    labels: _Words = ()
+
+
 class LongLabels(Settings):
     """Headings of files with a row for each answer."""
 
@@ -138,6 +144,7 @@ class VocabularyFile(Settings):
     """Name in participants.csv → its headings."""
     ignored: IgnoredLabels = IgnoredLabels()
     measures: MeasureLabels = MeasureLabels()
+    leaving: LeavingLabels = LeavingLabels()
     long: LongLabels = LongLabels()
     ratings: RatingLabels = RatingLabels()
     numbered: NumberedWords = NumberedWords()
@@ -200,6 +207,8 @@ class LabVocabulary:
         self.covariate_labels = _word_sets(merged["covariates"], "labels")
         self.personal = _plain_set(merged["ignored"]["personal"])
         self.measures = _plain_set(merged["measures"]["words"])
+        self.leaving = tuple(tuple(tokens(label)) for label in merged["leaving"]["labels"])
+        """Labels of leaving times, as words."""
         self.item_labels = _plain_set(merged["long"]["item"])
         self.response_labels = _plain_set(merged["long"]["response"])
         self.seconds = _plain_set(merged["ratings"]["seconds"])

@@ -1,0 +1,186 @@
+"""Answers known by their place, conditions beside them or in their order, words in file names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from tests.support.layouts import ENGLISH, ITEMS, write
+from vrcomfort.errors import InputError
+from vrcomfort.importing import import_files, load_mapping, parse_mapping, write_study
+from vrcomfort.importing.rows import Imported
+from vrcomfort.importing.suggest import suggest_mapping
+from vrcomfort.questionnaire import shipped_instruments
+from vrcomfort.report.study_data import read_study
+
+
+def imported(
+    folder: Path, rows: list[list[object]], keys: str, names: Sequence[str] = ("P07_SSQ",)
+) -> Imported:
+    """Import files of the same rows with a mapping of these keys."""
+    files = [write(folder / f"{name}.csv", rows) for name in names]
+    text = f'format_version = 1\n[[tables]]\nfiles = ["*.csv"]\n{keys}'
+    return import_files(files, parse_mapping(text, None))
+
+
+ANSWERS = [*range(4)] * 4
+BY_PLACE = """
+read = { heading_rows = [] }
+participant = { column = "column 1" }
+[[tables.questionnaires]]
+instrument = "ssq"
+"""
+
+
+def test_answers_are_known_by_their_place_and_conditions_beside_them(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["P1", "a", *ANSWERS, "b", *ANSWERS[::-1]]]
+    keys = BY_PLACE + (
+        'first_columns = ["column 3", "column 20"]\n'
+        'beside = { condition = ["column 2", "column 19"] }\n'
+    )
+    found = imported(tmp_path, rows, keys)
+    said = {m.condition: [*r.answers.values()] for (_, m), r in found.responses.items()}
+    assert said == {"a": ANSWERS, "b": ANSWERS[::-1]}
+    assert not found.not_asked
+
+
+def test_an_order_of_items_says_which_were_asked(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["P1", 1, 2, 9, 3]]
+    keys = BY_PLACE + (
+        'condition = "a"\nfirst_columns = ["column 2"]\n'
+        'item_order = ["nausea", "vertigo", "", "burping"]\n'
+    )
+    found = imported(tmp_path, rows, keys)
+    (response,) = found.responses.values()
+    assert response.answers == {"nausea": 1, "vertigo": 2, "burping": 3}
+    assert len(found.not_asked["ssq"]) == 13
+
+
+@pytest.mark.parametrize(
+    ("keys", "says"),
+    [
+        ('first_columns = ["column 9"]', "has only"),
+        ('item_order = ["nausea"]', "needs first_columns"),
+        ('first_columns = ["column 2"]\nitem_order = ["nausae"]', "did you mean `nausea`"),
+        ('first_columns = ["column 2"]\nheading = "x{item}"', "leave out heading"),
+        ('beside = { mood = "column 1" }', "`mood` is no fact"),
+        ('first_columns = ["column 2"]\nbeside = { trial = ["a", "b"] }', "name one for each"),
+    ],
+)
+def test_places_that_cannot_be_are_refused(keys: str, says: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=re.escape(says)):
+        imported(tmp_path, [["P1", *ANSWERS]], BY_PLACE + keys)
+
+
+ORDERED = """
+participant = { column = "id" }
+condition = { order = "order", values = { A = "blur", B = "plain" } }
+[[tables.questionnaires]]
+instrument = "ssq"
+heading = "{trial}_{item}"
+"""
+
+
+def test_an_order_of_conditions_numbers_them(tmp_path: Path) -> None:
+    items = [i.name for i in shipped_instruments()["ssq"].items]
+    head: list[object] = ["id", "order", *(f"{n}_{item}" for n in (1, 2) for item in items)]
+    rows = [head, ["P1", "BA", *ANSWERS, *[0] * 16]]
+    found = imported(tmp_path, rows, ORDERED)
+    assert [(m.trial, m.condition) for _, m in found.responses] == [("1", "plain"), ("2", "blur")]
+    for order, says in (("B", "has no condition number 2"), ("BC", "'C' is not among the values")):
+        rows[1][1] = order
+        with pytest.raises(InputError, match=says):
+            imported(tmp_path, rows, ORDERED)
+
+
+def test_a_pattern_of_file_names_may_lack_words(tmp_path: Path) -> None:
+    items: list[object] = [i.name for i in shipped_instruments()["ssq"].items]
+    keys = (
+        "file_pattern = '(?P<participant>P\\d+)_SSQ(_(?P<timepoint>PRE))?'\n"
+        'timepoint = { values = { "" = "post", PRE = "baseline" } }\n'
+        '[[tables.questionnaires]]\ninstrument = "ssq"\ncondition = "a"\n'
+    )
+    found = imported(tmp_path, [items, [*ANSWERS]], keys, ("P07_SSQ", "P07_SSQ_PRE"))
+    assert {(m.participant, m.timepoint) for _, m in found.responses} == {
+        ("P07", "post"), ("P07", "baseline"),
+    }  # fmt: skip
+    with pytest.raises(InputError, match="does not match"):
+        imported(tmp_path, [items, [*ANSWERS]], keys, ("other",))
+
+
+MISSPELT = [text.replace("Fullness", "Fullnes").replace("Vertigo", "Vertgo") for text in ENGLISH]
+
+
+def test_a_misspelt_heading_is_named_and_never_dropped(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["id", *MISSPELT], ["P1", *ANSWERS]]
+    keys = 'participant = { column = "id" }\n[[tables.questionnaires]]\ninstrument = "ssq"\n'
+    with pytest.raises(InputError, match="'Vertgo' looks like vertigo; give them under items"):
+        imported(tmp_path, rows, keys)
+    ignored = 'ignore = ["Fullnes of head", "Vertgo"]\n' + keys
+    found = imported(tmp_path, rows, ignored + 'not_asked = ["fullness_of_head", "vertigo"]\n')
+    assert sum("looks like it" in note for note in found.notes) == 2
+
+
+def test_a_misspelt_text_of_a_long_file_is_told(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["id", "item", "answer"]]
+    rows += [["P1", text, 1] for text in MISSPELT]
+    keys = (
+        'participant = { column = "id" }\n[[tables.questionnaires]]\ninstrument = "ssq"\n'
+        'item_column = "item"\nresponse_column = "answer"\n'
+        'not_asked = ["fullness_of_head", "vertigo"]\n'
+    )
+    notes = imported(tmp_path, rows, keys).notes
+    assert any("'Vertgo' looks like vertigo, which was not asked" in note for note in notes)
+
+
+def leaving_times(folder: Path) -> Path:
+    """A crossover of six people: P1 and P3 left under blur, P3 under plain as well."""
+    rows: list[list[object]] = [["ID", "Condition", "left_at_s", *ITEMS]]
+    gone = {("P1", "blur"): 120, ("P3", "blur"): 300.5, ("P3", "plain"): 45}
+    for n in range(1, 7):
+        for condition in ("blur", "plain"):
+            time = gone.get((f"P{n}", condition), 600 if n % 2 else "")
+            rows.append([f"P{n}", condition, time, *ANSWERS])
+    return write(folder / "lab.csv", rows)
+
+
+def test_leaving_times_become_ends_of_exposures_in_the_report(tmp_path: Path) -> None:
+    file, mapping, study = leaving_times(tmp_path), tmp_path / "map.toml", tmp_path / "study"
+    suggested = suggest_mapping([file])
+    assert any("600 s long" in doubt for doubt in suggested.doubts)
+    mapping.write_text(suggested.text.replace('answer = ""', 'answer = "yes"'), encoding="utf-8")
+    loaded = load_mapping(mapping)
+    write_study(study, import_files([file], loaded.mapping), loaded, [file])
+    trials = read_study(study).trials
+    ends = {(t["participant"], t["condition"]): (float(t["end_s"]), t["status"]) for t in trials}
+    assert ends["P3", "blur"] == (300.5, "withdrawn")
+    assert ends["P2", "plain"] == ends["P5", "blur"] == (600.0, "completed")
+    assert sum(status == "withdrawn" for _, status in ends.values()) == 3
+
+
+def test_leaving_times_of_several_conditions_stand_side_by_side(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["ID", "Abbruch nach blur (min)", "Abbruch nach plain (min)"]]
+    rows += [["P1", "2.5", ""], ["P2", "", "10"], ["P3", "-", "1"]]
+    found = suggest_mapping([write(tmp_path / "abbruch.csv", rows)])
+    assert 'heading = "Abbruch nach {condition} (min)"' in found.text
+    keys = (
+        'participant = { column = "ID" }\n'
+        'left_at = { heading = "Abbruch nach {condition} (min)", unit = "min", planned_s = 600, '
+        'missing = ["-"] }\n'
+    )
+    ends = imported(tmp_path, rows, keys).ends
+    left = {
+        (e.administration.participant, e.administration.condition, e.end_s) for e in ends if e.left
+    }
+    assert left == {("P1", "blur", 150.0), ("P3", "plain", 60.0)}
+    assert len(ends) == 6
+
+
+def test_a_text_that_is_no_leaving_time_is_refused(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["ID", "left"], ["P1", "early"]]
+    keys = 'participant = { column = "ID" }\nleft_at = { heading = "left", planned_s = 600 }\n'
+    with pytest.raises(InputError, match="row 2, column 'left': 'early' is no time at which"):
+        imported(tmp_path, rows, keys)
