@@ -71,12 +71,15 @@ def coding_of(
 
 
 def _variant(instrument: Instrument, values: Iterable[int]) -> Instrument | None:
-    """Return the shipped variant of an instrument that has all of these answers."""
+    """Return the shipped variant of an instrument that asks the same, and has these answers."""
+    asked = {item.name for item in instrument.asked}
     return next(
         (
             each
             for each in shipped_instruments().values()
-            if each.variant_of == instrument.name and all(map(each.answers.has, values))
+            if each.variant_of == instrument.name
+            and {item.name for item in each.asked} == asked
+            and all(map(each.answers.has, values))
         ),
         None,
     )
