@@ -4,7 +4,7 @@ OUT ?= out
 # Tests start the program many times: it is compiled once, wherever Python is told not to keep that.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: help setup demo test test-smoke test-slow test-bare test-local test-openxr explore runtime check docs audit bench torture torture-short scenes clean
+.PHONY: help setup demo test test-smoke test-slow test-bare test-local test-openxr test-windows explore runtime check docs audit bench torture torture-short scenes clean
 
 help:
 	@echo "make demo    a complete simulated study, rendered and reported (out/demo)"
@@ -17,6 +17,7 @@ help:
 	@echo "make explore     the property tests with other, and more, examples"
 	@echo "make runtime     find or make a system with a Monado runtime (OpenXR without a headset)"
 	@echo "make test-openxr the tests that need one, in it"
+	@echo "make test-windows  those for Windows, in a Win32 Python under Wine (root; 4 GB, made once)"
 	@echo "make check   ruff, mypy --strict, import-linter"
 	@echo "make docs    the documentation site (out/site)"
 	@echo "make audit   known vulnerabilities of what requirements.lock names (asks osv.dev)"
@@ -63,6 +64,9 @@ runtime:
 test-openxr:
 	@scripts/in_runtime.sh pytest -q -n 2 --dist loadfile -m monado
 
+test-windows:
+	@scripts/windows.sh pytest -q -p no:cacheprovider -m windows $$(grep -l mark.windows tests/*.py)
+
 check: setup
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
@@ -84,6 +88,7 @@ bench: setup
 torture: setup
 	@failed=0; $(BIN)/python -m torture --out $(OUT)/torture || failed=1; \
 	scripts/in_runtime.sh python -m torture --only runtime --out $(OUT)/torture/runtime || failed=1; \
+	$(BIN)/pytest -q --exposures 100 tests/test_openxr_runtime_faults.py tests/test_openxr_runtime_cli.py || failed=1; \
 	exit $$failed
 
 torture-short: setup

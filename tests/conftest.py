@@ -41,6 +41,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--extreme-cases", type=int, default=40, help="cases of each fuzz test of extremes"
     )
+    parser.addoption(
+        "--exposures", type=int, default=12, help="exposures with random faults of a runtime"
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:

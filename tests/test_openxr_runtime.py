@@ -23,6 +23,7 @@ pytest.importorskip("xr", reason="pyopenxr is not installed")
 
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
 
+pytestmark = pytest.mark.windows
 SIZE_PX = (16, 16)
 
 

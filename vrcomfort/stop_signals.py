@@ -11,9 +11,11 @@ from types import FrameType
 from typing import TypeVar
 
 SIGNALS = tuple(
-    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+    getattr(signal, name)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
+    if hasattr(signal, name)
 )
-"""Ctrl-C, a shutdown, a closed terminal; Windows has no SIGHUP."""
+"""Ctrl-C, a shutdown, a closed terminal: on Windows SIGBREAK, which Ctrl-Break sends, too."""
 
 TOGETHER_S = 1.0
 """SIGTERM and SIGHUP that come so close together are those of one shutdown: one wish, and files are

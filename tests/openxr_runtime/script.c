@@ -20,7 +20,8 @@ Settings hold from the beginning:
 
 Rules hold in some frames. These are numbered from 0 with each session: FRAME (from there on),
 FROM-TO (both included), `start` (from before the first on), or `now` (from the one on that is
-waited for next). While the runtime does not want frames, they are counted by time. Of the rules of one kind and key, the last that
+waited for next, in the place of the `now` before). While the runtime does not want frames, they
+are counted by time. Of the rules of one kind and key, the last that
 holds counts, so that a frame is the same whatever came before it:
 
     FRAMES head X Y Z QX QY QZ QW        stage-from-head, metres and a quaternion
@@ -54,6 +55,7 @@ holds counts, so that a frame is the same whatever came before it:
 
 typedef struct {
     int from, to;
+    bool now;
     char key[96];
     double values[7];
 } Rule;
@@ -117,8 +119,7 @@ static bool read_setting(const char *name, char *rest) {
     return false;
 }
 
-static bool add_rule(Kind kind, int from, int to, char *rest) {
-    Rule rule = {.from = from, .to = to};
+static bool add_rule(Kind kind, Rule rule, char *rest) {
     int used = 0, count = 0;
     if (KIND[kind].has_key) {
         if (sscanf(rest, "%95s%n", rule.key, &used) != 1) return false;
@@ -130,6 +131,11 @@ static bool add_rule(Kind kind, int from, int to, char *rest) {
     }
     if (count < KIND[kind].least || rest[strspn(rest, " \r\n\t")] != '\0') return false;
     Rules *rules = &rules_of[kind];
+    for (int i = 0; rule.now && i < rules->count; i++)
+        if (rules->rules[i].now && strcmp(rules->rules[i].key, rule.key) == 0) {
+            rules->rules[i] = rule;
+            return true;
+        }
     if (rules->count == rules->room) {
         rules->room = rules->room ? 2 * rules->room : 64;
         rules->rules = realloc(rules->rules, (size_t)rules->room * sizeof(Rule));
@@ -140,17 +146,15 @@ static bool add_rule(Kind kind, int from, int to, char *rest) {
 }
 
 static bool read_rule(const char *when, char *rest) {
-    int from = present_frame() + 1, to = INT32_MAX, used = 0;
+    Rule rule = {.from = -1, .to = INT32_MAX, .now = strcmp(when, "now") == 0};
+    int used = 0;
     char name[32];
-    if (strcmp(when, "start") == 0) {
-        from = -1;
-    } else if (strcmp(when, "now") != 0) {
-        int numbers = sscanf(when, "%d-%d", &from, &to);
-        if (numbers < 1) return false;
-    }
+    if (rule.now) rule.from = present_frame() + 1;
+    else if (strcmp(when, "start") != 0 && sscanf(when, "%d-%d", &rule.from, &rule.to) < 1)
+        return false;
     if (sscanf(rest, "%31s%n", name, &used) != 1) return false;
     for (Kind kind = 0; kind < KINDS; kind++)
-        if (strcmp(name, KIND[kind].name) == 0) return add_rule(kind, from, to, rest + used);
+        if (strcmp(name, KIND[kind].name) == 0) return add_rule(kind, rule, rest + used);
     return false;
 }
 

@@ -57,8 +57,9 @@ def library() -> Path:
     sources = sorted(SOURCES.glob("*.[ch]"))
     made_of = b"".join([*(each.read_bytes() for each in sources), HEADER.read_bytes()])
     folder = cache_folder() / f"openxr_runtime-{sha256(made_of).hexdigest()[:12]}"
+    folder.mkdir(parents=True, exist_ok=True)
+    folder.with_name(f"{folder.name}.lock").touch()  # scripts/debian.sh removes what is unused
     if not (folder / NAME).exists():
-        folder.mkdir(parents=True, exist_ok=True)
         partial = folder / f"{NAME}.{os.getpid()}"
         files = [str(each) for each in sources if each.suffix == ".c"]
         subprocess.run([compiler, *FLAGS, "-o", str(partial), *files, "-lm", "-ldl"], check=True)

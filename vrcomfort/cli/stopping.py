@@ -50,8 +50,9 @@ def exit_code() -> int:
 
 
 def terminal_closed() -> bool:
-    """Return whether the terminal was closed (SIGHUP)."""
-    return exit_code() == 128 + getattr(signal, "SIGHUP", 0)
+    """Return whether the terminal was closed (SIGHUP; on Windows SIGBREAK)."""
+    closed = (getattr(signal, name, None) for name in ("SIGHUP", "SIGBREAK"))
+    return _last[0] in closed
 
 
 def _is_default(number: int) -> bool:
