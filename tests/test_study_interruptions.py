@@ -42,7 +42,12 @@ def test_the_page_names_the_files_that_are_synced_later() -> None:
     later = {each.row_type.FILE for each in KEPT if each.safe_after_s == SAFE_AFTER_S}
     assert set(re.findall(r"`(\w+\.csv)`", row)) == later
     assert f"younger than {SAFE_AT_ONCE_S:g} s, or {SAFE_AFTER_S:g} s in" in row
-    assert {each.FILE for each in OF_FRAMES} == {"gaze.csv", "images.csv", "balls.csv"}
+    assert {each.FILE for each in OF_FRAMES} == {
+        "gaze.csv",
+        "images.csv",
+        "hand_joints.csv",
+        "balls.csv",
+    }
 
 
 def test_time_goes_on_after_everything_on_record(tmp_path: Path) -> None:

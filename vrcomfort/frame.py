@@ -21,6 +21,34 @@ DROPPED_INTERVAL_PERIODS = 1.2
 """A frame is dropped when its interval exceeds this many periods (as PsychoPy counts)."""
 
 
+_FINGERS = ("index", "middle", "ring", "little")
+HAND_JOINTS = (
+    "palm", "wrist", "thumb_metacarpal", "thumb_proximal", "thumb_distal", "thumb_tip",
+    *(
+        f"{finger}_{joint}"
+        for finger in _FINGERS
+        for joint in ("metacarpal", "proximal", "intermediate", "distal", "tip")
+    ),
+)  # fmt: skip
+"""The joints of a hand, in OpenXR's order."""
+
+
+@dataclass(frozen=True, eq=False)
+class HandJoints:
+    """The joints of one hand.
+
+    Parameters
+    ----------
+    positions_m
+        (26, 3), in the stage, in the order of `HAND_JOINTS`; NaN where one is not known.
+    tracked
+        Whether all of them are seen; else some are inferred.
+    """
+
+    positions_m: NDArray[np.float32]
+    tracked: bool = True
+
+
 @dataclass(frozen=True)
 class Frame:
     """One frame that the headset asks for.
@@ -52,6 +80,8 @@ class Frame:
         Where the participant looks, None without an eye tracker.
     hands
         stage-from-aim of the left and the right hand, None where the headset does not know it.
+    joints
+        The joints of the left and the right hand, None where the headset does not know them.
     head_valid
         False where the headset does not know the head: the poses are the last known.
     head_tracked
@@ -76,6 +106,7 @@ class Frame:
     user_present: bool | None = None
     gaze: Gaze | None = None
     hands: tuple[Pose | None, Pose | None] = (None, None)
+    joints: tuple[HandJoints | None, HandJoints | None] = (None, None)
     head_valid: bool = True
     head_tracked: bool = True
     session_state: str = ""

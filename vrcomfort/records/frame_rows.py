@@ -1,4 +1,4 @@
-"""Rows of frames: of ``frames.csv``, ``gaze.csv`` and ``images.csv``."""
+"""Rows of frames: of ``frames.csv``, ``gaze.csv``, ``images.csv`` and ``hand_joints.csv``."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
+from vrcomfort.frame import HAND_JOINTS
 from vrcomfort.geometry import EyeGaze, Gaze, Pose, View
 from vrcomfort.records.exposure_rows import BallRow
 from vrcomfort.records.rows import BOTH, GAZE, MOTION, Cell, Column, ColumnGroup, Needs, Row
@@ -166,6 +167,43 @@ class ImageRow(Row):
     resumed: Resumed = 0
 
 
+_JOINTS = ColumnGroup(
+    tuple(
+        Column(
+            f"{joint.replace('_', ' ').capitalize()} in the stage, {axis}; to 0.01 mm",
+            blank="the joint was not known",
+            needs=MOTION,
+            signed=True,
+            name=f"{joint}_{letter}_m",
+        )
+        for joint in HAND_JOINTS
+        for letter, axis in zip("xyz", _AXES, strict=True)
+    ),
+    lambda row: row.positions_m,
+)
+
+
+@dataclass(frozen=True)
+class HandJointsRow(Row):
+    """The joints of one hand in one frame, where the runtime tracks it (XR_EXT_hand_tracking).
+
+    Parameters
+    ----------
+    positions_m
+        Three of each joint; None where it was not known.
+    """
+
+    FILE: ClassVar[str] = "hand_joints.csv"
+    NEEDS: ClassVar[Needs] = MOTION
+    session_s: FrameS
+    xr_time_ns: FrameTimeNs
+    trial: FrameTrial
+    hand: Annotated[str, Column("left or right")]
+    tracked: Annotated[bool, Column("1 where all joints were seen, 0 where some were inferred")]
+    positions_m: Annotated[tuple[float | None, ...], _JOINTS]
+    resumed: Resumed = 0
+
+
 def _pose(body: Body, meaning: str, *, blank: str = "", since: int = 1) -> tuple[Column, ...]:
     """Declare the columns of a pose: position, then quaternion."""
     parts = [*(f"position, {axis}" for axis in _AXES), *(f"quaternion, {part}" for part in "xyzw")]
@@ -253,6 +291,8 @@ class FrameRow(Row):
         Its row of ``images.csv``, likewise; None where the images were not hashed.
     balls
         Its rows of ``balls.csv``, likewise: balls of a task that are drawn otherwise from it on.
+    joints
+        Its rows of ``hand_joints.csv``, likewise: of the hands that are tracked.
     """
 
     FILE: ClassVar[str] = "frames.csv"
@@ -364,3 +404,4 @@ class FrameRow(Row):
     gaze: GazeRow | None = None
     image: ImageRow | None = None
     balls: tuple[BallRow, ...] = ()
+    joints: tuple[HandJointsRow, ...] = ()

@@ -249,7 +249,9 @@ def _with_others(row: Row) -> Iterable[Row]:
     """Return a row, with those of other files that a frame brings."""
     if not isinstance(row, FrameRow):
         return (row,)
-    return [each for each in (row, row.gaze, row.image, *row.balls) if each is not None]
+    return [
+        each for each in (row, row.gaze, row.image, *row.balls, *row.joints) if each is not None
+    ]
 
 
 def _read(file: Path) -> str:

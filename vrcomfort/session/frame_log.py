@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections import Counter, OrderedDict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple, Protocol
+
+import numpy as np
 
 from vrcomfort.frame import (
     FocusSample,
@@ -18,7 +20,16 @@ from vrcomfort.frame import (
     RenderResult,
 )
 from vrcomfort.protocol import Protocol as StudyProtocol
-from vrcomfort.records import BallRow, FrameRow, GazeRow, ImageRow, Row, TimingRow, TrialRow
+from vrcomfort.records import (
+    BallRow,
+    FrameRow,
+    GazeRow,
+    HandJointsRow,
+    ImageRow,
+    Row,
+    TimingRow,
+    TrialRow,
+)
 from vrcomfort.scene.markers import Shown
 from vrcomfort.seen_time import (
     SEEN,
@@ -141,6 +152,18 @@ def timing_row(trial: TrialRow, timing: TrialTiming, flags: Sequence[str]) -> Ti
     )
 
 
+def _joints_rows(
+    frame: Frame, session_s: float, time_ns: int, trial: int
+) -> Iterator[HandJointsRow]:
+    for hand, joints in zip(("left", "right"), frame.joints, strict=True):
+        if joints is not None:
+            numbers = np.round(joints.positions_m.astype(float).ravel(), JOINT_DECIMALS).tolist()
+            known = tuple(None if math.isnan(number) else number for number in numbers)
+            yield HandJointsRow(session_s, time_ns, trial, hand, joints.tracked, known)
+
+
+JOINT_DECIMALS = 5
+"""Of metres: cameras see hands no better, and a row of 78 numbers is half as long."""
 _LATEST_FRAMES = 16
 """Frames after which a row is written without the values that have not arrived."""
 
@@ -261,6 +284,7 @@ class FrameLog:
             discontinuity=frame.discontinuity,
             snap_turn=frame.snap_turn,
             balls=tuple(BallRow(session_s, time_ns, trial, *ball) for ball in balls),
+            joints=tuple(_joints_rows(frame, session_s, time_ns, trial)),
             user_present=frame.user_present,
             paused=frame.paused,
         )

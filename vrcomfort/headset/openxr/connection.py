@@ -14,6 +14,7 @@ from vrcomfort.headset.openxr import display, layers
 from vrcomfort.headset.openxr.actions import EACH_EYE_EXTENSION, Actions
 from vrcomfort.headset.openxr.faults import running, starting
 from vrcomfort.headset.openxr.graphics_binding import Binding, current_binding, make_current
+from vrcomfort.headset.openxr.hand_tracking import HandTrackers
 from vrcomfort.headset.openxr.instance import connect
 from vrcomfort.headset.openxr.layers import EyeLayer, TakeEyeImage
 from vrcomfort.headset.openxr.lifecycle import Lifecycle
@@ -97,6 +98,10 @@ class Connection:
         self._owned.callback(self.eyes.release)
         self.actions = Actions(self.runtime, self.session)
         self._owned.callback(self.actions.release)
+        self.hand_trackers: HandTrackers | None = None
+        if self.runtime.has_hand_joints:
+            self.hand_trackers = HandTrackers(self.runtime.instance, self.session)
+            self._owned.callback(self.hand_trackers.release)
         if self._settings.refresh_hz is not None:
             self._request_rate(self._settings.refresh_hz)
 
@@ -133,6 +138,7 @@ class Connection:
             "depth_layer": self._no_depth or DEPTH_FORMAT_NAME,
             "eye_tracker": "yes" if self.runtime.has_gaze or self.runtime.has_each_eye else "no",
             "each_eye": EACH_EYE_EXTENSION if self.runtime.has_each_eye else "not told",
+            "hand_joints": "yes" if self.hand_trackers is not None else "no",
             "display_clock": display.clock_extension(self.runtime) or "not told",
             "extensions": " ".join(sorted(self.runtime.extensions)),
             "left_controller": self.actions.profile(0),

@@ -312,7 +312,7 @@ class OpenXrHeadset:
             rendered=bool(timing.should_render),
             reached=self._xr.actions.reached,
         )
-        tracking = self._where.tracking
+        tracking, trackers = self._where.tracking, self._xr.hand_trackers
         frame = Frame(
             index=self._next_index,
             predicted_display_time_ns=time_ns,
@@ -327,6 +327,7 @@ class OpenXrHeadset:
             user_present=self._xr.lifecycle.user_present,
             gaze=inputs.gaze,
             hands=(inputs.left.aim, inputs.right.aim),
+            joints=trackers.read(self._xr.stage.space, time_ns) if trackers else (None, None),
             head_valid=tracking.valid,
             head_tracked=tracking.tracked,
             session_state=self._xr.lifecycle.state_name,

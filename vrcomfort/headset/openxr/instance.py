@@ -67,6 +67,7 @@ HELPFUL_EXTENSIONS = (
     xr.EXT_USER_PRESENCE_EXTENSION_NAME,
     xr.EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME,
     xr.FB_EYE_TRACKING_SOCIAL_EXTENSION_NAME,
+    xr.EXT_HAND_TRACKING_EXTENSION_NAME,
     xr.FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME,
     xr.KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME,
     xr.KHR_VISIBILITY_MASK_EXTENSION_NAME,
@@ -127,6 +128,15 @@ class Runtime:
         eyes = xr.SystemEyeTrackingPropertiesFB()
         self._system_properties(eyes)
         return bool(eyes.supports_eye_tracking)
+
+    @cached_property
+    def has_hand_joints(self) -> bool:
+        """Return whether the headset tells where the joints of hands are."""
+        if xr.EXT_HAND_TRACKING_EXTENSION_NAME not in self.extensions:
+            return False
+        hands = xr.SystemHandTrackingPropertiesEXT()
+        self._system_properties(hands)
+        return bool(hands.supports_hand_tracking)
 
     @cached_property
     def _view(self) -> xr.ViewConfigurationView:
