@@ -15,14 +15,15 @@ from vrcomfort.cli.session_devices import open_outlets, open_speaker
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.load import missing_wording
+from vrcomfort.protocol.model import trial_counts
 
 if TYPE_CHECKING:
     import moderngl
 
     from vrcomfort.api.timed_show import Shown
 
-FRAME_BYTES = 900
-"""Room for the rows of a frame, in frames.csv and gaze.csv."""
+FRAME_BYTES = 2_500
+"""Room for the rows of a frame: 820 in frames.csv, 1,340 of both hands, and those of the gaze."""
 FLOOR_M = (0.7, 2.2)
 """Heights of a head over the floor, from a child's on a chair to a tall adult's."""
 STANDING_ROOM_M = 1.0
@@ -121,9 +122,9 @@ def _disk(flight: Preflight) -> Iterator[Finding]:
     protocol, out = flight.protocol, flight.run.out
     there = next(each for each in (out, *out.absolute().parents) if each.exists())
     free = shutil.disk_usage(there).free
-    trials = len(protocol.conditions) * len(protocol.scenes) * max(protocol.order.blocks, 1)
+    sessions, trials = trial_counts(protocol)
     session = trials * protocol.longest_s * protocol.headset.refresh_hz * FRAME_BYTES
-    study = session * protocol.order.sessions * (protocol.participants or 1)
+    study = session * sessions * (protocol.participants or 1)
     words = (
         f"{free / 1e9:.1f} GB free on {there}; about {max(session / 1e9, 0.001):.3g} GB a session"
     )
