@@ -196,6 +196,8 @@ def _gaze(flight: Preflight) -> Iterator[Finding]:
 
 
 NEEDED_PARTS = {"OpenXR bindings", "OpenXR runtime", "headset"}
+EYES = {"eye tracker", "each eye"}
+"""Parts that are a notice only where a condition needs them: the check `gaze` says so."""
 
 
 def _runtime(flight: Preflight) -> Iterator[Finding]:
@@ -204,7 +206,10 @@ def _runtime(flight: Preflight) -> Iterator[Finding]:
         yield _there("runtime", str(flight.run.headset))
         return
     for finding in examine_openxr(None, timing=False):
-        yield replace(finding, needed=finding.part in NEEDED_PARTS)
+        if finding.part in EYES:
+            yield _there(finding.part, finding.found)
+        else:
+            yield replace(finding, needed=finding.part in NEEDED_PARTS)
 
 
 # After the dearest condition was shown for a time.
@@ -298,10 +303,8 @@ def _floor(flight: Preflight) -> Iterator[Finding]:
         remedy = "the runtime does not know the floor: a height of the eyes is assumed; set it up"
         yield _notice("floor", words, remedy)
     elif not FLOOR_M[0] <= height_m <= FLOOR_M[1]:
-        remedy = "set the floor in the headset's software; then recentre"
-        yield _notice(
-            "floor", words, f"no head is there unless the headset lies on a table: {remedy}"
-        )
+        remedy = "put the headset on; if it was, set the floor in its software, and recentre"
+        yield _notice("floor", words, remedy)
     else:
         yield _there("floor", words)
 
