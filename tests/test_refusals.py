@@ -77,6 +77,10 @@ anonymise empty --out new
 anonymise empty --out new --key new/key.csv
 export empty --format bids --out new
 erase empty P01
+list nosuch
+docs nosuch nosuch
+preflight nosuch --out new
+preflight smoke --out new --headset playback --monado-trace binary.csv
 """
 CASES = [line for line in REFUSED.strip().splitlines() if line.split()[0] in COMMANDS]
 

@@ -405,8 +405,9 @@ def run(ctx: typer.Context, options: RunOptions) -> None:
             settings = _settings(owned, options, protocol, study, enrolment, headset)
             shown_by = headset.headset if headset else playback.standing_in(protocol.scenes[0])
             now = facts_now(settings.machine, headset_facts(shown_by))
-            settings = replace(settings, preflight=_preflight(options, protocol, now))
             told = _differences_before(enrolment, now)
+            preflight = _preflight(options, protocol, now)
+            settings = replace(settings, preflight=preflight, notices=told)
             outcome = run_sessions(enrolment, settings)
             if outcome.status == "aborted":
                 warn(how_to_go_on(ctx))  # now: the runtime may hang as it is left
@@ -467,15 +468,12 @@ def _preflight(
     return {"without": why}
 
 
-def _differences_before(enrolment: OpenEnrolment, now: Mapping[str, Any]) -> list[str]:
-    """Tell what the session will differ in from earlier ones of the study."""
+def _differences_before(enrolment: OpenEnrolment, now: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return what the session will differ in from earlier ones of the study."""
     from vrcomfort.records.apparatus import differences_in
 
     who = {"participant": enrolment.participant, "session": enrolment.numbers[0]}
-    told = differences_in(enrolment.study, {**who, **now})
-    for sentence in told:
-        warn(sentence)
-    return told
+    return tuple(differences_in(enrolment.study, {**who, **now}))
 
 
 def _settings(

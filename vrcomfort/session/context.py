@@ -55,6 +55,8 @@ class SessionSettings:
         The eyes with which the participant sees sharp, as they said; recorded.
     preflight
         The checks before the session, or why there were none, for the manifest.
+    notices
+        Sentences for the operator, told when the sessions begin.
     durability
         When rows are safe from a power cut; "session_end" is for what can be simulated again.
     watchdog
@@ -79,6 +81,7 @@ class SessionSettings:
     ipd_measured_m: float | None = None
     sees_sharp: str | None = None
     preflight: Mapping[str, str] | None = None
+    notices: tuple[str, ...] = ()
     durability: Durability = "each_row"
     watchdog: Watchdog | None = None
     operators: OperatorControl = field(default_factory=lambda: OperatorControl(NoOperator()))

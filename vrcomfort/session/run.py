@@ -266,4 +266,7 @@ def run(enrolment: OpenEnrolment, settings: SessionSettings) -> RunOutcome:
     )
     enrolment.interrupted.check_memory(settings.respondent)  # before anything is written
     interrupted = enrolment.interrupted.repair_session(context.sequence)
+    for text in settings.notices:
+        number = enrolment.numbers[0]
+        settings.progress(SessionProgress("notice", enrolment.participant, number, text=text))
     return ParticipantSessions(context, interrupted).run(enrolment.numbers)
