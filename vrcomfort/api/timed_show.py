@@ -96,7 +96,7 @@ class _NoRows:
 
 
 @dataclass
-class Shown:
+class TimedShow:
     """What came of showing a condition for a time.
 
     Parameters
@@ -170,12 +170,12 @@ def show_for(
     load_scene: LoadScene,
     seconds: float,
     advance: Callable[..., object] = EMPTY,
-) -> Shown:
+) -> TimedShow:
     """Show a condition for `seconds` of display time, as an exposure does, and record nothing."""
     start = start_of(protocol, cost.scene, load_scene)
     headset = headset_for(protocol.view(cost.scene).scene, start.scene)
     renderer.begin(start.scene, protocol.condition(cost.condition))
-    log, shown = FrameLog(_NoRows()), Shown(cost)
+    log, shown = FrameLog(_NoRows()), TimedShow(cost)
     log.start_trial(1)
     for frame, elapsed_s in _frames(headset, seconds, advance):
         for event in headset.take_events():
@@ -219,7 +219,7 @@ def _carried(frame: Frame, start: StartPose, elapsed_s: float) -> Frame:
     return replace(frame, avatar_pose=start.path.moved(elapsed_s) @ frame.avatar_pose)
 
 
-def _look_at(shown: Shown, frame: Frame, headset: Headset) -> None:
+def _look_at(shown: TimedShow, frame: Frame, headset: Headset) -> None:
     shown.period_ms = frame.period_ns / 1e6
     if frame.head_tracked and frame.head_valid:
         shown.head_heights_m.append(float(frame.head_pose.position[1]))

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Finding:
+class Diagnosis:
     """One part that was looked for.
 
     Parameters
@@ -87,7 +87,7 @@ WITHOUT_EACH_EYE = (
 PLAYBACK = "playback, rendering and reports work without"
 
 
-def examine_openxr(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[Finding]:
+def examine_openxr(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[Diagnosis]:
     """Yield the parts that are there, up to the first missing one.
 
     Parameters
@@ -101,7 +101,7 @@ def examine_openxr(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[Fi
         yield from _stages(ctx, timing=timing)
 
 
-def _stages(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[Finding]:
+def _stages(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[Diagnosis]:
     part = "OpenXR bindings"
     try:
         yield _there(part, f"pyopenxr {require_bindings()}, with its loader")
@@ -120,31 +120,31 @@ def _stages(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[Finding]:
             part = "timing test"
             yield _timed(survey.try_timing(ctx, TIMING_TEST_S))
     except InputError as error:
-        yield Finding(part, False, f"none; {PLAYBACK}", str(error), needed=False)
+        yield Diagnosis(part, False, f"none; {PLAYBACK}", str(error), needed=False)
 
 
-def _openxr_runtime(facts: RuntimeFacts) -> Iterator[Finding]:
+def _openxr_runtime(facts: RuntimeFacts) -> Iterator[Diagnosis]:
     yield _there("OpenXR runtime", facts.name)
     missed = [name for name in facts.wanted if name not in facts.extensions]
     words = f"{len(facts.extensions)} offered; of those that help, missing: {' '.join(missed)}"
-    yield Finding("extensions", True, words, needed=False, details=facts.extensions)
+    yield Diagnosis("extensions", True, words, needed=False, details=facts.extensions)
     yield _controllers(facts.extensions)
 
 
-def _controllers(extensions: Container[str]) -> Finding:
+def _controllers(extensions: Container[str]) -> Diagnosis:
     """Return the controllers whose buttons can be taken, and what stops on each."""
     from vrcomfort.headset.openxr.profiles import PROFILES
 
     taken = [each for each in PROFILES if each.extension is None or each.extension in extensions]
     words = f"{len(taken)} of {len(PROFILES)} kinds taken: {', '.join(each.name for each in taken)}"
     stops = tuple(f"{each.path}: stop is {each.words('stop')}" for each in taken)
-    return Finding("controllers", True, words, needed=False, details=stops)
+    return Diagnosis("controllers", True, words, needed=False, details=stops)
 
 
-def _openxr_headset(facts: SystemFacts) -> Iterator[Finding]:
+def _openxr_headset(facts: SystemFacts) -> Iterator[Diagnosis]:
     width, height = facts.recommended_size_px
     yield _there("headset", f"{facts.name}, {width}×{height} pixels per eye recommended")
-    yield Finding(
+    yield Diagnosis(
         "eye tracker",
         facts.gaze,
         "there" if facts.gaze else "none",
@@ -152,7 +152,7 @@ def _openxr_headset(facts: SystemFacts) -> Iterator[Finding]:
         needed=False,
     )
     if facts.gaze:
-        yield Finding(
+        yield Diagnosis(
             "each eye",
             facts.each_eye,
             f"{EACH_EYE}; no pupils" if facts.each_eye else "not told apart",
@@ -161,7 +161,7 @@ def _openxr_headset(facts: SystemFacts) -> Iterator[Finding]:
         )
 
 
-def _openxr_session(facts: SessionFacts) -> Iterator[Finding]:
+def _openxr_session(facts: SessionFacts) -> Iterator[Diagnosis]:
     details = facts.details
     words = (
         f"{details['binding'].upper()} binding, images {details['image_format']}, "
@@ -175,10 +175,10 @@ def _openxr_session(facts: SessionFacts) -> Iterator[Finding]:
     yield _there("timing_trust", f"{facts.timing.trust}: {facts.timing.reason}")
 
 
-def _timed(test: TimingTest | None) -> Finding:
+def _timed(test: TimingTest | None) -> Diagnosis:
     if test is None:
         remedy = "put the headset on (or cover its sensor), then run doctor --timing again"
-        return Finding("timing test", False, "the headset sleeps", remedy, needed=False)
+        return Diagnosis("timing test", False, "the headset sleeps", remedy, needed=False)
     words = (
         f"{test.frames} frames in {test.seconds:.1f} s, {test.dropped} dropped; period "
         f"{test.period_ms:.2f} ms, intervals {test.interval_median_ms:.2f} ms (median) and "
@@ -186,11 +186,11 @@ def _timed(test: TimingTest | None) -> Finding:
         f"(median) and {test.wait_p99_ms:.2f} ms (p99) by this machine's clock"
     )
     remedy = "close other programs; ask for a lower refresh rate" if test.dropped else ""
-    return Finding("timing test", not test.dropped, words, remedy, needed=False)
+    return Diagnosis("timing test", not test.dropped, words, remedy, needed=False)
 
 
-def _there(part: str, found: str) -> Finding:
-    return Finding(part, True, found, needed=False)
+def _there(part: str, found: str) -> Diagnosis:
+    return Diagnosis(part, True, found, needed=False)
 
 
 _MARKS = {
@@ -231,7 +231,7 @@ def doctor(
         raise typer.Exit(1)
 
 
-def _examine(*, timing: bool) -> Iterator[Finding]:
+def _examine(*, timing: bool) -> Iterator[Diagnosis]:
     yield _python()
     finding, ctx = find_opengl()
     yield finding
@@ -245,7 +245,7 @@ def _examine(*, timing: bool) -> Iterator[Finding]:
         ctx.release()
 
 
-def _show(findings: list[Finding]) -> None:
+def _show(findings: list[Diagnosis]) -> None:
     table = Table(title=f"vrcomfort {__version__}", title_justify="left")
     for column in ("", "part", "found", "remedy"):
         table.add_column(column, overflow="fold")
@@ -255,27 +255,27 @@ def _show(findings: list[Finding]) -> None:
     console(wrap=True).print(table)
 
 
-def _python() -> Finding:
+def _python() -> Diagnosis:
     ok = sys.version_info >= (3, 11)
-    return Finding("Python", ok, platform.python_version(), "" if ok else "install Python 3.11")
+    return Diagnosis("Python", ok, platform.python_version(), "" if ok else "install Python 3.11")
 
 
-def find_opengl() -> tuple[Finding, moderngl.Context | None]:
+def find_opengl() -> tuple[Diagnosis, moderngl.Context | None]:
     """Look for OpenGL without a window; return its context, too."""
     from vrcomfort.gpu.gl import VERSION_NAME, create_context, describe
 
     try:
         context = create_context()
     except InputError as error:
-        return Finding("OpenGL", False, "no context", str(error)), None
+        return Diagnosis("OpenGL", False, "no context", str(error)), None
     facts = describe(context)
     kind = "EGL" if sys.platform.startswith("linux") else "WGL"
     there = f"{facts['version']} on {facts['renderer']}, by {kind}, without a window"
     words = f"{there}; needed: {VERSION_NAME}"
-    return Finding("OpenGL", True, words), context
+    return Diagnosis("OpenGL", True, words), context
 
 
-def find_gpu(ctx: moderngl.Context) -> Finding:
+def find_gpu(ctx: moderngl.Context) -> Diagnosis:
     """Look at the GPU that draws, and for a faster one beside it, as laptops have."""
     from vrcomfort.gpu.adapters import adapters, draws_in_software, faster_adapters, how_to_choose
     from vrcomfort.gpu.gl import describe
@@ -284,59 +284,59 @@ def find_gpu(ctx: moderngl.Context) -> Finding:
     words = f"{renderer} draws"
     if faster := faster_adapters(renderer, there):
         words = f"{words}; also there: {', '.join(faster)}"
-        return Finding("GPU", False, words, how_to_choose(faster[0]), needed=False)
+        return Diagnosis("GPU", False, words, how_to_choose(faster[0]), needed=False)
     if draws_in_software(renderer):
         remedy = "for a headset: a GPU with its driver; playback and reports work without"
-        return Finding("GPU", False, f"{words}, on the processor", remedy, needed=False)
-    return Finding("GPU", True, words, needed=False)
+        return Diagnosis("GPU", False, f"{words}, on the processor", remedy, needed=False)
+    return Diagnosis("GPU", True, words, needed=False)
 
 
-def _windows() -> Finding:
+def _windows() -> Diagnosis:
     """Look for a screen to put windows on: GLX on X11 or XWayland, WGL on Windows."""
     try:
         import glfw
     except ImportError:
         remedy = f"for sessions in a window: {pip_install('glfw')}"
-        return Finding("windows", False, "GLFW is not installed", remedy, needed=False)
+        return Diagnosis("windows", False, "GLFW is not installed", remedy, needed=False)
     with warnings.catch_warnings(action="ignore", category=glfw.GLFWError):
         there = glfw.init()
     if not there:
         remedy = "for sessions in a window: start them on a desktop, or under Xvfb"
-        return Finding("windows", False, "no screen", remedy, needed=False)
+        return Diagnosis("windows", False, "no screen", remedy, needed=False)
     mode = glfw.get_video_mode(glfw.get_primary_monitor()) if glfw.get_monitors() else None
     glfw.terminate()
     kind = "WGL" if sys.platform == "win32" else "GLX"
     screen = f", {mode.size.width}×{mode.size.height} at {mode.refresh_rate} Hz" if mode else ""
-    return Finding("windows", True, kind + screen, needed=False)
+    return Diagnosis("windows", True, kind + screen, needed=False)
 
 
-def _data() -> Finding:
+def _data() -> Diagnosis:
     try:
         scenes = sorted(path.stem for path in data_folder("scenes").glob("*.glb"))
     except FileNotFoundError as error:
-        return Finding("scenes", False, "none", str(error))
+        return Diagnosis("scenes", False, "none", str(error))
     remedy = "" if scenes else "reinstall vrcomfort"
-    return Finding("scenes", bool(scenes), ", ".join(scenes) or "none", remedy)
+    return Diagnosis("scenes", bool(scenes), ", ".join(scenes) or "none", remedy)
 
 
-def find_extra(extra: Extra) -> Finding:
+def find_extra(extra: Extra) -> Diagnosis:
     """Look for the package of an extra."""
     part = f"extra {extra.name}"
     try:
         found = f"{extra.package} {version(extra.package)}"
     except PackageNotFoundError:
         remedy = f"for {extra.use}: {pip_install(extra.package)}"
-        return Finding(part, False, f"no {extra.package}", remedy, needed=False)
+        return Diagnosis(part, False, f"no {extra.package}", remedy, needed=False)
     if extra.package == "av":
         try:
             codecs = _codecs()
         except InputError as error:
-            return Finding(part, False, found, str(error), needed=False)
+            return Diagnosis(part, False, found, str(error), needed=False)
         if not codecs:
             remedy = f"reinstall PyAV from its wheel: {pip_install('av', again=True)}"
-            return Finding(part, False, f"{found} without an encoder", remedy, needed=False)
+            return Diagnosis(part, False, f"{found} without an encoder", remedy, needed=False)
         found += f", {', '.join(codecs)}"
-    return Finding(part, True, f"{found}: {extra.use}", needed=False)
+    return Diagnosis(part, True, f"{found}: {extra.use}", needed=False)
 
 
 def _codecs() -> list[str]:

@@ -33,7 +33,7 @@ from vrcomfort.protocol import load_protocol
 
 if TYPE_CHECKING:
     from vrcomfort.api.study_setup import HeadsetSetup
-    from vrcomfort.cli.doctor import Finding
+    from vrcomfort.cli.doctor import Diagnosis
 
 SECONDS = 120.0
 WAKE_S = 20.0
@@ -126,7 +126,7 @@ def preflight(ctx: typer.Context, options: PreflightOptions) -> None:
 
 def _examine(
     flight: Preflight, seconds: float, measured: dict[str, Any], advance: Callable[..., object]
-) -> Iterator[Finding]:
+) -> Iterator[Diagnosis]:
     """Yield what the checks find, up to what leaves no headset to look at."""
     yield from _checked(flight, "machine", advance)
     if flight.ctx is None:
@@ -148,7 +148,9 @@ def _examine(
         yield from _checked(flight, "frames", advance)
 
 
-def _checked(flight: Preflight, stage: Stage, advance: Callable[..., object]) -> Iterator[Finding]:
+def _checked(
+    flight: Preflight, stage: Stage, advance: Callable[..., object]
+) -> Iterator[Diagnosis]:
     for check in CHECKS:
         if check.stage == stage:
             advance(0, check.name)
@@ -192,7 +194,7 @@ def _show_frames(
 
 
 def _content(
-    flight: Preflight, options: PreflightOptions, measured: dict[str, Any], found: list[Finding]
+    flight: Preflight, options: PreflightOptions, measured: dict[str, Any], found: list[Diagnosis]
 ) -> dict[str, Any]:
     """Return what ``preflight.json`` has."""
     from vrcomfort.records.study import now
@@ -217,7 +219,7 @@ def _content(
 _COLOURS = {"ok": "green", "notice": "yellow", "refuse": "bold red"}
 
 
-def _show(flight: Preflight, findings: list[Finding]) -> None:
+def _show(flight: Preflight, findings: list[Diagnosis]) -> None:
     table = Table(title=f"preflight of {flight.protocol.name}", title_justify="left")
     for column in ("", "part", "found", "remedy"):
         table.add_column(column, overflow="fold")

@@ -8,7 +8,14 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from vrcomfort.api.playback import require_eye_tracker, require_recorded_gaze
-from vrcomfort.cli.doctor import EXTRAS, Finding, examine_openxr, find_extra, find_gpu, find_opengl
+from vrcomfort.cli.doctor import (
+    EXTRAS,
+    Diagnosis,
+    examine_openxr,
+    find_extra,
+    find_gpu,
+    find_opengl,
+)
 from vrcomfort.cli.headset_setup import tracks_eyes
 from vrcomfort.cli.run import OPENXR, PLAYBACK, RunOptions
 from vrcomfort.cli.session_devices import open_outlets, open_speaker
@@ -20,7 +27,7 @@ from vrcomfort.protocol.model import trial_counts
 if TYPE_CHECKING:
     import moderngl
 
-    from vrcomfort.api.timed_show import Shown
+    from vrcomfort.api.timed_show import TimedShow
 
 FRAME_BYTES = 2_500
 """Room for the rows of a frame: 820 in frames.csv, 1,340 of both hands, and those of the gaze."""
@@ -54,7 +61,7 @@ class Preflight:
     ctx: moderngl.Context | None = None
     facts: dict[str, Any] = field(default_factory=dict)
     timing_trust: str = ""
-    shown: Shown | None = None
+    shown: TimedShow | None = None
 
     @property
     def worn(self) -> bool:
@@ -73,26 +80,26 @@ class Check(NamedTuple):
     name: str
     looks_at: str
     stage: Stage
-    find: Callable[[Preflight], Iterable[Finding]]
+    find: Callable[[Preflight], Iterable[Diagnosis]]
 
 
-def refuse(part: str, found: str, remedy: str) -> Finding:
+def refuse(part: str, found: str, remedy: str) -> Diagnosis:
     """Return a finding that stands in the way."""
-    return Finding(part, False, found, remedy)
+    return Diagnosis(part, False, found, remedy)
 
 
-def _there(part: str, found: str) -> Finding:
-    return Finding(part, True, found)
+def _there(part: str, found: str) -> Diagnosis:
+    return Diagnosis(part, True, found)
 
 
-def _notice(part: str, found: str, remedy: str) -> Finding:
-    return Finding(part, False, found, remedy, needed=False)
+def _notice(part: str, found: str, remedy: str) -> Diagnosis:
+    return Diagnosis(part, False, found, remedy, needed=False)
 
 
 # Before a headset is connected: the protocol and the machine.
 
 
-def _wording(flight: Preflight) -> Iterator[Finding]:
+def _wording(flight: Preflight) -> Iterator[Diagnosis]:
     from vrcomfort.session.panel_wording import undrawable_wording
 
     protocol = flight.protocol
@@ -111,14 +118,14 @@ def _wording(flight: Preflight) -> Iterator[Finding]:
         yield _there("wording", f"every item of {asked}" if asked else "no questionnaires")
 
 
-def _gpu(flight: Preflight) -> Iterator[Finding]:
+def _gpu(flight: Preflight) -> Iterator[Diagnosis]:
     finding, flight.ctx = find_opengl()
     yield finding
     if flight.ctx is not None:
         yield find_gpu(flight.ctx)
 
 
-def _disk(flight: Preflight) -> Iterator[Finding]:
+def _disk(flight: Preflight) -> Iterator[Diagnosis]:
     protocol, out = flight.protocol, flight.run.out
     there = next(each for each in (out, *out.absolute().parents) if each.exists())
     free = shutil.disk_usage(there).free
@@ -137,7 +144,7 @@ def _disk(flight: Preflight) -> Iterator[Finding]:
         yield _there("disk", words)
 
 
-def _clock(flight: Preflight) -> Iterator[Finding]:
+def _clock(flight: Preflight) -> Iterator[Diagnosis]:
     from vrcomfort.records.study import now
     from vrcomfort.records.wall_clock import set_back_before
 
@@ -148,19 +155,19 @@ def _clock(flight: Preflight) -> Iterator[Finding]:
     yield _there("clock", f"{now()}, after all that the study has on record")
 
 
-def _sound(flight: Preflight) -> Iterator[Finding]:
+def _sound(flight: Preflight) -> Iterator[Diagnosis]:
     if not any(each.sound for each in flight.protocol.told):
         yield _there("sound", "no instruction is heard")
         return
     try:
         with open_speaker(flight.protocol) as speaker:
             told = "the sounds of instructions can be played" if speaker else "texts stand in"
-            yield Finding("sound", speaker is not None, told, needed=False)
+            yield Diagnosis("sound", speaker is not None, told, needed=False)
     except InputError as error:
         yield refuse("sound", "no device", str(error))
 
 
-def _outlets(flight: Preflight) -> Iterator[Finding]:
+def _outlets(flight: Preflight) -> Iterator[Diagnosis]:
     options = flight.run
     wanted = {"lsl": options.lsl, "ttl": options.ttl is not None}
     for extra in EXTRAS:
@@ -179,7 +186,7 @@ def _outlets(flight: Preflight) -> Iterator[Finding]:
         yield refuse("LSL", "an outlet does not open", str(error))
 
 
-def _gaze(flight: Preflight) -> Iterator[Finding]:
+def _gaze(flight: Preflight) -> Iterator[Diagnosis]:
     """Look for an eye tracker where a condition needs one."""
     try:
         if flight.run.headset is PLAYBACK:
@@ -200,7 +207,7 @@ EYES = {"eye tracker", "each eye"}
 """Parts that are a notice only where a condition needs them: the check `gaze` says so."""
 
 
-def _runtime(flight: Preflight) -> Iterator[Finding]:
+def _runtime(flight: Preflight) -> Iterator[Diagnosis]:
     """Look for what `doctor` looks for; what stands in the way of a session is refused."""
     if not flight.worn:
         yield _there("runtime", str(flight.run.headset))
@@ -215,7 +222,7 @@ def _runtime(flight: Preflight) -> Iterator[Finding]:
 # After the dearest condition was shown for a time.
 
 
-def _image_size(flight: Preflight) -> Iterator[Finding]:
+def _image_size(flight: Preflight) -> Iterator[Diagnosis]:
     wanted, shown = flight.protocol.headset.image_size_px, flight.facts["image_size_px"]
     words = "×".join(map(str, shown))
     if list(wanted) == list(shown) or not flight.headset_is_said:
@@ -226,7 +233,7 @@ def _image_size(flight: Preflight) -> Iterator[Finding]:
         yield _notice("image size", f"{words} pixels an eye", f"{remedy}, or mend the protocol")
 
 
-def _refresh_rate(flight: Preflight) -> Iterator[Finding]:
+def _refresh_rate(flight: Preflight) -> Iterator[Diagnosis]:
     rate_hz, meant_hz = flight.facts["refresh_hz"], flight.protocol.headset.refresh_hz
     words = f"{rate_hz:.4g} Hz" if rate_hz else "not told"
     differs = rate_hz and abs(rate_hz - meant_hz) > 0.5
@@ -237,7 +244,7 @@ def _refresh_rate(flight: Preflight) -> Iterator[Finding]:
         yield _there("refresh rate", words)
 
 
-def _room(flight: Preflight) -> Iterator[Finding]:
+def _room(flight: Preflight) -> Iterator[Diagnosis]:
     posture = flight.protocol.posture
     room = flight.facts.get("room", "not told")
     if not flight.worn or (posture is not None and posture.mode == "seated"):
@@ -255,7 +262,7 @@ def _room(flight: Preflight) -> Iterator[Finding]:
         yield _there("room", room)
 
 
-def _rate_holds(flight: Preflight) -> Iterator[Finding]:
+def _rate_holds(flight: Preflight) -> Iterator[Diagnosis]:
     shown, part = flight.shown, "rate holds"
     if shown is None:
         yield _notice(part, "the headset sleeps", "put it on, or cover its sensor; then again")
@@ -278,7 +285,7 @@ def _rate_holds(flight: Preflight) -> Iterator[Finding]:
         yield _notice(part, words, f"no display was timed; {why}")
 
 
-def _tracking(flight: Preflight) -> Iterator[Finding]:
+def _tracking(flight: Preflight) -> Iterator[Diagnosis]:
     shown = flight.shown
     if shown is None or not flight.worn:
         return
@@ -292,7 +299,7 @@ def _tracking(flight: Preflight) -> Iterator[Finding]:
         yield _there("tracking", words)
 
 
-def _floor(flight: Preflight) -> Iterator[Finding]:
+def _floor(flight: Preflight) -> Iterator[Diagnosis]:
     shown = flight.shown
     if shown is None or not flight.worn or not shown.head_heights_m:
         return
@@ -309,7 +316,7 @@ def _floor(flight: Preflight) -> Iterator[Finding]:
         yield _there("floor", words)
 
 
-def _ipd(flight: Preflight) -> Iterator[Finding]:
+def _ipd(flight: Preflight) -> Iterator[Diagnosis]:
     shown_m, limits = flight.facts.get("ipd_m"), flight.protocol.headset.ipd_range_m
     words = "not told" if shown_m is None else f"{1000 * shown_m:.1f} mm shown"
     if limits is not None:
@@ -324,7 +331,7 @@ def _ipd(flight: Preflight) -> Iterator[Finding]:
         yield _there("IPD", words)
 
 
-def _stop(flight: Preflight) -> Iterator[Finding]:
+def _stop(flight: Preflight) -> Iterator[Diagnosis]:
     """Look whether a participant can stop: with either hand, with gaze or head alone."""
     if not flight.worn:
         way = "by keyboard" if flight.run.headset is not PLAYBACK else "the operator, by Ctrl-C"

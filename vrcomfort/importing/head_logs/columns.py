@@ -54,7 +54,7 @@ _TURNS = _words("yaw pitch roll")
 _GREEK = {"alpha": "x", "beta": "y", "gamma": "z"}
 
 
-class Group(NamedTuple):
+class ComponentColumns(NamedTuple):
     """Columns that differ in a component alone.
 
     Parameters
@@ -78,7 +78,7 @@ def weight_of(words: Sequence[str], role: Role) -> int:
     return sum(line.weight for line in WORDS if line.role == role and line.words & {*words})
 
 
-def groups_of(headings: Sequence[str]) -> list[Group]:
+def groups_of(headings: Sequence[str]) -> list[ComponentColumns]:
     """Return the columns that are components of one thing, in the order of the file."""
     found: dict[tuple[str, ...], dict[str, str]] = defaultdict(dict)
     for heading in headings:
@@ -86,7 +86,7 @@ def groups_of(headings: Sequence[str]) -> list[Group]:
         if named is not None:
             stem, component = named
             found[stem].setdefault(component, heading)
-    return [Group(stem, columns) for stem, columns in found.items()]
+    return [ComponentColumns(stem, columns) for stem, columns in found.items()]
 
 
 def _component(heading: str) -> tuple[tuple[str, ...], str] | None:
@@ -105,13 +105,13 @@ def _component(heading: str) -> tuple[tuple[str, ...], str] | None:
     return tuple(stem), letter
 
 
-def quaternions(groups: Sequence[Group]) -> list[Group]:
+def quaternions(groups: Sequence[ComponentColumns]) -> list[ComponentColumns]:
     """Return the groups that are quaternions, the likeliest first."""
     found = [g for g in groups if {"x", "y", "z", "w"} <= {*g.columns}]
     return _sorted(found, "orientation")
 
 
-def turns(groups: Sequence[Group]) -> list[Group]:
+def turns(groups: Sequence[ComponentColumns]) -> list[ComponentColumns]:
     """Return the groups that are three turns, the likeliest first."""
     named = [g for g in groups if {*g.columns} >= _TURNS]
     lettered = [
@@ -123,7 +123,7 @@ def turns(groups: Sequence[Group]) -> list[Group]:
     return _sorted([*named, *lettered], "orientation")
 
 
-def positions(groups: Sequence[Group]) -> list[Group]:
+def positions(groups: Sequence[ComponentColumns]) -> list[ComponentColumns]:
     """Return the groups that are positions, the likeliest first."""
     found = [
         g
@@ -135,7 +135,7 @@ def positions(groups: Sequence[Group]) -> list[Group]:
     return _sorted(found, "position")
 
 
-def _sorted(groups: Sequence[Group], role: Role) -> list[Group]:
+def _sorted(groups: Sequence[ComponentColumns], role: Role) -> list[ComponentColumns]:
     return sorted(groups, key=lambda group: -group.weight(role))
 
 

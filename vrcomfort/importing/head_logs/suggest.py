@@ -17,7 +17,7 @@ from vrcomfort.importing.head_logs.columns import (
     RIGHT_HANDED_Z_UP,
     UNITY,
     UNREAL,
-    Group,
+    ComponentColumns,
     Program,
     groups_of,
     positions,
@@ -99,7 +99,7 @@ class _Turned(NamedTuple):
     """The columns of the orientation."""
 
     kind: Literal["quaternion", "euler"]
-    group: Group
+    group: ComponentColumns
 
 
 def suggest_log_mapping(file: Path) -> LogSuggestion:
@@ -157,7 +157,7 @@ class _LogDraft:
     def _doubt(self, question: str, assumed: str, otherwise: str, rank: int) -> None:
         self._doubts.append(OpenDoubt(question, assumed, otherwise, rank))
 
-    def _usable(self, groups: Sequence[Group]) -> list[Group]:
+    def _usable(self, groups: Sequence[ComponentColumns]) -> list[ComponentColumns]:
         """Return the groups whose cells are numbers, mostly, and that speak of the head at all."""
         return [
             group
@@ -174,7 +174,7 @@ class _LogDraft:
         found = [number_or_none(row[place]) for row in self._sample.rows]
         return np.array([value for value in found if value is not None])
 
-    def _orientation(self, groups: Sequence[Group]) -> _Turned:
+    def _orientation(self, groups: Sequence[ComponentColumns]) -> _Turned:
         whole, three = self._usable(quaternions(groups)), self._usable(turns(groups))
         both = [_Turned("quaternion", group) for group in whole[:1]]
         both += [_Turned("euler", group) for group in three[:1]]
