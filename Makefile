@@ -22,8 +22,8 @@ help:
 	@echo "make docs    the documentation site (out/site)"
 	@echo "make audit   known vulnerabilities of what requirements.lock names (asks osv.dev)"
 	@echo "make bench   what each effect costs and how wrong it is (out/bench)"
-	@echo "make torture     sessions stopped, cut off and damaged; files made worse (out/torture, 45 minutes)"
-	@echo "make torture-short   the same with few cases (3 minutes)"
+	@echo "make torture     sessions stopped, cut off and damaged; files made worse (out/torture, an hour)"
+	@echo "make torture-short   the same with few cases (4 minutes)"
 	@echo "make scenes  rebuild the shipped scenes and traces"
 
 setup:
