@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -141,3 +142,10 @@ def test_labels_have_letters_and_digits_and_differ() -> None:
     labels = labels_of(names)
     assert all(label.isalnum() and label.isascii() for label in labels.values())
     assert len({label.lower() for label in labels.values()}) == len(names)
+
+
+def test_a_table_of_an_import_that_is_gone_is_told(answers: Path, tmp_path: Path) -> None:
+    study = Path(shutil.copytree(answers, tmp_path / "study"))
+    (study / "questionnaires.csv").unlink()
+    (fault,) = map(str, verify_study(study).faults)
+    assert fault == "questionnaires.csv: is missing; restore it from a copy, or import again"

@@ -17,9 +17,9 @@ from tests.support.resume import go
 from tests.support.study import Scripted
 from tests.test_study_answers import Corrects
 from vrcomfort.errors import InputError
+from vrcomfort.exchange.verifying import moments, verify_study
 from vrcomfort.exchange.verifying import session as session_of_study
 from vrcomfort.exchange.verifying import study as verifying
-from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.records import checksums, read_participants, undo_withdrawal
 from vrcomfort.records.checksums import CHECKSUMS, read_checksums, write_checksums
@@ -490,7 +490,7 @@ def test_a_moment_is_taken_again_when_the_manifest_changes_in_it(
 ) -> None:
     goes_on(study)
     folder = study / SESSION
-    read, calls = session_of_study.read_manifest, []
+    read, calls = moments.read_manifest, []
 
     def and_goes_on(place: Path) -> dict[str, Any]:
         calls.append(place)
@@ -501,8 +501,8 @@ def test_a_moment_is_taken_again_when_the_manifest_changes_in_it(
                 file.write("1.0,0.0,note,,0\n")
         return found
 
-    monkeypatch.setattr(session_of_study, "read_manifest", and_goes_on)
-    manifest, ends = session_of_study.read_moment(folder)
+    monkeypatch.setattr(moments, "read_manifest", and_goes_on)
+    manifest, ends = moments.read_moment(folder)
     assert manifest["started_at"].startswith("2026-01-01")
     assert ends is not None
     assert ends["events.csv"] == (folder / "events.csv").stat().st_size

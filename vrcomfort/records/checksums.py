@@ -124,6 +124,11 @@ def checksums_of(name: str, text: str) -> dict[str, str]:
     }
 
 
+def listed_files(known: Iterable[str]) -> list[str]:
+    """Return the names of files in a list, which has columns and keys as well."""
+    return [name for name in known if _PART not in name]
+
+
 def changed_parts(known: Mapping[str, Checksum], name: str, text: str) -> list[str]:
     """Return the columns or keys of a text that are others than the list has, or not there."""
     begin = f"{name}{_PART}"

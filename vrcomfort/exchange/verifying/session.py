@@ -27,6 +27,7 @@ from vrcomfort.exchange.verifying.frames import (
     cuts,
     read_frames,
 )
+from vrcomfort.exchange.verifying.moments import read_moment
 from vrcomfort.files import sha256_of
 from vrcomfort.protocol import Trial
 from vrcomfort.records.attempts import before, within
@@ -42,13 +43,7 @@ from vrcomfort.records.exposure_rows import (
     TrialRow,
 )
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
-from vrcomfort.records.interruptions import (
-    OF_FRAMES,
-    WRITTEN_IN_ORDER,
-    Interruption,
-    interruptions,
-)
-from vrcomfort.records.manifest import read_manifest
+from vrcomfort.records.interruptions import OF_FRAMES, Interruption, interruptions
 from vrcomfort.records.recorder import is_begun
 from vrcomfort.records.recording import Recording, parquet_of
 from vrcomfort.records.rows import Row
@@ -215,33 +210,6 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
         check_clocks(read(folder, ClockRow, version, found), stopped, found)
     check_checksums(folder, found, ended=manifest["status"] != "running")
     return manifest
-
-
-_MOST_TRIES = 20
-
-
-def read_moment(folder: Path) -> tuple[dict[str, Any], Mapping[str, int] | None]:
-    """Return a session's manifest and, while it is running, how much of each file is of one moment.
-
-    A row is written after those that it relies on. So the sizes are taken from the last file to the
-    first: whatever a row refers to is there. They count where the manifest did not change.
-
-    Raises
-    ------
-    InputError
-        If the manifest is damaged.
-    """
-    manifest = read_manifest(folder)
-    ends: dict[str, int] = {}
-    for _ in range(_MOST_TRIES):
-        if manifest["status"] != "running":
-            return manifest, None
-        files = [folder / name for name in reversed(WRITTEN_IN_ORDER)]
-        ends = {each.name: each.stat().st_size for each in files if each.exists()}
-        before, manifest = manifest, read_manifest(folder)
-        if manifest == before:
-            break
-    return manifest, ends
 
 
 def _check_of_frames(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +11,11 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of
 from vrcomfort.exchange.imports import IMPORT, is_import
 from vrcomfort.exchange.verifying.findings import Verified
+from vrcomfort.exchange.verifying.lists import check_listed
+from vrcomfort.exchange.verifying.moments import MOST_LOOKS, state_of
 from vrcomfort.exchange.verifying.session import check_order, is_draft, verify_session
-from vrcomfort.files import read_text, sha256_of
-from vrcomfort.records.checksums import CHECKSUMS, Checksum, changed_parts, read_checksums
+from vrcomfort.files import sha256_of
+from vrcomfort.records.checksums import CHECKSUMS
 from vrcomfort.records.choice import SessionName, session_name
 from vrcomfort.records.consents import read_consents
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
@@ -90,52 +91,6 @@ def verify_study(
             _agree(study, people[name], sessions, seed, found, left)
     found.leave_out_consequences()
     return found
-
-
-def check_listed(study: Path, found: Verified) -> None:
-    """Compare the files about the whole study with their checksums.
-
-    Labs edit them: a change is a note, which names the columns or keys.
-    """
-    file = study / CHECKSUMS
-    if not file.exists():
-        found.note(file, "is missing (older versions wrote none): changes cannot be seen")
-        return
-    try:
-        known = read_checksums(study)
-    except InputError as error:
-        found.refusal(error, file)
-        return
-    for name in (each for each in known if (study / each).is_file()):
-        if _is_listed(study / name):
-            found.intact.add(study / name)
-        else:
-            found.altered.add(study / name)
-            _tell_change(study / name, known, found)
-
-
-def _is_listed(file: Path) -> bool:
-    """Return whether a file is as its list says; commands may change both meanwhile."""
-    for _ in range(_MOST_LOOKS):
-        with suppress(InputError, OSError, KeyError):
-            if read_checksums(file.parent)[file.name].fits(sha256_of(file)):
-                return True
-    return False
-
-
-def _tell_change(file: Path, known: Mapping[str, Checksum], found: Verified) -> None:
-    """Tell of a file about the whole study that is not as it was written."""
-    kind = {DESCRIPTION: "keys", ParticipantRow.FILE: "columns"}.get(file.name)
-    if kind is None:
-        found.fault(file, "has changed since the import; restore it from a copy, or import again")
-        return
-    try:
-        parts = changed_parts(known, file.name, read_text(file, "text"))
-    except InputError:  # which is told where its content is read
-        return
-    where = f"{kind} {', '.join(parts)}" if parts else "its form, not its content"
-    message = f"was changed by hand, not by vrcomfort: {where}"
-    found.note(file, f"{message}; nothing to do where that is right")
 
 
 def _not_copied(study: Path, found: Verified) -> list[SessionName]:
@@ -293,34 +248,23 @@ def _entries(folder: Path, found: Verified) -> list[Path]:
         return []
 
 
-_MOST_LOOKS = 3
-
-
 def _session(folder: Path, found: Verified) -> dict[str, Any] | None:
     """Verify one session; a file that the system refuses to read is a finding.
 
     Where something is wrong and a program has written meanwhile, it is looked at again.
     """
     manifest = None
-    for _ in range(_MOST_LOOKS):
-        looked, before = Verified(found.study), _state(folder)
+    for _ in range(MOST_LOOKS):
+        looked, before = Verified(found.study), state_of(folder)
         try:
             manifest = verify_session(folder, looked)
         except OSError as error:
             manifest = None
             looked.unreadable(error, folder)
-        if not looked.faults or _state(folder) == before:
+        if not looked.faults or state_of(folder) == before:
             break
     found.add(looked)
     return manifest
-
-
-def _state(folder: Path) -> set[tuple[str, int, int]]:
-    """Return name, number and size of each file of a session."""
-    try:
-        return {(f.name, f.lstat().st_ino, f.lstat().st_size) for f in folder.iterdir()}
-    except OSError:
-        return set()
 
 
 def _agree(
