@@ -9,8 +9,10 @@ from typer.testing import CliRunner
 
 from tests.support.report import build_report
 from tests.support.study import smoke_with
+from vrcomfort.api.playback import PlaybackSetup
 from vrcomfort.cli.app import app
 from vrcomfort.exchange.status import status_of
+from vrcomfort.protocol import load_protocol
 from vrcomfort.records.apparatus import differences, differences_in
 
 FIRST = {
@@ -84,3 +86,10 @@ def test_size_and_rate_are_named_by_run_status_and_report(tmp_path: Path) -> Non
     page = summary.index.read_text("utf-8")
     assert {size, rate} <= set(summary.warnings)
     assert size[1:] in page  # a sentence there begins with a capital letter
+
+
+def test_a_protocol_that_begins_with_a_view_has_a_headset_at_its_start() -> None:
+    protocol = load_protocol("mantiuk_2011")
+    assert protocol.scenes[0] in [view.name for view in protocol.views]
+    headset = PlaybackSetup((32, 40), 0.063).at_start(protocol)
+    assert headset.image_size_px == (32, 40)

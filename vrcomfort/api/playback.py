@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from vrcomfort.api.outputs import Note, as_warning
 from vrcomfort.errors import InputError
-from vrcomfort.protocol import Condition
+from vrcomfort.protocol import Condition, Protocol
 from vrcomfort.resources import data_folder
 
 if TYPE_CHECKING:
@@ -65,6 +65,10 @@ class PlaybackSetup:
             spawn=spawn,
             real_time=self.real_time,
         )
+
+    def at_start(self, protocol: Protocol) -> PlaybackHeadset:
+        """Return a new headset, as it is at the start of a session of a protocol."""
+        return self.standing_in(protocol.view(protocol.scenes[0]).scene)
 
     def _trace(self, scene_name: str, on_foot: bool) -> Trace:
         """Return the head's trace, without locomotion for a seated participant."""

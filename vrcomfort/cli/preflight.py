@@ -175,7 +175,7 @@ def _show_frames(
     else:
         renderer, machine = live.renderer, live.machine
     headset_for = live.headset_for if live else playback
-    headset = live.headset if live else playback.standing_in(protocol.scenes[0])
+    headset = live.headset if live else playback.at_start(protocol)
     load = lru_cache(maxsize=None)(load_scene)
     advance(0, "which condition takes longest to draw")
     dearest = costs(protocol, renderer, load)

@@ -403,7 +403,7 @@ def run(ctx: typer.Context, options: RunOptions) -> None:
 
         try:
             settings = _settings(owned, options, protocol, study, enrolment, headset)
-            shown_by = headset.headset if headset else playback.standing_in(protocol.scenes[0])
+            shown_by = headset.headset if headset else playback.at_start(protocol)
             now = facts_now(settings.machine, headset_facts(shown_by))
             told = _differences_before(enrolment, now)
             preflight = _preflight(options, protocol, now)
