@@ -73,6 +73,7 @@ class FlatRenderer:
         self.max_blur_px = self.cpu_ms = self.gpu_times = self.effect_centre = None
         self.seeks_gaze = False
         self.gaze_hits: tuple[Any, ...] = ()
+        self.times_parts, self.part_times = False, ()
 
     def begin(self, scene: object, condition: object) -> None:
         """Draw the same whatever is asked for."""
@@ -87,6 +88,9 @@ class FlatRenderer:
         return ()
 
     def drain_gaze_hits(self) -> tuple[Any, ...]:
+        return ()
+
+    def drain_part_times(self) -> tuple[Any, ...]:
         return ()
 
     def clamps(self) -> tuple[str, ...]:

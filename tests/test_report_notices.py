@@ -1,6 +1,7 @@
 """What a report says before any number, and what does not change one."""
 
 import json
+from types import SimpleNamespace
 
 import pandas as pd
 import pytest
@@ -8,7 +9,9 @@ import pytest
 from tests.support.report import ITEMS, Study, build_report, foreign, manifest
 from tests.test_report_study import report, total_raw
 from vrcomfort.errors import InputError
+from vrcomfort.report import notices
 from vrcomfort.report.orders import in_words, one_order
+from vrcomfort.report.stimulus_time import _frame_ms
 
 
 def repeated(folder, people: int, who_repeats: tuple[int, ...], who_lacks: tuple[int, ...] = ()):
@@ -287,3 +290,46 @@ def test_people_who_left_under_one_condition_are_told_first(tmp_path, left, plan
     if share:
         page = summary.index.read_text("utf-8")
         assert page.index(told[1:]) < page.index('id="answers"')
+
+
+def shown(condition, scene, frames, dropped):
+    return {"condition": condition, "scene": scene, "frames": frames, "dropped": dropped}
+
+
+@pytest.mark.parametrize(
+    ("trials", "said"),
+    [
+        ([shown("off", "a", "900", "0"), shown("dof", "a", "900", "9")],
+         ["dropped frames go with the condition (1.0 % in dof, 0.0 % in Off)"]),
+        ([shown("off", "a", "900", "0"), shown("off", "b", "900", "90")],
+         ["dropped frames go with the scene (10.0 % in b, 0.0 % in a)"]),
+        ([shown("off", "a", "900", "40"), shown("dof", "a", "900", "45")], []),
+        ([shown("off", "a", "900", "0"), shown("dof", "a", "", "")], []),
+        ([shown("off", "a", "900", "90")], []),
+        ([], []),
+    ],
+)  # fmt: skip
+def test_dropped_frames_that_go_with_condition_or_scene_are_told(trials, said):
+    study = SimpleNamespace(trials=trials, labels={"off": "Off"})
+    found = notices._dropped_with(study)
+    assert [each.partition(":")[0] for each in found] == said
+
+
+def test_frame_times_by_condition_are_those_of_people_in_a_headset():
+    row = {"session": "1", "gpu_median_ms": "", "gpu_p95_ms": ""}
+    timing = [
+        {**row, "participant": who, "condition": c, "cpu_median_ms": a, "cpu_p95_ms": b}
+        for who, c, a, b in (
+            ("P1", "off", "2.0", "3.0"), ("P2", "off", "4.0", "5.0"),
+            ("P1", "dof", "6.0", "8.0"), ("S1", "off", "90.0", "90.0"),
+        )
+    ]  # fmt: skip
+    people = [
+        SimpleNamespace(participant=who, session=1, respondent=kind)
+        for who, kind in (("P1", "panel"), ("P2", "panel"), ("S1", "simulated"))
+    ]
+    study = SimpleNamespace(timing=timing, manifests=people)
+    blank = {"gpu_median_ms": None, "gpu_p95_ms": None}
+    assert _frame_ms(study, "off") == {"cpu_median_ms": 3.0, "cpu_p95_ms": 4.0, **blank}
+    assert _frame_ms(study, "dof") == {"cpu_median_ms": 6.0, "cpu_p95_ms": 8.0, **blank}
+    assert _frame_ms(SimpleNamespace(timing=timing, manifests=people[2:]), "off") == {}

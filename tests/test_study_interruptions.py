@@ -47,6 +47,7 @@ def test_the_page_names_the_files_that_are_synced_later() -> None:
         "images.csv",
         "hand_joints.csv",
         "balls.csv",
+        "part_times.csv",
     }
 
 

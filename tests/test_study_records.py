@@ -75,11 +75,12 @@ def test_the_columns_are_those_of_the_design():
     assert columns[40:46] == (
         "avatar_qw", "head_valid", "head_tracked", "session_state", "focus_m", "focus_raw_m"
     )  # fmt: skip
-    assert columns[-22:-17] == (
+    assert columns[-24:-19] == (
         "cpu_ms", "gpu_ms", "dropped", "missed_refreshes", "discontinuity"
     )  # fmt: skip
     hands = (*pose_columns("left_hand"), *pose_columns("right_hand"))
-    assert columns[-17:] == (*hands, "resumed", "user_present", "paused")
+    late = ("resumed", "user_present", "paused", "wait_ms", "swapchain_wait_ms")
+    assert columns[-19:] == (*hands, *late)
     assert len(set(columns)) == len(columns) == len(frame_row().cells())
 
 

@@ -20,7 +20,7 @@ from tests.support.study import (
     tiny_protocol,
 )
 from vrcomfort.errors import InputError
-from vrcomfort.gpu.timer import GpuTime
+from vrcomfort.frame import FrameWaits, GpuTime, PartTime
 from vrcomfort.records import Recorder, read_participants
 from vrcomfort.session.frame_log import Durations, FrameLog
 
@@ -112,3 +112,30 @@ def test_each_frame_gets_its_own_gpu_time(tmp_path):
     assert {row["focus_m"] for row in found} == {"2.5"}
     assert log.timing.gpu.percentile_ms(50) == 15.0
     assert log.timing.gpu.percentile_ms(100) == 30.0
+
+
+@dataclass(frozen=True)
+class PartlyTimed(Picture):
+    times_parts: bool = False
+    part_times: tuple[PartTime, ...] = ()
+
+
+def test_parts_of_sampled_frames_and_waits_for_the_runtime_have_their_rows(tmp_path):
+    with Recorder(tmp_path, "P1", 1) as recorder:
+        log = FrameLog(recorder)
+        for index in range(12):
+            late = (PartTime(4, "scene", 1.5, 2.5), PartTime(4, "vignette", 0.25, None))
+            drawn = PartlyTimed((), times_parts=index == 4, part_times=late if index == 9 else ())
+            waits = FrameWaits(8.0 + index, 0.5) if index else None
+            log.add(frame(index), drawn, trial=1, session_s=index / 10, waits=waits)
+        log.finish()
+    parts = read_rows(recorder.folder / "part_times.csv")
+    assert [(row["session_s"], row["part"], row["cpu_ms"], row["gpu_ms"]) for row in parts] == [
+        ("0.4", "scene", "1.5", "2.5"),
+        ("0.4", "vignette", "0.25", ""),
+    ]
+    assert {row["trial"] for row in parts} == {"1"}
+    rows = read_rows(recorder.folder / "frames.csv")
+    assert [row["wait_ms"] for row in rows] == ["", *(f"{8.0 + index}" for index in range(1, 12))]
+    assert [row["swapchain_wait_ms"] for row in rows] == ["", *["0.5"] * 11]
+    assert rows[4]["xr_time_ns"] == parts[0]["xr_time_ns"]

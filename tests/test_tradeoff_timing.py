@@ -1,6 +1,7 @@
 """What is clocked, and what counts as an effect's cost."""
 
 import time
+from dataclasses import replace
 
 import pytest
 
@@ -12,7 +13,7 @@ from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.tradeoff import costs
 from vrcomfort.tradeoff.captures import context
 from vrcomfort.tradeoff.cases import Case, Scope, frames
-from vrcomfort.tradeoff.costs import PartClock, effect_s, rounds_of, time_case, told
+from vrcomfort.tradeoff.costs import PartClock, a_step, effect_s, rounds_of, time_case, told
 from vrcomfort.tradeoff.methods import base_condition
 from vrcomfort.tradeoff.store import scene_and_hash
 
@@ -126,3 +127,42 @@ def test_a_window_costs_what_the_whole_image_costs():
     found = time_case(windowed, scope, lambda: None)
     assert found.case.window is None
     assert [each.cost for each in found.methods] == [1.0]
+
+
+@pytest.mark.parametrize("on_gpu", [False, True])
+def test_parts_of_every_third_frame_are_timed_and_told_late(ctx, monkeypatch, on_gpu):
+    if on_gpu:
+        monkeypatch.setattr(gpu_timer, "SOFTWARE", ())
+    renderer = StereoRenderer(ctx, (16, 20), time_parts_every=3)
+    scene, _ = scene_and_hash("temple")
+    renderer.begin(scene, base_condition("motion_blur"))
+    step = a_step(scene.spawn, (16, 20))[1]
+    told, timed = [], []
+    for index in range(9):
+        rendered = renderer.render(replace(step, index=index), 0.0)
+        timed += [index] if rendered.times_parts else []
+        told += rendered.part_times
+        assert all(each.frame_index <= index - gpu_timer.LATENCY for each in rendered.part_times)
+    told += renderer.drain_part_times()
+    renderer.release()
+    assert timed == [0, 3, 6]
+    parts = ["shadow", "scene", "resolve", "motion_blur", "tone_map"]
+    assert [(each.frame_index, each.part) for each in told] == [
+        (index, part) for index in timed for part in parts
+    ]
+    assert all(each.cpu_ms > 0 for each in told)
+    assert {each.gpu_ms is None for each in told} == {not on_gpu}
+
+
+def test_what_a_frame_hands_on_is_no_time_of_it(ctx, monkeypatch):
+    monkeypatch.setattr(gpu_timer, "SOFTWARE", ())
+    renderer = StereoRenderer(ctx, (16, 20))
+    scene, _ = scene_and_hash("temple")
+    renderer.begin(scene, base_condition("motion_blur"))
+    step = a_step(scene.spawn, (16, 20))[1]
+    free = renderer.render(step, 0.0).cpu_ms
+    wait_ms = max(200.0, 2 * free)
+    held = renderer.render(step, 0.0, lambda *_: time.sleep(wait_ms / 1e3)).cpu_ms
+    assert held < free + wait_ms
+    assert [each.gpu_ms < 2 * wait_ms for each in renderer.drain_times()] == [True, True]
+    renderer.release()

@@ -194,6 +194,40 @@ class GpuTime(NamedTuple):
     gpu_ms: float
 
 
+class PartTime(NamedTuple):
+    """The time of a part of a frame (`Frame.index`), both eyes together.
+
+    Parameters
+    ----------
+    part
+        The scene, the resolve of its samples, an effect, …: as `vrcomfort passes` names them.
+    cpu_ms
+        Time in which the processor issued it.
+    gpu_ms
+        None where timer queries mean nothing.
+    """
+
+    frame_index: int
+    part: str
+    cpu_ms: float
+    gpu_ms: float | None
+
+
+class FrameWaits(NamedTuple):
+    """Waits of a frame for the headset's runtime.
+
+    Parameters
+    ----------
+    frame_ms
+        Until the runtime wanted the frame.
+    images_ms
+        For the images that it lends: acquired, waited for, and given back.
+    """
+
+    frame_ms: float
+    images_ms: float
+
+
 class RenderResult(Protocol):
     """Both eyes' images of one frame, and the results that have arrived with it."""
 
@@ -211,11 +245,19 @@ class RenderResult(Protocol):
 
     @property
     def cpu_ms(self) -> float | None:
-        """Return the CPU time of this frame."""
+        """Return the time in which the processor drew this frame, without waits."""
 
     @property
     def gpu_times(self) -> Sequence[GpuTime] | None:
         """Return times of earlier frames that have arrived; None where the GPU is not timed."""
+
+    @property
+    def times_parts(self) -> bool:
+        """Return whether the parts of this frame are being timed."""
+
+    @property
+    def part_times(self) -> Sequence[PartTime]:
+        """Return times of parts of earlier frames that have arrived."""
 
     @property
     def hashed(self) -> bool:

@@ -160,6 +160,8 @@ class Picture:
     cpu_ms: float | None = None
     seeks_gaze: bool = False
     gaze_hits: tuple[Any, ...] = ()
+    times_parts: bool = False
+    part_times: tuple[Any, ...] = ()
     effect_centre: str | None = None
 
 
@@ -190,6 +192,9 @@ class LateFocus:
         return ()
 
     def drain_gaze_hits(self) -> tuple[Any, ...]:
+        return ()
+
+    def drain_part_times(self) -> tuple[Any, ...]:
         return ()
 
     def clamps(self) -> tuple[str, ...]:

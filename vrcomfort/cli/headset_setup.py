@@ -264,6 +264,7 @@ def openxr_setup(
     """
     require_bindings()
     from vrcomfort.gpu.gl import create_context
+    from vrcomfort.gpu.timer import TIME_PARTS_EVERY
     from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
     from vrcomfort.render.display import HASH_EVERY
     from vrcomfort.render.pipeline import StereoRenderer
@@ -296,6 +297,7 @@ def openxr_setup(
             headset.image_size_px,
             on_eye=lambda eye, images: headset.take_depth(eye, images.depth, images.camera.near_m),
             hash_every=HASH_EVERY,
+            time_parts_every=TIME_PARTS_EVERY,
             photodiode=protocol.photodiode,
             finds_hits=True,
         )

@@ -14,9 +14,10 @@ from typing import NamedTuple
 
 import moderngl
 
-from vrcomfort.frame import GpuTime
+from vrcomfort.frame import GpuTime, PartTime
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.gl import LATENCY
+from vrcomfort.gpu.passes import Watcher, watched
 
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "basic render")
 """Rasterisers without a GPU, in lower case. Their timer queries say when commands were taken, not
@@ -37,30 +38,46 @@ class Lap:
 
 
 class GpuTimer:
-    """A timer query for each frame that is on its way.
+    """Timer queries of each frame that is on its way.
 
     Raw OpenGL, because moderngl's queries have 32 bits and are never deleted.
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        names = queries(ctx, self, LATENCY + 1)  # those in flight, and one for this frame
+        self._ctx = ctx
         self._begin = gl.function(ctx, "glBeginQuery", ctypes.c_uint, ctypes.c_uint)
         self._end = gl.function(ctx, "glEndQuery", ctypes.c_uint)
+        self._flush = gl.function(ctx, "glFlush")
         result = ctypes.c_uint, ctypes.c_uint, ctypes.POINTER(ctypes.c_uint64)
         self._result = gl.function(ctx, "glGetQueryObjectui64v", *result)
-        self._free = list(names)
-        self._pending: deque[tuple[int, int]] = deque()
+        self._free: list[int] = []
+        self._pending: deque[tuple[int, list[int]]] = deque()
 
     @contextmanager
     def frame(self, index: int) -> Iterator[None]:
         """Time the draws inside."""
-        name = self._free.pop()
-        self._pending.append((index, name))
-        self._begin(_TIME_ELAPSED, name)
+        self._pending.append((index, []))
+        self._start()
         try:
             yield
         finally:
             self._end(_TIME_ELAPSED)
+
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """Leave out what is done inside, within :meth:`frame`: waits for others, too."""
+        self._end(_TIME_ELAPSED)
+        self._flush()  # else what is queued would begin before a wait and end after it
+        try:
+            yield
+        finally:
+            self._start()
+
+    def _start(self) -> None:
+        self._free = self._free or list(queries(self._ctx, self, 1))
+        name = self._free.pop()
+        self._pending[-1][1].append(name)
+        self._begin(_TIME_ELAPSED, name)
 
     def arrived(self) -> tuple[GpuTime, ...]:
         """Return the time of the frame that was timed `LATENCY` frames ago, if there is one."""
@@ -71,11 +88,77 @@ class GpuTimer:
         return tuple(self._read() for _ in range(len(self._pending)))
 
     def _read(self) -> GpuTime:
-        index, name = self._pending.popleft()
-        self._free.append(name)
-        time_ns = ctypes.c_uint64()
-        self._result(name, _QUERY_RESULT, ctypes.byref(time_ns))
-        return GpuTime(index, time_ns.value / 1e6)
+        index, names = self._pending.popleft()
+        self._free += names
+        total_ns, time_ns = 0, ctypes.c_uint64()
+        for name in names:
+            self._result(name, _QUERY_RESULT, ctypes.byref(time_ns))
+            total_ns += time_ns.value
+        return GpuTime(index, total_ns / 1e6)
+
+
+TIME_PARTS_EVERY = 90
+"""Drawn frames of a session from one whose parts are timed to the next."""
+
+
+class PartTimer(Watcher):
+    """Times the parts of a frame, on the processor and on the GPU; results come `LATENCY` later.
+
+    Parts within parts count as the outer one's; both eyes' parts of a name are one.
+    """
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._watch = Stopwatch(ctx)
+        self._inside = False
+        self._frames = 0
+        self._pending: deque[tuple[int, int, list[tuple[str, float, Lap | None]]]] = deque()
+
+    @contextmanager
+    def frame(self, index: int) -> Iterator[None]:
+        """Time the parts that are drawn inside, as those of a frame."""
+        self._pending.append((self._frames, index, []))
+        with watched(self):
+            yield
+
+    @contextmanager
+    def part(self, name: str) -> Iterator[None]:
+        """Time a part."""
+        if self._inside:
+            yield
+            return
+        self._inside = True
+        start_s, lap = time.perf_counter(), None
+        if self._watch.on_gpu:
+            with self._watch.lap() as lap:
+                yield
+        else:  # nothing waits for a software rasteriser in a session
+            yield
+        self._pending[-1][2].append((name, time.perf_counter() - start_s, lap))
+        self._inside = False
+
+    def arrived(self) -> tuple[PartTime, ...]:
+        """Count a drawn frame; return the times that are there by now without a wait."""
+        self._frames += 1
+        if not self._pending or self._frames - self._pending[0][0] <= LATENCY:
+            return ()
+        return self._read()
+
+    def drain(self) -> tuple[PartTime, ...]:
+        """Return the times that are still on their way (this waits for the GPU)."""
+        return tuple(time for _ in range(len(self._pending)) for time in self._read())
+
+    def _read(self) -> tuple[PartTime, ...]:
+        _, index, timed = self._pending.popleft()
+        cpu_s: dict[str, float] = {}
+        gpu_s: dict[str, float] = {}
+        for name, seconds, lap in timed:
+            cpu_s[name] = cpu_s.get(name, 0.0) + seconds
+            if lap is not None:
+                gpu_s[name] = gpu_s.get(name, 0.0) + lap()
+        return tuple(
+            PartTime(index, name, 1e3 * cpu_s[name], 1e3 * gpu_s[name] if name in gpu_s else None)
+            for name in cpu_s
+        )
 
 
 class Stopwatch:

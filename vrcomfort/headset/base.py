@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
-from vrcomfort.frame import Frame, HeadsetEvent
+from vrcomfort.frame import Frame, FrameWaits, HeadsetEvent
 from vrcomfort.headset.inputs import Inputs
 
 if TYPE_CHECKING:
@@ -50,6 +50,14 @@ class HasDisplayClock(Protocol):
 
     def display_now_ns(self) -> int | None:
         """Return the present moment as a display time; None where it is not known."""
+
+
+@runtime_checkable
+class HasWaits(Protocol):
+    """A headset whose runtime makes frames wait."""
+
+    def waits(self) -> FrameWaits:
+        """Return the waits of the frame that was submitted last."""
 
 
 @runtime_checkable

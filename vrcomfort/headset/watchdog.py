@@ -15,7 +15,7 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Self
 
@@ -57,6 +57,8 @@ class RuntimeCalls:
         How often the watchdog has listened for signals and looked at the call.
     stalls
         Calls that hung and then returned, in words, for whoever keeps the record.
+    spent_s
+        By function, the seconds within it since somebody took them.
     """
 
     def __init__(self) -> None:
@@ -65,6 +67,7 @@ class RuntimeCalls:
         self.held = False
         self.looks = 0
         self.stalls: deque[str] = deque()
+        self.spent_s: dict[str, float] = {}
 
     def begin(self, name: str) -> None:
         """Take note that `name` is called."""
@@ -76,8 +79,15 @@ class RuntimeCalls:
         if call is not None and call is self.hung:
             self._wait(looks=2)  # the first may have listened before the signal
         self.under_way = None
+        if call is not None:
+            name, began_s = call
+            self.spent_s[name] = self.spent_s.get(name, 0.0) + time.monotonic() - began_s
         if self.held:
             self._wait()
+
+    def take_spent_ms(self, names: Iterable[str]) -> float:
+        """Return the milliseconds within some functions since the last time, and forget them."""
+        return 1e3 * sum(self.spent_s.pop(name, 0.0) for name in names)
 
     def _wait(self, looks: int = 0) -> None:
         """Let the watchdog decide first: a signal that has brought the call back ends it."""

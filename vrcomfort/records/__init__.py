@@ -9,7 +9,7 @@ from vrcomfort.records.exposure_rows import (
     TimingRow,
     TrialRow,
 )
-from vrcomfort.records.frame_rows import FrameRow, GazeRow, HandJointsRow, ImageRow
+from vrcomfort.records.frame_rows import FrameRow, GazeRow, HandJointsRow, ImageRow, PartRow
 from vrcomfort.records.interrupted import ENDED_THE_STUDY, Interrupted, repair_session
 from vrcomfort.records.manifest import Machine, Manifest, facts_of_run, read_manifest
 from vrcomfort.records.participants import (
@@ -64,6 +64,7 @@ __all__ = [
     "Interrupted",
     "Machine",
     "Manifest",
+    "PartRow",
     "ParticipantRow",
     "PracticeRow",
     "QuestionnaireRow",

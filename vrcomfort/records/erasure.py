@@ -12,7 +12,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.files import read_bytes
 from vrcomfort.records.consents import erase_consents
 from vrcomfort.records.disk import refuse_links, refused, sync_folder
-from vrcomfort.records.frame_rows import FrameRow, GazeRow, HandJointsRow, ImageRow
+from vrcomfort.records.frame_rows import FrameRow, GazeRow, HandJointsRow, ImageRow, PartRow
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.records.study import (
@@ -24,7 +24,7 @@ from vrcomfort.records.study import (
     recorded_sessions,
 )
 
-_NUMBERS_ALONE = {each.FILE for each in (FrameRow, GazeRow, ImageRow, HandJointsRow)}
+_NUMBERS_ALONE = {each.FILE for each in (FrameRow, GazeRow, ImageRow, HandJointsRow, PartRow)}
 _IN_NOTES = "[erased]"
 
 

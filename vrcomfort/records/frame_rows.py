@@ -1,4 +1,4 @@
-"""Rows of frames: of ``frames.csv``, ``gaze.csv``, ``images.csv`` and ``hand_joints.csv``."""
+"""Rows of frames: frames, gaze, hashes of images, joints of hands, and times of parts."""
 
 from __future__ import annotations
 
@@ -204,6 +204,28 @@ class HandJointsRow(Row):
     resumed: Resumed = 0
 
 
+@dataclass(frozen=True)
+class PartRow(Row):
+    """The time of a part of a frame, both eyes together, of every 90th drawn frame."""
+
+    FILE: ClassVar[str] = "part_times.csv"
+    session_s: FrameS
+    xr_time_ns: FrameTimeNs
+    trial: FrameTrial
+    part: Annotated[
+        str, Column("Part of the frame, as `vrcomfort passes` names it: scene, depth_of_field, …")
+    ]
+    cpu_ms: Annotated[float, Column("Time in which the processor issued it")]
+    gpu_ms: Annotated[
+        float | None,
+        Column(
+            "GPU time, between two time stamps",
+            blank="timer queries mean nothing (software rasterisers)",
+        ),
+    ]
+    resumed: Resumed = 0
+
+
 def _pose(body: Body, meaning: str, *, blank: str = "", since: int = 1) -> tuple[Column, ...]:
     """Declare the columns of a pose: position, then quaternion."""
     parts = [*(f"position, {axis}" for axis in _AXES), *(f"quaternion, {part}" for part in "xyzw")]
@@ -293,6 +315,8 @@ class FrameRow(Row):
         Its rows of ``balls.csv``, likewise: balls of a task that are drawn otherwise from it on.
     joints
         Its rows of ``hand_joints.csv``, likewise: of the hands that are tracked.
+    parts
+        Its rows of ``part_times.csv``, likewise; none where its parts were not timed.
     """
 
     FILE: ClassVar[str] = "frames.csv"
@@ -351,12 +375,18 @@ class FrameRow(Row):
         ),
     ] = None
     cpu_ms: Annotated[
-        float | None, Column("CPU time of the frame", blank="it was not rendered")
+        float | None,
+        Column(
+            "Time in which the processor drew the frame; before version 6 with waits for images of "
+            "the runtime",
+            blank="it was not rendered",
+        ),
     ] = None
     gpu_ms: Annotated[
         float | None,
         Column(
-            "GPU time of the frame's drawing, from timer queries",
+            "GPU time of the frame's drawing, from timer queries; before version 6 with waits for "
+            "images of the runtime",
             blank="timer queries mean nothing (software rasterisers)",
         ),
     ] = None
@@ -401,7 +431,24 @@ class FrameRow(Row):
             since=5,
         ),
     ] = None
+    wait_ms: Annotated[
+        float | None,
+        Column(
+            "Wait until the runtime wanted the frame (xrWaitFrame, xrBeginFrame)",
+            blank="no runtime makes frames wait, or it was not recorded",
+            since=6,
+        ),
+    ] = None
+    swapchain_wait_ms: Annotated[
+        float | None,
+        Column(
+            "Time within the runtime's calls that lend images and take them back",
+            blank="no runtime makes frames wait, or it was not recorded",
+            since=6,
+        ),
+    ] = None
     gaze: GazeRow | None = None
     image: ImageRow | None = None
     balls: tuple[BallRow, ...] = ()
     joints: tuple[HandJointsRow, ...] = ()
+    parts: tuple[PartRow, ...] = ()

@@ -24,7 +24,7 @@ from vrcomfort.records.exposure_rows import (
     TimingRow,
     TrialRow,
 )
-from vrcomfort.records.frame_rows import FrameRow, GazeRow, HandJointsRow, ImageRow
+from vrcomfort.records.frame_rows import FrameRow, GazeRow, HandJointsRow, ImageRow, PartRow
 from vrcomfort.records.rows import Row
 from vrcomfort.records.session_rows import (
     ClockRow,
@@ -70,6 +70,7 @@ _BEFORE_TRIAL: tuple[Kept, ...] = (
     Kept(ImageRow, SAFE_AFTER_S, ("session_s",), _OF_A_FRAME),
     Kept(HandJointsRow, SAFE_AFTER_S, ("session_s",), _OF_A_FRAME),
     Kept(BallRow, SAFE_AFTER_S, ("session_s",), _OF_A_FRAME),
+    Kept(PartRow, SAFE_AFTER_S, ("session_s",), _OF_A_FRAME),
     Kept(ClockRow, SAFE_AFTER_S, ("session_s",)),
     Kept(RatingRow, SAFE_AT_ONCE_S, ("onset_s", "latency_s")),
     Kept(TaskRow, SAFE_AT_ONCE_S, ("onset_s", "reaction_s")),

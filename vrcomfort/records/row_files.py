@@ -249,9 +249,8 @@ def _with_others(row: Row) -> Iterable[Row]:
     """Return a row, with those of other files that a frame brings."""
     if not isinstance(row, FrameRow):
         return (row,)
-    return [
-        each for each in (row, row.gaze, row.image, *row.balls, *row.joints) if each is not None
-    ]
+    others = (row.gaze, row.image, *row.balls, *row.joints, *row.parts)
+    return [row, *(each for each in others if each is not None)]
 
 
 def _read(file: Path) -> str:

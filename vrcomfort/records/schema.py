@@ -24,7 +24,7 @@ from vrcomfort.records.exposure_rows import (
     TimingRow,
     TrialRow,
 )
-from vrcomfort.records.frame_rows import FrameRow, GazeRow, HandJointsRow, ImageRow
+from vrcomfort.records.frame_rows import FrameRow, GazeRow, HandJointsRow, ImageRow, PartRow
 from vrcomfort.records.rows import ALWAYS, Column, Needs, Row, declared
 from vrcomfort.records.session_rows import (
     ClockRow,
@@ -42,7 +42,8 @@ SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
 OPTIONAL_ROWS: tuple[type[Row], ...] = (
-    GazeRow, ImageRow, HandJointsRow, BallRow, ClockRow, TaskRow, DialRow, TextRow, ScreeningRow,
+    GazeRow, ImageRow, HandJointsRow, BallRow, PartRow, ClockRow, TaskRow, DialRow, TextRow,
+    ScreeningRow,
     GazeValidationRow, PracticeRow,
 )  # fmt: skip
 """Of sessions; their files appear with their first rows."""

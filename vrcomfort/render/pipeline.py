@@ -13,18 +13,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import moderngl
 import numpy as np
 
-from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash
+from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash, PartTime
 from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.gpu import gl
 from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.passes import PassOrder, part, watched
-from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
+from vrcomfort.gpu.timer import GpuTimer, PartTimer, make_gpu_timer
 from vrcomfort.optics.focus import Centre
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.viewing import Photodiode
@@ -65,9 +66,13 @@ class RenderedFrame:
     passes
         Names of the passes that ran.
     cpu_ms
-        Wall time of this call.
+        Wall time of this call, without that of `on_eye`.
     gpu_times
         Those of earlier frames that have arrived; None where the GPU is not timed.
+    times_parts
+        Whether its parts are being timed.
+    part_times
+        Those of parts of earlier frames that have arrived, where parts are timed.
     hashed
         Whether its images are being hashed.
     image_hashes
@@ -89,6 +94,8 @@ class RenderedFrame:
     passes: tuple[str, ...]
     cpu_ms: float
     gpu_times: tuple[GpuTime, ...] | None = None
+    times_parts: bool = False
+    part_times: tuple[PartTime, ...] = ()
     hashed: bool = False
     image_hashes: tuple[ImageHash, ...] = ()
     seeks_gaze: bool = False
@@ -125,6 +132,8 @@ class StereoRenderer:
     hash_every
         Frames from one hash of the images to the next, the first of each `begin` among them; 0: no
         hashes.
+    time_parts_every
+        Drawn frames from one whose parts are timed to the next; 0: none.
     photodiode
         The patch that frames with a `Frame.patch` have.
     finds_hits
@@ -141,11 +150,12 @@ class StereoRenderer:
         eyes: Literal[1, 2] = 2,
         on_eye: Callable[[int, EyeImages], None] | None = None,
         hash_every: int = 0,
+        time_parts_every: int = 0,
         photodiode: Photodiode | None = None,
         finds_hits: bool = False,
     ) -> None:
         self.size_px = size_px
-        self._hash_every = hash_every
+        self._hash_every, self._time_parts_every = hash_every, time_parts_every
         self._hasher: ImageHasher | None = None
         self._drawn = 0
         self._finds_hits, self._has_tracker = finds_hits, False
@@ -159,6 +169,7 @@ class StereoRenderer:
         self._passes: ConditionPasses | None = None
         self._before: _Before | None = None
         self._timer: GpuTimer | None = None
+        self._part_timer: PartTimer | None = None
 
     def begin(self, scene: Scene, condition: Condition) -> None:
         """Build the passes that `condition` needs in `scene`; those of before are released.
@@ -186,6 +197,7 @@ class StereoRenderer:
         self._drawn = 0
         self.ctx.finish()
         self._timer = make_gpu_timer(self.ctx)
+        self._part_timer = PartTimer(self.ctx) if self._time_parts_every else None
 
     def adjust(self, condition: Condition) -> None:
         """Change settings of the present condition between two frames; nothing is built anew.
@@ -254,11 +266,21 @@ class StereoRenderer:
             Called after each eye (0 left, 1 right) with its textures, for files and measurements.
         """
         on_eye = on_eye or self._on_eye
-        if self._timer is None:
-            return self._hashed(frame, self._draw(frame, scene_time_s, on_eye))
-        with self._timer.frame(frame.index):
+        with ExitStack() as timers:
+            if self._timer is not None:
+                timers.enter_context(self._timer.frame(frame.index))
+            times_parts = self._part_timer is not None and self._drawn % self._time_parts_every == 0
+            if self._part_timer is not None and times_parts:
+                timers.enter_context(self._part_timer.frame(frame.index))
             rendered = self._draw(frame, scene_time_s, on_eye)
-        return self._hashed(frame, replace(rendered, gpu_times=self._timer.arrived()))
+        if self._timer is not None:
+            rendered = replace(rendered, gpu_times=self._timer.arrived())
+        if self._part_timer is not None:
+            arrived = self._part_timer.arrived()
+            rendered = replace(rendered, times_parts=times_parts, part_times=arrived)
+        rendered = self._hashed(frame, rendered)
+        self._drawn += 1
+        return rendered
 
     def _look_along(self, frame: Frame, world_from_head: Pose) -> tuple[bool, tuple[GazeHit, ...]]:
         """Seek the gaze hit; return whether it is sought, and the hits that have arrived.
@@ -282,7 +304,6 @@ class StereoRenderer:
         hashed = self._drawn % self._hash_every == 0
         if hashed:
             hasher.take(frame.index, rendered.eyes)
-        self._drawn += 1
         return replace(rendered, hashed=hashed, image_hashes=hasher.arrived())
 
     def _get_hasher(self) -> ImageHasher:
@@ -295,7 +316,7 @@ class StereoRenderer:
         scene_time_s: float,
         on_eye: Callable[[int, EyeImages], None] | None,
     ) -> RenderedFrame:
-        start_s = time.perf_counter()
+        start_s, elsewhere_s = time.perf_counter(), 0.0
         gl.collect(self.ctx)  # objects of the condition before are released here, not in mid-frame
         passes = self._built()
         passes.scene.gpu.draws = 0
@@ -320,7 +341,7 @@ class StereoRenderer:
             images = passes.render_eye(eye, scene_time_s, before_s)
             triangles += passes.triangles
             if on_eye is not None:
-                on_eye(index, images)
+                elsewhere_s += self._hand_on(on_eye, index, images)
         if self._patch is not None and frame.patch is not None:
             self._patch.paint(tuple(view.fov for view in frame.views), white=frame.patch)
         self._before = _Before(
@@ -341,8 +362,17 @@ class StereoRenderer:
             seeks_gaze=seeks_gaze,
             gaze_hits=hits,
             effect_centre=None if centre is None else centre.source,
-            cpu_ms=(time.perf_counter() - start_s) * 1e3,
+            cpu_ms=(time.perf_counter() - start_s - elsewhere_s) * 1e3,
         )
+
+    def _hand_on(
+        self, on_eye: Callable[[int, EyeImages], None], index: int, images: EyeImages
+    ) -> float:
+        """Give an eye's textures away; return the seconds that it took, which nothing else has."""
+        start_s = time.perf_counter()
+        with self._timer.paused() if self._timer is not None else nullcontext():
+            on_eye(index, images)
+        return time.perf_counter() - start_s
 
     def drain(self) -> tuple[FocusSample, ...]:
         """Return the focus samples that are still on their way (this waits for the GPU)."""
@@ -362,6 +392,10 @@ class StereoRenderer:
         """Return the GPU times that are still on their way (this waits for the GPU)."""
         return () if self._timer is None else self._timer.drain()
 
+    def drain_part_times(self) -> tuple[PartTime, ...]:
+        """Return the times of parts that are still on their way (this waits for the GPU)."""
+        return () if self._part_timer is None else self._part_timer.drain()
+
     def hash_now(self, frame_index: int) -> ImageHash:
         """Return the hashes of the images that were drawn last (this waits for the GPU)."""
         maps = self._built().tone_maps
@@ -378,7 +412,7 @@ class StereoRenderer:
         self._passes = None
         self._patch = None
         self._before = None
-        self._timer = None
+        self._timer = self._part_timer = None
         gl.collect(self.ctx)
 
     def _built(self) -> ConditionPasses:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from typing import TYPE_CHECKING
 
+from vrcomfort.csv_table import whole_or_none
 from vrcomfort.importing.rows import alike
 from vrcomfort.questionnaire import never_zero
 from vrcomfort.records.apparatus import KEYS, differences
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from vrcomfort.report.pairs import Side
     from vrcomfort.report.study_data import StudyData
 
+DROPPED_APART_PERCENT = 1.0
+"""Percentage points of dropped frames between two conditions, or scenes, that are told."""
 TOLERATED_LOSS = 0.1
 """Share of the people of a comparison who may be missing from its test without a notice."""
 MOST_NAMED = 8
@@ -56,6 +59,7 @@ def notices(
         *_suspect_names(study),
         *_coded_from_one(study, of_choices),
         *_confounded(study, tests),
+        *_dropped_with(study),
     ]
 
 
@@ -97,6 +101,39 @@ def _short_forms(study: StudyData) -> list[str]:
         )
         found.append(said)
     return found
+
+
+def _dropped_with(study: StudyData) -> list[str]:
+    """Say where frames were dropped under some conditions, or in some scenes, more than others.
+
+    Complex images take longer: what a condition does to comfort is then not its blur alone.
+    """
+    found = []
+    for column in ("condition", "scene"):
+        shares = _dropped_percent(study, column)
+        ranked = sorted(shares, key=lambda each: shares[each])
+        if not ranked or shares[ranked[-1]] - shares[ranked[0]] < DROPPED_APART_PERCENT:
+            continue
+        least, most = (
+            f"{shares[each]:.1f} % in {study.labels.get(each, each)}"
+            for each in (ranked[0], ranked[-1])
+        )
+        found.append(
+            f"dropped frames go with the {column} ({most}, {least}): a difference between "
+            f"{column}s may be one of late frames"
+        )
+    return found
+
+
+def _dropped_percent(study: StudyData, column: str) -> dict[str, float]:
+    """Return value of a column of the trials → share of its frames that were dropped."""
+    shown: Counter[str] = Counter()
+    dropped: Counter[str] = Counter()
+    for trial in study.trials:
+        if value := trial.get(column):
+            shown[value] += whole_or_none(trial.get("frames")) or 0
+            dropped[value] += whole_or_none(trial.get("dropped")) or 0
+    return {value: 100 * dropped[value] / count for value, count in shown.items() if count}
 
 
 def _losses(

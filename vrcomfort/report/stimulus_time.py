@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.recordings import ExposureFrames
 from vrcomfort.report.rows import HIDDEN, INLINE, as_json
+from vrcomfort.report.study_data import SIMULATED
 from vrcomfort.seen_time import SeenState
 
 if TYPE_CHECKING:
@@ -28,6 +29,9 @@ class ConditionTime:
     ----------
     seconds
         State of seen time → seconds; None where none were recorded.
+    frame_ms
+        Time of a frame → mean over exposures, of each exposure's median or 95th percentile; empty
+        where nobody wore a headset.
     """
 
     condition: str
@@ -35,6 +39,7 @@ class ConditionTime:
     frames: int
     dropped_percent: float | None
     seconds: dict[str, float | None] = field(metadata=INLINE)
+    frame_ms: dict[str, float | None] = field(default_factory=dict, metadata=INLINE)
 
 
 @dataclass(frozen=True)
@@ -85,8 +90,30 @@ def stimulus_time(study: StudyData, conditions: Iterable[str]) -> list[Condition
         seconds = {n: sum(float(t[n] or 0) for t in said) if said else None for n in states}
         seconds.setdefault("untracked_s", untracked.get(condition))
         share = 100 * dropped / shown if shown else None
-        found.append(ConditionTime(condition, len(trials), shown, share, seconds))
+        times = _frame_ms(study, condition)
+        found.append(ConditionTime(condition, len(trials), shown, share, seconds, times))
     return found if any(row.frames for row in found) else []
+
+
+FRAME_TIMES = ("cpu_median_ms", "cpu_p95_ms", "gpu_median_ms", "gpu_p95_ms")
+"""Columns of timing.csv."""
+
+
+def _frame_ms(study: StudyData, condition: str) -> dict[str, float | None]:
+    """Return the means of a condition's frame times, of sessions with people in a headset."""
+    worn = {
+        (each.participant, str(each.session))
+        for each in study.manifests
+        if each.respondent != SIMULATED
+    }
+    rows = [
+        row
+        for row in study.timing
+        if row["condition"] == condition and (row["participant"], row["session"]) in worn
+    ]
+    if not any(row[name] for row in rows for name in FRAME_TIMES):
+        return {}
+    return {name: _mean(float(row[name]) for row in rows if row[name]) for name in FRAME_TIMES}
 
 
 def _untracked(study: StudyData) -> dict[str, float]:

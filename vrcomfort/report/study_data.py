@@ -23,7 +23,7 @@ from vrcomfort.questionnaire import (
 )
 from vrcomfort.recordings import ExposureFrames, frame_measures
 from vrcomfort.records.choice import SessionName
-from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
+from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TimingRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.json_file import (
     DamagedError,
@@ -95,6 +95,8 @@ class StudyData:
     """Rows of screening.csv."""
     dials: tuple[dict[str, str], ...] = ()
     """Rows of dials.csv."""
+    timing: tuple[dict[str, str], ...] = ()
+    """Rows of timing.csv."""
     folder: Study = field(default_factory=lambda: Study("."))
     """What was read."""
 
@@ -207,6 +209,7 @@ def read_study(
         warnings=tuple(warnings),
         tasks=_of_last_attempts(_table(folder, TaskRow, warnings)),
         dials=dials,
+        timing=_of_last_attempts(_table(folder, TimingRow, [])),
         screening=_table(folder, ScreeningRow, warnings),
         folder=folder,
     )
@@ -252,6 +255,7 @@ def of_one_kind(study: StudyData, *, simulated: bool) -> StudyData:
         manifests=tuple(each for each in study.manifests if kinds[each.participant] == simulated),
         tasks=of_them(study.tasks),
         dials=of_them(study.dials),
+        timing=of_them(study.timing),
         screening=of_them(study.screening),
         warnings=(*study.warnings, f"{note} in this report; for the others {hint}"),
     )

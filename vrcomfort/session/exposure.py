@@ -13,7 +13,7 @@ import numpy as np
 
 from vrcomfort.frame import Frame, GpuTime
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.base import HasDisplayClock, Headset
+from vrcomfort.headset.base import HasDisplayClock, HasWaits, Headset
 from vrcomfort.headset.timing import RATE_CHANGED, RATE_RESTORED
 from vrcomfort.records import ClockRow, RatingRow, Recorder
 from vrcomfort.render.display import PatchLight
@@ -123,6 +123,10 @@ class Stimulus:
     time_scale: float = 1.0
 
 
+def _no_waits() -> None:
+    """Return nothing: no runtime makes frames wait."""
+
+
 @dataclass
 class FrameLoop:
     """Takes frames of a headset through the renderer; training and exposure share its frames."""
@@ -148,6 +152,7 @@ class FrameLoop:
         self._clocks_due_s: float | None = None
         self._task: Activity | None = None
         self._light: PatchLight | None = None
+        self._waits = self.headset.waits if isinstance(self.headset, HasWaits) else _no_waits
         self._light_told = False
 
     def show(
@@ -188,7 +193,8 @@ class FrameLoop:
             renderer = self.context.renderer
             hashes = renderer.drain_hashes()
             hits = renderer.drain_gaze_hits()
-            self.log.finish(renderer.drain(), self._late_times(), hashes, hits)
+            parts = renderer.drain_part_times()
+            self.log.finish(renderer.drain(), self._late_times(), hashes, hits, parts)
         finally:  # a disk that refuses a frame may yet take a rating
             self._close_rating()
             self._finish_task()
@@ -321,6 +327,7 @@ class FrameLoop:
             trial=stimulus.trial,
             session_s=self.context.clock.now_s(),
             balls=self._task.changed() if self._task and stimulus.trial else (),
+            waits=self._waits(),
         )
         self.context.operators.interface.see(frame, rendered, self.log.timing)
         if frame.seen:

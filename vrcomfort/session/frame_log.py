@@ -14,9 +14,11 @@ import numpy as np
 from vrcomfort.frame import (
     FocusSample,
     Frame,
+    FrameWaits,
     GazeHit,
     GpuTime,
     ImageHash,
+    PartTime,
     RenderResult,
 )
 from vrcomfort.protocol import Protocol as StudyProtocol
@@ -26,6 +28,7 @@ from vrcomfort.records import (
     GazeRow,
     HandJointsRow,
     ImageRow,
+    PartRow,
     Row,
     TimingRow,
     TrialRow,
@@ -175,6 +178,7 @@ class _Waiting(NamedTuple):
     gaze: GazeRow | None
     seeks_gaze: bool
     image: partial[ImageRow] | None
+    part: partial[PartRow] | None
 
 
 class RowWriter(Protocol):
@@ -207,6 +211,7 @@ class FrameLog:
         self._gpu_ms: dict[int, float] = {}
         self._hashes: dict[int, ImageHash] = {}
         self._hits: dict[int, GazeHit] = {}
+        self._parts: dict[int, list[PartTime]] = {}
         self._offset_ns = 0
         self._last_ns = last_ns
         self.times_gpu = False
@@ -256,10 +261,12 @@ class FrameLog:
         trial: int,
         session_s: float,
         balls: Iterable[Shown] = (),
+        waits: FrameWaits | None = None,
     ) -> None:
         """Take a frame, and the focus and GPU times that arrived with it.
 
-        `balls` are those that are drawn otherwise from this frame on.
+        `balls` are those that are drawn otherwise from this frame on, `waits` what the runtime made
+        it wait, where there is one.
         """
         missed, time_ns = self._count(frame), self._continuous_ns(frame)
         row = partial(
@@ -287,6 +294,8 @@ class FrameLog:
             joints=tuple(_joints_rows(frame, session_s, time_ns, trial)),
             user_present=frame.user_present,
             paused=frame.paused,
+            wait_ms=None if waits is None else waits.frame_ms,
+            swapchain_wait_ms=None if waits is None else waits.images_ms,
         )
         gaze = None
         if frame.gaze is not None:
@@ -295,7 +304,9 @@ class FrameLog:
         seeks_gaze = rendered is not None and rendered.seeks_gaze
         hashed = rendered is not None and rendered.hashed
         image = partial(ImageRow, session_s, time_ns, trial) if hashed else None
-        self._waiting[frame.index] = _Waiting(row, gaze, seeks_gaze, image)
+        timed = rendered is not None and rendered.times_parts
+        part = partial(PartRow, session_s, time_ns, trial) if timed else None
+        self._waiting[frame.index] = _Waiting(row, gaze, seeks_gaze, image, part)
         if rendered is None:
             self.take(())
             return
@@ -307,6 +318,7 @@ class FrameLog:
             rendered.gpu_times or (),
             rendered.image_hashes,
             rendered.gaze_hits,
+            rendered.part_times,
         )
 
     def add_paused(self, frame: Frame, *, trial: int, session_s: float) -> None:
@@ -349,10 +361,13 @@ class FrameLog:
         times: Iterable[GpuTime] = (),
         hashes: Iterable[ImageHash] = (),
         hits: Iterable[GazeHit] = (),
+        parts: Iterable[PartTime] = (),
     ) -> None:
         """Give late values to their rows and write every complete row."""
         self._hashes.update((each.frame_index, each) for each in hashes)
         self._hits.update((each.frame_index, each) for each in hits)
+        for part in parts:
+            self._parts.setdefault(part.frame_index, []).append(part)
         self._focus.update((sample.frame_index, sample) for sample in samples)
         for time in times:
             self._gpu_ms[time.frame_index] = time.gpu_ms
@@ -368,6 +383,8 @@ class FrameLog:
             return False
         if self._waiting[index].seeks_gaze and index not in self._hits:
             return False
+        if self._waiting[index].part is not None and index not in self._parts:
+            return False
         return index in self._focus and (not self.times_gpu or index in self._gpu_ms)
 
     def finish(
@@ -376,18 +393,23 @@ class FrameLog:
         times: Iterable[GpuTime] = (),
         hashes: Iterable[ImageHash] = (),
         hits: Iterable[GazeHit] = (),
+        parts: Iterable[PartTime] = (),
     ) -> None:
         """Write all waiting rows; late values that have not arrived are blank."""
-        self.take(samples, times, hashes, hits)
+        self.take(samples, times, hashes, hits, parts)
         while self._waiting:
             self._write(next(iter(self._waiting)))
         self._focus.clear()
         self._gpu_ms.clear()
         self._hashes.clear()
         self._hits.clear()
+        self._parts.clear()
 
     def _write(self, index: int) -> None:
-        (row, gaze, _, of_image), gpu_ms = self._waiting.pop(index), self._gpu_ms.pop(index, None)
+        row, gaze, _, of_image, of_part = self._waiting.pop(index)
+        gpu_ms, parts = self._gpu_ms.pop(index, None), self._parts.pop(index, ())
+        if of_part is not None:
+            row = partial(row, parts=tuple(of_part(*each[1:]) for each in parts))
         sample, known = self._focus.pop(index, None), self._hashes.pop(index, None)
         image = of_image(known.left, known.right) if known and of_image else None
         hit = self._hits.pop(index, None)

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol, TypeAlias
 
-from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash, RenderResult
+from vrcomfort.frame import (
+    FocusSample,
+    Frame,
+    GazeHit,
+    GpuTime,
+    ImageHash,
+    PartTime,
+    RenderResult,
+)
 from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Condition
 from vrcomfort.records import EventRow, RatingRow
@@ -30,6 +38,9 @@ class Renderer(Protocol):
 
     def drain_times(self) -> Sequence[GpuTime]:
         """Return the GPU times that have not arrived yet."""
+
+    def drain_part_times(self) -> Sequence[PartTime]:
+        """Return times of parts that are still on their way."""
 
     def drain_hashes(self) -> Sequence[ImageHash]:
         """Return the hashes of images that have not arrived yet."""

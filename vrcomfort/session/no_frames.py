@@ -18,6 +18,7 @@ from vrcomfort.frame import (
     GpuTime,
     HeadsetEvent,
     ImageHash,
+    PartTime,
 )
 from vrcomfort.geometry import Fov, Pose, View
 from vrcomfort.protocol import Condition
@@ -145,6 +146,8 @@ class _Unseen:
     image_hashes: tuple[ImageHash, ...] = ()
     seeks_gaze: bool = False
     gaze_hits: tuple[GazeHit, ...] = ()
+    times_parts: bool = False
+    part_times: tuple[PartTime, ...] = ()
     effect_centre: str | None = None
 
 
@@ -170,6 +173,10 @@ class NoPictures:
         return ()
 
     def drain_hashes(self) -> tuple[ImageHash, ...]:
+        """Return nothing."""
+        return ()
+
+    def drain_part_times(self) -> tuple[PartTime, ...]:
         """Return nothing."""
         return ()
 

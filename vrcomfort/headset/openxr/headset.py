@@ -11,7 +11,7 @@ import moderngl
 import xr
 
 from vrcomfort.errors import RuntimeLostError
-from vrcomfort.frame import Frame, HeadsetEvent
+from vrcomfort.frame import Frame, FrameWaits, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.locomotion import Locomotion
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from vrcomfort.headset.window import Mirror
 
 SECOND_NS = 1_000_000_000
+FRAME_WAITS = ("xrWaitFrame", "xrBeginFrame")
+IMAGE_WAITS = ("xrAcquireSwapchainImage", "xrWaitSwapchainImage", "xrReleaseSwapchainImage")
+"""Functions of the runtime that make a frame wait."""
 EXIT_FRAMES = 100
 EXIT_S = 10.0
 """Empty frames, and time, at most until the runtime lets a session go."""
@@ -87,6 +90,7 @@ class OpenXrHeadset:
         self._cut = True
         self._inputs: Inputs | None = None
         self._in_scene = False
+        self._frame_wait_ms = self._image_wait_ms = 0.0
 
     @property
     def name(self) -> str:
@@ -185,6 +189,10 @@ class OpenXrHeadset:
         if images is not None and self._open is not None and self._open.should_render:
             with faults.running():
                 images.draw(eye, depth, near_m)
+
+    def waits(self) -> FrameWaits:
+        """Return the waits of the frame that was submitted last."""
+        return FrameWaits(self._frame_wait_ms, self._image_wait_ms)
 
     @property
     def head_pose(self) -> Pose:
@@ -286,10 +294,13 @@ class OpenXrHeadset:
             return None
         if self._before_wait is not None:
             self._before_wait()
+        RUNTIME_CALLS.take_spent_ms(FRAME_WAITS)
         self._wait_frame(self._xr.session, None, self._frame_state)
         self._xr.actions.sync()  # before the frame begins, as best practices would have it
         if self._begin_frame(self._xr.session, None) != 0:  # the frame before was not ended
             self._events.append(HeadsetEvent("frame_discarded", "by the runtime: it was not seen"))
+        self._frame_wait_ms = RUNTIME_CALLS.take_spent_ms(FRAME_WAITS)
+        RUNTIME_CALLS.take_spent_ms(IMAGE_WAITS)
         self._xr.make_current()
         self._inputs = None
         self._open = self._frame(self._frame_state)
@@ -345,6 +356,7 @@ class OpenXrHeadset:
                 composed.append(self._xr.eyes.structure(space, tracking.xr_views))
             composed += [layer for each in self._panels.shown if (layer := each.structure(space))]
         self._open = None
+        self._image_wait_ms = RUNTIME_CALLS.take_spent_ms(IMAGE_WAITS)
         self._end_frame(frame.predicted_display_time_ns, composed)
         self._xr.make_current()
 
