@@ -6,7 +6,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from vrcomfort.csv_table import whole_or_none
+from vrcomfort.csv_table import number_or_none, whole_or_none
 from vrcomfort.recordings import ExposureFrames
 from vrcomfort.report.rows import HIDDEN, INLINE, as_json
 from vrcomfort.report.study_data import SIMULATED
@@ -111,9 +111,8 @@ def _frame_ms(study: StudyData, condition: str) -> dict[str, float | None]:
         for row in study.timing
         if row["condition"] == condition and (row["participant"], row["session"]) in worn
     ]
-    if not any(row[name] for row in rows for name in FRAME_TIMES):
-        return {}
-    return {name: _mean(float(row[name]) for row in rows if row[name]) for name in FRAME_TIMES}
+    times = {name: _mean(number_or_none(row[name]) for row in rows) for name in FRAME_TIMES}
+    return times if any(each is not None for each in times.values()) else {}
 
 
 def _untracked(study: StudyData) -> dict[str, float]:

@@ -56,6 +56,7 @@ _NEEDED_ELSEWHERE: Mapping[type[Row], tuple[str, ...]] = {
     TaskRow: ("participant",),
     ScreeningRow: ("participant", "rule", "decision"),
     DialRow: ("participant", "dial", "kind", "value"),
+    TimingRow: ("participant", "session", "condition"),
 }
 _INSTEAD = (TaskRow, DialRow, RatingRow, ParticipantRow)
 """What a study may have instead of questionnaires."""
