@@ -72,7 +72,7 @@ def test_its_frames_are_a_trace_and_play(study, vrcomfort, tmp_path):
 def test_a_file_of_the_second_version_gets_the_columns_of_the_third(study):
     session = study / "sub-P02/ses-1"
     second = columns_of_version(2, "frames.csv", FrameRow.columns())
-    later = (*HANDS, "user_present", "paused")
+    later = (*HANDS, "user_present", "paused", "wait_ms", "swapchain_wait_ms")
     assert set(FrameRow.columns()) - set(second) == set(later)
     frames = [{name: row.get(name, "") for name in second} for row in rows(session / "frames.csv")]
     with (session / "frames.csv").open("w", newline="") as stream:
