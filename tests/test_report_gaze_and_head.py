@@ -287,6 +287,17 @@ def test_situations_can_be_scenes(study):
     assert {z.situation for z in found_in(study, plan).zones} == {"temple"}
 
 
+def test_situations_can_be_tasks(study):
+    plan = (
+        PLAN + 'situations = "task"\n[gaze_and_head.labels]\nnone = "Navigation"\nshoot = "Fight"\n'
+    )
+    assert {z.situation for z in found_in(study, plan).zones} == {"Navigation"}
+    rows = ["participant,session,trial,condition,task,kind,onset_s"]
+    rows += ["P01,1,1,dof_off,shoot,shot,100.5"]
+    (study / "sub-P01" / "ses-1" / "tasks.csv").write_text("\n".join(rows) + "\n")
+    assert {z.situation for z in found_in(study, plan).zones} == {"Fight"}
+
+
 def test_a_damaged_recording_is_told_and_left_out(study):
     file = study / "sub-P01" / "ses-1" / "gaze.csv"
     file.write_text(file.read_text().replace(",1,0.0,1.6", ",x,0.0,1.6", 1))

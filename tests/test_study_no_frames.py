@@ -89,7 +89,9 @@ def test_a_task_is_done_without_frames_and_its_rows_are_whole(tmp_path):
     assert rows(tmp_path, "frames.csv") == []
     found = rows(tmp_path, "tasks.csv")
     sums = [row for row in found if row["kind"] == "trial"]
-    assert [row["trial"] for row in sums] == [str(k) for k in range(1, 9)]
+    trials = [row["trial"] for row in rows(tmp_path, "trials.csv")]
+    assert [row["trial"] for row in sums] == trials
+    assert len(trials) > 1
     for row in sums:
         own = [each for each in found if each["trial"] == row["trial"]]
         assert int(row["shots"]) == sum(each["kind"] == "shot" for each in own) > 0

@@ -38,8 +38,8 @@ STEPS_HZ = 20.0
 class EventLoop(FrameLoop):
     """Lets an exposure pass without frames.
 
-    What falls due is met at its own time, and not at the next frame's. Activities in which every
-    frame counts, such as validations of the gaze, go in steps, and these alone have rows of frames.
+    What falls due is met at its own time, and not at the next frame's. Where every frame counts, as
+    with simulated eyes or in a validation of the gaze, time goes in steps with rows of frames.
     """
 
     _scene_s = 0.0
@@ -51,7 +51,7 @@ class EventLoop(FrameLoop):
         progress: Callable[[float], None],
     ) -> Ending:
         task = self._task
-        if task is not None and task.next_s() is None:
+        if self._sees or (task is not None and task.next_s() is None):
             return super()._run(stimulus, schedule, progress)
         duration_s = stimulus.duration_s * stimulus.time_scale
         still = next(self._frames)
@@ -70,6 +70,12 @@ class EventLoop(FrameLoop):
             progress(self.elapsed_s)
             if task is not None and task.done:
                 return "task_done"
+
+    @property
+    def _sees(self) -> bool:
+        """Return whether the gaze of simulated eyes is recorded."""
+        respondent = self.context.respondent
+        return isinstance(respondent, SimulatedRespondent) and respondent.has_eyes
 
     def _next_s(self, schedule: RatingSchedules | None) -> float:
         """Return the next moment of the protocol's time in which something happens."""

@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+NO_TASK = "none"
+"""The task of an exposure without one, as protocols write it."""
 EVERYBODY = ""
 """The situation of all exposures together."""
 SHOWN = 10
@@ -256,16 +258,26 @@ def analyse_gaze_and_head(
     if asked is None:
         return GazeAndHeadAnalysis()
     rates = _head_rates(study)
+    tasks = {_key(row): row.get("task", "") for row in study.tasks}
     exposures: list[SituatedExposure] = []
     notes = []
     for session in study.recorded_sessions:
-        trials = [trial for trial in study.trials if _is_of(session, trial)]
+        trials = [
+            {**trial, "task": tasks.get(_key(trial), NO_TASK)}
+            for trial in study.trials
+            if _is_of(session, trial)
+        ]
         try:
             exposures += _session(session, trials, asked, rates, memory)
         except InputError as error:  # nothing of a session is kept if a part is damaged
             notes.append(str(error).replace(f"{study.source}/", ""))
-    there = {each.situation for each in exposures}
-    order = conditions if asked.situations == "condition" else sorted(there, key=natural)
+    there = dict.fromkeys(each.situation for each in exposures)
+    order: Iterable[str] = {
+        "condition": conditions,
+        "scene": sorted(there, key=natural),
+        "task": [name for name in asked.labels.values() if name in there] + list(there),
+    }[asked.situations]
+    order = dict.fromkeys(order)
     situations = [name for name in order if name in there]
     nodes, shown = _nodes(exposures, situations)
     together = [EVERYBODY] if len(situations) > 1 else []
@@ -286,6 +298,10 @@ def analyse_gaze_and_head(
         notes=notes,
         asked=asked,
     )
+
+
+def _key(trial: Mapping[str, str]) -> tuple[str, str, str]:
+    return trial["participant"], trial.get("session", ""), trial["trial"]
 
 
 def _is_of(session: Session, trial: dict[str, str]) -> bool:
@@ -334,7 +350,8 @@ def _session(
         summary = summarise_exposure(motion, asked, events)
         rate = rates.get((keys.participant, keys.session, keys.trial), (None, None))
         row = _exposure_row(keys, summary, rate)
-        found.append(SituatedExposure(row, trial[asked.situations], summary))
+        name = trial[asked.situations]
+        found.append(SituatedExposure(row, asked.labels.get(name, name), summary))
     return found
 
 

@@ -15,8 +15,11 @@ Zone = Annotated[float, Field(gt=0, le=2)]
 class GazeAndHead(Settings):
     """Where people looked and how their heads moved, on a section of the page."""
 
-    situations: Literal["condition", "scene"] = "condition"
-    """What is compared: a curve, a map and a spectrum of each."""
+    situations: Literal["condition", "scene", "task"] = "condition"
+    """What is compared: a curve, a map and a spectrum of each. An exposure without a task has the
+    task `none`."""
+    labels: dict[str, str] = Field(default_factory=dict)
+    """Scene or task → its name in figures and tables; without it, its own."""
     zones: Annotated[tuple[Zone, ...], Field(min_length=1)] = (
         0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0,
     )  # fmt: skip
