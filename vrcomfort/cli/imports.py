@@ -47,20 +47,30 @@ def import_answers(
         typer.Option(metavar="FILE.toml", help="With --suggest: labels and words of your own."),
     ] = None,
     preview: Annotated[
-        bool, typer.Option("--preview", help="Print what would be imported; write nothing.")
+        bool,
+        typer.Option(
+            "--preview",
+            help="Print what would be imported, and make no study; `--preview page.html` shows "
+            "the files, coloured by role, and the mapping on a page.",
+        ),
     ] = False,
     quiet: Quiet = False,
 ) -> None:
     """Import another lab's questionnaire answers (head traces: `import-trace`).
 
     - `vrcomfort import answers.csv --suggest --out map.toml`
+    - `vrcomfort import answers.csv --suggest --preview page.html` to read it beside the file
     - Read `map.toml`, mend what is wrong in it, and answer its doubts.
     - `vrcomfort import answers.csv --mapping map.toml --out study`
     - `vrcomfort report study --out report`
     """
     if suggest == (mapping is not None):
         raise InputError("give either --suggest or --mapping MAP.toml; start with --suggest")
-    if mapping is None:
+    page = next((file for file in files if preview and file.suffix == ".html"), None)
+    files = [file for file in files if file != page]
+    if page is not None:
+        _write_page(page, files, mapping, instrument or [], vocabulary or [], quiet)
+    elif mapping is None:
         _suggest(files, None if preview else out, instrument or [], vocabulary or [], quiet)
     elif out is None and not preview:
         raise InputError("--out is missing: the study folder to make (or give --preview)")
@@ -108,6 +118,44 @@ def _suggest(
         console(quiet).print(f"\nMapping: {out}")
     for number, doubt in enumerate(found.doubts, start=1):
         warn(f"doubt {number}: {doubt}")
+    if found.guesses:
+        warn(f"{found.guesses} more were not asked: the mapping has a guess for each ([[guesses]])")
+
+
+def _write_page(
+    page: Path,
+    files: list[Path],
+    mapping: Path | None,
+    own: list[Path],
+    vocabularies: list[Path],
+    quiet: bool,
+) -> None:
+    """Write a page with the files and their mapping, given or suggested."""
+    from vrcomfort.importing import import_files
+    from vrcomfort.importing.mapping import parse_mapping, read_mapping
+    from vrcomfort.importing.preview_page import MARK, render_preview
+    from vrcomfort.importing.suggest import suggest_mapping
+    from vrcomfort.questionnaire import find_instrument
+
+    if page.exists() and MARK not in page.read_bytes()[:2000].decode(errors="replace"):
+        raise InputError("is no page of this command; choose another name for the page", file=page)
+    if mapping is None:
+        instruments = [find_instrument(file) for file in own]
+        known = {str(file): each for file, each in zip(own, instruments, strict=True)}
+        text = suggest_mapping(files, known, vocabularies).text
+        read = parse_mapping(text, None)
+    else:
+        loaded = read_mapping(mapping)
+        read, text, instruments = loaded.mapping, loaded.text, [*loaded.instruments]
+    try:
+        imported, refusal = import_files(files, read, instruments), ""
+    except InputError as error:
+        imported, refusal = None, str(error)
+    html = render_preview(files, read, text, imported, instruments)
+    output_file(page, files[0]).write_text(html, encoding="utf-8")
+    console(quiet).print(f"Page: {page}")
+    if refusal:
+        warn(f"the import refuses this mapping: {refusal}")
 
 
 def import_trace(

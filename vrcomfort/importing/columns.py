@@ -121,6 +121,10 @@ class Columns:
         self._used.setdefault(self._index[name], key)
         return self._index[name]
 
+    def use_of(self, index: int) -> str:
+        """Return the key of the mapping that a column is used by; nothing if it is ignored."""
+        return self._used.get(index, "")
+
     def _instrument(self, name: str) -> Instrument:
         if name not in self._known:
             hint = did_you_mean(name, self._known)

@@ -278,9 +278,21 @@ def load_mapping(file: Path) -> MappingFile:
     InputError
         If it is missing or wrong, or a doubt is open; with line and column.
     """
+    found = read_mapping(file)
+    require_answers(found.mapping.doubts, file)
+    return found
+
+
+def read_mapping(file: Path) -> MappingFile:
+    """Read a mapping; its doubts may be open.
+
+    Raises
+    ------
+    InputError
+        If it is missing or wrong, with line and column.
+    """
     text = read_text(file, "mapping")
     mapping = parse_mapping(text, file)
-    require_answers(mapping.doubts, file)
     own = tuple(find_instrument(name, beside=file.parent) for name in mapping.instruments)
     mapping.require_none(_unknown(mapping, {each.name: each for each in own}))
     return MappingFile(mapping, file, text, own)

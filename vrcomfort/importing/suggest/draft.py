@@ -69,7 +69,8 @@ class OpenDoubt(NamedTuple):
     def words(self) -> str:
         """Return the doubt in one line."""
         wrong = f" If not: {self.otherwise}." if self.otherwise else ""
-        return f"{self.question} Assumed: {self.assumed}.{wrong}".replace("?.", "?")
+        stop = "" if self.assumed[-1:] in {".", "…", "?"} else "."
+        return f"{self.question} Assumed: {self.assumed}{stop}{wrong}"
 
 
 @dataclass
