@@ -133,11 +133,11 @@ def _write_page(
     """Write a page with the files and their mapping, given or suggested."""
     from vrcomfort.importing import import_files
     from vrcomfort.importing.mapping import parse_mapping, read_mapping
-    from vrcomfort.importing.preview_page import MARK, render_preview
+    from vrcomfort.importing.preview_page import is_preview, render_preview
     from vrcomfort.importing.suggest import suggest_mapping
     from vrcomfort.questionnaire import find_instrument
 
-    if page.exists() and MARK not in page.read_bytes()[:2000].decode(errors="replace"):
+    if page.exists() and not is_preview(page):
         raise InputError("is no page of this command; choose another name for the page", file=page)
     if mapping is None:
         instruments = [find_instrument(file) for file in own]

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from vrcomfort import __version__
 from vrcomfort.errors import InputError
+from vrcomfort.files import open_file
 from vrcomfort.importing.columns import Block, Columns
 from vrcomfort.importing.files import as_table, read_grids
 from vrcomfort.importing.mapping import FACTS, Doubt, Guess, LabMapping, Scores, TableMapping
@@ -22,8 +23,7 @@ from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.web_page import page_templates
 
 TEMPLATE = "import_preview.html.j2"
-MARK = '<meta name="generator" content="vrcomfort'
-"""What a page of this command has, and may be replaced for."""
+_MARK = b'<meta name="generator" content="vrcomfort'
 MOST_ROWS, MOST_TABLES = 30, 8
 """Of each table, and tables of a study of many files: the first ones."""
 KINDS = {
@@ -38,6 +38,12 @@ KINDS = {
     "ignored": "not taken",
 }
 """Kind of a column → its name in the key."""
+
+
+def is_preview(file: Path) -> bool:
+    """Return whether a file is a page of an import, which may be replaced."""
+    with open_file(file) as stream:
+        return _MARK in stream.read(2000)
 
 
 @dataclass(frozen=True)
