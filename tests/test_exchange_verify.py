@@ -251,6 +251,22 @@ def test_packed_copies_belong_to_a_session(run, study: Path) -> None:
     assert notes == [f"{SESSION}/gaze.parquet: {words}"]
 
 
+def test_a_packed_copy_that_was_changed_is_named_and_one_that_was_removed_is_not(
+    run, study: Path
+) -> None:
+    assert run("pack", study)[0] == 0
+    file = study / SESSION / "frames.parquet"
+    content = bytearray(file.read_bytes())
+    content[len(content) // 3] ^= 1
+    file.write_bytes(content)
+    (fault,) = told(study)
+    assert fault.startswith(f"{SESSION}/frames.parquet: has changed since it was packed")
+    file.unlink()
+    assert verify_study(study).findings == []
+    assert run("pack", study)[0] == 0
+    assert verify_study(study).findings == []
+
+
 def test_what_the_system_does_not_let_us_read_is_a_finding_like_others(study, monkeypatch) -> None:
     table = study / SESSION / "ratings.csv"
     table.unlink()

@@ -53,6 +53,9 @@ def make(folder: Path) -> None:
     ended, _ = in_child(folder, partial(command, words))
     if ended.code:
         raise RuntimeError(ended.said)
+    ended, _ = in_child(folder, partial(command, ["pack", "study", "--quiet"]))
+    if ended.code:
+        raise RuntimeError(ended.said)
     shutil.rmtree(folder / "whole")
 
 
@@ -74,7 +77,7 @@ def case(folder: Path, _number: int, seed: int) -> dict[str, Any]:
     return {"name": f"{name} {how}", "fault": fault, "detail": "; ".join(wrong[:3])}
 
 
-SUFFIXES = {".csv", ".json", ".sha256"}
+SUFFIXES = {".csv", ".json", ".sha256", ".parquet"}
 
 
 def told(study: Path) -> set[str]:
@@ -85,11 +88,11 @@ def told(study: Path) -> set[str]:
 def tamper(file: Path, rng: Rng) -> str:
     """Change a file; return how."""
     content = changed = file.read_bytes()
-    if rng.random() < 0.1:
+    if rng.random() < 0.1 and file.suffix != ".parquet":  # which may be removed
         file.unlink()
         return "was removed"
     while changed == content:
-        in_text = file.suffix != ".sha256" and rng.random() < 0.8
+        in_text = file.suffix in {".csv", ".json"} and rng.random() < 0.8
         changed = worse(content, file.suffix, rng) if in_text else in_bytes(content, rng)
     file.write_bytes(changed)
     return f"was changed ({len(content)} to {len(changed)} bytes)"

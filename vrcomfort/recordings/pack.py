@@ -15,7 +15,15 @@ import duckdb
 
 from vrcomfort.errors import InputError
 from vrcomfort.files import open_file
-from vrcomfort.records.disk import OWNER, only_program, refuse_links, refused, sync_folder
+from vrcomfort.records.checksums import CHECKSUMS, update_checksums
+from vrcomfort.records.disk import (
+    OWNER,
+    access_like,
+    only_program,
+    refuse_links,
+    refused,
+    sync_folder,
+)
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.recording import (
     FILLED,
@@ -78,7 +86,11 @@ def pack_study(
     found = sorted(file for name in names for file in study.rglob(name))
     if not found:
         raise InputError("there is no frames.csv or gaze.csv in this folder", file=study)
-    yield from work(partial(pack, study, memory), found)
+    for done in work(partial(pack, study, memory), found):
+        folder = done.csv.parent
+        if done.new and (folder / CHECKSUMS).exists():
+            update_checksums(folder, [done.parquet.name], access_like(folder / CHECKSUMS))
+        yield done
 
 
 def pack(study: Path, memory: Memory, csv: Path) -> Packed:

@@ -2,7 +2,8 @@
 
 It has the form of the program ``sha256sum``, so ``sha256sum --check checksums.sha256`` reads it.
 Lines that begin with # are comments to that program. The first is the checksum of the lines after
-it; of a study's files others are those of each column or key, so that a change can be named.
+it; of a study's files others are those of each column or key, so that a change can be named, and of
+a session those of Parquet files, which may be removed.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ class Checksum(NamedTuple):
 def write_checksums(folder: Path, access: Access) -> None:
     """Write the checksums of a session's files after its end.
 
-    Parquet files are left out: they are copies that can be made again.
+    Parquet files are left out: `vrcomfort pack` enters those that it makes.
 
     Raises
     ------
@@ -122,6 +123,11 @@ def checksums_of(name: str, text: str) -> dict[str, str]:
         f"{name}{_PART}{escape_unprintable(part)}": _sha256(content)
         for part, content in parts.items()
     }
+
+
+def _is_no_record(name: str) -> bool:
+    """Return whether a line is a comment: of a column or key, or of a copy that can be removed."""
+    return _PART in name or name.endswith(".parquet")
 
 
 def listed_files(known: Iterable[str]) -> list[str]:
@@ -203,6 +209,8 @@ def _write(
     being_replaced: Mapping[str, str] | None = None,
 ) -> None:
     lines = [f"{sha256}  {name}\n" for name, sha256 in (being_replaced or {}).items()]
-    lines += [f"{'# ' if _PART in name else ''}{known[name]}  {name}\n" for name in sorted(known)]
+    lines += [
+        f"{'# ' if _is_no_record(name) else ''}{known[name]}  {name}\n" for name in sorted(known)
+    ]
     text = "".join(lines)
     replace_text(folder / CHECKSUMS, f"# {_sha256(text)}  {_BELOW}\n{text}", access)

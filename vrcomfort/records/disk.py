@@ -33,6 +33,11 @@ _CANNOT_SYNC = {errno.EINVAL, errno.ENOTSUP}
 """What pipes, devices and some network folders say, which have nothing to sync."""
 
 
+def access_like(file: Path) -> Access:
+    """Return the permissions of files like one that is there."""
+    return GROUP if file.stat().st_mode & 0o040 else OWNER
+
+
 def make_folders(study: Path, folder: Path, access: Access) -> None:
     """Make a study's folder, and one inside it; their names are on the disk at return.
 

@@ -120,6 +120,8 @@ def check_checksums(folder: Path, found: Verified, *, ended: bool) -> None:
         return
     for name, checksum in known.items():
         each = folder / name
+        if name in _PACKED and not each.exists():
+            continue
         if not each.is_file() or each.is_symlink():
             found.altered.add(each)
             if name not in {row.FILE for row in SESSION_ROWS}:  # the others have been told
@@ -129,8 +131,12 @@ def check_checksums(folder: Path, found: Verified, *, ended: bool) -> None:
             found.counts["files as they were when their session ended"] += 1
         else:
             message = f"has changed since the session ended ({CHECKSUMS}, line {checksum.line})"
+            hint = "restore it from a copy, or write down why"
+            if name in _PACKED:
+                message = f"has changed since it was packed ({CHECKSUMS}, line {checksum.line})"
+                hint = "remove it; vrcomfort pack writes it again"
             found.altered.add(each)
-            found.fault(each, f"{message}; restore it from a copy, or write down why")
+            found.fault(each, f"{message}; {hint}")
     for name in sorted(_OWN - known.keys() - {CHECKSUMS}):
         if (folder / name).exists():
             found.fault(folder / name, f"is not in {CHECKSUMS}: it came after the session's end")
