@@ -93,7 +93,7 @@ class Faults:
             self.met.add(kind)
             first = last + int(random.integers(3, 40))
         if self.loss is not None:
-            lines.append(self.loss.format(int(random.integers(130, 260))))
+            lines.append(self.loss.format(int(random.integers(70, 130))))
         return "\n".join(lines)
 
 
