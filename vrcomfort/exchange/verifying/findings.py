@@ -93,7 +93,7 @@ class Verified:
         return other if other in self.altered and file not in self.altered else file
 
     def leave_out_consequences(self) -> None:
-        """Leave out faults of intact files where another file of that participant was altered.
+        """Leave out findings of intact files where another file of that participant was altered.
 
         Files are compared with each other: what is wrong in one is seen in the others, too.
         """
@@ -105,7 +105,10 @@ class Verified:
                 altered & {whose, ""} if whose else altered
             )
 
-        self.findings = [each for each in self.findings if not (each.fault and follows(each))]
+        def compares(finding: Finding) -> bool:
+            return finding.fault or finding.file.endswith(".parquet")  # with its CSV
+
+        self.findings = [each for each in self.findings if not (compares(each) and follows(each))]
 
     def refusal(self, error: InputError, file: Path) -> None:
         """Add a reader's error on a file."""
