@@ -149,3 +149,16 @@ def test_a_table_of_an_import_that_is_gone_is_told(answers: Path, tmp_path: Path
     (study / "questionnaires.csv").unlink()
     (fault,) = map(str, verify_study(study).faults)
     assert fault == "questionnaires.csv: is missing; restore it from a copy, or import again"
+
+
+def test_an_import_whose_list_of_participants_is_empty_is_copied(
+    answers: Path, tmp_path: Path
+) -> None:
+    study = Path(shutil.copytree(answers, tmp_path / "study"))
+    people = study / "participants.csv"
+    people.write_text(people.read_text().splitlines(keepends=True)[0])
+    (study / "questionnaires.csv").unlink()
+    (study / "checksums.sha256").unlink()
+    record = anonymise(study, tmp_path / "copy", AnonymisingOptions(seed=1))
+    assert record["still_there"]["smallest_group_with_the_same_covariates"] is None
+    assert export_bids(study, tmp_path / "bids") == []

@@ -64,7 +64,8 @@ def write_anonymous(
         "notes": ["anonymous copy of an import"],
     }  # fmt: skip
     replace_listed(out / IMPORT, json_of(provenance) + "\n", access)
-    groups = Counter(tuple(row.get(name, "") for name in known) for row in source.people)
+    people = source.people if known else []
+    groups = Counter(tuple(row.get(name, "") for name in known) for row in people)
     return {
         "columns_blank": {file: names for file, names in blanked.items() if names},
         "events_not_known": [],
@@ -72,7 +73,7 @@ def write_anonymous(
         "still_there": {
             "people_are_recognised_by": [],
             "covariates": known,
-            "smallest_group_with_the_same_covariates": min(groups.values()) if known else None,
+            "smallest_group_with_the_same_covariates": min(groups.values(), default=None),
             "columns": columns,
         },
     }
