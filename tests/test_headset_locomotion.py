@@ -312,3 +312,15 @@ def test_the_mouse_turns_smoothly_beside_snap_turns() -> None:
     walker = snapping()
     assert not walker.step(HEAD, MoveCommand(turn_rad=0.1), FRAME_S)
     np.testing.assert_allclose(walker.avatar.orientation, axis_angle([0.0, 1.0, 0.0], 0.1))
+
+
+@pytest.mark.parametrize("turning_deg_s", [30.0, 60.0, 120.0])
+def test_the_stick_turns_at_the_rate_of_the_protocol(turning_deg_s):
+    walks = Locomotion(turning_deg_s=turning_deg_s)
+    walks.send(spawn=Pose(), floors=Floors())
+    walks.arrive(Pose())
+    for _ in range(10):
+        walks.step(Pose(), MoveCommand(turn_rate=1.0), 0.05)
+    yaw_rad = np.radians(0.5 * turning_deg_s)
+    ahead = [-np.sin(yaw_rad), 0.0, -np.cos(yaw_rad)]
+    np.testing.assert_allclose(walks.avatar.forward, ahead, atol=1e-9)

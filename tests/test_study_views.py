@@ -206,6 +206,31 @@ def test_unwrapped_headings_that_are_not_written_turn_the_shorter_way():
     assert turned_deg(CameraPath(onwards, unwrapped=True), 3) == pytest.approx(720 - 90)
 
 
+def test_a_path_turns_at_the_rates_of_its_points():
+    points = (
+        PathPoint(time_s=0, position=(0, 0, 0), yaw_deg=10, turning_deg_s=90),
+        PathPoint(time_s=5, position=(0, 0, 0), turning_deg_s=90),
+        PathPoint(time_s=8, position=(0, 0, 0)),
+    )
+    path = CameraPath(points)
+    for time_s in np.arange(0.0, 8.0, 0.25).tolist():
+        facing = path.pose(time_s).forward
+        yaw_rad = np.radians(10 + 90 * time_s)
+        np.testing.assert_allclose(facing, [-np.sin(yaw_rad), 0, -np.cos(yaw_rad)], atol=1e-9)
+
+
+def test_a_path_that_loops_begins_again_at_the_same_speed():
+    corners = [(0, 0, 0), (2, 0, 0), (2, 0, -2), (0, 0, -2), (0, 0, 0)]
+    points = [PathPoint(time_s=2 * k, position=at, yaw_deg=0) for k, at in enumerate(corners)]
+    path = CameraPath(points, loop=True)
+    assert path.closes
+    times_s = np.arange(0.0, 8.0, 0.1)
+    np.testing.assert_allclose(path.positions(times_s + 24.0), path.positions(times_s), atol=1e-9)
+    ends = path.positions(np.array([7.99, 8.0, 8.01]))
+    np.testing.assert_allclose(ends[1] - ends[0], ends[2] - ends[1], atol=1e-3)
+    assert not CameraPath(points[:-1], loop=True).closes
+
+
 def test_steps_of_half_a_turn_and_more_that_are_not_turned_are_known():
     found = [each[:3] for each in CameraPath(TURNING).shortened]
     assert found == [(1, 0, 360), (2, 360, 720), (3, 720, 350)]

@@ -157,7 +157,6 @@ def _steps_in(
     protocol: Protocol, name: str, size_px: tuple[int, int], refresh_hz: float
 ) -> list[HeadStep | None]:
     """Return the steps of a scene's walk in their order, None at cuts, and those of locomotion."""
-    from vrcomfort.headset.locomotion import TURNING_SPEED_RAD_S
     from vrcomfort.render.stimulus_check import step_between
     from vrcomfort.scene.load import load_scene
 
@@ -183,7 +182,7 @@ def _steps_in(
             ]
     walks = protocol.locomotion
     if walks.mode == "walk" and standing.path is None:
-        turning_deg_s = 0.0 if walks.snap_turn_deg else np.degrees(TURNING_SPEED_RAD_S)
+        turning_deg_s = 0.0 if walks.snap_turn_deg else walks.turning_deg_s
         for moved in (_ahead(walks.walking_speed_m_s), _turned(turning_deg_s)):
             steps += _SUSTAINED * [HeadStep(still, still, still, moved, _MOMENT_S)]
     return steps

@@ -281,6 +281,7 @@ def openxr_setup(
             image_size_px=size_px,
             refresh_hz=refresh_hz,
             walking_speed_m_s=protocol.locomotion.walking_speed_m_s,
+            turning_deg_s=protocol.locomotion.turning_deg_s,
             snap_turn_deg=protocol.locomotion.snap_turn_deg,
             teleport_m=protocol.locomotion.step_at_once_m,
         )

@@ -21,8 +21,9 @@ from vrcomfort.scene.floors import STEP_M, Floors
 WALKING_SPEED_M_S = 1.4
 """Carnegie & Rhee (2015); a protocol may say otherwise."""
 
-TURNING_SPEED_RAD_S = np.pi / 3
-"""Of the right thumb-stick; not in the paper, where a mouse turns the torso."""
+TURNING_DEG_S = 60.0
+"""Of the right thumb-stick; not in the paper, where a mouse turns the torso. A protocol may say
+otherwise."""
 
 DEAD_ZONE = 0.25
 """Dead zone of a thumb-stick around its middle. Beyond, speed is always the same."""
@@ -65,6 +66,8 @@ class Locomotion:
     ----------
     speed_m_s
         Total speed, along slopes and steps too.
+    turning_deg_s
+        Rate at which the thumb-stick turns.
     snap_turn_deg
         The thumb-stick turns by this angle at once, each time that it leaves its middle; None
         turns smoothly.
@@ -83,10 +86,11 @@ class Locomotion:
         self,
         speed_m_s: float = WALKING_SPEED_M_S,
         *,
+        turning_deg_s: float = TURNING_DEG_S,
         snap_turn_deg: float | None = None,
         teleport_m: float | None = None,
     ) -> None:
-        self._speed_m_s = speed_m_s
+        self._speed_m_s, self._turning_rad_s = speed_m_s, np.radians(turning_deg_s)
         self._teleport_m = teleport_m
         self._pushed, self._on_foot = True, True
         self.teleported = False
@@ -144,7 +148,7 @@ class Locomotion:
             return False
         seconds = min(duration_s, LONGEST_S)
         snap_rad = self._snap_rad(command)
-        smooth_rad = command.turn_rate * TURNING_SPEED_RAD_S * seconds
+        smooth_rad = command.turn_rate * self._turning_rad_s * seconds
         stick_rad = smooth_rad if self._snap_turn_rad is None else snap_rad
         self._turn(head, command.turn_rad + stick_rad)
         length = np.hypot(command.right, command.forward)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from pathlib import Path as FilePath
 
@@ -140,6 +141,7 @@ def _ratings(protocol: Protocol) -> Iterator[Problem]:
 _NEEDS_MODE = {
     "teleport_m": ("teleport",),
     "walking_speed_m_s": ("walk",),
+    "turning_deg_s": ("walk", "teleport"),
     "snap_turn_deg": ("walk", "teleport"),
 }
 """Keys of [locomotion] that do nothing in other modes."""
@@ -207,10 +209,12 @@ def view_problems(protocol: Protocol, shipped: list[str]) -> Iterator[Problem]:
         if len(places) > 1:
             message = f"`{places[0]}` and `{places[1]}` exclude each other; keep one"
             yield Problem((*path, places[1]), message)
-        if view.unwrapped and view.points is None:
-            message = "`unwrapped` does nothing without `points`; a side-car says it of its paths"
-            yield Problem((*path, "unwrapped"), message)
-        if view.points is not None and view.points[-1].time_s < protocol.length_s(view.name):
+        for key in ("unwrapped", "loop"):
+            if getattr(view, key) and view.points is None:
+                message = f"`{key}` does nothing without `points`; a side-car says it of its paths"
+                yield Problem((*path, key), message)
+        ends_s = view.points[-1].time_s if view.points and not view.loop else math.inf
+        if view.points is not None and ends_s < protocol.length_s(view.name):
             yield Problem((*path, "points"), too_short(protocol, view, view.points[-1].time_s))
 
 

@@ -91,9 +91,11 @@ class LocomotionSettings(Settings):
     """How far a teleport goes; not through walls, and no higher than a step."""
     walking_speed_m_s: Annotated[float, Field(ge=0.001, le=100)] = 1.4
     """Total speed, stairs included: climbing takes from the horizontal part."""
+    turning_deg_s: Annotated[float, Field(ge=1, le=720)] = 60.0
+    """Rate at which the right thumb-stick turns the participant."""
     snap_turn_deg: Annotated[float, Field(ge=1, le=180)] | None = None
     """The right thumb-stick turns by this angle at once, each time that it is pushed aside; without
-    it, it turns at 60 degrees per second. The mouse of a window always turns smoothly."""
+    it, it turns at `turning_deg_s`. The mouse of a window always turns smoothly."""
 
     @property
     def step_at_once_m(self) -> float | None:
@@ -137,6 +139,9 @@ class SceneView(Settings):
     unwrapped: bool = False
     """Of `points`: whether `yaw_deg` turns as far as is written, from 0 to 360 once round to the
     left. Without it, headings turn the shorter way, and 360 degrees are none."""
+    loop: bool = False
+    """Whether `points` begin again when they are over: the last is where the first is, and headings
+    differ by whole turns."""
     exposure_s: Annotated[float, Field(ge=0.001, le=14_400)] | None = None
     """How long a trial shows it; without it, the protocol's `exposure_s`."""
 

@@ -12,6 +12,8 @@ from vrcomfort.geometry import Array, Pose, axis_angle
 from vrcomfort.settings.camera_path import PathPoint
 
 _SAME_PLACE_M = 1e-9
+_CLOSED = 1e-6
+"""Largest gap, in metres or turns, of a path that closes."""
 
 
 class ShortenedTurn(NamedTuple):
@@ -36,6 +38,8 @@ class CameraPath:
         At least two, times rising from 0.
     unwrapped
         Whether headings turn as far as is written; those that are not, the shorter way.
+    loop
+        Whether it begins again when it is over.
 
     Attributes
     ----------
@@ -43,22 +47,34 @@ class CameraPath:
         Steps of 180 degrees or more that are written and not turned.
     """
 
-    def __init__(self, points: Sequence[PathPoint], *, unwrapped: bool = False) -> None:
+    def __init__(
+        self, points: Sequence[PathPoint], *, unwrapped: bool = False, loop: bool = False
+    ) -> None:
+        self.loop = loop
         self._times_s = np.array([point.time_s for point in points])
         positions = np.array([point.position for point in points])
         yaws_rad = _yaws_rad(points, positions)
         yaws_rad = _as_written(points, yaws_rad) if unwrapped else np.unwrap(yaws_rad)
         self.shortened = () if unwrapped else tuple(_shortened(points, yaws_rad))
+        yaws_rad = _at_their_rates(points, yaws_rad)
         self._knots = np.column_stack([positions, yaws_rad])
-        self._slopes = _monotone_slopes(self._times_s, self._knots)
+        slopes = _slopes_of_loop if loop else _monotone_slopes
+        self._slopes = slopes(self._times_s, self._knots)
+
+    @property
+    def closes(self) -> bool:
+        """Return whether the last point is where the first is, and heads there too."""
+        apart_m = np.abs(self._knots[-1, :3] - self._knots[0, :3]).max()
+        turns = (self._knots[-1, 3] - self._knots[0, 3]) / (2 * np.pi)
+        return bool(apart_m < _CLOSED and abs(turns - np.round(turns)) < _CLOSED)
 
     @property
     def duration_s(self) -> float:
-        """Return when the last point is reached."""
+        """Return when the last point is reached, for the first time."""
         return float(self._times_s[-1])
 
     def pose(self, time_s: float) -> Pose:
-        """Return world-from-floor at a time: before the first and after the last it stands."""
+        """Return world-from-floor at a time; before the first and after the last it stands."""
         x, y, z, yaw_rad = self._values(np.array([time_s]))[0]
         return Pose(np.array([x, y, z]), axis_angle([0.0, 1.0, 0.0], float(yaw_rad)))
 
@@ -73,6 +89,8 @@ class CameraPath:
     def _values(self, times_s: Array) -> Array:
         """Return (n, 4) x, y, z and yaw: cubic Hermite between points."""
         knots_s = self._times_s
+        if self.loop:
+            times_s = times_s % self.duration_s
         times_s = np.clip(times_s, 0.0, self.duration_s)
         left = np.clip(np.searchsorted(knots_s, times_s, side="right") - 1, 0, len(knots_s) - 2)
         step_s = (knots_s[left + 1] - knots_s[left])[:, None]
@@ -100,6 +118,31 @@ def _monotone_slopes(times_s: Array, values: Array) -> Array:
     safe_before, safe_after = np.where(goes_on, before, 1.0), np.where(goes_on, after, 1.0)
     mean = (first + second) / (first / safe_before + second / safe_after)
     return np.vstack([ways[:1], np.where(goes_on, mean, 0.0), ways[-1:]])
+
+
+def _slopes_of_loop(times_s: Array, values: Array) -> Array:
+    """Return (n, k) slopes of a way that begins again: alike at both ends."""
+    before_s, after_s = times_s[0] - np.diff(times_s)[-1], times_s[-1] + np.diff(times_s)[0]
+    ways = np.diff(values, axis=0)
+    around = np.vstack([values[:1] - ways[-1:], values, values[-1:] + ways[:1]])
+    return _monotone_slopes(np.array([before_s, *times_s, after_s]), around)[1:-1]
+
+
+def _at_their_rates(points: Sequence[PathPoint], yaws_rad: Array) -> Array:
+    """Return the (n,) headings with turns at the rates of points; what follows turns with them."""
+    if all(point.turning_deg_s is None for point in points):
+        return yaws_rad
+    turned = yaws_rad.copy()
+    for index, (before, after) in enumerate(pairwise(points), start=1):
+        if before.turning_deg_s is not None:
+            turn_rad = np.radians(before.turning_deg_s * (after.time_s - before.time_s))
+            turned[index] = turned[index - 1] + turn_rad
+        else:
+            turned[index] = turned[index - 1] + yaws_rad[index] - yaws_rad[index - 1]
+            if after.yaw_deg is not None:  # as written, by whole turns off at most
+                off = np.radians(after.yaw_deg) - turned[index]
+                turned[index] += off - 2 * np.pi * np.round(off / (2 * np.pi))
+    return turned
 
 
 def _yaws_rad(points: Sequence[PathPoint], positions: Array) -> Array:

@@ -110,6 +110,9 @@ class SceneryPath(Settings):
     unwrapped: bool = False
     """Whether `yaw_deg` turns as far as is written, from 0 to 360 once round to the left; without
     it, headings turn the shorter way."""
+    loop: bool = False
+    """Whether it begins again when it is over: the last point is where the first is, and headings
+    differ by whole turns."""
 
 
 class Ramp(Settings):
@@ -332,7 +335,7 @@ def _viewpoints(side_car: SideCar) -> dict[str, Pose]:
 
 def _paths(side_car: SideCar) -> dict[str, CameraPath]:
     return {
-        name: CameraPath(path.points, unwrapped=path.unwrapped)
+        name: CameraPath(path.points, unwrapped=path.unwrapped, loop=path.loop)
         for name, path in side_car.paths.items()
     }
 

@@ -60,7 +60,7 @@ def start_pose_of(scene: Any, view: SceneView, *, walks: bool) -> StartPose:
 
 def _path(scene: Scene, view: SceneView) -> CameraPath | None:
     if view.points is not None:
-        return CameraPath(view.points, unwrapped=view.unwrapped)
+        return CameraPath(view.points, unwrapped=view.unwrapped, loop=view.loop)
     return None if view.path is None else _named(scene.paths, "path", view.path, view)
 
 
@@ -103,7 +103,10 @@ def place_faults(protocol: Protocol, load_scene: LoadScene | None = None) -> Ite
             continue
         if path is None:
             continue
-        if path.duration_s < protocol.length_s(view.name):
+        if path.loop and not path.closes:
+            message = "a path that loops ends where it begins, and turns by whole turns; change its"
+            yield protocol.fault(key, f"{message} last point")
+        if not path.loop and path.duration_s < protocol.length_s(view.name):
             yield protocol.fault(key, too_short(protocol, view, path.duration_s))
         if load_scene is not None:
             for sentence in _leaves(path, load_scene(source)):

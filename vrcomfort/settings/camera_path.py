@@ -24,6 +24,9 @@ class PathPoint(Settings):
     yaw_deg: _Finite | None = None
     """Heading, turned to the left from -Z; without it, towards the next point. From one point to
     the next it turns the shorter way, or with `unwrapped` as far as is written."""
+    turning_deg_s: Annotated[float, Field(ge=-720, le=720)] | None = None
+    """Mean rate of turning from here to the next point, to the left; that has no `yaw_deg` then.
+    Where the rate changes at a point, it does so smoothly."""
 
 
 def _timed(points: tuple[PathPoint, ...]) -> tuple[PathPoint, ...]:
@@ -34,6 +37,12 @@ def _timed(points: tuple[PathPoint, ...]) -> tuple[PathPoint, ...]:
             problem = "times must rise: {after} s follows {before} s"
             context = {"after": f"{after.time_s:g}", "before": f"{before.time_s:g}"}
             raise PydanticCustomError("camera_path", problem, context)
+        if before.turning_deg_s is not None and after.yaw_deg is not None:
+            problem = "the point at {after} s has both a `yaw_deg` and a `turning_deg_s` to it"
+            context = {"after": f"{after.time_s:g}"}
+            raise PydanticCustomError("camera_path", problem, context)
+    if points and points[-1].turning_deg_s is not None:
+        raise PydanticCustomError("camera_path", "the last point has nowhere to turn to")
     return points
 
 

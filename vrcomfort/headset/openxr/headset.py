@@ -76,6 +76,7 @@ class OpenXrHeadset:
         self._panels = Panels(self._xr.panel_canvas)
         walks = Locomotion(
             settings.walking_speed_m_s,
+            turning_deg_s=settings.turning_deg_s,
             snap_turn_deg=settings.snap_turn_deg,
             teleport_m=settings.teleport_m,
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vrcomfort.headset.locomotion import WALKING_SPEED_M_S
+from vrcomfort.headset.locomotion import TURNING_DEG_S, WALKING_SPEED_M_S
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,8 @@ class OpenXrSettings:
         rests do not count.
     walking_speed_m_s
         Total speed of walking by thumb-stick.
+    turning_deg_s
+        Rate at which the other thumb-stick turns.
     snap_turn_deg
         By which the other thumb-stick turns at once; None turns smoothly.
     teleport_m
@@ -47,5 +49,6 @@ class OpenXrSettings:
     image_timeout_s: float = 5.0
     patience_s: float = 600.0
     walking_speed_m_s: float = WALKING_SPEED_M_S
+    turning_deg_s: float = TURNING_DEG_S
     snap_turn_deg: float | None = None
     teleport_m: float | None = None
