@@ -17,7 +17,8 @@ from tests.support.openxr import Participant, fresh_monado, needs_monado
 from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl
 from vrcomfort.headset.monado import RemoteState
-from vrcomfort.protocol import Condition
+from vrcomfort.protocol import Condition, DepthOfField, Focus
+from vrcomfort.protocol.viewing import DepthMode
 from vrcomfort.render.condition_passes import EyeImages
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.load import load_scene
@@ -95,11 +96,20 @@ class Runtime:
         return follow(session, info)
 
 
-def test_the_runtime_gets_the_depth_that_was_drawn(ctx: moderngl.Context, tmp_path: Path) -> None:
+FAR = Focus(method="fixed", fixed_m=20.0)
+LENS = DepthOfField(law="dioptre", max_radius_percent=10.0)
+
+
+@pytest.mark.parametrize("mode", ["scene", "blur_aware"])
+def test_the_runtime_gets_the_depth_that_was_drawn(
+    ctx: moderngl.Context, tmp_path: Path, mode: DepthMode
+) -> None:
     runtime = Runtime(ctx)
     drawn: list[np.ndarray] = []
+    own: list[np.ndarray] = []
     scene = load_scene("temple")
-    settings = OpenXrSettings(image_size_px=SIZE_PX, api_layers=(runtime.layer.name,))
+    layers = (runtime.layer.name,)
+    settings = OpenXrSettings(image_size_px=SIZE_PX, api_layers=layers, depth=mode)
     standing = RemoteState(Pose([0.0, 1.6, 0.0]))
     with fresh_monado(tmp_path) as monado, monado.feed() as feed:
         feed.send(standing)
@@ -107,19 +117,25 @@ def test_the_runtime_gets_the_depth_that_was_drawn(ctx: moderngl.Context, tmp_pa
         with OpenXrHeadset(ctx, settings, before_wait=participant) as headset:
 
             def on_eye(eye: int, images: EyeImages) -> None:
-                headset.take_depth(eye, images.depth, images.camera.near_m)
-                drawn.append(np.frombuffer(images.depth.read(), np.float32))
+                headset.take_depth(eye, images.headset_depth, images.camera.near_m)
+                drawn.append(np.frombuffer(images.headset_depth.read(), np.float32))
+                own.append(np.frombuffer(images.depth.read(), np.float32))
 
-            renderer = StereoRenderer(ctx, SIZE_PX, near_m=NEAR_M, on_eye=on_eye)
-            renderer.begin(scene, Condition(name="pinhole"))
+            renderer = StereoRenderer(
+                ctx, SIZE_PX, near_m=NEAR_M, on_eye=on_eye, headset_depth=mode
+            )
+            renderer.begin(scene, Condition(name="lens", focus=FAR, depth_of_field=LENS))
             headset.place(spawn=scene.spawn)
             visible = (each for each in headset.frames() if each.should_render)
             for frame in islice(visible, 4):
                 headset.submit(frame, renderer.render(frame, 0.0).eyes)
             assert headset.details["depth_layer"] == "DEPTH_COMPONENT32F"
+            assert headset.details["depth"] == mode
     renderer.release()
     shown = [image for image in runtime.images if image.any()]
     assert len(shown) == 8
+    assert all((a >= b).all() for a, b in zip(drawn, own, strict=True))
+    assert any((a > b).any() for a, b in zip(drawn, own, strict=True)) == (mode == "blur_aware")
     assert all(np.array_equal(*pair) for pair in zip(shown, drawn, strict=True))
     assert np.ptp(shown[0]) > 0.001
     assert not np.array_equal(shown[0], shown[1])
@@ -148,7 +164,7 @@ def test_a_frame_without_both_depths_goes_without(ctx: moderngl.Context, tmp_pat
 
 
 def test_depth_can_be_switched_off(ctx: moderngl.Context, tmp_path: Path) -> None:
-    settings = OpenXrSettings(image_size_px=SIZE_PX, depth=False)
+    settings = OpenXrSettings(image_size_px=SIZE_PX, depth="off")
     depth = gl.depth_texture(ctx, SIZE_PX)
     with fresh_monado(tmp_path) as monado, monado.feed() as feed:
         feed.send(RemoteState(Pose([0.0, 1.6, 0.0])))
@@ -156,3 +172,4 @@ def test_depth_can_be_switched_off(ctx: moderngl.Context, tmp_path: Path) -> Non
             next(headset.frames())
             headset.take_depth(0, depth, NEAR_M)
             assert headset.details["depth_layer"] == "switched off"
+            assert headset.details["depth"] == "off"

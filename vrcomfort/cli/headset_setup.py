@@ -280,6 +280,7 @@ def openxr_setup(
         settings = OpenXrSettings(
             image_size_px=size_px,
             refresh_hz=refresh_hz,
+            depth=protocol.headset.depth,
             walking_speed_m_s=protocol.locomotion.walking_speed_m_s,
             turning_deg_s=protocol.locomotion.turning_deg_s,
             snap_turn_deg=protocol.locomotion.snap_turn_deg,
@@ -296,7 +297,10 @@ def openxr_setup(
         renderer = StereoRenderer(
             ctx,
             headset.image_size_px,
-            on_eye=lambda eye, images: headset.take_depth(eye, images.depth, images.camera.near_m),
+            on_eye=lambda eye, images: headset.take_depth(
+                eye, images.headset_depth, images.camera.near_m
+            ),
+            headset_depth=headset.details["depth"],
             hash_every=HASH_EVERY,
             time_parts_every=TIME_PARTS_EVERY,
             photodiode=protocol.photodiode,

@@ -18,6 +18,7 @@ from vrcomfort.protocol.quality_levels import MeasurementSource, QualityFigure, 
 
 if TYPE_CHECKING:
     from vrcomfort.gpu.traffic import Traffic
+    from vrcomfort.protocol.viewing import DepthMode
     from vrcomfort.render.effects.depth_of_field.lens_radius import Unlimited
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.render.planned_pass import PlannedPass
@@ -194,7 +195,7 @@ def study_passes(study: Protocol, size_px: tuple[int, int], *, draw: bool = True
 
     renderer, no_opengl = _renderer(size_px)
     rows = [
-        _condition_passes(name, scene, condition, renderer, draw=draw)
+        _condition_passes(name, scene, condition, renderer, study.headset.depth, draw=draw)
         for name in study.scenes
         for scene in [load_scene(study.scene_source(name))]
         for condition in study.conditions
@@ -215,7 +216,13 @@ def _renderer(size_px: tuple[int, int]) -> tuple[StereoRenderer | None, str | No
 
 
 def _condition_passes(
-    name: str, scene: Scene, condition: Condition, renderer: StereoRenderer | None, *, draw: bool
+    name: str,
+    scene: Scene,
+    condition: Condition,
+    renderer: StereoRenderer | None,
+    depth: DepthMode,
+    *,
+    draw: bool,
 ) -> PlannedPasses:
     from vrcomfort.gpu.memory import megabytes
     from vrcomfort.render.graph import plan_passes
@@ -225,7 +232,7 @@ def _condition_passes(
         renderer.build(scene, condition)
         memory = {kind: round(value, 2) for kind, value in megabytes(renderer.memory()).items()}
         renderer.release()
-    traffic = _traffic(scene, condition, renderer) if renderer is not None and draw else None
+    traffic = _traffic(scene, condition, renderer, depth) if renderer and draw else None
     passes = plan_passes(scene, condition)
     drawn = _drawn(passes)
     return PlannedPasses(
@@ -241,7 +248,7 @@ def _condition_passes(
 
 
 def _traffic(
-    scene: Scene, condition: Condition, renderer: StereoRenderer
+    scene: Scene, condition: Condition, renderer: StereoRenderer, depth: DepthMode
 ) -> dict[str, Traffic] | None:
     """Draw a frame where the scene begins; not of many views, which would take minutes."""
     from vrcomfort.gpu.traffic import copied
@@ -252,8 +259,8 @@ def _traffic(
         return None
     size_px = renderer.size_px
     step = a_step(scene.spawn, size_px)
-    found = traffic_of(renderer.ctx, scene, condition, step, size_px)
-    found["headset"] = copied(size_px, COLOUR_BYTES + DEPTH_BYTES)
+    found = traffic_of(renderer.ctx, scene, condition, step, size_px, headset_depth=depth)
+    found["headset"] = copied(size_px, COLOUR_BYTES + (DEPTH_BYTES if depth != "off" else 0))
     return found | {WHOLE: _whole(found)}
 
 

@@ -61,7 +61,8 @@ class FullscreenPass:
         Instead of the triangle: squares of ``POINT_PX`` px, which cover an image of `tiles` =
         (columns, rows) of them; `vertex` makes points of `gl_VertexID` alone.
     target
-        A texture to draw into instead of one of its own, or several as with `more_components`.
+        A texture to draw into instead of one of its own, or several as with `more_components`; none
+        where only `depth` is written.
     depth
         A texture; fragments replace its depth.
     """
@@ -91,7 +92,6 @@ class FullscreenPass:
             self.targets = tuple(made)
         else:
             self.targets = tuple(_textures(target))
-        self.target = self.targets[0]
         self._triangle = ctx.vertex_array(shaders.program(ctx, fragment, vertex, defines), [])
         named = [(name, texture) for name in inputs for texture in _textures(inputs[name])]
         for name in inputs:
@@ -123,6 +123,11 @@ class FullscreenPass:
             tuple(Image.of(texture, mipmaps=name in mipmapped) for name, texture in named),
             tuple(map(Image.of, (*self.targets, *([] if depth is None else [depth])))),
         )
+
+    @property
+    def target(self) -> moderngl.Texture:
+        """Return the first of `targets`."""
+        return self.targets[0]
 
     def render(self, uniforms: Uniforms | None = None) -> None:
         """Draw, after setting the uniforms of this frame."""

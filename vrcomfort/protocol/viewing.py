@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
@@ -15,6 +15,7 @@ Ipd = Annotated[float, Field(ge=0.04, le=0.08)]
 PixelCount = Annotated[int, Field(ge=16, le=8192)]
 
 
+DepthMode: TypeAlias = Literal["off", "scene", "blur_aware"]
 Percent = Annotated[float, Field(ge=0, le=100)]
 
 
@@ -41,6 +42,11 @@ class HeadsetSettings(Settings):
     those of the headset itself."""
     refresh_hz: Annotated[float, Field(ge=1, le=1000)] = 90.0
     """Of that headset's display, for `vrcomfort check`: streaks are those of one period."""
+    depth: DepthMode = "blur_aware"
+    """Depth that the headset's runtime gets with each image, where it takes any, to shift images
+    with the head. `off`: none, images are only turned; `scene`: of the surface in each pixel, whose
+    blurred outlines a shift tears; `blur_aware`: of what is seen, so that a blurred foreground's
+    depth reaches as far as its blur (without depth of field the same as `scene`)."""
     ipd_m: Ipd = MEAN_IPD_M
     """Distance between the eyes, where no headset says it."""
     ipd_range_m: tuple[Ipd, Ipd] | None = None

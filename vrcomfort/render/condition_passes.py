@@ -14,9 +14,11 @@ from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.gpu.passes import part
 from vrcomfort.optics.focus import Centre, GazeFollower
 from vrcomfort.protocol.conditions import CentredEffect, Condition
+from vrcomfort.protocol.viewing import DepthMode
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
 from vrcomfort.render.display import ToneMapPass
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass, LensViews
+from vrcomfort.render.effects.depth_of_field.seen_depth import SeenDepthPass
 from vrcomfort.render.effects.effect import (
     Adjustable,
     EffectInputs,
@@ -45,8 +47,9 @@ class EyeImages(NamedTuple):
     """The textures of the eye that was just drawn; the next eye overwrites all but `encoded`.
 
     `pinhole` and `linear` are linear HDR light before and after the effects, `depth` is reverse-Z
-    with `near_m`, `velocity` is px per frame, `encoded` is the display's image. `previous` is
-    where the eye counts as having been, None where motion blur needs none.
+    with `near_m`, `headset_depth` what a runtime is to get of it, `velocity` is px per frame,
+    `encoded` is the display's image. `previous` is where the eye counts as having been, None where
+    motion blur needs none.
     """
 
     camera: EyeCamera
@@ -54,6 +57,7 @@ class EyeImages(NamedTuple):
     pinhole: moderngl.Texture
     linear: moderngl.Texture
     depth: moderngl.Texture
+    headset_depth: moderngl.Texture
     velocity: moderngl.Texture | None
     encoded: moderngl.Texture
 
@@ -85,6 +89,7 @@ class ConditionPasses:
         samples: int,
         near_m: float,
         eyes: int = 2,
+        headset_depth: DepthMode = "scene",
     ) -> None:
         self._ctx = ctx
         self._size_px = size_px
@@ -127,6 +132,15 @@ class ConditionPasses:
         """Drawn once."""
         for each in registered:
             self._add(each, condition)
+        self._seen_depth: SeenDepthPass | None = None
+        if headset_depth == "blur_aware" and blur is not None and self.focus is not None:
+            self._seen_depth = SeenDepthPass(
+                ctx,
+                depth=self.scene.depth,
+                focus=self.focus.texture,
+                settings=blur,
+                infinity_m=condition.focus.infinity_m,
+            )
         # A target for each eye: both images of a frame are valid until the next frame.
         exposure = scene.environment.exposure
         self.tone_maps = tuple(
@@ -249,6 +263,9 @@ class ConditionPasses:
                 effect.adjust(getattr(condition, name))
             if isinstance(effect, SeesTheSky):
                 effect.adjust_infinity(condition.focus.infinity_m)
+        if self._seen_depth is not None and condition.depth_of_field is not None:
+            self._seen_depth.adjust(condition.depth_of_field)
+            self._seen_depth.adjust_infinity(condition.focus.infinity_m)
         focus: object = self.focus
         if isinstance(focus, Adjustable):
             focus.adjust(condition.focus)
@@ -286,12 +303,18 @@ class ConditionPasses:
         tone_map = self.tone_maps[eye.eye_index]
         with part("tone_map"):
             tone_map.render()
+        depth = self.scene.depth
+        if self._seen_depth is not None:
+            with part("headset_depth"):
+                self._seen_depth.render(eye.camera)
+            depth = self._seen_depth.target
         return EyeImages(
             eye.camera,
             eye.previous,
             self.scene.colour,
             self.colour,
             self.scene.depth,
+            depth,
             self.scene.velocity,
             tone_map.target,
         )

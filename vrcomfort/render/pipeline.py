@@ -28,7 +28,7 @@ from vrcomfort.gpu.passes import PassOrder, part, watched
 from vrcomfort.gpu.timer import GpuTimer, PartTimer, make_gpu_timer
 from vrcomfort.optics.focus import Centre
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.protocol.viewing import Photodiode
+from vrcomfort.protocol.viewing import DepthMode, Photodiode
 from vrcomfort.render.camera import (
     NEAR_M,
     EyeCamera,
@@ -134,6 +134,8 @@ class StereoRenderer:
         hashes.
     time_parts_every
         Drawn frames from one whose parts are timed to the next; 0: none.
+    headset_depth
+        Which depth `on_eye` gets as `EyeImages.headset_depth`.
     photodiode
         The patch that frames with a `Frame.patch` have.
     finds_hits
@@ -151,6 +153,7 @@ class StereoRenderer:
         on_eye: Callable[[int, EyeImages], None] | None = None,
         hash_every: int = 0,
         time_parts_every: int = 0,
+        headset_depth: DepthMode = "scene",
         photodiode: Photodiode | None = None,
         finds_hits: bool = False,
     ) -> None:
@@ -158,6 +161,7 @@ class StereoRenderer:
         self._hash_every, self._time_parts_every = hash_every, time_parts_every
         self._hasher: ImageHasher | None = None
         self._drawn = 0
+        self._headset_depth: DepthMode = headset_depth
         self._finds_hits, self._has_tracker = finds_hits, False
         self._photodiode = photodiode
         self._patch: PatchPainter | None = None
@@ -220,7 +224,7 @@ class StereoRenderer:
         first = account.mark()
         self._passes = ConditionPasses(
             self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m,
-            eyes=self._eyes,
+            eyes=self._eyes, headset_depth=self._headset_depth,
         )  # fmt: skip
         if self._photodiode is not None:
             images = tuple(each.target for each in self._passes.tone_maps)

@@ -23,6 +23,7 @@ from vrcomfort.gpu.timer import Lap, Stopwatch, is_software
 from vrcomfort.gpu.traffic import Traffic, TrafficCounter, added_up
 from vrcomfort.headset.playback import default_fovs
 from vrcomfort.protocol.conditions import Condition
+from vrcomfort.protocol.viewing import DepthMode
 from vrcomfort.render.condition_passes import RESOLVE
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Scene
@@ -32,7 +33,7 @@ from vrcomfort.tradeoff.methods import BlurMethod, methods, no_blur, pick
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 
-NO_EFFECT = ("focus", "shadow", "scene", "tone_map")
+NO_EFFECT = ("focus", "shadow", "scene", "tone_map", "headset_depth")
 """Parts that no effect has added, or (the focus search) that blurs of all methods share. So is
 `RESOLVE` but for the circles of confusion, which are its cost beyond a plain frame's."""
 
@@ -265,6 +266,7 @@ def traffic_of(
     *,
     count_reads: bool = False,
     records: bool = True,
+    headset_depth: DepthMode = "scene",
 ) -> dict[str, Traffic]:
     """Draw the left eye of a frame, and return the traffic of each kind of pass.
 
@@ -276,8 +278,10 @@ def traffic_of(
         Compiles shaders that count their texture reads: slower, the same pictures.
     records
         Whether that is counted too which only the record of limits needs.
+    headset_depth
+        The depth that a runtime is to get.
     """
-    renderer = StereoRenderer(ctx, size_px, eyes=1)
+    renderer = StereoRenderer(ctx, size_px, eyes=1, headset_depth=headset_depth)
     with shaders.counting_reads() if count_reads else nullcontext():
         renderer.build(scene, condition)
     if not records:

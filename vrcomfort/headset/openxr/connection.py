@@ -136,6 +136,7 @@ class Connection:
             "room": "not told" if room is None else f"{room[0]:.2f} m × {room[1]:.2f} m",
             "image_format": FORMATS[self._format],
             "depth_layer": self._no_depth or DEPTH_FORMAT_NAME,
+            "depth": "off" if self._no_depth else self._settings.depth,
             "eye_tracker": "yes" if self.runtime.has_gaze or self.runtime.has_each_eye else "no",
             "each_eye": EACH_EYE_EXTENSION if self.runtime.has_each_eye else "not told",
             "hand_joints": "yes" if self.hand_trackers is not None else "no",
@@ -158,7 +159,7 @@ class Connection:
         make_current(self._ctx)
 
     def _depth_images(self) -> layers.DepthImages | None:
-        if not self._settings.depth:
+        if self._settings.depth == "off":
             self._no_depth = "switched off"
         if self._no_depth:
             return None

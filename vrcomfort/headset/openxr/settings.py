@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vrcomfort.headset.locomotion import TURNING_DEG_S, WALKING_SPEED_M_S
+from vrcomfort.protocol.viewing import DepthMode
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,8 @@ class OpenXrSettings:
     eye_height_m
         How far the floor is below the origin where the runtime does not know the floor.
     depth
-        Give depth to a runtime that can use it (see `openxr.layers.DepthImages`).
+        Depth given to a runtime that can use it (see `openxr.layers.DepthImages`): ``off``, or as
+        what it is recorded. What it is of, the caller decides (`OpenXrHeadset.take_depth`).
     api_layers
         API layers to switch on, as validation does; what they say becomes events.
     image_timeout_s
@@ -44,7 +46,7 @@ class OpenXrSettings:
     image_size_px: tuple[int, int] | None = None
     refresh_hz: float | None = None
     eye_height_m: float = 1.6
-    depth: bool = True
+    depth: DepthMode = "scene"
     api_layers: tuple[str, ...] = ()
     image_timeout_s: float = 5.0
     patience_s: float = 600.0

@@ -1,0 +1,89 @@
+"""The depth of what is seen: a blurred foreground's reaches as far as its blur.
+
+A runtime that shifts images by depth moves each pixel as its depth says. Behind the outline of a
+blurred foreground the scene's depth is the background's, while the colour is the foreground's: the
+outline would tear. With this depth it moves with what it belongs to.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import moderngl
+
+from vrcomfort.geometry import focal_length_px
+from vrcomfort.gpu import gl
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render.camera import EyeCamera
+from vrcomfort.render.effects.depth_of_field.coc_passes import DepthToCoc
+from vrcomfort.render.effects.depth_of_field.lens_radius import radius_limit_in_px
+
+TAPS = 16
+"""On each side of a pixel: discs wider than this are sought in steps."""
+
+
+class _Columns(NamedTuple):
+    radius_limit_px: float
+    pixel_aspect: float
+
+
+class SeenDepthPass:
+    """Spreads `depth` (D32F, reverse-Z) of what is in front of the focus over its discs.
+
+    Parameters
+    ----------
+    depth, focus, settings, infinity_m
+        As in :class:`coc_passes.CocPasses`; with several views the lens's, not a view's.
+
+    Attributes
+    ----------
+    target
+        D32F of the same size.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        *,
+        depth: moderngl.Texture,
+        focus: moderngl.Texture,
+        settings: DepthOfField,
+        infinity_m: float,
+    ) -> None:
+        self._settings, self._size_px = settings, depth.size
+        self._radii = DepthToCoc(depth=depth, focus=focus, settings=settings, infinity_m=infinity_m)
+        self.target = gl.depth_texture(ctx, depth.size)
+        self._rows = self._radii.make_pass(
+            ctx,
+            "depth_of_field/seen_depth_rows.frag",
+            size_px=depth.size,
+            defines={"TAPS": TAPS},
+            components=2,
+            dtype="f4",
+        )
+        self._columns = FullscreenPass(
+            ctx,
+            "depth_of_field/seen_depth_columns.frag",
+            size_px=depth.size,
+            inputs={"rows": self._rows.target},
+            defines={"TAPS": TAPS},
+            target=(),
+            depth=self.target,
+        )
+
+    def adjust(self, settings: DepthOfField) -> None:
+        """Spread by other settings from now on; see :meth:`DepthToCoc.adjust`."""
+        self._settings = settings
+        self._radii.adjust(settings)
+
+    def adjust_infinity(self, infinity_m: float) -> None:
+        """Take another distance of the sky from now on."""
+        self._radii.adjust_infinity(infinity_m)
+
+    def render(self, camera: EyeCamera) -> None:
+        """Spread the present depth of an eye."""
+        focal_x, focal_y = focal_length_px(camera.fov, self._size_px)
+        limit_px = radius_limit_in_px(self._settings, focal_x, self._size_px)
+        self._rows.render(self._radii.of_camera(camera))
+        self._columns.render(_Columns(limit_px, focal_y / focal_x))
