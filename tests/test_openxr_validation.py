@@ -18,6 +18,7 @@ from tests.support.openxr import (
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.gpu import gl
 from vrcomfort.headset.monado import RemoteState
+from vrcomfort.protocol.viewing import DepthMode
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
@@ -65,13 +66,16 @@ def test_both_layers_complain_about_bad_calls(ctx: moderngl.Context, tmp_path: P
     assert errors(report) != []
 
 
-def test_a_session_with_panel_and_depth_is_spotless(ctx: moderngl.Context, tmp_path: Path) -> None:
+@pytest.mark.parametrize("mode", ["off", "scene", "blur_aware"])
+def test_a_session_with_panel_and_depth_is_spotless(
+    ctx: moderngl.Context, tmp_path: Path, mode: DepthMode
+) -> None:
     report, practices = tmp_path / "validation.txt", BestPractices()
     before = practices.counts()
     eyes = ctx.texture(SIZE_PX, 4), ctx.texture(SIZE_PX, 4)
     depth = gl.depth_texture(ctx, SIZE_PX)
     with fresh_monado(tmp_path) as monado, monado.feed() as feed, validation(report) as layers:
-        settings = OpenXrSettings(image_size_px=SIZE_PX, api_layers=layers)
+        settings = OpenXrSettings(image_size_px=SIZE_PX, api_layers=layers, depth=mode)
         participant = Participant(feed, lambda _: STANDING)
         with OpenXrHeadset(ctx, settings, before_wait=participant) as headset:
             panel = headset.show_panel((32, 16), Quad(Pose([0.0, 1.5, -1.5]), (1.0, 0.5)))

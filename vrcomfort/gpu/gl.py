@@ -138,8 +138,10 @@ def copier(ctx: moderngl.Context) -> Callable[[moderngl.Texture, moderngl.Textur
     def copy_texture(source: moderngl.Texture, target: moderngl.Texture) -> None:
         level_and_corner = (0, 0, 0, 0)
         place = (_TEXTURE_2D, *level_and_corner)
-        passes.copy(source, target).run(
-            lambda: copy(source.glo, *place, target.glo, *place, *source.size, 1)
+        passes.run_copy(
+            source,
+            target,
+            lambda: copy(source.glo, *place, target.glo, *place, *source.size, 1),
         )
 
     return copy_texture

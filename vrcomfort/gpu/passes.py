@@ -135,9 +135,12 @@ def clear(textures: Iterable[AnyTexture]) -> Pass:
     return Pass("clear", (), tuple(map(Image.of, textures)))
 
 
-def copy(source: AnyTexture, target: AnyTexture) -> Pass:
-    """Return the pass that copies a texture over another."""
-    return Pass("copy", (Image.of(source),), (Image.of(target),))
+def run_copy(source: AnyTexture, target: AnyTexture, draw: Callable[[], None]) -> None:
+    """Copy a texture over another by `draw`, as a pass; none is made where nobody watches."""
+    if _watchers:
+        Pass("copy", (Image.of(source),), (Image.of(target),)).run(draw)
+    else:
+        draw()
 
 
 class PassOrder(Watcher):
