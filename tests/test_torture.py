@@ -223,3 +223,10 @@ def test_the_exit_code_says_whether_anything_was_lost(
 
 def test_nothing_done_is_nothing_passed() -> None:
     assert not Result("runtime", [], "not installed").passed
+
+
+def test_only_a_patient_torture_goes_on_after_its_limit(tmp_path: Path) -> None:
+    for patient, count in ((False, 0), (True, 3)):
+        rig = Rig(tmp_path, patient=patient)
+        done = list(rig.all("name", 3, lambda number, seed: Outcome(str(number), seed), limit_s=0))
+        assert len(done) == count

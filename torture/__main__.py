@@ -59,12 +59,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m torture", description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("out/torture"), help="folder to write to")
     parser.add_argument("--short", action="store_true", help="few cases: less than 3 minutes")
+    parser.add_argument("--patient", action="store_true", help="all cases, however long it takes")
     parser.add_argument("--seed", type=int, default=0, help="of all cases")
     parser.add_argument("--only", choices=sorted(TORTURES), nargs="+", help="run these")
     arguments = parser.parse_args()
     _prepare()
     shutil.rmtree(arguments.out / "cases", ignore_errors=True)
-    rig = Rig((arguments.out / "cases").resolve(), arguments.seed, arguments.short)
+    cases = (arguments.out / "cases").resolve()
+    rig = Rig(cases, arguments.seed, arguments.short, arguments.patient)
     results = []
     for name in arguments.only or _possible():
         results.append(TORTURES[name](rig))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 import zlib
 from collections.abc import Callable, Iterator, Sequence
@@ -102,11 +103,14 @@ class Rig:
         For files of cases; those of a case that went well are removed.
     short
         Few cases, for each change of the code.
+    patient
+        All cases, however long they take.
     """
 
     folder: Path
     seed: int = 0
     short: bool = False
+    patient: bool = False
     began_s: float = field(default_factory=time.monotonic)
 
     def count(self, full: int, short: int) -> int:
@@ -127,14 +131,14 @@ class Rig:
     def all(
         self, name: str, count: int, run: Callable[[int, int], Outcome], *, limit_s: float
     ) -> Iterator[Outcome]:
-        """Run cases, two at a time; after `limit_s` no other begins.
+        """Run cases, two at a time; after `limit_s` no other begins, unless the rig is patient.
 
         Parameters
         ----------
         run
             Takes the number and the seed of a case.
         """
-        end_s = time.monotonic() + limit_s
+        end_s = math.inf if self.patient else time.monotonic() + limit_s
 
         def case(number: int, seed: int) -> Outcome | None:
             return run(number, seed) if time.monotonic() < end_s else None
