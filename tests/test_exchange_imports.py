@@ -11,6 +11,7 @@ import pytest
 
 from tests.support.exchange import errors_of
 from tests.support.psych_ds import errors
+from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.bids import export_bids
 from vrcomfort.exchange.imports import labels_of
@@ -18,6 +19,7 @@ from vrcomfort.exchange.psych_ds import export_psych_ds
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.importing import import_files, load_mapping, write_study
 from vrcomfort.questionnaire import shipped_instruments
+from vrcomfort.records.choice import Choice
 
 SSQ = [item.name for item in shipped_instruments()["ssq"].items]
 MAPPING = """
@@ -162,3 +164,19 @@ def test_an_import_whose_list_of_participants_is_empty_is_copied(
     record = anonymise(study, tmp_path / "copy", AnonymisingOptions(seed=1))
     assert record["still_there"]["smallest_group_with_the_same_covariates"] is None
     assert export_bids(study, tmp_path / "bids") == []
+
+
+def test_answers_of_somebody_who_is_not_in_the_list_are_exported_where_that_is_accepted(
+    answers: Path, tmp_path: Path
+) -> None:
+    study = Path(shutil.copytree(answers, tmp_path / "study"))
+    people = study / "participants.csv"
+    people.write_text("".join(people.read_text().splitlines(keepends=True)[:3]))
+    accepted = Choice(accept_flagged=True)
+    with pytest.raises(InputError, match="nobody called vp1"):
+        export_bids(study, tmp_path / "refused")
+    assert export_bids(study, tmp_path / "bids", accepted) == []
+    rows = {row["participant"]: row["age"] for row in table(tmp_path / "bids/participants.tsv")}
+    assert rows == {"VP_1": "20", "VP-1": "21", "vp1": "n/a"}
+    anonymise(study, tmp_path / "copy", AnonymisingOptions(seed=1), accepted)
+    assert len(table(tmp_path / "copy/questionnaires.csv", ",")) == 3 * 2 * 16

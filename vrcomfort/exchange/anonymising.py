@@ -19,7 +19,7 @@ import numpy as np
 
 from vrcomfort import __version__
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.anonymous_import import names_in, write_anonymous
+from vrcomfort.exchange.anonymous_import import write_anonymous
 from vrcomfort.exchange.export_checks import (
     flagged_sessions,
     from_damaged,
@@ -159,7 +159,7 @@ def anonymise(
     _require_room_for_key(study, out, options.key)
     recorded = Study(study, without=choice.without)
     imported = Import(study) if is_import(study) else None
-    people = names_in(imported) if imported else [row.participant for row in recorded.enrolled]
+    people = imported.names if imported else [row.participant for row in recorded.enrolled]
     names = new_names(people, options.seed)
     access = OWNER if imported else access_of(study)
     with new_folder(study, out) as draft:

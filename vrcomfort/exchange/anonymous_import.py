@@ -87,9 +87,3 @@ def _changed(table: CsvTable, names: Mapping[str, str], blanks: set[str]) -> str
         new = dict.fromkeys(blanks, "") | {"participant": names[row["participant"]]}
         lines.append(csv_line(new.get(name, row[name]) for name in table.header))
     return "".join(lines)
-
-
-def names_in(source: Import) -> list[str]:
-    """Return the names of all participants of an import, also of those with answers alone."""
-    rows = (row for kind in TABLES for row in source.table(kind).dicts())
-    return list(dict.fromkeys(row["participant"] for row in rows))

@@ -66,6 +66,12 @@ class Import:
         """Return the rows of its participants."""
         return list(self.table(ParticipantRow).dicts())
 
+    @property
+    def names(self) -> list[str]:
+        """Return the names of all participants, also of those with answers alone."""
+        rows = (row for kind in TABLES for row in self.table(kind).dicts())
+        return list(dict.fromkeys(row["participant"] for row in rows))
+
     def covariates(self) -> list[str]:
         """Return the columns of participants that the lab's files brought."""
         own = ParticipantRow.columns()

@@ -58,36 +58,34 @@ def write_import(source: Import, out: Path, said: str) -> list[str]:
     write_json(out / "dataset_description.json", content)
     readme = _README.format(name=name, bids=BIDS_VERSION) + said
     (out / "README.md").write_text(readme, encoding="utf-8")
-    people = source.people
-    labels = labels_of([row["participant"] for row in people])
-    _write_participants(source, out, labels)
-    _write_answers(source, out, labels)
-    task = re.sub("[^A-Za-z0-9]", "", name) or "comfort"
-    rows: dict[str, list[dict[str, str]]] = {who: [] for who in labels}
+    rows: dict[str, list[dict[str, str]]] = {}
     for row_type in (QuestionnaireRow, RatingRow):
         for row in source.table(row_type).dicts():
             rows.setdefault(row["participant"], []).append(row)
-    nobody = [who for who, mine in rows.items() if not mine]
-    for who, mine in rows.items():
-        if mine:
-            _write_rows(out, labels[who], task, mine)
-    return [f"{len(nobody)} participants without an answer"] if nobody else []
+    labels = labels_of([who for who in source.names if who in rows])
+    _write_participants(source, out, labels)
+    _write_answers(source, out, labels)
+    task = re.sub("[^A-Za-z0-9]", "", name) or "comfort"
+    for who, label in labels.items():
+        _write_rows(out, label, task, rows[who])
+    nobody = len(source.names) - len(labels)
+    return [f"{nobody} participants without an answer"] if nobody else []
 
 
 def _write_participants(source: Import, out: Path, labels: Mapping[str, str]) -> None:
     others = source.covariates()
-    renamed = any(name != label for name, label in labels.items())
-    own = ["participant"] if renamed else []
+    known = {row["participant"]: row for row in source.people}
+    own = ["participant"] if any(who != label for who, label in labels.items()) else []
     columns = (*own, *others)
     table = [
-        (f"sub-{labels[row['participant']]}", *(row.get(each, "") for each in columns))
-        for row in source.people
+        (f"sub-{label}", *({"participant": who, **known.get(who, {})}.get(c, "") for c in columns))
+        for who, label in labels.items()
     ]
     write_tsv(out / "participants.tsv", ("participant_id", *columns), table)
-    described = {name: column_of_participants(name, "in the files that were imported")
-                 for name in others}  # fmt: skip
-    whose = {each.name: described_column(each) for each in declared(ParticipantRow)}
-    write_json(out / "participants.json", {**{name: whose[name] for name in own}, **described})
+    said = {each.name: described_column(each) for each in declared(ParticipantRow)}
+    origin = "in the files that were imported"
+    described = {name: column_of_participants(name, origin) for name in others}
+    write_json(out / "participants.json", {**{name: said[name] for name in own}, **described})
 
 
 def _write_answers(source: Import, out: Path, labels: Mapping[str, str]) -> None:

@@ -93,11 +93,12 @@ class Verified:
         return other if other in self.altered and file not in self.altered else file
 
     def leave_out_consequences(self) -> None:
-        """Leave out findings of intact files where another file of that participant was altered.
+        """Leave out findings of intact files where an altered file of that participant has one.
 
         Files are compared with each other: what is wrong in one is seen in the others, too.
         """
-        altered = {_whose(self._name(each)) for each in self.altered}
+        faulty = {each.file for each in self.faults}
+        altered = {_whose(name) for each in self.altered if (name := self._name(each)) in faulty}
 
         def follows(finding: Finding) -> bool:
             whose = _whose(finding.file)

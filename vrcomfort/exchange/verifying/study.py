@@ -372,8 +372,18 @@ def _imported(study: Path, found: Verified) -> None:
         for line, row in _table(study / name, found) if (study / name).exists() else ():
             found.counts[f"rows of {name}"] += 1
             if people and row["participant"] not in people:
-                message = f"{ParticipantRow.FILE} has nobody called {row['participant']}"
-                found.fault(study / name, f"{message}; import again", line)
+                _unlisted(study, name, line, row["participant"], found)
+
+
+def _unlisted(study: Path, name: str, line: int, who: str, found: Verified) -> None:
+    """Tell of a row of somebody who is not in the list of participants."""
+    people = study / ParticipantRow.FILE
+    if found.suspect(study / name, people) == people:
+        message = f"has nobody called {who}, of whom {name}, line {line}, is"
+        found.fault(people, f"{message}; restore the row, or import again")
+    else:
+        message = f"{people.name} has nobody called {who}"
+        found.fault(study / name, f"{message}; import again", line)
 
 
 def _table(file: Path, found: Verified) -> list[tuple[int, dict[str, str]]]:
