@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -11,9 +12,11 @@ from tests.support.report import build_report
 from tests.support.study import smoke_with
 from vrcomfort.api.playback import PlaybackSetup
 from vrcomfort.cli.app import app
+from vrcomfort.errors import InputError
 from vrcomfort.exchange.status import status_of
+from vrcomfort.frame import STIMULUS_VERSION
 from vrcomfort.protocol import load_protocol
-from vrcomfort.records.apparatus import differences, differences_in
+from vrcomfort.records.apparatus import differences, differences_in, require_stimulus
 
 FIRST = {
     "participant": "P01",
@@ -52,6 +55,31 @@ def test_sessions_that_are_alike_have_no_sentence() -> None:
 def test_each_fact_that_differs_is_a_sentence(changed: dict[str, object], sentence: str) -> None:
     (found,) = differences([FIRST, of("P02", **changed)])
     assert found.startswith(sentence)
+
+
+def test_a_study_of_another_stimulus_goes_on_only_if_told(tmp_path: Path) -> None:
+    words = ["run", "smoke", "--respondent", "simulated", "--out", str(tmp_path / "S")]
+    words += ["--size", "16x20", "--exposure-s", "0.1", "--refresh-hz", "40", "--participant"]
+    first = CliRunner().invoke(app, [*words, "P01"])
+    assert first.exit_code == 0, first.output
+    file = tmp_path / "S" / "sub-P01" / "ses-1" / "manifest.json"
+    manifest = json.loads(file.read_text("utf-8"))
+    assert manifest["stimulus_version"] == STIMULUS_VERSION
+    file.write_text(json.dumps({**manifest, "stimulus_version": 99}), "utf-8")
+    with pytest.raises(InputError, match="P01/ses-1 was shown version 99 of the stimulus"):
+        CliRunner().invoke(app, [*words, "P02"], catch_exceptions=False)
+    assert not (tmp_path / "S" / "sub-P02").exists()
+    told = CliRunner().invoke(app, [*words, "P02", "--other-stimulus"])
+    assert told.exit_code == 0, told.output
+    second = json.loads((tmp_path / "S/sub-P02/ses-1/manifest.json").read_text("utf-8"))
+    assert second["stimulus_version"] == STIMULUS_VERSION
+    (found,) = differences_in(tmp_path / "S")
+    assert found.startswith("sessions differ in the version of the stimulus: 99 in P01/ses-1; 1 in")
+
+
+def test_a_study_without_sessions_or_versions_goes_on(tmp_path: Path) -> None:
+    require_stimulus(tmp_path, STIMULUS_VERSION)
+    require_stimulus(tmp_path / "none", STIMULUS_VERSION)
 
 
 def test_a_session_that_went_on_elsewhere_is_named_with_both() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from vrcomfort.files import sha256_of
+from vrcomfort.frame import STIMULUS_VERSION
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.viewing import Photodiode
 from vrcomfort.resources import data_folder
@@ -56,6 +57,7 @@ def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:
         shaders=shader_hashes(),
         passes=passes,
         text_layout=layout_facts(),
+        stimulus_version=STIMULUS_VERSION,
         timing_trust=TimingTrust.LOCKSTEP,
     )
 

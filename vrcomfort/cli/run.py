@@ -146,6 +146,13 @@ class RunOptions:
         SharpEyes | None,
         typer.Option(help="With which eyes the participant sees sharp, as they say; recorded."),
     ] = None
+    other_stimulus: Annotated[
+        bool,
+        typer.Option(
+            "--other-stimulus",
+            help="Go on with a study whose sessions were shown other pixels; recorded.",
+        ),
+    ] = False
     no_preflight: Annotated[
         bool,
         typer.Option("--no-preflight", help="Go on without a preflight of the day; recorded."),
@@ -383,6 +390,9 @@ def run(ctx: typer.Context, options: RunOptions) -> None:
     )
     options.require_console()
     require_wording(protocol, options.answering, in_headset=options.headset is not PLAYBACK)
+    from vrcomfort.frame import STIMULUS_VERSION
+    from vrcomfort.records.apparatus import require_stimulus
+
     with ExitStack() as owned:
         # First in, last out: a runtime may hang while the rest is being closed.
         watchdog = None
@@ -394,6 +404,8 @@ def run(ctx: typer.Context, options: RunOptions) -> None:
         # Refused before the enrolment, which is the first to write.
         options.require_gaze(protocol, playback)
         options.require_dial(protocol)
+        if not options.other_stimulus:
+            require_stimulus(options.out, STIMULUS_VERSION)
         enrolment = owned.enter_context(options.open_enrolment(study))
         _tell_of_the_other_kind(options.out, simulated=options.simulated)
         headset = owned.enter_context(options.connect(protocol, rehearsal, watchdog))

@@ -39,12 +39,14 @@ FACTS: Mapping[str, Callable[[Manifest], str]] = {
     "runtime": lambda run: run.get("runtime", ""),
     "GPU": lambda run: run.get("gpu", ""),
     "graphics driver": lambda run: run.get("driver", ""),
+    "version of the stimulus": lambda run: str(run.get("stimulus_version") or ""),
     "version of vrcomfort": lambda run: run.get("versions", {}).get("vrcomfort", ""),
     "version of pyopenxr": lambda run: run.get("versions", {}).get("pyopenxr", ""),
 }
 """Fact → its value in the manifest of a session or of one of its earlier runs; empty: not known."""
 KEYS = {
     "participant", "session", "headset", "runtime", "gpu", "driver", "versions", "earlier_runs",
+    "stimulus_version",
 }  # fmt: skip
 """Of a manifest, which the facts need."""
 
@@ -76,6 +78,27 @@ def differences(manifests: Iterable[Manifest]) -> list[str]:
 def differences_in(study: Path, *planned: Manifest) -> list[str]:
     """Return the sentences on a study's sessions that have a manifest, and on `planned` ones."""
     return differences([*_readable(study), *planned])
+
+
+def require_stimulus(study: Path, version: int) -> None:
+    """Make sure that the pictures of a study's sessions are those of a version of the stimulus.
+
+    Raises
+    ------
+    InputError
+        If a session was shown those of another one.
+    """
+    for manifest in _readable(study):
+        known = manifest.get("stimulus_version") or version
+        if known != version:
+            of = manifest.get("versions", {}).get("vrcomfort", "")
+            raise InputError(
+                f"{manifest['participant']}/ses-{manifest['session']} was shown version {known} of "
+                f"the stimulus (vrcomfort {of}), and this program draws version {version}: "
+                "conditions give other pixels; go on with that version of vrcomfort, or with "
+                "--other-stimulus, which is recorded",
+                file=study,
+            )
 
 
 def _readable(study: Path) -> Iterator[Manifest]:

@@ -224,6 +224,7 @@ class ManifestShape(_File):
     passes: dict[str, list[str]] = {}
     text_layout: dict[str, str] = {}
     timing_trust: str = ""
+    stimulus_version: Count = 0
     versions: dict[str, str] = {}
     protocol: ProtocolText
     settings: SettingsShape = SettingsShape()

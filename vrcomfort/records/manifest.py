@@ -30,6 +30,8 @@ class Machine:
         file → SHA-256.
     passes
         condition in scene → names of the passes, in order.
+    stimulus_version
+        Of the pictures that conditions give (`frame.STIMULUS_VERSION`); 0 where it is not known.
     text_layout
         What drew the text of panels: layout engine, FreeType, and font → version.
     timing_trust
@@ -44,6 +46,7 @@ class Machine:
     passes: Mapping[str, list[str]] = field(default_factory=dict)
     text_layout: Mapping[str, str] = field(default_factory=dict)
     timing_trust: str = "lockstep"
+    stimulus_version: int = 0
 
 
 @dataclass
