@@ -178,7 +178,7 @@ def test_poses_come_in_as_they_were(name: str, tmp_path: Path) -> None:
     assert np.flatnonzero(trace.cuts).tolist() == [0]
 
 
-@pytest.mark.parametrize("name", CERTAIN)
+@pytest.mark.parametrize("name", sorted(CERTAIN))
 def test_a_log_without_doubt_needs_no_mapping(name: str, tmp_path: Path) -> None:
     file, out = LOGS[name](tmp_path, walk()), tmp_path / "trace.csv"
     assert suggest_log_mapping(file).doubts == ()
