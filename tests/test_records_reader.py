@@ -143,6 +143,7 @@ CSV_READERS = {
     "questionnaire/library.py": "answers, to find whose items they are",
     "questionnaire/tables.py": "answers that are scored, of any program",
     "importing/text_files.py": "tables of other programs, however they separate cells",
+    "importing/head_logs/reading.py": "head logs of other programs, likewise",
     "records/checksums.py": "the columns of participants, to name those that were changed",
     "api/reports.py": "a first row, to tell a tidy file from others",
 }
