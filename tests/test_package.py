@@ -43,7 +43,7 @@ for law in ("linear", "dioptre"):
     condition = Condition(
         name="all", depth_of_field=DepthOfField(law=law), motion_blur=MotionBlur()
     )
-    StereoRenderer(context, (16, 16)).begin(scene, condition)
+    StereoRenderer(context, (16, 16), headset_depth="blur_aware").begin(scene, condition)
     Reference(context, scene, condition, (16, 16))._pass
 streaks = Condition(name="s", motion_blur=MotionBlur())
 StereoRenderer(context, (800, 16)).begin(scene, streaks)  # too wide for one step
