@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from itertools import pairwise
 
@@ -172,3 +173,29 @@ def test_hillaires_forms_come_after_their_parts():
     assert [each.name for each in protocol.writes("after_trial", 1, 2)] == ["explained_difference"]
     assert list(protocol.writes("after_trial", 1, 3)) == []
     assert [each.name for each in protocol.tells("before_trial", 1, 3)] == ["in_turn"]
+
+
+def test_mantiuk_knows_age_and_sight_and_asks_for_opinions():
+    protocol = load_protocol("mantiuk_2011")
+    assert [each.name for each in protocol.covariates] == ["age", "acuity", "colour_vision"]
+    asked = [each.name for each in protocol.writes("session_end", 1, None)]
+    assert asked == ["sight", "opinion"]
+    assert "realistic" in next(iter(protocol.tells("session_start", 1, None))).text
+
+
+@pytest.mark.slow
+def test_the_printed_anova_of_thirty_players_has_29_degrees_of_freedom(run, tmp_path):
+    study, out = tmp_path / "s", tmp_path / "r"
+    code, _, err = run(
+        "simulate", "hillaire_2008", "-n", 30, "--no-frames", "--exposure-s", 30, "--out", study
+    )
+    assert code == 0, err
+    code, _, err = run("report", study, "--plan", "hillaire_2008_as_printed", "--out", out)
+    assert code == 0, err
+    rows = json.loads((out / "results.json").read_text())["anova"]
+    assert [row["outcome"] for row in rows] == [
+        "tasks.hits", "tasks.deaths", "tasks.shots", "tasks.shots_hit_percent",
+    ]  # fmt: skip
+    for row in rows:
+        (effect,) = row["effects"]
+        assert (effect["df_effect"], effect["df_error"]) == (1, 29)

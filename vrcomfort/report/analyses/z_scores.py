@@ -78,21 +78,22 @@ def _draw(rows: Sequence[ZScoreRow], words: Vocabulary) -> Drawing | None:
     outcomes = list(dict.fromkeys(row.outcome for row in rows))
     if not outcomes:
         return None
-    with canvas("z-scores", 1.2 + 2.4 * len(outcomes), 3.2) as (figure, drawing):
-        panels = np.atleast_1d(figure.subplots(1, len(outcomes), sharey=True))
+    conditions = list(dict.fromkeys(row.condition for row in rows))
+    labels = [lines(words.condition(each), 26) for each in conditions]
+    height = 0.9 + sum(0.25 + 0.17 * (label.count("\n") + 1) for label in labels)
+    with canvas("z-scores", 2.4 + 2.4 * len(outcomes), height) as (figure, drawing):
+        panels = np.atleast_1d(figure.subplots(1, len(outcomes), sharex=True, sharey=True))
         for axes, outcome in zip(panels, outcomes, strict=True):
-            mine = [row for row in rows if row.outcome == outcome]
-            axes.axhline(0, color=INK, lw=0.6)
-            for x, row in enumerate(mine):
+            axes.axvline(0, color=INK, lw=0.6)
+            for row in (row for row in rows if row.outcome == outcome):
                 place = words.place(row.condition)
                 axes.errorbar(
-                    x, row.mean, row.standard_error or 0, fmt=marker_of(place), ms=6,
-                    color=colour_of(place), capsize=4,
+                    row.mean, conditions.index(row.condition), xerr=row.standard_error or 0,
+                    fmt=marker_of(place), ms=6, color=colour_of(place), capsize=4,
                 )  # fmt: skip
-            labels = [lines(words.condition(row.condition), 14) for row in mine]
-            axes.set_xticks(range(len(mine)), labels, rotation=0 if len(mine) < 3 else 35)
-            axes.set(title=lines(words.outcome(outcome), 30), xlim=(-0.6, len(mine) - 0.4))
-        panels[0].set_ylabel("z score within people")
+            axes.set_yticks(range(len(conditions)), labels)
+            axes.set(title=lines(words.outcome(outcome), 30), ylim=(len(conditions) - 0.4, -0.6))
+        panels[len(outcomes) // 2].set_xlabel("z score within people")
     return drawing
 
 
