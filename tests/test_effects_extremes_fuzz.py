@@ -270,7 +270,8 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
         for law in get_args(RefocusLawName)
     ]
     for condition in (*every_choice(rng), *laws, wide, few, zone, later):
-        renderer = StereoRenderer(ctx, (320, 5))  # wide enough for discs of every kind
+        # Wide enough for discs of every kind.
+        renderer = StereoRenderer(ctx, (320, 5), headset_depth="blur_aware")
         renderer.build(scene(rng), condition)
         renderer.release()
     folder = data_folder("shaders")
