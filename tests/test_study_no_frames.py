@@ -102,6 +102,21 @@ def test_a_task_is_done_without_frames_and_its_rows_are_whole(tmp_path):
     assert not verify_study(tmp_path / "S").faults
 
 
+def test_ratings_can_come_at_the_beginning_and_at_the_end(tmp_path):
+    text = PROTOCOL.replace("every_s = 3.0", "every_s = 3.0\nat_start = true\nat_end = true")
+    assert text != PROTOCOL
+    protocol = tiny_protocol(tmp_path, text)
+    simulate_sessions(
+        protocol, participants=1, out=tmp_path / "R", size_px=(16, 16), frames=False
+    )  # fmt: skip
+    trials = rows(tmp_path, "trials.csv", study="R")
+    asked = rows(tmp_path, "ratings.csv", study="R")
+    due = [
+        float(row["onset_s"]) - float(trials[0]["start_s"]) for row in asked if row["trial"] == "1"
+    ]
+    assert due == pytest.approx([0.0, 3.0, 6.0, 8.0])  # 10 s, with 2 s to answer
+
+
 def test_a_manifest_is_written_as_json_writes_it():
     content = {"a": {"b": [1, 2.5, None, 'ü\n"x"'], "c": {}}, "d": [], "e": True, "f": [[1], {}]}
     for _ in range(2):  # the second from what was written before

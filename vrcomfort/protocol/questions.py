@@ -91,6 +91,10 @@ class Ratings(Settings):
     """Largest shift of each question, sooner or later, drawn from the study's seed."""
     timeout_s: Seconds = 15.0
     """An answer that has not come by then is recorded as missed."""
+    at_start: bool = False
+    """Whether a question comes with the beginning of the exposure, too."""
+    at_end: bool = False
+    """Whether a last question comes when only the time to answer it is left."""
     missed_code: Annotated[int, Field(ge=1, le=9999)] = 1
     """Code of a missed rating in the column `missed`; 0 is an answer."""
     stop_at: Annotated[int, Field(ge=1, le=1000)] | None = None
@@ -107,7 +111,10 @@ class Ratings(Settings):
         count = max(int(last_s / self.every_s + 1e-9), 0)
         shifts = rng.uniform(-self.jitter_s, self.jitter_s, count + 1).round(3)
         times = [self.every_s * (n + 1) + float(shift) for n, shift in enumerate(shifts)]
-        return [due for due in times if due <= last_s]
+        asked = [due for due in times if due <= last_s]
+        if self.at_end and last_s > 0:
+            asked = [*(due for due in asked if due + self.timeout_s <= last_s), last_s]
+        return [0.0, *asked] if self.at_start else asked
 
     def problems(self, longest_s: float) -> Iterator[Problem]:
         """Yield keys that do not go with each other, or with the longest exposure."""
@@ -117,6 +124,9 @@ class Ratings(Settings):
         if self.jitter_s > self.every_s / 2:
             message = "two questions could change places: `jitter_s` is more than half of `every_s`"
             yield Problem(("jitter_s",), f"{message}; make it smaller")
+        if self.at_start and self.every_s - self.jitter_s < self.timeout_s:
+            message = "the second question could come while the first is still open"
+            yield Problem(("at_start",), f"{message}; make `every_s` longer, or `jitter_s` shorter")
         for key in sorted({"stop_in_a_row", "stop_ends"} & self.model_fields_set):
             if self.stop_at is None:
                 message = f"`{key}` does nothing without `stop_at`; remove it or add that"
