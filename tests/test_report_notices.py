@@ -125,7 +125,7 @@ def test_names_that_may_be_one_person_are_told_and_stay_two(tmp_path):
     names = ["P9", "P09", "p 10", "P10", "P1", "Q1"]
     scores = {name: {"a": 3 + i, "b": 2 * i} for i, name in enumerate(names)}
     summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
-    (notice,) = summary.warnings
+    notice = summary.warnings[-1]
     assert notice.startswith("`P09` and `P9`; `P10` and `p 10` may be one participant each")
     assert summary.participants == 6
 
@@ -286,7 +286,10 @@ def test_people_who_left_under_one_condition_are_told_first(tmp_path, left, plan
     found = [line for line in summary.warnings if "who left, left under" in line]
     share, _, of_whom = told.partition(" ; ")
     told = f"{share} participants who left, left under b: {of_whom}"
-    assert found == ([told] if share else [])
+    assert [line.partition(";")[0] for line in found] == ([told] if share else [])
+    assert all("time to leaving: log-rank within people p" in line for line in found)
+    ranked = [line for line in found if "with those who left ranked as worst p" in line]
+    assert len(ranked) == (bool(share) and plan != "worst_rank")
     if share:
         page = summary.index.read_text("utf-8")
         assert page.index(told[1:]) < page.index('id="answers"')

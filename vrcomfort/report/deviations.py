@@ -11,7 +11,7 @@ from vrcomfort.report.analyses.comparisons import COMPARISONS
 from vrcomfort.report.analyses.equivalence import EQUIVALENCE
 from vrcomfort.report.analyses.mixed import MIXED_MODELS
 from vrcomfort.report.analyses.signed_rank import TESTS
-from vrcomfort.report.notices import names
+from vrcomfort.report.plausibility import some_of
 from vrcomfort.report.study_data import short_forms
 from vrcomfort.report.withdrawals import everybody
 from vrcomfort.settings import did_you_mean
@@ -83,7 +83,9 @@ def _excluded_without_a_rule(study: StudyData, plan: Plan) -> Iterator[Deviation
     gone = sorted(set(gone) - named, key=natural)
     if gone:
         were = "was" if len(gone) == 1 else "were"
-        text = f"{names(gone)} {were} excluded by the experimenter, which no rule of the plan names"
+        text = (
+            f"{some_of(gone)} {were} excluded by the experimenter, which no rule of the plan names"
+        )
         yield _deviation("excluded_without_rule", text, gone)
 
 
@@ -92,7 +94,7 @@ def _named_and_absent(study: StudyData, plan: Plan) -> Iterator[Deviation]:
     for rule in plan.exclusions:
         absent = [who for who in rule.participants if who not in there]
         if absent:
-            text = f"rule {rule.name} excludes {names(absent)}, of whom there are no data"
+            text = f"rule {rule.name} excludes {some_of(absent)}, of whom there are no data"
             yield _deviation("exclusion_not_found", text, absent)
 
 

@@ -2,34 +2,42 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter
 from typing import TYPE_CHECKING
 
 from vrcomfort.csv_table import whole_or_none
+from vrcomfort.errors import InputError
 from vrcomfort.importing.rows import alike
-from vrcomfort.questionnaire import never_zero
 from vrcomfort.records.apparatus import KEYS, differences
 from vrcomfort.records.names import natural
+from vrcomfort.report.decision_notices import decision_notices
 from vrcomfort.report.orders import in_words
+from vrcomfort.report.plausibility import plausibility_warnings, some_of
+from vrcomfort.report.rated_exposures import rated_exposures
+from vrcomfort.report.ratings.survival import times_to_withdrawal
+from vrcomfort.report.sensitivity import WORST_RANK
 from vrcomfort.report.study_data import short_forms
 from vrcomfort.report.withdrawals import early_endings, everybody, find_withdrawals
+from vrcomfort.report.words import p_equals
+from vrcomfort.stats.survival import log_rank
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Sequence
 
-    from vrcomfort.questionnaire import Answer
+    from vrcomfort.report.analyses.comparisons import ComparisonRow
     from vrcomfort.report.analyses.signed_rank import SignedRankRow
     from vrcomfort.report.exclusions import ExcludedByRule
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.orders import OneOrder
     from vrcomfort.report.pairs import Side
+    from vrcomfort.report.plan import Plan
+    from vrcomfort.report.sensitivity import RepeatedTest
     from vrcomfort.report.study_data import StudyData
 
 DROPPED_APART_PERCENT = 1.0
 """Percentage points of dropped frames between two conditions, or scenes, that are told."""
 TOLERATED_LOSS = 0.1
 """Share of the people of a comparison who may be missing from its test without a notice."""
-MOST_NAMED = 8
 # A single withdrawal is always under one condition.
 FEWEST_LEFT = 2
 ONE_SIDED = 0.75
@@ -39,17 +47,23 @@ ONE_SIDED = 0.75
 def notices(
     study: StudyData,
     scored: Exposures,
+    plan: Plan,
     tests: Sequence[SignedRankRow],
+    comparisons: Sequence[ComparisonRow],
+    repeated: Sequence[RepeatedTest],
     exclusions: Sequence[ExcludedByRule],
-    of_choices: Collection[str] = (),
 ) -> list[str]:
-    """Return the sentences, without their full stops.
+    """Return the sentences, without their full stops, those that change the answer first.
 
-    `of_choices` are questionnaires whose answers say which of two, and are no score.
+    `repeated` are the tests of other analysis sets.
     """
     return [
+        *_planned_number(study, plan),
         *_short_forms(study),
-        *_left_under_one(study, tests),
+        *plausibility_warnings(study, plan.of_choices),
+        *decision_notices(scored, plan, [*tests, *comparisons], study.labels),
+        *_left_under_one(study, tests, repeated),
+        *_never_met(study, tests),
         *_losses(study, tests, exclusions),
         *_ended_early(study),
         *_screened(study),
@@ -57,7 +71,6 @@ def notices(
         *differences(each.model_dump(include=KEYS) for each in study.manifests),
         *_repeated(scored),
         *_suspect_names(study),
-        *_coded_from_one(study, of_choices),
         *_confounded(study, tests),
         *_dropped_with(study),
     ]
@@ -78,10 +91,12 @@ def _shortened(study: StudyData) -> list[str]:
     ]
 
 
-def names(people: list[str]) -> str:
-    """Return names in a sentence, the first of them where they are many."""
-    shown = ", ".join(people[:MOST_NAMED])
-    return f"{shown} and {len(people) - MOST_NAMED} more" if people[MOST_NAMED:] else shown
+def _planned_number(study: StudyData, plan: Plan) -> list[str]:
+    """Say that fewer people than planned are there."""
+    there = len(everybody(study))
+    if plan.participants is None or there >= plan.participants:
+        return []
+    return [f"{there} of {plan.participants} planned participants are in the data"]
 
 
 def _short_forms(study: StudyData) -> list[str]:
@@ -155,12 +170,33 @@ def _losses(
             pair = " and ".join(label.get(name, name) for name in (test.a, test.b))
             found.append(
                 f"{len(lost)} of {len(people)} participants are not in the tests of {pair}, for "
-                f"which a score of every planned exposure{of_each} is needed: {names(lost)}"
+                f"which a score of every planned exposure{of_each} is needed: {some_of(lost)}"
             )
     return found
 
 
-def _left_under_one(study: StudyData, tests: Sequence[SignedRankRow]) -> list[str]:
+def _never_met(study: StudyData, tests: Sequence[SignedRankRow]) -> list[str]:
+    """Say who met one condition of a comparison and never the other, though most met both."""
+    found = []
+    for test in {(test.a, test.b): test for test in reversed(tests)}.values():
+        if any(side.timepoint for side in test.sides):
+            continue
+        met = [_met(study, side) for side in test.sides]
+        both = set.intersection(*met)
+        for one, other, condition in ((met[0], met[1], test.b), (met[1], met[0], test.a)):
+            lacking = sorted((one & _of_both(study, met)) - other, key=natural)
+            if lacking and len(lacking) <= TOLERATED_LOSS * len(both):
+                found.append((condition, tuple(lacking)))
+    return [
+        f"{some_of(people)} never met {study.labels.get(condition, condition)}, and "
+        f"{'is' if len(people) == 1 else 'are'} in no test of it"
+        for condition, people in dict.fromkeys(found)
+    ]
+
+
+def _left_under_one(
+    study: StudyData, tests: Sequence[SignedRankRow], repeated: Sequence[RepeatedTest]
+) -> list[str]:
     """Report dropout concentrated in one condition: its completers are a selected sample."""
     left = find_withdrawals(study)
     conditions = {trial["condition"] for trial in study.trials} - {""}
@@ -174,7 +210,31 @@ def _left_under_one(study: StudyData, tests: Sequence[SignedRankRow]) -> list[st
     label = study.labels.get(condition, condition)
     ranked = any(test.ranked_worst for test in tests)
     of_whom = "they are ranked as worst" if ranked else "the comparison is of those who stayed"
-    return [f"{share} participants who left, left under {label}: {of_whom}"]
+    said = f"{share} participants who left, left under {label}: {of_whom}"
+    times = _leaving_in_words(study)
+    worst = next((each for each in repeated if each.analysis == WORST_RANK), None)
+    stayed = next((test.p for test in tests if test.p is not None), None)
+    if worst is not None and stayed is not None and not ranked:
+        times.append(
+            f"with those who left ranked as worst {p_equals(worst.p)}, of those who stayed "
+            f"{p_equals(stayed)}"
+        )
+    return ["; ".join([said, *times])]
+
+
+def _leaving_in_words(study: StudyData) -> list[str]:
+    """Return the log-rank test of the time to leaving by condition, if it can be made."""
+    events = [e for e in times_to_withdrawal(rated_exposures(study, "")) if e.condition]
+    again = len({e.participant for e in events}) < len(events)
+    try:
+        found = log_rank(
+            [e.time_s for e in events], [e.came for e in events], [e.condition for e in events],
+            strata=[e.participant for e in events] if again else None,
+        )  # fmt: skip
+    except InputError:
+        return []
+    within = " within people" if again else ""
+    return [f"time to leaving: log-rank{within} {p_equals(found.p)}"]
 
 
 def _of_both(study: StudyData, sides: list[set[str]]) -> set[str]:
@@ -243,8 +303,8 @@ def _repeated(scored: Exposures) -> list[str]:
     listed = sorted(people, key=natural)
     have = "has" if len(listed) == 1 else "have"
     return [
-        f"{names(listed)} {have} more exposures of a condition than are planned; the mean of all "
-        "of them is taken"
+        f"{some_of(listed)} {have} more exposures of a condition than are planned; the mean of all "
+        f"of them is taken; or is {'it' if len(listed) == 1 else 'each'} the id of two people?"
     ]
 
 
@@ -258,26 +318,6 @@ def _suspect_names(study: StudyData) -> list[str]:
         f"{'; '.join(pairs)} may be one participant each, whose name was typed differently; they "
         "are counted as different people"
     ]
-
-
-def _coded_from_one(study: StudyData, of_choices: Collection[str]) -> list[str]:
-    """Ask where no answer is 0: all of them may be too high by one."""
-    answers: dict[str, Counter[Answer]] = defaultdict(Counter)
-    for sheet in study.sheets:
-        answers[sheet.keys["instrument"]].update(
-            answer for answer in sheet.answers.values() if answer is not None
-        )
-    found = []
-    for name, counts in answers.items():
-        instrument = study.instruments[name]
-        answered = 0 if name in of_choices else never_zero(instrument, counts)
-        if answered:
-            found.append(
-                f"none of {answered} answers to the {instrument.short} is 0: are they coded 1 to "
-                f"{instrument.high + 1}, with no {instrument.high + 1} among them? Then every "
-                "score is too high; take 1 off each answer"
-            )
-    return found
 
 
 def _confounded(study: StudyData, tests: Sequence[SignedRankRow]) -> list[str]:

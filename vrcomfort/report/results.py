@@ -266,7 +266,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[Results, Exposures]:
     made = decide_all(data, run_analyses(data))
     tests = TESTS.of(made.rows)
     compared: list[Tested] = [*tests, *COMPARISONS.of(made.rows)]
-    names, labels = _named(data), _labels(data)
+    names, labels, repeated = _named(data), _labels(data), sensitivity(data, tests)
     people = _participants(data, analysed_people(made.rows), exclusions)
     results = Results(
         without_primary=scored.without_primary or None,
@@ -286,10 +286,12 @@ def analyse(study: StudyData, plan: Plan) -> tuple[Results, Exposures]:
         participants=people,
         exclusion_rules=rules_in_words(plan, scored, exclusions),
         exclusions=exclusions,
-        notices=notices(study, scored, tests, exclusions, plan.of_choices),
+        notices=notices(
+            study, scored, plan, tests, COMPARISONS.of(made.rows), repeated, exclusions
+        ),
         families=made.families,
         of_tests=made.of("primary", "tests"),
-        sensitivity=sensitivity(data, tests),
+        sensitivity=repeated,
         smallest_effects=smallest_effects(plan, tests),
         descriptives=describe_all(scored, plan, data.conditions, compared),
         recovery=describe_recovery(scored),
