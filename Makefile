@@ -4,7 +4,7 @@ OUT ?= out
 # Tests start the program many times: it is compiled once, wherever Python is told not to keep that.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: help setup demo test test-smoke test-slow test-bare test-local test-openxr test-windows explore runtime check docs audit bench torture torture-short scenes clean
+.PHONY: help setup demo test test-smoke test-slow test-bare test-local test-openxr random-reports test-windows explore runtime check docs audit bench torture torture-short scenes clean
 
 help:
 	@echo "make demo    a complete simulated study, rendered and reported (out/demo)"
@@ -14,6 +14,7 @@ help:
 	@echo "                 and reports on odd data once more, with their figures"
 	@echo "make test-local  those of published data that may not be shipped (VRCOMFORT_REFERENCE_DATA=FOLDER)"
 	@echo "make test-bare   make test and test-slow on fresh Debians 12 and 13 in folders (root, 1 hour)"
+	@echo "make random-reports  2,000 reports of random studies, which must not contradict themselves"
 	@echo "make explore     the property tests with other, and more, examples"
 	@echo "make runtime     find or make a system with a Monado runtime (OpenXR without a headset)"
 	@echo "make test-openxr the tests that need one, in it"
@@ -54,6 +55,10 @@ test-local:
 	@scripts/setup.sh --tests
 	@$(BIN)/pytest -q -m needs_reference_data
 
+random-reports:
+	@scripts/setup.sh --tests
+	@VRCOMFORT_RANDOM_REPORTS=2000 $(BIN)/pytest -q -n 2 tests/test_report_random.py
+
 explore:
 	@scripts/setup.sh --tests
 	@$(BIN)/pytest -q -n 2 --hypothesis-profile explore $$(grep -rl @given tests)
@@ -83,6 +88,7 @@ audit: setup
 
 bench: setup
 	@$(BIN)/python -m bench --out $(OUT)/bench
+	@$(BIN)/python -m bench.calibration --studies 200 --out $(OUT)/bench/calibration
 	@$(BIN)/vrcomfort tradeoff --quick --out $(OUT)/bench/tradeoff
 
 torture: setup

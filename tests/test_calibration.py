@@ -32,6 +32,6 @@ def test_what_is_beyond_its_limit_is_found_and_printed_in_bold():
         ("normal 8 0.8", "t against p"): 0.0005,
     }
     assert ("normal 8 0.0", "t covers") not in misses(counts, certain=True)
-    assert "| normal | 8 | 0.0 | **0.065 ± 0.006** | **0.935 ± 0.006** | 0.000 ± 0.000 |" in table(
+    assert "| normal | 8 | 0.0 | **0.065 ± 0.006** | 0.935 ± 0.006 | 0.000 ± 0.000 |" in table(
         counts, ["normal"]
     )

@@ -76,27 +76,33 @@ class ClusterRobust:
         these are none, or the errors of some contrast are 0.
         """
         q = len(contrasts)
+        tested = all(
+            self.degrees_of_freedom(c) > 0 and self.standard_error(c) > 0 for c in contrasts
+        )
+        errors = contrasts @ self.covariance @ contrasts.T
+        eta = self._eta(contrasts) if tested else 0.0
+        df = eta - q + 1
+        if df <= 0 or np.linalg.matrix_rank(errors, hermitian=True) < q:
+            return FTest(None, q, None, None)
+        estimate = contrasts @ self.coefficients
+        f = float(estimate @ np.linalg.solve(errors, estimate)) * df / (eta * q)
+        return FTest(f, q, df, float(fdtrc(q, df, f)))
+
+    def _eta(self, contrasts: Floats) -> float:
+        """Return the degrees of freedom of the Wishart matrix that the errors resemble; 0: none."""
+        q = len(contrasts)
         own, shared = self._parts(contrasts)
-        model = own.sum(axis=2) - np.einsum("skp,tkp->st", shared, shared)
-        values, vectors = np.linalg.eigh(model)
-        whitened = (vectors / np.sqrt(values)) @ vectors.T
-        own, shared = self._parts(whitened @ contrasts)
+        values, vectors = np.linalg.eigh(own.sum(axis=2) - np.einsum("skp,tkp->st", shared, shared))
+        if values[0] <= ROUNDING * values[-1]:
+            return 0.0
+        own, shared = self._parts((vectors / np.sqrt(values)) @ vectors.T @ contrasts)
         spread = sum(
             _products(own[s, s], own[t, t], shared[s], shared[t])
             + _crossed(own[s, t], shared[s], shared[t])
             for s in range(q)
             for t in range(q)
         )
-        hidden = any(self.degrees_of_freedom(row) == 0 for row in contrasts)
-        eta = 0.0 if hidden else q * (q + 1) / spread
-        estimate = contrasts @ self.coefficients
-        errors = contrasts @ self.covariance @ contrasts.T
-        df = eta - q + 1
-        alike = any(self.standard_error(row) == 0 for row in contrasts)
-        if df <= 0 or alike or np.linalg.matrix_rank(errors, hermitian=True) < q:
-            return FTest(None, q, None, None)
-        f = float(estimate @ np.linalg.solve(errors, estimate)) * df / (eta * q)
-        return FTest(f, q, df, float(fdtrc(q, df, f)))
+        return q * (q + 1) / spread
 
     def _parts(self, contrasts: Floats) -> tuple[Floats, Floats]:
         """Return diagonals, shape (q, q, k), and shared columns, shape (q, k, p), of each pair."""
