@@ -53,7 +53,7 @@ CHECKED = {
     "effects", "eye", "figures", "format", "instrument", "kind", "language", "lens",
     "memory", "methods", "page",
     "participant", "participants", "plan", "pose", "previous_pose", "protocol", "protocols",
-    "scene", "scenes", "show", "size", "trial", "trust", "ttl", "without",
+    "scene", "scenes", "settings", "show", "size", "trial", "trust", "ttl", "without",
 }  # fmt: skip
 """Parameters that name a file, or one of a few things that there are."""
 

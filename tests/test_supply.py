@@ -164,7 +164,7 @@ def test_licences_told_for_other_systems_are_those_of_the_packages():
             continue
         here += 1
         assert licences.licence(name) == told
-    assert here < len(licences.ELSEWHERE)
+    assert here
     assert set(licences.ELSEWHERE) <= set(locked())
 
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,8 @@ from vrcomfort.traces.trace import Trace
 NANOSECONDS: Mapping[TimeUnit, int] = {
     "s": 10**9, "ms": 10**6, "us": 10**3, "ns": 1, "min": 60 * 10**9, "ticks": 100,
 }  # fmt: skip
+_MOST_DIGITS = 19
+"""Of nanoseconds: 64 bits hold no more."""
 _UNIX_TICKS = 621_355_968_000_000_000
 """Ticks of .NET, which count from the year 1, at the start of 1970."""
 _DAY_NS = 86_400 * 10**9
@@ -260,9 +262,10 @@ def _time_reader(mapping: LogMapping) -> Callable[[str], int | None]:
         try:
             value = Decimal(plain_digits(text))
             value -= since if value > since else 0
-            return int((value * scale).to_integral_value())
-        except (InvalidOperation, ValueError, OverflowError):
+            nanoseconds = (value * scale).to_integral_value()
+        except (ArithmeticError, ValueError):
             return None
+        return int(nanoseconds) if nanoseconds.adjusted() < _MOST_DIGITS else None
 
     return read
 
