@@ -29,8 +29,9 @@ pytestmark = pytest.mark.slow
 TRACE = data_folder("scenes") / "temple_walk.csv"
 ANSWERS = (0, 1, 2, 3)
 CLIENT = """
-import ctypes, sys, threading, time
+import ctypes, signal, sys, threading, time
 from pathlib import Path
+signal.signal(signal.SIGINT, signal.default_int_handler)  # jobs in a shell's background ignore it
 from tests.support.openxr_runtime import ScriptedRuntime
 from vrcomfort.headset import monado
 
