@@ -152,9 +152,9 @@ def test_levels_of_quality_name_effects_and_their_settings():
 
 def test_a_part_that_reads_what_no_part_writes_is_refused_by_name():
     plan = graph.EFFECTS["vignette"].plan
-    scene = graph.Part("scene", plan, writes=("colour",))
-    fog = graph.Part("fog", plan, reads=("colour", "haze"), writes=("colour",))
-    haze = graph.Part("haze_search", plan, reads=("colour",), writes=("haze",))
+    scene = graph.FramePart("scene", plan, writes=("colour",))
+    fog = graph.FramePart("fog", plan, reads=("colour", "haze"), writes=("colour",))
+    haze = graph.FramePart("haze_search", plan, reads=("colour",), writes=("haze",))
     graph.check_parts([scene, haze, fog])
     with pytest.raises(ValueError, match="fog reads the image 'haze', which no part of a frame"):
         graph.check_parts([scene, fog])

@@ -8,7 +8,7 @@ import pytest
 
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MaxReductionPass
-from vrcomfort.gpu.passes import Image, Pass, check_order, watched
+from vrcomfort.gpu.passes import Pass, PassImage, check_order, watched
 from vrcomfort.gpu.shaders import with_counted_reads
 from vrcomfort.gpu.traffic import TrafficCounter, added_up
 
@@ -148,7 +148,7 @@ def test_a_pass_that_reads_what_it_writes_is_refused(ctx):
 
 
 def test_passes_in_a_cycle_are_refused_with_both_names():
-    first, second, given = (Image(name, (4, 4), 64) for name in (1, 2, 3))
+    first, second, given = (PassImage(name, (4, 4), 64) for name in (1, 2, 3))
     forth = Pass("forth.frag", (first, given), (second,))
     back = Pass("back.frag", (second,), (first,))
     message = r"forth\.frag reads a 4×4 texture that the pass back\.frag writes after it"
@@ -185,7 +185,7 @@ def test_reads_within_reads_in_macros_in_branches_and_before_a_discard_count(ctx
     program = ctx.program(VERTEX, with_counted_reads(NESTED, lambda _: ""))
     source, target = (gl.color_texture(ctx, (8, 4)) for _ in range(2))
     array = ctx.vertex_array(program, [])
-    declared = Pass("nested", (Image.of(source),), (Image.of(target),))
+    declared = Pass("nested", (PassImage.of(source),), (PassImage.of(target),))
     source.use(0)
     with ctx.scope(ctx.framebuffer([target])):
         draw = lambda: array.render(moderngl.TRIANGLES, vertices=3)  # noqa: E731

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import runpy
 import subprocess
 import sys
 import sysconfig
@@ -148,3 +149,8 @@ def test_importing_loads_only_what_is_needed(module: str, forbidden: tuple[str, 
         [sys.executable, "-c", code], check=True, capture_output=True, text=True
     )
     assert result.stdout.strip() == ""
+
+
+def test_no_two_public_classes_have_one_name() -> None:
+    figures = runpy.run_path(str(ROOT / "scripts" / "codebase_figures.py"))
+    assert figures["names_used_twice"](figures["modules"]()) == {}

@@ -10,7 +10,7 @@ import moderngl
 import numpy as np
 
 from vrcomfort.gpu import gl, passes, shaders
-from vrcomfort.gpu.passes import Image, Pass
+from vrcomfort.gpu.passes import Pass, PassImage
 
 
 class UniformTuple(Protocol):
@@ -120,8 +120,8 @@ class FullscreenPass:
         self._bind = gl.binder(ctx, [texture for _, texture in named])
         self.declared = Pass(
             fragment,
-            tuple(Image.of(texture, mipmaps=name in mipmapped) for name, texture in named),
-            tuple(map(Image.of, (*self.targets, *([] if depth is None else [depth])))),
+            tuple(PassImage.of(texture, mipmaps=name in mipmapped) for name, texture in named),
+            tuple(map(PassImage.of, (*self.targets, *([] if depth is None else [depth])))),
         )
 
     @property
@@ -228,7 +228,7 @@ class MaxReductionPass:
         self._points = ctx.vertex_array(program, [])
         self._points.program["texels"] = 0
         self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
-        reads, writes = (Image.of(texels),), (Image.of(self.target),)
+        reads, writes = (PassImage.of(texels),), (PassImage.of(self.target),)
         self.declared = Pass("common/max_reduction.frag", reads, writes, blends=True)
         self._clear = passes.clear([self.target])
 

@@ -19,7 +19,7 @@ AnyTexture: TypeAlias = moderngl.Texture | moderngl.TextureArray
 
 
 @dataclass(frozen=True)
-class Image:
+class PassImage:
     """A texture of a pass, without the texture.
 
     Parameters
@@ -44,7 +44,9 @@ class Image:
     of_surface: int = 0
 
     @classmethod
-    def of(cls, texture: AnyTexture, *, mipmaps: bool = False, of_surface: bool = False) -> Image:
+    def of(
+        cls, texture: AnyTexture, *, mipmaps: bool = False, of_surface: bool = False
+    ) -> PassImage:
         """Return the image of a texture."""
         width, height = texture.size[:2]
         layers = 1 if isinstance(texture, moderngl.Texture) else texture.layers
@@ -77,10 +79,10 @@ class Pass:
     """
 
     name: str
-    reads: tuple[Image, ...]
-    writes: tuple[Image, ...]
+    reads: tuple[PassImage, ...]
+    writes: tuple[PassImage, ...]
     blends: bool = False
-    earlier: tuple[Image, ...] = ()
+    earlier: tuple[PassImage, ...] = ()
 
     def __post_init__(self) -> None:
         written = {image.name for image in self.writes}
@@ -132,13 +134,13 @@ def part(name: str) -> AbstractContextManager[None]:
 
 def clear(textures: Iterable[AnyTexture]) -> Pass:
     """Return the pass that clears textures."""
-    return Pass("clear", (), tuple(map(Image.of, textures)))
+    return Pass("clear", (), tuple(map(PassImage.of, textures)))
 
 
 def run_copy(source: AnyTexture, target: AnyTexture, draw: Callable[[], None]) -> None:
     """Copy a texture over another by `draw`, as a pass; none is made where nobody watches."""
     if _watchers:
-        Pass("copy", (Image.of(source),), (Image.of(target),)).run(draw)
+        Pass("copy", (PassImage.of(source),), (PassImage.of(target),)).run(draw)
     else:
         draw()
 

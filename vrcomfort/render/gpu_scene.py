@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.gpu.passes import Image, Pass
+from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.render import culling, lighting
 from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
 from vrcomfort.render.materials import (
@@ -221,7 +221,7 @@ class GpuScene:
         return np.concatenate([order[~blended], over[back_to_front]])
 
     @property
-    def images(self) -> tuple[Image, ...]:
+    def images(self) -> tuple[PassImage, ...]:
         """Return what surfaces may read, to declare passes that draw them."""
         return self._drawer.images
 

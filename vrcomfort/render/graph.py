@@ -36,7 +36,7 @@ EFFECTS = _registered()
 
 
 @dataclass(frozen=True)
-class Part:
+class FramePart:
     """A part of a frame.
 
     Parameters
@@ -53,16 +53,16 @@ class Part:
     writes: tuple[str, ...] = ()
 
 
-def frame_of(condition: Condition) -> tuple[Part, ...]:
+def frame_of(condition: Condition) -> tuple[FramePart, ...]:
     """Return the parts of a frame in the order in which they run."""
     return (
-        Part("shadow", _shadow, writes=("shadow_map",)),
-        Part("focus", plan_focus, writes=("focus",)),
-        Part("scene", _scene, reads=("shadow_map",), writes=("colour", "depth")),
-        Part("velocity", _velocity, writes=("velocity",)),
-        Part("background_blur", background_blur.plan, reads=("colour",), writes=("colour",)),
+        FramePart("shadow", _shadow, writes=("shadow_map",)),
+        FramePart("focus", plan_focus, writes=("focus",)),
+        FramePart("scene", _scene, reads=("shadow_map",), writes=("colour", "depth")),
+        FramePart("velocity", _velocity, writes=("velocity",)),
+        FramePart("background_blur", background_blur.plan, reads=("colour",), writes=("colour",)),
         *map(_effect, in_order(condition)),
-        Part("tone_map", _tone_map, reads=("colour",), writes=("display",)),
+        FramePart("tone_map", _tone_map, reads=("colour",), writes=("display",)),
     )
 
 
@@ -87,7 +87,7 @@ def plan_passes(scene: Scene, condition: Condition) -> list[PlannedPass]:
     return planned
 
 
-def check_parts(parts: Iterable[Part]) -> None:
+def check_parts(parts: Iterable[FramePart]) -> None:
     """Make sure that each part reads what an earlier one writes.
 
     Raises
@@ -112,8 +112,10 @@ def plan_effect(name: EffectName, scene: Scene, condition: Condition) -> Planned
     return EFFECTS[name].plan(scene, condition)
 
 
-def _effect(effect: RegisteredEffect) -> Part:
-    return Part(effect.name, effect.plan, ("colour", *sorted(effect.reads)), writes=("colour",))
+def _effect(effect: RegisteredEffect) -> FramePart:
+    return FramePart(
+        effect.name, effect.plan, ("colour", *sorted(effect.reads)), writes=("colour",)
+    )
 
 
 def _readers(texture: str, scene: Scene, condition: Condition) -> list[str]:

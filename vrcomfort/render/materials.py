@@ -267,7 +267,7 @@ class TextureStore:
         ]
 
         self.images = tuple(
-            passes.Image.of(each, mipmaps=True, of_surface=True) for each in uploaded
+            passes.PassImage.of(each, mipmaps=True, of_surface=True) for each in uploaded
         )
         """What surfaces may read."""
         self.bind = gl.binder(ctx, uploaded, FIRST_UNIT)

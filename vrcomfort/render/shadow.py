@@ -79,7 +79,7 @@ class ShadowMap:
             self._draw(self._live, clear=False)
 
     @property
-    def images(self) -> tuple[passes.Image, ...]:
+    def images(self) -> tuple[passes.PassImage, ...]:
         """Return the map, to declare passes that read it."""
         return self._live.cleared.writes
 
@@ -133,7 +133,7 @@ class _Map:
     """A depth texture that compares (lit where at least as near to the sun), and its target."""
 
     def __init__(
-        self, ctx: moderngl.Context, size_px: int, images: tuple[passes.Image, ...]
+        self, ctx: moderngl.Context, size_px: int, images: tuple[passes.PassImage, ...]
     ) -> None:
         self.depth = gl.depth_texture(ctx, (size_px, size_px))
         self.depth.compare_func = ">="

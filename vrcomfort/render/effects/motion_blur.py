@@ -24,7 +24,7 @@ import numpy as np
 
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.gpu.passes import Image, Pass
+from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.gpu.shaders import Defines
 from vrcomfort.optics.motion import ramp, sampling_of
 from vrcomfort.protocol.conditions import Condition, MotionBlur
@@ -407,9 +407,9 @@ class FrameStreaks:
         self._points = ctx.vertex_array(shaders.program(ctx, f"{name}.frag", f"{name}.vert"), [])
         self._points.program["tile_max"] = 0
         self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
-        writes = Image.of(self.target), Image.of(self._longest_of_all)
+        writes = PassImage.of(self.target), PassImage.of(self._longest_of_all)
         self._cleared = Pass("clear", (), writes[:1])
-        self._declared = Pass(f"{name}.frag", (Image.of(tile_max),), writes, blends=True)
+        self._declared = Pass(f"{name}.frag", (PassImage.of(tile_max),), writes, blends=True)
 
     def render(self) -> None:
         """Begin with a new frame; the maximum over all frames stays."""

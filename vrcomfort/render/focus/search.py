@@ -24,7 +24,7 @@ from vrcomfort.frame import FocusSample
 from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.gl import LATENCY
-from vrcomfort.gpu.passes import Image, Pass
+from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.optics.focus import RAYS
 from vrcomfort.optics.refocus import AT_ONCE, LAWS
 from vrcomfort.protocol.conditions import Focus, FocusRuleName
@@ -176,7 +176,7 @@ class FocusSearch:
         self._target = ctx.framebuffer(now)
         self._history = ctx.framebuffer(self._before)
         self._triangle = self._program()
-        now_images, before = (tuple(map(Image.of, each)) for each in (now, self._before))
+        now_images, before = (tuple(map(PassImage.of, each)) for each in (now, self._before))
         self._copied = Pass("copy", (), before[:1], earlier=now_images[:1])
         self._decided = Pass(probe.fragment, before, now_images)
         self._readback = Readback(ctx, inputs.near_m, settings.infinity_m)

@@ -15,7 +15,7 @@ import moderngl
 
 from vrcomfort.geometry import Fov, focal_length_px
 from vrcomfort.gpu import gl, passes, shaders
-from vrcomfort.gpu.passes import Image, Pass
+from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.optics.lens_sampling import FEW, view_points, view_radius
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
 from vrcomfort.render.camera import Lens
@@ -230,7 +230,7 @@ class LensViews:
         self._copy = shaders.fullscreen(ctx, SCALED_COPY)
         self._summing = ctx.framebuffer([self._sum])
         self._averaging = ctx.framebuffer([self.target])
-        one, total, mean = (Image.of(each) for each in (view, self._sum, self.target))
+        one, total, mean = (PassImage.of(each) for each in (view, self._sum, self.target))
         self._cleared = passes.clear([self._sum])
         self._added = Pass(SCALED_COPY, (one,), (total,), blends=True)
         self._averaged = Pass(SCALED_COPY, (total,), (mean,))

@@ -18,7 +18,7 @@ import numpy as np
 from vrcomfort.geometry import Array
 from vrcomfort.gpu import gl, passes, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MipChain
-from vrcomfort.gpu.passes import Image, Pass
+from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.optics import blur_kernels
 from vrcomfort.protocol.conditions import DepthOfField, Kernel
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
@@ -460,7 +460,7 @@ class ScatterKernel:
         shares = gl.color_texture(ctx, coc.size_px, dtype="f4")
         self._framebuffer = ctx.framebuffer([shares])
         self._scope = ctx.scope(self._framebuffer, moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
-        reads, writes = (Image.of(coc.colour_and_coc),), (Image.of(shares),)
+        reads, writes = (PassImage.of(coc.colour_and_coc),), (PassImage.of(shares),)
         self._cleared = passes.clear([shares])
         self._declared = Pass("depth_of_field/scatter.frag", reads, writes, blends=True)
         # Squares are drawn where the widest disc is larger than the driver's largest point.
