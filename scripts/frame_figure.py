@@ -15,14 +15,14 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from vrcomfort.protocol.conditions import Condition  # noqa: E402 - found through the line above
-from vrcomfort.render.graph import Part, frame_of  # noqa: E402
+from vrcomfort.render.graph import FramePart, frame_of  # noqa: E402
 
 FILE = ROOT / "docs" / "images" / "frame.svg"
 LEFT, TOP, ROW, COLUMN, RADIUS = 170, 44, 30, 96, 6
 STYLE = "text{font:13px sans-serif;fill:#222}.i{font-style:italic;text-anchor:middle}"
 
 
-def frame_svg(parts: tuple[Part, ...]) -> str:
+def frame_svg(parts: tuple[FramePart, ...]) -> str:
     """Return the figure of a frame with these parts."""
     images = list(dict.fromkeys(image for part in parts for image in (*part.writes, *part.reads)))
     width, height = LEFT + COLUMN * len(images), TOP + ROW * len(parts) + 10
@@ -57,7 +57,7 @@ def _y(row: int) -> int:
     return TOP + ROW * row + ROW // 2
 
 
-def _marks(part: Part, image: str, x: float, y: int) -> list[str]:
+def _marks(part: FramePart, image: str, x: float, y: int) -> list[str]:
     """Return the circles of a part in an image's column: read first, then written."""
     reads, writes = image in part.reads, image in part.writes
     offsets = (-9, 9) if reads and writes else (0, 0)
