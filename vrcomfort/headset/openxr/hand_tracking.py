@@ -35,6 +35,8 @@ class HandTrackers:
             for hand in (xr.HandEXT.LEFT, xr.HandEXT.RIGHT)
         ]
         self._locate = native_extension(instance, "xrLocateHandJointsEXT")
+        # Looked up now: a runtime that is going away need not find a function any more.
+        self._destroy = native_extension(instance, "xrDestroyHandTrackerEXT")
         self._info = xr.HandJointsLocateInfoEXT()  # all made once: hot
         self._joints = (xr.HandJointLocationEXT * len(HAND_JOINTS))()
         self._found = xr.HandJointLocationsEXT(joint_locations=self._joints)
@@ -61,4 +63,4 @@ class HandTrackers:
         """Destroy the trackers."""
         for tracker in self._trackers:
             with suppress(xr.exception.ResultException):
-                watched(xr.destroy_hand_tracker_ext, tracker)
+                self._destroy(tracker)
