@@ -248,6 +248,8 @@ def test_one_trial_is_chosen_where_a_file_holds_several(tmp_path: Path) -> None:
     ("change", "line", "column", "says"),
     [
         (("7.375555556", "x"), 6, "time", "'x' is not a time in s"),
+        (("7.375555556", "inf"), 6, "time", "'inf' is not a time in s"),
+        (("7.375555556", "1e300"), 6, "time", "'1e300' is not a time in s"),
         (("7.375555556", "7.3"), 6, "time", "time goes back by"),
         ((",", ";"), 6, None, "cells, the others have 7"),
     ],

@@ -265,7 +265,8 @@ def _time_reader(mapping: LogMapping) -> Callable[[str], int | None]:
             nanoseconds = (value * scale).to_integral_value()
         except (ArithmeticError, ValueError):
             return None
-        return int(nanoseconds) if nanoseconds.adjusted() < _MOST_DIGITS else None
+        fits = nanoseconds.is_finite() and nanoseconds.adjusted() < _MOST_DIGITS
+        return int(nanoseconds) if fits else None
 
     return read
 
