@@ -62,6 +62,23 @@ Recorder.write, PlaybackHeadset.frames = write_and_see, frames_until_a_trial_is_
 """The command, whose second exposure never ends: a signal comes into it, however late."""
 
 
+READING = f"""
+import sys, time
+from pathlib import Path
+
+file = Path(sys.argv.pop(1))
+
+def hold(event, arguments):
+    if event == "open" and str(arguments[0]) == str(file):
+        file.with_name("opened").touch()
+        time.sleep(3600)
+
+sys.addaudithook(hold)
+{MAIN}
+"""
+"""The command, which never gets further than to open a file: a signal comes while it reads."""
+
+
 def command(*words: object) -> subprocess.Popen[str]:
     return start("-c", MAIN, *words)
 
@@ -96,14 +113,13 @@ def stop(process: subprocess.Popen[str], *numbers: int) -> tuple[int, str, str]:
     ids=["report", "play", "score"],
 )
 def test_ctrl_c_is_answered_in_one_sentence(tmp_path: Path, name: str, words: tuple[str, ...]):
-    """The file to read is a pipe: who can open its other end knows that the command reads it."""
     file = tmp_path / "in" / name
     file.parent.mkdir()
-    os.mkfifo(file)
+    file.write_text("participant\n", encoding="utf-8")
     places = {"FOLDER": file.parent, "FILE": file, "OUT": tmp_path / "out"}
-    process = command(*(places.get(word, word) for word in words))
-    with file.open("wb"):
-        assert stop(process) == (130, "", SENTENCE)
+    process = start("-c", READING, file, *(places.get(word, word) for word in words))
+    wait_for_lines(file.with_name("opened"), process, 0)
+    assert stop(process) == (130, "", SENTENCE)
 
 
 @pytest.mark.slow
