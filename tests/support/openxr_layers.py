@@ -13,6 +13,8 @@ from typing import Any
 import xr
 
 _numbers = count(1)
+_layers: list[Interceptor] = []
+"""All that were made: the loader holds addresses of their functions, and no reference."""
 
 
 class Interceptor(xr.DynamicApiLayerBase):
@@ -31,6 +33,7 @@ class Interceptor(xr.DynamicApiLayerBase):
         self._kept: list[Any] = []
         self._get = xr.PFN_xrGetInstanceProcAddr(self._find)
         self._create = xr.PFN_xrCreateApiLayerInstance(self._create_instance)
+        _layers.append(self)
 
     def negotiate_loader_api_layer_interface(
         self,
