@@ -22,7 +22,7 @@ from bench.table import Result
 from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl
 from vrcomfort.headset.monado import Monado, RemoteFeed, RemoteHand, RemoteState
-from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings, layers, native
+from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings, native
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
 from vrcomfort.questionnaire import shipped_instruments
@@ -108,7 +108,7 @@ def measure(ctx: moderngl.Context, *, frames: int) -> Result:
         "on a playback headset.",
         "CPU time of the thread that runs the loop, from one frame's end to the next: what blocks "
         "(xrWaitFrame, images, answers of the runtime) takes none. Taken away: what is inside "
-        "moderngl's methods and the copy of depth (OpenGL and its software rasteriser), and the "
+        "moderngl's methods and the copies of images (OpenGL and its software rasteriser), and the "
         "feed of head and hand. `runtime` is what is inside OpenXR's functions, waiting aside; "
         "`python` is the rest. Python's collector of cycles runs as it does in a session.",
         "`machine busy`: how much longer a fixed piece of Python took beside these frames (median) "
@@ -121,12 +121,9 @@ def measure(ctx: moderngl.Context, *, frames: int) -> Result:
 @contextmanager
 def clocked(clock: Clock) -> Iterator[None]:
     """Count OpenGL and the runtime's functions, of headsets that are made in here."""
-    copier: Callable[..., Any] = layers._copier
     functions = xr.raw_functions
     with ExitStack() as kept:
         kept.enter_context(clocked_opengl(clock, gl))
-        copying = replaced(layers, "_copier", lambda ctx: clock.around("opengl", copier(ctx)))
-        kept.enter_context(copying)
         raw = native._raw
         calling = replaced(native, "_raw", lambda name: clock.around("runtime", raw(name)))
         kept.enter_context(calling)

@@ -6,7 +6,6 @@ import ctypes
 import math
 from itertools import islice
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import moderngl
@@ -27,65 +26,28 @@ pytest.importorskip("xr", reason="pyopenxr is not installed")
 
 import xr
 
-from tests.support.openxr_layers import Interceptor
+from tests.support.openxr_images import ReleasedImages
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
 
 pytestmark = needs_monado
 
 SIZE_PX = (48, 60)
 NEAR_M = 0.02
-DEPTH_FORMAT = 0x8CAC
 
 
-def address(handle: Any) -> int:
-    return ctypes.cast(handle, ctypes.c_void_p).value or 0
-
-
-class Runtime:
-    """Stands before the runtime and keeps the depth that goes by."""
+class Runtime(ReleasedImages):
+    """Stands before the runtime and keeps the depth that goes by, and what is said of it."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        self._copy = gl.copier(ctx)
-        self._kept = gl.depth_texture(ctx, SIZE_PX)
-        self._formats: dict[int, int] = {}
-        self._names: dict[int, list[int]] = {}
-        self._index: dict[int, int] = {}
-        self.images: list[np.ndarray] = []
         self.infos: list[tuple[float, float, float, float]] = []
-        self.layer = Interceptor(
-            xrCreateSwapchain=self.create,
-            xrEnumerateSwapchainImages=self.enumerate,
-            xrAcquireSwapchainImage=self.acquire,
-            xrReleaseSwapchainImage=self.release,
-            xrEndFrame=self.end,
-        )
+        super().__init__(ctx, xrEndFrame=self._end)
 
-    def create(self, follow: Any, session: Any, info: Any, swapchain: Any) -> int:
-        result = follow(session, info, swapchain)
-        self._formats[address(swapchain.contents)] = info.contents.format
-        return result
+    @property
+    def images(self) -> list[np.ndarray]:
+        """Return the depth of each eye so far."""
+        return [np.frombuffer(each, np.float32) for each in self.depth]
 
-    def enumerate(self, follow: Any, swapchain: Any, size: int, count: Any, images: Any) -> int:
-        result = follow(swapchain, size, count, images)
-        if size:
-            first = ctypes.cast(images, ctypes.POINTER(xr.SwapchainImageOpenGLKHR))
-            self._names[address(swapchain)] = [first[i].image for i in range(count[0])]
-        return result
-
-    def acquire(self, follow: Any, swapchain: Any, info: Any, index: Any) -> int:
-        result = follow(swapchain, info, index)
-        self._index[address(swapchain)] = index[0]
-        return result
-
-    def release(self, follow: Any, swapchain: Any, info: Any) -> int:
-        key = address(swapchain)
-        if self._formats[key] == DEPTH_FORMAT:
-            name = self._names[key][self._index[key]]
-            self._copy(SimpleNamespace(glo=name, size=SIZE_PX), self._kept)
-            self.images.append(np.frombuffer(self._kept.read(), np.float32))
-        return follow(swapchain, info)
-
-    def end(self, follow: Any, session: Any, info: Any) -> int:
+    def _end(self, follow: Any, session: Any, info: Any) -> int:
         for layer in info.contents.layers:
             projection = ctypes.cast(layer, ctypes.POINTER(xr.CompositionLayerProjection)).contents
             for view in projection.views:
@@ -158,7 +120,7 @@ def test_a_frame_without_both_depths_goes_without(ctx: moderngl.Context, tmp_pat
                 headset.submit(frame, eyes)
             wrong = gl.depth_texture(ctx, (4, 4))
             frame = next(frame for frame in headset.frames() if frame.should_render)
-            with pytest.raises(ValueError, match="depth of"):
+            with pytest.raises(ValueError, match=r"image of \(4, 4\) pixels"):
                 headset.take_depth(0, wrong, NEAR_M)
     assert runtime.infos == []
 

@@ -17,6 +17,7 @@ import sys
 from itertools import islice
 from pathlib import Path
 import numpy as np
+from tests.support.openxr_images import ReleasedImages
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
@@ -27,16 +28,15 @@ window = Window("test", (64, 64), wait_for_display=False)
 ctx = window.context()
 noise = np.random.default_rng(0).bytes(16 * 16 * 4)
 eye = ctx.texture((16, 16), 4, noise)
-got = []
+released = ReleasedImages(ctx)
 with Monado(log=Path(sys.argv[1])) as monado, monado.feed() as feed:
     feed.send(RemoteState(Pose(np.array([0.0, 1.6, 0.0]))))
-    settings = OpenXrSettings(image_size_px=(16, 16))
-    keep = lambda eye, image: got.append(image.read(components=4))
-    with OpenXrHeadset(ctx, settings, mirror=keep) as headset:
+    settings = OpenXrSettings(image_size_px=(16, 16), api_layers=(released.layer.name,))
+    with OpenXrHeadset(ctx, settings) as headset:
         for frame in islice(headset.frames(), 8):
             headset.submit(frame, (eye, eye))
         assert headset.details["binding"] == "glx"
-assert len(got) >= 10 and set(got) == {noise}
+assert len(released.colour) >= 10 and set(released.colour) == {noise}
 """
 
 

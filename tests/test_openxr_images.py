@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+from collections import Counter
 from itertools import islice
 from typing import Any
 
@@ -18,6 +20,7 @@ pytest.importorskip("xr", reason="pyopenxr is not installed")
 
 import xr
 
+from tests.support.openxr_images import ReleasedImages
 from tests.support.openxr_layers import Interceptor
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
 from vrcomfort.headset.openxr.graphics_binding import make_current
@@ -32,33 +35,105 @@ FRAMEBUFFER_SRGB = 0x8DB9
 Usage = xr.SwapchainUsageFlags
 
 
+def address(handle: Any) -> int:
+    return ctypes.cast(handle, ctypes.c_void_p).value or 0
+
+
 def headset(
-    ctx: moderngl.Context, feed: RemoteFeed, mirror: Any = None, **calls: Any
+    ctx: moderngl.Context, feed: RemoteFeed, layer: Interceptor | None = None, **calls: Any
 ) -> OpenXrHeadset:
-    layer = Interceptor(**calls)
+    layer = layer or Interceptor(**calls)
     settings = OpenXrSettings(image_size_px=SIZE_PX, api_layers=(layer.name,))
-    participant = Participant(feed, lambda _: STANDING)
-    return OpenXrHeadset(ctx, settings, before_wait=participant, mirror=mirror)
+    return OpenXrHeadset(ctx, settings, before_wait=Participant(feed, lambda _: STANDING))
 
 
 def test_images_that_are_written_to_are_made_for_it(
     ctx: moderngl.Context, feed: RemoteFeed
 ) -> None:
-    made: list[tuple[int, tuple[int, int], int]] = []
+    made: list[tuple[int, tuple[int, int], int, int]] = []
 
     def create(follow: Any, session: Any, info: Any, swapchain: Any) -> Any:
         asked = info.contents
-        made.append((asked.format, (asked.width, asked.height), int(asked.usage_flags)))
+        size_px = asked.width, asked.height
+        made.append((asked.format, size_px, asked.array_size, int(asked.usage_flags)))
         return follow(session, info, swapchain)
 
     with headset(ctx, feed, xrCreateSwapchain=create) as session:
         session.show_panel((8, 4), QUAD)
+        assert session.details["eye_images"] == "two layers"
     copied_to = int(Usage.TRANSFER_DST_BIT)
-    panels = [usage for _, size_px, usage in made if size_px == (8, 4)]
-    depths = [usage for kind, _, usage in made if kind == DEPTH_FORMAT]
-    eyes = [usage for kind, size_px, usage in made if kind != DEPTH_FORMAT and size_px == SIZE_PX]
-    assert [usage & copied_to for usage in panels + depths] == [copied_to] * 3
-    assert [usage & int(Usage.COLOR_ATTACHMENT_BIT) for usage in eyes] == [1, 1]
+    assert [usage & copied_to for *_, usage in made] == [copied_to] * 3
+    assert [shape for _, *shape, _ in made] == [[SIZE_PX, 2], [SIZE_PX, 2], [(8, 4), 1]]
+    assert [kind == DEPTH_FORMAT for kind, *_ in made] == [False, True, False]
+
+
+@pytest.mark.parametrize(("arrays", "said"), [(True, "two layers"), (False, "side by side")])
+def test_both_eyes_are_parts_of_one_image(
+    ctx: moderngl.Context, feed: RemoteFeed, arrays: bool, said: str
+) -> None:
+    parts: list[list[tuple[int, int, int]]] = []
+
+    def end(follow: Any, session: Any, info: Any) -> Any:
+        for layer in info.contents.layers:
+            projection = ctypes.cast(layer, ctypes.POINTER(xr.CompositionLayerProjection)).contents
+            depths = [
+                xr.CompositionLayerDepthInfoKHR.from_address(v.next) for v in projection.views
+            ]
+            for each in (
+                [view.sub_image for view in projection.views],
+                [d.sub_image for d in depths],
+            ):
+                assert len({address(part.swapchain) for part in each}) == 1
+                parts.append([(p.image_rect.offset.x, p.image_array_index) for p in each])
+        return follow(session, info)
+
+    released = ReleasedImages(ctx, arrays=arrays, xrEndFrame=end)
+    random = np.random.default_rng(1)
+    colours = [random.bytes(16 * 16 * 4) for _ in range(2)]
+    depths = [gl.depth_texture(ctx, SIZE_PX) for _ in range(2)]
+    eyes = ctx.texture(SIZE_PX, 4, colours[0]), ctx.texture(SIZE_PX, 4, colours[1])
+    for depth, value in zip(depths, (0.25, 0.75), strict=True):
+        ctx.framebuffer([], depth).clear(depth=value)
+    with headset(ctx, feed, released.layer) as session:
+        assert session.details["eye_images"] == said
+        for frame in islice((each for each in session.frames() if each.should_render), 3):
+            for eye, depth in enumerate(depths):
+                session.take_depth(eye, depth, 0.05)
+            session.submit(frame, eyes)
+    assert released.colour == colours * 3
+    assert [set(np.frombuffer(each, np.float32)) for each in released.depth] == [{0.25}, {0.75}] * 3
+    assert parts == [[(0, 0), (0, 1) if arrays else (16, 0)]] * 6
+
+
+def test_a_frame_acquires_two_images_and_takes_the_context_twice(
+    ctx: moderngl.Context, feed: RemoteFeed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: Counter[str] = Counter()
+    each_frame: list[Counter[str]] = []
+
+    def counted(name: str) -> Any:
+        def call(follow: Any, *arguments: Any) -> Any:
+            calls[name] += 1
+            return follow(*arguments)
+
+        return call
+
+    def count_current(self: moderngl.Context) -> Any:
+        calls["make_current"] += 1
+        return enter(self)
+
+    enter = moderngl.Context.__enter__
+    monkeypatch.setattr(moderngl.Context, "__enter__", count_current)
+    depth, eye = gl.depth_texture(ctx, SIZE_PX), ctx.texture(SIZE_PX, 4)
+    names = [f"xr{verb}SwapchainImage" for verb in ("Acquire", "Wait", "Release")]
+    with headset(ctx, feed, **{name: counted(name) for name in names}) as session:
+        for frame in islice((each for each in session.frames() if each.should_render), 3):
+            for number in (0, 1):
+                session.take_depth(number, depth, 0.05)
+            session.submit(frame, (eye, eye))
+            each_frame.append(calls.copy())
+            calls.clear()
+    assert each_frame[-1] == {**dict.fromkeys(names, 2), "make_current": 2}
 
 
 def test_whatever_state_the_runtime_leaves_the_images_keep_their_bytes(
@@ -66,7 +141,6 @@ def test_whatever_state_the_runtime_leaves_the_images_keep_their_bytes(
 ) -> None:
     other = gl.create_context()
     noise = np.random.default_rng(0).bytes(16 * 16 * 4)
-    got: list[bytes] = []
 
     def leave_a_mess(follow: Any, *arguments: Any) -> Any:
         result = follow(*arguments)
@@ -77,11 +151,12 @@ def test_whatever_state_the_runtime_leaves_the_images_keep_their_bytes(
     calls = dict.fromkeys(("xrEndFrame", "xrBeginFrame", "xrWaitSwapchainImage"), leave_a_mess)
     make_current(ctx)
     eye = ctx.texture(SIZE_PX, 4, noise)
-    with headset(ctx, feed, lambda _, image: got.append(image.read(components=4)), **calls) as each:
+    released = ReleasedImages(ctx, **calls)
+    with headset(ctx, feed, released.layer) as each:
         for frame in islice(each.frames(), 8):
             each.submit(frame, (eye, eye) if frame.should_render else None)
-    assert len(got) >= 4
-    assert set(got) == {noise}
+    assert len(released.colour) >= 4
+    assert set(released.colour) == {noise}
     other.release()
     make_current(ctx)
 

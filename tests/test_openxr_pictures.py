@@ -22,6 +22,7 @@ from vrcomfort.traces.trace import Trace
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
+from tests.support.openxr_images import ReleasedImages
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
 
 pytestmark = needs_monado
@@ -63,14 +64,13 @@ def walk(frame: int) -> RemoteState:
 def test_the_runtime_gets_what_playback_shows(ctx: moderngl.Context, tmp_path: Path) -> None:
     scene = load_scene("temple")
     renderer = StereoRenderer(ctx, SIZE_PX)
-    got: list[bytes] = []
+    released = ReleasedImages(ctx)
     frames: list[Frame] = []
     with fresh_monado(tmp_path) as monado, monado.feed() as feed:
         headset = OpenXrHeadset(
             ctx,
-            OpenXrSettings(image_size_px=SIZE_PX),
+            OpenXrSettings(image_size_px=SIZE_PX, api_layers=(released.layer.name,)),
             before_wait=Participant(feed, walk),
-            mirror=lambda _, image: got.append(image.read(components=4)),
         )
         with headset:
             headset.place(spawn=scene.spawn)
@@ -86,6 +86,7 @@ def test_the_runtime_gets_what_playback_shows(ctx: moderngl.Context, tmp_path: P
         for eye in renderer.render(frame, 0.05 * number).eyes
     ]
     renderer.release()
+    got = released.colour
     assert len(got) == len(shown) == 12
     images = [np.frombuffer(b"".join(each), np.uint8).astype(int) for each in (got, shown)]
     assert np.ptp(images[0]) > 50

@@ -80,7 +80,7 @@ def test_waits_for_images_are_told_and_are_no_time_of_the_processor(ctx, feed, m
     with monkeypatch.context() as patch:
         SlowRuntime(patch, DELAY_S)
         cpu_ms, waits = shown(ctx, feed)
-    calls = 4 * 3  # colour and depth of two eyes: acquired, waited for, given back
+    calls = 2 * 3  # colour and depth: acquired, waited for, released
     assert calls * DELAY_S * 1e3 <= waits.images_ms < (calls + 1) * DELAY_S * 1e3
     assert cpu_ms < DELAY_S * 1e3
     assert waits.frame_ms < DELAY_S * 1e3

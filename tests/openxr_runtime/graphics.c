@@ -15,8 +15,11 @@
 #endif
 #define IMAGES 3
 #define MOST_SWAPCHAINS 64
+#define MOST_LAYERS 2
 #define TEXTURE_2D 0x0DE1
+#define TEXTURE_2D_ARRAY 0x8C1A
 #define TEXTURE_BINDING_2D 0x8069
+#define TEXTURE_BINDING_2D_ARRAY 0x8C1D
 #define SRGB8_ALPHA8 0x8C43
 #define RGBA8 0x8058
 #define DEPTH_COMPONENT32F 0x8CAC
@@ -31,6 +34,7 @@ static struct {
     void(GL_CALL *bind_texture)(unsigned, unsigned);
     void(GL_CALL *get_integer)(unsigned, int *);
     void(GL_CALL *tex_storage)(unsigned, int, unsigned, int, int);
+    void(GL_CALL *tex_storage_3d)(unsigned, int, unsigned, int, int, int);
 } gl;
 
 typedef struct {
@@ -98,7 +102,8 @@ XrResult bind_graphics(const void *next) {
     if (!is_bound_current()) return XR_ERROR_GRAPHICS_DEVICE_INVALID;
     bool found = LOAD(gen_textures, "glGenTextures") && LOAD(bind_texture, "glBindTexture") &&
                  LOAD(delete_textures, "glDeleteTextures") &&
-                 LOAD(get_integer, "glGetIntegerv") && LOAD(tex_storage, "glTexStorage2D");
+                 LOAD(get_integer, "glGetIntegerv") && LOAD(tex_storage, "glTexStorage2D") &&
+                 LOAD(tex_storage_3d, "glTexStorage3D");
     return found ? XR_SUCCESS : XR_ERROR_GRAPHICS_DEVICE_INVALID;
 }
 
@@ -130,19 +135,24 @@ XrResult xrCreateSwapchain(XrSession session, const XrSwapchainCreateInfo *info,
         return XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED;
     if (info->width == 0 || info->height == 0 || info->width > 4096 || info->height > 4096)
         return XR_ERROR_SWAPCHAIN_RECT_INVALID;
-    if (info->sampleCount != 1 || info->faceCount != 1 || info->arraySize != 1 ||
-        info->mipCount != 1)
+    if (info->sampleCount != 1 || info->faceCount != 1 || info->arraySize < 1 ||
+        info->arraySize > MOST_LAYERS || info->mipCount != 1)
         return XR_ERROR_FEATURE_UNSUPPORTED;
     if (!is_bound_current()) return XR_ERROR_RUNTIME_FAILURE;
     *chain = (Swapchain){.exists = true, .info = *info};
-    gl.get_integer(TEXTURE_BINDING_2D, &before);
+    bool array = info->arraySize > 1;
+    unsigned kind = array ? TEXTURE_2D_ARRAY : TEXTURE_2D, format = (unsigned)info->format;
+    int width = (int)info->width, height = (int)info->height;
+    gl.get_integer(array ? TEXTURE_BINDING_2D_ARRAY : TEXTURE_BINDING_2D, &before);
     gl.gen_textures(IMAGES, chain->textures);
     for (int i = 0; i < IMAGES; i++) {
-        gl.bind_texture(TEXTURE_2D, chain->textures[i]);
-        gl.tex_storage(TEXTURE_2D, 1, (unsigned)info->format, (int)info->width,
-                       (int)info->height);
+        gl.bind_texture(kind, chain->textures[i]);
+        if (array)
+            gl.tex_storage_3d(kind, 1, format, width, height, (int)info->arraySize);
+        else
+            gl.tex_storage(kind, 1, format, width, height);
     }
-    gl.bind_texture(TEXTURE_2D, (unsigned)before);
+    gl.bind_texture(kind, (unsigned)before);
     *created = (XrSwapchain)chain;
     return XR_SUCCESS;
 }
@@ -209,7 +219,8 @@ XrResult xrReleaseSwapchainImage(XrSwapchain handle, const XrSwapchainImageRelea
 bool was_drawn(const XrSwapchainSubImage *image) {
     const Swapchain *chain = (const Swapchain *)image->swapchain;
     const XrRect2Di *rect = &image->imageRect;
-    return chain != NULL && chain->exists && chain->drawn && rect->offset.x >= 0 &&
+    return chain != NULL && chain->exists && chain->drawn &&
+           image->imageArrayIndex < chain->info.arraySize && rect->offset.x >= 0 &&
            rect->offset.y >= 0 && rect->extent.width > 0 && rect->extent.height > 0 &&
            rect->offset.x + rect->extent.width <= (int)chain->info.width &&
            rect->offset.y + rect->extent.height <= (int)chain->info.height;

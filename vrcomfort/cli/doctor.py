@@ -164,8 +164,8 @@ def _openxr_headset(facts: SystemFacts) -> Iterator[Diagnosis]:
 def _openxr_session(facts: SessionFacts) -> Iterator[Diagnosis]:
     details = facts.details
     words = (
-        f"{details['binding'].upper()} binding, images {details['image_format']}, "
-        f"space {details['space']}, depth layer {details['depth_layer']}"
+        f"{details['binding'].upper()} binding, images {details['image_format']} "
+        f"({details['eye_images']}), space {details['space']}, depth layer {details['depth_layer']}"
     )
     yield _there("OpenXR session", words)
     rates = ", ".join(f"{rate:g}" for rate in facts.refresh_rates_hz) or "not told"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
+from functools import partial
 
 import moderngl
 import xr
@@ -16,7 +17,7 @@ from vrcomfort.headset.openxr.faults import running, starting
 from vrcomfort.headset.openxr.graphics_binding import Binding, current_binding, make_current
 from vrcomfort.headset.openxr.hand_tracking import HandTrackers
 from vrcomfort.headset.openxr.instance import connect
-from vrcomfort.headset.openxr.layers import EyeLayer, TakeEyeImage
+from vrcomfort.headset.openxr.layers import EyeLayer
 from vrcomfort.headset.openxr.lifecycle import Lifecycle
 from vrcomfort.headset.openxr.native import watched
 from vrcomfort.headset.openxr.settings import OpenXrSettings
@@ -24,11 +25,9 @@ from vrcomfort.headset.openxr.spaces import Stage
 from vrcomfort.headset.openxr.swapchain import (
     DEPTH_FORMAT,
     DEPTH_FORMAT_NAME,
-    DEPTH_USAGE,
-    EYE_USAGE,
     FORMATS,
-    PANEL_USAGE,
     Canvas,
+    StereoSwapchain,
     Swapchain,
     choose_format,
 )
@@ -43,8 +42,6 @@ class Connection:
         The OpenGL context that draws.
     settings
         What the caller may choose.
-    mirror
-        See `EyeLayer`.
     notify
         Called with each event worth recording.
 
@@ -58,7 +55,6 @@ class Connection:
         self,
         ctx: moderngl.Context,
         settings: OpenXrSettings,
-        mirror: TakeEyeImage | None,
         notify: Callable[[HeadsetEvent], None],
     ) -> None:
         self._ctx = ctx
@@ -67,15 +63,13 @@ class Connection:
         try:
             make_current(ctx)
             with starting():
-                self._open(current_binding(), mirror, notify)
+                self._open(current_binding(), notify)
             make_current(ctx)
         except BaseException:
             self.release()
             raise
 
-    def _open(
-        self, binding: Binding, mirror: TakeEyeImage | None, notify: Callable[[HeadsetEvent], None]
-    ) -> None:
+    def _open(self, binding: Binding, notify: Callable[[HeadsetEvent], None]) -> None:
         self._platform = binding.platform
         self.runtime = connect(self._settings, binding.extensions, notify)
         self._owned.callback(self.runtime.release)
@@ -94,7 +88,9 @@ class Connection:
         self._format = choose_format(formats)
         self.size_px = self.runtime.image_size_px(self._settings.image_size_px)
         self._no_depth = layers.why_no_depth(self.runtime.extensions, formats)
-        self.eyes = EyeLayer(self._ctx, self.eye_canvas, self.size_px, mirror, self._depth_images())
+        colour = self._stereo_swapchain(self._format)
+        self._layers = colour.layers
+        self.eyes = EyeLayer(self._ctx, colour, self._depth_swapchain())
         self._owned.callback(self.eyes.release)
         self.actions = Actions(self.runtime, self.session)
         self._owned.callback(self.actions.release)
@@ -135,6 +131,7 @@ class Connection:
             "space": self.stage.kind,
             "room": "not told" if room is None else f"{room[0]:.2f} m × {room[1]:.2f} m",
             "image_format": FORMATS[self._format],
+            "eye_images": "two layers" if self._layers > 1 else "side by side",
             "depth_layer": self._no_depth or DEPTH_FORMAT_NAME,
             "depth": "off" if self._no_depth else self._settings.depth,
             "eye_tracker": "yes" if self.runtime.has_gaze or self.runtime.has_each_eye else "no",
@@ -146,31 +143,25 @@ class Connection:
             "right_controller": self.actions.profile(1),
         }
 
-    def eye_canvas(self, size_px: tuple[int, int]) -> Canvas:
-        """Make a ring of images that eyes' images are copied to."""
-        return Canvas(self._ctx, self._swapchain(size_px, self._format, EYE_USAGE))
-
     def panel_canvas(self, size_px: tuple[int, int]) -> Canvas:
         """Make a ring of images that pictures are written to."""
-        return Canvas(self._ctx, self._swapchain(size_px, self._format, PANEL_USAGE))
+        return Canvas(self._ctx, self._swapchain(self._format, size_px))
 
     def make_current(self) -> None:
         """Take the context back after a call in which the runtime may have used it."""
         make_current(self._ctx)
 
-    def _depth_images(self) -> layers.DepthImages | None:
+    def _depth_swapchain(self) -> StereoSwapchain | None:
         if self._settings.depth == "off":
             self._no_depth = "switched off"
-        if self._no_depth:
-            return None
-        left, right = (self._swapchain(self.size_px, DEPTH_FORMAT, DEPTH_USAGE) for _ in range(2))
-        return layers.DepthImages(self._ctx, (left, right))
+        return None if self._no_depth else self._stereo_swapchain(DEPTH_FORMAT)
 
-    def _swapchain(
-        self, size_px: tuple[int, int], image_format: int, usage: xr.SwapchainUsageFlags
-    ) -> Swapchain:
+    def _stereo_swapchain(self, image_format: int) -> StereoSwapchain:
+        return StereoSwapchain(self._ctx, partial(self._swapchain, image_format), self.size_px)
+
+    def _swapchain(self, image_format: int, size_px: tuple[int, int], layers: int = 1) -> Swapchain:
         timeout_s = self._settings.image_timeout_s
-        return Swapchain(self._ctx, self.session, size_px, image_format, usage, timeout_s)
+        return Swapchain(self.session, size_px, image_format, timeout_s, layers)
 
     def release(self) -> None:
         """Release everything, newest first; a runtime that is gone keeps nothing."""

@@ -49,8 +49,6 @@ class OpenXrHeadset:
         What the caller may choose.
     before_wait
         Called before each wait for a frame: where a simulated runtime's feed moves on.
-    mirror
-        Called with (0 left or 1 right, the image that the runtime is about to get).
     window
         Shows the operator what the participant sees; its keys act for the participant.
 
@@ -66,13 +64,12 @@ class OpenXrHeadset:
         settings: OpenXrSettings | None = None,
         *,
         before_wait: Callable[[], None] | None = None,
-        mirror: layers.TakeEyeImage | None = None,
         window: Mirror | None = None,
     ) -> None:
         self._before_wait, self._window = before_wait, window
         settings = settings or OpenXrSettings()
         self._events: list[HeadsetEvent] = []
-        self._xr = Connection(ctx, settings, mirror, self._events.append)
+        self._xr = Connection(ctx, settings, self._events.append)
         self._panels = Panels(self._xr.panel_canvas)
         walks = Locomotion(
             settings.walking_speed_m_s,
@@ -186,10 +183,9 @@ class OpenXrHeadset:
         depth
             D32F, reverse-Z: ``near_m / distance``.
         """
-        images = self._xr.eyes.depth
-        if images is not None and self._open is not None and self._open.should_render:
+        if self._open is not None and self._open.should_render:
             with faults.running():
-                images.draw(eye, depth, near_m)
+                self._xr.eyes.copy_depth(eye, depth, near_m)
 
     def waits(self) -> FrameWaits:
         """Return the waits of the frame that was submitted last."""
@@ -302,6 +298,8 @@ class OpenXrHeadset:
             self._events.append(HeadsetEvent("frame_discarded", "by the runtime: it was not seen"))
         self._frame_wait_ms = RUNTIME_CALLS.take_spent_ms(FRAME_WAITS)
         RUNTIME_CALLS.take_spent_ms(IMAGE_WAITS)
+        if self._in_scene and self._frame_state.should_render:
+            self._xr.eyes.acquire()  # before the frame is drawn, so that nothing in it waits
         self._xr.make_current()
         self._inputs = None
         self._open = self._frame(self._frame_state)
@@ -353,8 +351,7 @@ class OpenXrHeadset:
         if frame.should_render:
             tracking = self._where.tracking
             if eyes is not None and tracking.found:  # else they would be seen from nowhere
-                self._xr.eyes.draw(eyes)
-                composed.append(self._xr.eyes.structure(space, tracking.xr_views))
+                composed.append(self._xr.eyes.draw(eyes, tracking.xr_views, space))
             composed += [layer for each in self._panels.shown if (layer := each.structure(space))]
         self._open = None
         self._image_wait_ms = RUNTIME_CALLS.take_spent_ms(IMAGE_WAITS)

@@ -6,7 +6,7 @@ import ctypes
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import Any, cast
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -16,68 +16,17 @@ from numpy.typing import NDArray
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import POINTER_SIZE_PX, pointer_picture
 from vrcomfort.headset.openxr.faults import running
+from vrcomfort.headset.openxr.graphics_binding import make_current
 from vrcomfort.headset.openxr.native import native, pose_to_xr
-from vrcomfort.headset.openxr.swapchain import DEPTH_FORMAT, DEPTH_FORMAT_NAME, Canvas, Swapchain
+from vrcomfort.headset.openxr.swapchain import (
+    DEPTH_FORMAT,
+    DEPTH_FORMAT_NAME,
+    Canvas,
+    StereoSwapchain,
+)
 
 DEPTH_LAYER = xr.KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME
 DepthInfo = xr.CompositionLayerDepthInfoKHR
-
-_TEXTURE_2D = 0x0DE1
-
-
-class DepthImages:
-    """The two eyes' depth of a frame, copied bit for bit.
-
-    With it a runtime can shift the images with the head, not only turn them. The renderer's depth
-    is ``near_m / distance`` (reverse-Z): 1 on the near plane, 0 at infinity.
-    `XR_KHR_composition_layer_depth` calls the distance at depth 0 "near", at depth 1 "far".
-
-    Parameters
-    ----------
-    ctx
-        The context that the session was made with.
-    swapchains
-        Left and right, of `DEPTH_FORMAT`; they are released with this.
-    """
-
-    def __init__(self, ctx: moderngl.Context, swapchains: tuple[Swapchain, Swapchain]) -> None:
-        self._swapchains = swapchains
-        self._copy = _copier(ctx)
-        self._infos = tuple(
-            DepthInfo(each.sub_image, min_depth=0.0, max_depth=1.0, near_z=math.inf, far_z=1.0)
-            for each in swapchains
-        )
-        self._drawn = [False, False]
-
-    def draw(self, eye: int, depth: moderngl.Texture, near_m: float) -> None:
-        """Hand the depth of `eye` (0 left, 1 right) to the runtime, for the frame under way.
-
-        Raises
-        ------
-        ValueError
-            If it has not the size of the images.
-        """
-        swapchain = self._swapchains[eye]
-        if depth.size != swapchain.size_px:
-            raise ValueError(f"depth of {depth.size} pixels, wanted {swapchain.size_px}")
-        with swapchain.image() as index:
-            self._copy(depth.glo, swapchain.names[index], depth.size)
-        self._infos[eye].far_z = near_m
-        self._drawn[eye] = True
-
-    def take(self) -> tuple[int | None, int | None]:
-        """Return the addresses of both eyes' depth structures for the layer, once; or none."""
-        whole = all(self._drawn)
-        self._drawn = [False, False]
-        if not whole:
-            return None, None
-        left, right = self._infos
-        return ctypes.addressof(left), ctypes.addressof(right)
-
-    def release(self) -> None:
-        """Release the images."""
-        for swapchain in self._swapchains:
-            swapchain.release()
 
 
 def why_no_depth(extensions: frozenset[str], formats: Sequence[int]) -> str:
@@ -89,25 +38,9 @@ def why_no_depth(extensions: frozenset[str], formats: Sequence[int]) -> str:
     return ""
 
 
-def _copier(ctx: moderngl.Context) -> Callable[[int, int, tuple[int, int]], None]:
-    """Return a function that copies a texture (source and target name, size) over another."""
-    kind = getattr(ctypes, "WINFUNCTYPE", ctypes.CFUNCTYPE)
-    loader = ctx.mglo._context
-    # A context of our own and one that a window made look functions up by different names.
-    find = getattr(loader, "load", None) or loader.load_opengl_function
-    call = kind(None, *[ctypes.c_int] * 15)(find("glCopyImageSubData"))
-    corner = (_TEXTURE_2D, 0, 0, 0, 0)
-
-    def copy(source: int, target: int, size_px: tuple[int, int]) -> None:
-        call(source, *corner, target, *corner, *size_px, 1)
-
-    return copy
-
-
 Eyes = tuple[moderngl.Texture, moderngl.Texture]
 Layer = Any
 MakeCanvas = Callable[[tuple[int, int]], Canvas]
-TakeEyeImage = Callable[[int, moderngl.Framebuffer], None]
 
 MOST_LAYERS = 16
 """Number that every runtime takes."""
@@ -121,83 +54,95 @@ PANEL_FLAGS = (
 
 
 class EyeLayer:
-    """The projection layer: copies the renderer's images, byte for byte.
+    """The projection layer: the renderer's images with their depth, copied bit for bit.
+
+    With depth a runtime can shift the images with the head, not only turn them. The renderer's is
+    ``near_m / distance`` (reverse-Z): 1 on the near plane, 0 at infinity.
+    `XR_KHR_composition_layer_depth` calls the distance at depth 0 "near", at depth 1 "far".
 
     Parameters
     ----------
     ctx
         The context that the session was made with.
-    make_canvas
-        Makes a canvas of a size in pixels.
-    size_px
-        (width, height) of one eye's image.
-    mirror
-        Called with (0 left or 1 right, the image that the runtime is about to get).
+    colour
+        Takes the eyes' images; it is released with this.
     depth
-        Goes with the images where the frame has it; None where the runtime takes none.
+        Takes their depth, `DEPTH_FORMAT`; None where the runtime takes none.
     """
 
     def __init__(
-        self,
-        ctx: moderngl.Context,
-        make_canvas: MakeCanvas,
-        size_px: tuple[int, int],
-        mirror: TakeEyeImage | None,
-        depth: DepthImages | None,
+        self, ctx: moderngl.Context, colour: StereoSwapchain, depth: StereoSwapchain | None
     ) -> None:
         self._ctx = ctx
-        self._mirror = mirror
-        self.depth = depth
-        self._canvases = make_canvas(size_px), make_canvas(size_px)
+        self._colour, self._depth = colour, depth
+        self._depth_infos = [] if depth is None else [*map(_depth_info, depth.sub_images)]
+        self._has_depth = [False, False]
         self._views = (xr.CompositionLayerProjectionView * 2)(
-            *(
-                xr.CompositionLayerProjectionView(sub_image=each.sub_image)
-                for each in self._canvases
-            )
+            *(xr.CompositionLayerProjectionView(sub_image=each) for each in colour.sub_images)
         )
         self._layer = xr.CompositionLayerProjection(views=self._views)  # made once: hot
-        self._sources: dict[int, tuple[moderngl.Texture, moderngl.Framebuffer]] = {}
 
-    def draw(self, eyes: Eyes) -> None:
-        """Hand both images to the runtime.
+    def acquire(self) -> None:
+        """Acquire the images of a frame; the runtime may have used the context."""
+        self._colour.acquire()
+        if self._depth is not None:
+            self._depth.acquire()
+
+    def copy_depth(self, eye: int, depth: moderngl.Texture, near_m: float) -> None:
+        """Copy the depth of `eye` (0 left, 1 right) for the frame under way.
+
+        Raises
+        ------
+        ValueError
+            If it has not the size of the images.
+        """
+        if self._depth is None:
+            return
+        self._be_acquired()
+        self._depth.copy(eye, depth)
+        self._depth_infos[eye].far_z = near_m
+        self._has_depth[eye] = True
+
+    def draw(self, eyes: Eyes, views: Any, space: xr.Space) -> xr.CompositionLayerProjection:
+        """Give both images to the runtime, with their depth where that of both was copied.
+
+        Return the layer, seen from the runtime's own `views` in `space`; good until the next call.
 
         Raises
         ------
         ValueError
             If an image has not the size that was asked for.
         """
-        for eye, (texture, canvas) in enumerate(zip(eyes, self._canvases, strict=True)):
-            if texture.size != canvas.size_px:
-                raise ValueError(f"image of {texture.size} pixels, wanted {canvas.size_px}")
-            source = self._source(eye, texture)
-            with canvas.image() as target:
-                self._ctx.copy_framebuffer(target, source)
-                if self._mirror is not None:
-                    self._mirror(eye, target)
-
-    def structure(self, space: xr.Space, views: Any) -> xr.CompositionLayerProjection:
-        """Return the layer, seen from the runtime's own `views`; good until the next call."""
-        depths = (None, None) if self.depth is None else self.depth.take()
-        for projection, view, depth in zip(self._views, views, depths, strict=True):
-            projection.pose, projection.fov, projection.next = view.pose, view.fov, depth
+        self._be_acquired()
+        for eye, image in enumerate(eyes):
+            self._colour.copy(eye, image)
+        self._colour.release_image()
+        infos: Sequence[Any] = (None, None)
+        if self._depth is not None and all(self._has_depth):
+            self._depth.release_image()
+            infos = self._depth_infos
+        self._has_depth = [False, False]
+        for projection, view, info in zip(self._views, views, infos, strict=True):
+            projection.pose, projection.fov = view.pose, view.fov
+            projection.next = None if info is None else ctypes.addressof(info)
         self._layer.space = space
         return self._layer
 
     def release(self) -> None:
         """Release the images."""
-        self._sources.clear()
-        for canvas in self._canvases:
-            canvas.release()
-        if self.depth is not None:
-            self.depth.release()
+        self._colour.release()
+        if self._depth is not None:
+            self._depth.release()
 
-    def _source(self, eye: int, texture: moderngl.Texture) -> moderngl.Framebuffer:
-        """Return a framebuffer to copy from; renderers draw into the same textures each frame."""
-        kept = self._sources.get(eye)
-        if kept is None or kept[0] is not texture:
-            kept = texture, self._ctx.framebuffer([texture])
-            self._sources[eye] = kept
-        return kept[1]
+    def _be_acquired(self) -> None:
+        """Acquire what a frame did not begin with: the first one of a scene."""
+        if not (self._colour.is_acquired and (self._depth is None or self._depth.is_acquired)):
+            self.acquire()
+            make_current(self._ctx)
+
+
+def _depth_info(sub_image: xr.SwapchainSubImage) -> Any:
+    return DepthInfo(sub_image, min_depth=0.0, max_depth=1.0, near_z=math.inf, far_z=1.0)
 
 
 class PanelLayer:
@@ -242,8 +187,7 @@ class PanelLayer:
         """
         if picture is self._shown:
             return
-        with self._canvas.image() as target:
-            cast(moderngl.Texture, target.color_attachments[0]).write(picture[::-1].tobytes())
+        self._canvas.write(picture)
         self._shown = picture
 
     def move(self, quad: Quad) -> None:
