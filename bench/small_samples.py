@@ -1,10 +1,10 @@
-"""Simulated studies of few people, and what models of incomplete data, times and effect sizes say.
+"""Simulated studies of few people: models of incomplete data, two groups, times and effect sizes.
 
-Scores are those of `calibration_studies`, and ``tied``: whole answers from 0 to 3 around a level of
-each person. A fifth of the scores is missing at random for the mixed model. Times to leaving are
-exponential with a level of each person (SD 0.7 of its logarithm) under A and B, the effect being
-the logarithm of the hazard ratio, and are watched until seven in ten have left under B. A study
-without an interval counts as one that covers; of curves, how many have none is counted.
+Scores are those of `calibration_studies`. A fifth of them is missing at random for the mixed model.
+Two groups are the scores of one half of the people under A and of the other half under B. Times to
+leaving are exponential with a level of each person (SD 0.7 of its logarithm) under A and B, the
+effect being the logarithm of the hazard ratio, and are watched until seven in ten have left under
+B. A study without an interval counts as one that covers; of curves, how many have none is counted.
 """
 
 from __future__ import annotations
@@ -15,38 +15,44 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
-from bench.calibration_studies import BLOCK, DRAWS, GENERATORS, LEVEL, SEED, SHARES, Random, holds
+from bench.calibration_studies import (
+    BLOCK,
+    DRAWS,
+    GENERATORS,
+    LEVEL,
+    SEED,
+    Integers,
+    Random,
+    contradicts,
+    holds,
+)
 from vrcomfort.errors import InputError
 from vrcomfort.stats.cluster_robust import cluster_robust
 from vrcomfort.stats.correlation import correlation
+from vrcomfort.stats.mann_whitney import mann_whitney
 from vrcomfort.stats.mixed import Estimate, t_estimate
 from vrcomfort.stats.random_intercept import fit_random_intercept
 from vrcomfort.stats.survival import kaplan_meier, log_rank
-from vrcomfort.stats.t_tests import paired_t
+from vrcomfort.stats.t_tests import paired_t, two_sample_t
 
 Floats = NDArray[np.float64]
 SCORES = ("ssq", "heavy", "tied")
 MISSING, FRAILTY, LEFT = 0.2, 0.7, 0.7
 
 
-def _tied(random: Random, n: int, effect: float) -> NDArray[np.int64]:
-    felt = 1.5 + random.normal(0, 1, (n, 1)) + effect * SHARES + random.normal(0, 1, (n, 3))
-    return np.asarray(np.clip(np.floor(felt), 0, 3), dtype=np.int64)
-
-
-DRAWN = {**GENERATORS, "tied": _tied}
-
-
 @cache
 def truths(generator: str, effect: float) -> dict[str, float]:
-    """Return the mean difference of A and B, d_z and both correlations, from a million people."""
+    """Return what is true of A and B, from a million people; other people's B for two groups."""
     random = np.random.default_rng([SEED, 2])
-    draw = DRAWN[generator]
+    draw = GENERATORS[generator]
     a, b, _ = np.concatenate([draw(random, BLOCK, effect) for _ in range(DRAWS // BLOCK)]).T
-    d = (a - b).astype(np.float64)
+    d, apart = (a - b).astype(np.float64), a - np.roll(b, 1)
     return {
         "difference": float(d.mean()),
         "d_z": float(d.mean() / d.std()),
+        "shift of groups": float(np.median(apart)),
+        "superiority": float(np.sign(apart).mean()),
+        "g": float(d.mean() / np.sqrt((a.var() + b.var()) / 2)),
         "pearson": float(np.corrcoef(a, b)[0, 1]),
         "spearman": float(np.corrcoef(rankdata(a), rankdata(b))[0, 1]),
     }
@@ -58,17 +64,44 @@ def study(generator: str, n: int, effect: float, number: int) -> dict[str, bool]
     random = np.random.default_rng([SEED, *place])
     if generator == "times":
         return _times(random, n, effect)
-    scores = DRAWN[generator](random, n, effect)
+    scores = GENERATORS[generator](random, n, effect)
     truth = truths(generator, effect)
     mixed = _mixed(scores.astype(np.float64), random)
     t = paired_t(scores[:, 0] - scores[:, 1])
     r = {of: correlation(*scores[:, :2].T, method=of) for of in ("pearson", "spearman")}
     return {
-        "mixed model rejects": mixed is not None and (mixed.p or 1.0) <= LEVEL,
+        "mixed model rejects": mixed is not None and _rejects(mixed.p),
         "mixed model covers": holds(mixed, truth["difference"]),
         "d_z covers": t is None or holds(t.cohen_d_interval, truth["d_z"]),
-        "Pearson covers": holds(r["pearson"], truth["pearson"]),
+        "d_z against p": t is not None and contradicts(t.cohen_d_interval, t.p),
         "Spearman covers": holds(r["spearman"], truth["spearman"]),
+        "Spearman against p": contradicts(r["spearman"], r["spearman"].p),
+        "Pearson covers": holds(r["pearson"], truth["pearson"]),
+        "Pearson against p": contradicts(r["pearson"], r["pearson"].p),
+        **_groups(scores, truth),
+    }
+
+
+def _rejects(p: float | None) -> bool:
+    return p is not None and p <= LEVEL
+
+
+def _groups(scores: Integers, truth: dict[str, float]) -> dict[str, bool]:
+    """Compare one half of the people under A with the other half under B."""
+    half = len(scores) // 2
+    a, b = scores[:half, 0], scores[half:, 1]
+    ranks, t = mann_whitney(a, b), two_sample_t(a, b)
+    assert ranks is not None  # noqa: S101 - both groups have people
+    return {
+        "Mann–Whitney rejects": ranks.p <= LEVEL,
+        "shift of groups covers": holds(ranks.shift, truth["shift of groups"]),
+        "shift of groups against p": contradicts(ranks.shift, ranks.p),
+        "r of groups covers": holds(ranks.effect, truth["superiority"]),
+        "r of groups against p": contradicts(ranks.effect, ranks.p),
+        "Welch’s t rejects": t is not None and t.p <= LEVEL,
+        "Welch’s t covers": holds(t, truth["difference"]),
+        "g covers": t is None or holds(t.hedges_g, truth["g"]),
+        "g against p": t is not None and contradicts(t.hedges_g, t.p),
     }
 
 

@@ -67,6 +67,27 @@ def test_a_person_who_alone_met_a_level_leaves_its_effect_untested():
     assert found.omnibus["condition"].p is None
 
 
+@pytest.mark.parametrize("reference", "abc")
+@pytest.mark.parametrize("unit", [1, 3.74, 1e3])
+def test_a_person_whose_only_score_decides_effects_leaves_them_untested(unit, reference):
+    """Of P2's residual nothing but rounding is left, and once that was divided by itself."""
+    orders = {"P0": "cab", "P1": "cab", "P2": "b", "P3": "acb"}
+    scores = dict(zip(orders, ([29, 4, 12], [22, 12, 12], [13], [6, 26, 22]), strict=True))
+    rows = [
+        (who, c, str(place), unit * score)
+        for who, order in orders.items()
+        for place, (c, score) in enumerate(zip(order, scores[who], strict=True))
+    ]
+    table = pd.DataFrame(rows, columns=["who", "condition", "position", "y"])
+    found = mixed_model(
+        table, value="y", participant="who", factors=["condition", "position"],
+        references={"condition": reference},
+    )  # fmt: skip
+    assert {each.p for each in found.terms.values()} == {None}
+    last = found.terms["position: 2 − 0"]  # clubSandwich 0.5.8: 2.333333, 3.333333
+    assert (last.estimate / unit, last.standard_error / unit) == pytest.approx((7 / 3, 10 / 3))
+
+
 def test_where_the_model_is_true_both_kinds_of_errors_agree():
     random = np.random.default_rng(4)
     people = np.repeat(np.arange(4000), random.integers(2, 31, 4000))

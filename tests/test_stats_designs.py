@@ -12,6 +12,7 @@ import pytest
 from scipy.stats import t as t_distribution
 
 from vrcomfort.errors import InputError
+from vrcomfort.report.families import holds
 from vrcomfort.stats.anova import anova
 from vrcomfort.stats.correlation import correlation, intraclass, repeated_measures_correlation
 from vrcomfort.stats.mann_whitney import EXACT_UP_TO, mann_whitney
@@ -381,3 +382,22 @@ def test_pearsons_interval_is_that_of_the_jackknife_where_a_pair_is_far_out() ->
     half = t_distribution.isf(0.025, 8) * error
     expected = np.tanh(np.arctanh(found.estimate) + np.array([-half, half]))
     assert (found.low, found.high) == pytest.approx(tuple(expected), rel=1e-9)
+
+
+@pytest.mark.parametrize("alternative", ["two-sided", "greater", "less"])
+@pytest.mark.parametrize("variances", ["welch", "pooled"])
+def test_standardised_effects_say_of_zero_what_their_p_says(variances, alternative) -> None:
+    """Welch's p is not that of the pooled deviation; the jackknife's interval is no inversion."""
+    random, seen, sign = np.random.default_rng(12), 0, -1 if alternative == "less" else 1
+    for _ in range(150):
+        n, m = random.integers(3, 25, 2)
+        a, b = random.normal(sign * 0.9, 1, n), random.normal(0, random.choice([0.2, 1, 4]), m)
+        tests = [two_sample_t(a, b, variances=variances, alternative=alternative)]
+        tests += [paired_t(random.standard_t(2, n) + sign * 0.7, alternative=alternative)]
+        for test in tests:
+            for each in (test.cohen_d_interval, test.hedges_g):
+                assert holds(each, 0.0) == (test.p > 0.05)
+                assert each.low is None or each.low <= each.estimate
+                assert each.high is None or each.high >= each.estimate
+                seen += not (each.low_closed and each.high_closed)
+    assert seen  # some are those that the test has decided

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 ROUNDING = 1e-10
-"""Share of a matrix's largest eigenvalue below which an eigenvalue is 0: the group determines a
-coefficient alone (leverage 1), and the pseudo-inverse is taken."""
+"""Share of the largest eigenvalue, before leverage is taken off, below which an eigenvalue
+is 0: the group determines a coefficient alone (leverage 1), and the pseudo-inverse is taken."""
 NO_VARIANCE = 1e-14
 """Share of a contrast's variance under the model below which its robust variance is rounding."""
 DETERMINED = 1e-6
@@ -136,7 +136,7 @@ def cluster_robust(
         root, inverse, square = _working(fit, ones)
         scaled = root @ x
         left = square - scaled @ bread @ scaled.swapaxes(1, 2)
-        influence = root @ _inverse_root(left) @ root @ inverse @ x @ bread
+        influence = root @ _inverse_root(left, square) @ root @ inverse @ x @ bread
         parts = np.einsum("krp,kr->kp", influence, e)
         covariance += parts.T @ parts
         roots.append(np.pad(root @ influence, ((0, 0), (0, p - x.shape[1]), (0, 0))))
@@ -175,10 +175,14 @@ def _working(fit: RandomIntercept, ones: Floats) -> tuple[Floats, Floats, Floats
     )
 
 
-def _inverse_root(matrices: Floats) -> Floats:
-    """Return the inverse square root of symmetric matrices, (k, r, r); pseudo where singular."""
+def _inverse_root(matrices: Floats, whole: Floats) -> Floats:
+    """Return the inverse square root of symmetric matrices, (k, r, r); pseudo where singular.
+
+    `whole` is what they were before the leverage was taken off: of a group with leverage 1 in all
+    its rows, nothing but rounding may be left.
+    """
     values, vectors = np.linalg.eigh(matrices)
-    positive = values > ROUNDING * values[:, -1:]
+    positive = values > ROUNDING * np.linalg.eigvalsh(whole)[:, -1:]
     scales = np.where(positive, 1 / np.sqrt(np.where(positive, values, 1.0)), 0.0)
     found: Floats = (vectors * scales[:, None, :]) @ vectors.swapaxes(1, 2)
     return found

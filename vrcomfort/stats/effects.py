@@ -171,14 +171,18 @@ def decided_at_zero(effect: EffectSize, *, rejected: bool) -> EffectSize:
 
     Where an interval of an effect is no inversion of the printed test, that test decides on 0: the
     interval is widened to 0, or ends before it on the side of the estimate. So it is still a
-    region of the effects that some test at the same level does not reject.
+    region of the effects that some test at the same level does not reject. None: no bound.
     """
     low, high = effect.low, effect.high
-    if low is None or high is None:
+    if low is None and high is None:
         return effect
     if not rejected:
-        return replace(effect, low=min(low, 0.0), high=max(high, 0.0))
-    if low > 0 or high < 0:
+        return replace(
+            effect,
+            low=None if low is None else min(low, 0.0),
+            high=None if high is None else max(high, 0.0),
+        )
+    if (low is not None and low > 0) or (high is not None and high < 0):
         return effect
     if effect.estimate > 0:
         return replace(effect, low=0.0, low_closed=False)

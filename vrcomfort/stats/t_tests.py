@@ -143,8 +143,17 @@ def paired_t(
         g=(float(values.mean()) / deviation, n - 1, 1 / math.sqrt(n)), sizes=(n, None),
     )  # fmt: skip
     wider = _with_jackknife(found.cohen_d_interval, values, alternative)
-    rejected = found.p <= 1 - confidence
-    return replace(found, cohen_d_interval=decided_at_zero(wider, rejected=rejected))
+    return _decided(replace(found, cohen_d_interval=wider))
+
+
+def _decided(found: TTest) -> TTest:
+    """Return a test whose standardised effects say of 0 what its p says.
+
+    Welch's p is not that of the pooled deviation that they are in units of.
+    """
+    rejected = found.p <= 1 - found.confidence
+    d, g = (decided_at_zero(e, rejected=rejected) for e in (found.cohen_d_interval, found.hedges_g))
+    return replace(found, cohen_d_interval=d, hedges_g=g)
 
 
 def _with_jackknife(d: EffectSize, values: Floats, alternative: Alternative) -> EffectSize:
@@ -201,10 +210,11 @@ def two_sample_t(
     if found is None:
         return None
     mean, error, df, pooled, n, m = found
-    return _t_test(
+    test = _t_test(
         mean, error, df, unit, alternative, confidence,
         g=(mean / pooled, n + m - 2, math.sqrt(1 / n + 1 / m)), sizes=(n, m),
     )  # fmt: skip
+    return _decided(test)
 
 
 def equivalence_of_pairs(
