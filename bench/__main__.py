@@ -23,6 +23,7 @@ from bench import (
     requires,
     simulated,
     smaller,
+    unseen,
 )
 from bench.table import Result, write
 from vrcomfort.gpu.gl import create_context
@@ -57,6 +58,7 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
     "image_hash": lambda ctx, options: image_hash.measure(ctx, rounds=options.rounds),
     "simulated": lambda _, options: simulated.measure(options.simulated),
     "mask": lambda ctx, options: mask.measure(ctx, rounds=options.rounds),
+    "unseen": lambda _, options: unseen.measure(options.seeds, samples=options.views),
     "smaller": lambda ctx, options: smaller.measure(ctx, rounds=options.rounds),
 }
 
@@ -74,6 +76,8 @@ def main() -> None:
     parser.add_argument("--people", type=int, default=1000, help="whose answers are reported")
     parser.add_argument("--frame-rows", type=int, default=10_000_000, help="summed by exposure")
     parser.add_argument("--simulated", type=int, default=200, help="people without frames")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[], help="of unseen scenes")
+    parser.add_argument("--views", type=int, default=512, help="of their references")
     arguments = parser.parse_args()
     ctx = create_context()
     for name in [arguments.only] if arguments.only else _possible():

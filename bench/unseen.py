@@ -1,0 +1,245 @@
+"""How wrong each step of depth of field is on scenes that nothing was tuned for.
+
+``python -m bench --only unseen [--seeds 1 2 3]`` makes a scene for each seed; without ``--seeds``
+for seed 1 and two that are drawn anew, and told. It draws a window of the left eye's image of
+1832×1920 with every method, and prints its errors against views through the lens: cameras that are
+moved over it and look through frusta sheared about the focus. These are ordinary cameras; nothing
+of the engine's own lens is in them.
+
+rms, edges      RMS error·10³ of display values, and where near things' discs reach
+seams           pixels of wide blur that are off their 5×5 median by more than 2/255
+cuts            pixels beside which the error steps by more than 2/255 along most of 24 pixels of a
+                row or column: heads are rolled, so that few things in a scene do
+"""
+
+from __future__ import annotations
+
+import secrets
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.ndimage import median_filter, uniform_filter1d
+from scipy.stats import qmc
+
+from bench.table import Result
+from bench.unseen_scenes import UnseenView, build
+from vrcomfort.frame import Frame
+from vrcomfort.geometry import Array, Fov, Pose, View, focal_length_px
+from vrcomfort.optics.tone import tone_mapped
+from vrcomfort.render.camera import EyeCamera
+from vrcomfort.render.image_error import LUMINANCE, hdr_flip, pixels_per_degree
+from vrcomfort.render.reference import read_rgb
+from vrcomfort.render.scene_pass import ScenePass
+from vrcomfort.scene.data import Scene
+from vrcomfort.scene.load import load_scene
+from vrcomfort.tradeoff.captures import Capture, capture_views, context, radius_px
+from vrcomfort.tradeoff.cases import HEADSET_PX, ImageWindow, of_part, sub_frustum
+from vrcomfort.tradeoff.error_measures import PinholeView, off_median, regions
+from vrcomfort.tradeoff.methods import BlurMethod, methods, no_blur
+
+WINDOW_PX = 448
+TIME_S = 1.0
+PERIOD_NS = 11_111_111
+LONG_PX = 24
+"""Of a row or column, along which the error of a cut is a step."""
+STEP = 2 / 255
+MOST = 0.75
+"""Of these pixels."""
+
+
+class Case(NamedTuple):
+    """A window of a made scene: what is drawn (wider by as far as discs reach), what is judged."""
+
+    seed: int
+    scene: Scene
+    view: UnseenView
+    window: ImageWindow
+    drawn: ImageWindow
+    whole_px: tuple[int, int]
+
+    @property
+    def part(self) -> float:
+        """Return how wide the drawn window is, in widths of the whole image."""
+        return self.drawn.width_px / self.whole_px[0]
+
+
+def case(
+    seed: int, folder: Path, *, whole_px: tuple[int, int] = HEADSET_PX, window_px: int = WINDOW_PX
+) -> Case:
+    """Make a seed's scene in `folder`, and put a window around one of its near things or lamps."""
+    view = build(seed, folder / f"unseen_{seed}.glb")
+    scene = load_scene(folder / f"unseen_{seed}.glb")
+    rng = np.random.default_rng([32, seed])
+    ahead = (view.targets - view.head.position) @ view.head.rotation
+    tangent = ahead[:, :2] / -ahead[:, 2:]
+    left, right, up, down = view.fov.tangents
+    place = (tangent - [left, down]) / [right - left, up - down]
+    corner = (place * whole_px - window_px / 2) // 32 * 32
+    corner = np.clip(corner, 0, np.array(whole_px) - window_px)
+    x, y = rng.permutation(corner)[0].astype(int).tolist()
+    window = ImageWindow("unseen", x, y, window_px, window_px)
+    reach_px = view.percent / 100 * whole_px[0]
+    return Case(seed, scene, view, window, window.drawn(whole_px, reach_px), whole_px)
+
+
+def drawn_with(found: Case, method: BlurMethod) -> Capture:
+    """Draw the case's window with a method."""
+    lens = method.condition.depth_of_field
+    settings = {} if lens is None else {"kernel": lens.kernel} | _steps(method)
+    condition = found.view.condition(**settings)
+    if lens is None:
+        condition = condition.model_copy(update={"depth_of_field": None})
+    eye = View(found.view.head, sub_frustum(found.view.fov, found.drawn, found.whole_px))
+    frames = [
+        Frame(
+            index=index,
+            predicted_display_time_ns=index * PERIOD_NS,
+            period_ns=PERIOD_NS,
+            head_pose=found.view.head,
+            views=(eye, eye),
+            avatar_pose=Pose(),
+            discontinuity=True,
+        )
+        for index in (89, 90)
+    ]
+    return capture_views(
+        found.scene,
+        of_part(condition, found.part),
+        (frames[0], frames[1]),
+        found.drawn.size_px,
+        eyes=1,
+    )[0]
+
+
+def _steps(method: BlurMethod) -> dict[str, object]:
+    lens = method.condition.depth_of_field
+    return {} if lens is None else {"samples": lens.samples, "views": lens.views}
+
+
+def through_the_lens(found: Case, samples: int, *, seed: int = 0) -> Array:
+    """Return the (h, w, 3) mean radiance of the judged window, seen from all over the lens.
+
+    A camera at a point p of the lens keeps the plane of focus where it is: of its frustum, each
+    tangent loses p / focus. The lens's radius is that of the law in dioptres: a defocus of
+    `full_blur_dioptre` makes a disc of `percent` of the image's width.
+    """
+    view = found.view
+    focal_px = focal_length_px(view.fov, found.whole_px)[0]
+    radius_m = view.percent / 100 * found.whole_px[0] / focal_px / view.full_blur_dioptre
+    fov = sub_frustum(view.fov, found.window, found.whole_px)
+    drawing = ScenePass(context(), found.scene, found.window.size_px, velocity=False)
+    total = np.zeros((found.window.height_px, found.window.width_px, 3))
+    for x, y in _disc(samples, seed) * radius_m:
+        camera = EyeCamera(
+            view.head @ Pose((x, y, 0.0)),
+            _sheared(fov, x / view.focus_m, y / view.focus_m),
+            world_from_head=view.head,
+        )
+        drawing.render(camera, TIME_S)
+        total += read_rgb(drawing.colour)
+    return total / samples
+
+
+def _sheared(fov: Fov, x: float, y: float) -> Fov:
+    left, right, up, down = fov.tangents
+    return Fov(*np.arctan([left - x, right - x, up - y, down - y]).tolist())
+
+
+def _disc(samples: int, seed: int) -> Array:
+    """Return (n, 2) points of the unit disc: scrambled Sobol points, equal areas."""
+    with np.errstate(all="ignore"):
+        turn, area = qmc.Sobol(2, seed=seed).random(samples).T
+    radius = np.sqrt(area)
+    return np.column_stack([radius * np.cos(2 * np.pi * turn), radius * np.sin(2 * np.pi * turn)])
+
+
+def cuts(error: Array) -> int:
+    """Count pixels of an (h, w) error of luminance beside which it steps along rows or columns.
+
+    A step is between two pixels, and unlike what the error does beside it: a slope is none.
+    """
+    found = 0
+    for axis in (0, 1):
+        size = [1, 1]
+        size[axis] = 5
+        slope = np.diff(error, axis=axis)
+        step = slope - median_filter(slope, size=size)
+        for sign in (-1, 1):
+            is_step = (sign * step > STEP).astype(np.float64)
+            along = uniform_filter1d(is_step, LONG_PX, axis=1 - axis, mode="constant")
+            found += int((along > MOST).sum())
+    return found
+
+
+def errors(found: Case, *, samples: int, tried: Sequence[BlurMethod]) -> list[dict[str, Any]]:
+    """Return a row for each method, and one for the reference's own grain."""
+    halves = [through_the_lens(found, samples // 2, seed=half) for half in (0, 1)]
+    exposure = found.scene.environment.exposure
+    true = (halves[0] + halves[1]) / 2
+    truth = _shown(true, exposure)
+    judged = found.window.within(found.drawn)
+    sharp = drawn_with(found, no_blur("depth_of_field"))
+    condition = of_part(found.view.condition(), found.part)
+    radius = radius_px(sharp, condition)
+    seen = PinholeView(sharp.depth, radius, sharp.sharp * exposure, found.whole_px[0])
+    edges = regions(seen)["near_rims"][judged]
+    ppd = pixels_per_degree(found.view.fov, found.whole_px)
+
+    def row(name: str, shown: Array, linear: Array | None) -> dict[str, Any]:
+        error = shown - truth
+        flip = 0.0 if linear is None else hdr_flip(
+            linear * exposure, true * exposure, pixels_per_degree=ppd
+        )  # fmt: skip
+        return {
+            "seed": found.seed,
+            "method": name,
+            "rms": _rms(error),
+            "edges": _rms(error[edges]),
+            "flip": flip,
+            "seams": off_median(shown, radius[judged]).over_2,
+            "cuts": cuts(error @ LUMINANCE),
+        }
+
+    rows = [row("reference, half of its views", _shown(halves[0], exposure), None)]
+    for method in tried:
+        linear = drawn_with(found, method).blurred[judged]
+        rows.append(row(method.name, _shown(linear, exposure), linear))
+    return rows
+
+
+def _shown(linear: Array, exposure: float) -> Array:
+    return np.asarray(tone_mapped(linear, exposure=exposure), dtype=np.float64)
+
+
+def _rms(error: Array) -> float:
+    return float(np.sqrt(np.mean(error**2)) * 1e3) if error.size else 0.0
+
+
+def measure(seeds: Sequence[int], *, samples: int) -> Result:
+    """Measure all steps and the methods of sources and engines on the scene of each seed.
+
+    Parameters
+    ----------
+    seeds
+        1 and two that are drawn now, where there are none.
+    samples
+        Views of each reference.
+    """
+    seeds = seeds or [1, *(2 + secrets.randbelow(1_000_000) for _ in range(2))]
+    tried = [each for each in methods("depth_of_field") if each.family != "dial"]
+    with tempfile.TemporaryDirectory() as folder:
+        rows = [
+            row
+            for seed in seeds
+            for row in errors(case(seed, Path(folder)), samples=samples, tried=tried)
+        ]
+    notes = [
+        f"Seeds {', '.join(map(str, seeds))}; windows of {WINDOW_PX}×{WINDOW_PX} of the left eye's "
+        f"{HEADSET_PX[0]}×{HEADSET_PX[1]}; references of {samples} views.",
+        "`rms` and `edges`: of display values, ·10³; `edges` where discs of near things reach.",
+        f"Renderer: {context().info['GL_RENDERER']}.",
+    ]
+    return Result("Errors on unseen scenes", rows, notes)

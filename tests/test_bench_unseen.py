@@ -1,0 +1,53 @@
+"""Scenes that nothing was tuned for: made alike from a seed, and an oracle of their own."""
+
+import numpy as np
+import pytest
+
+from bench import unseen
+from bench.unseen_scenes import build
+from vrcomfort.render.reference import Reference
+from vrcomfort.tradeoff.captures import context
+from vrcomfort.tradeoff.methods import no_blur
+
+
+def test_a_seed_makes_the_same_scene_again(tmp_path):
+    first, again, other = (tmp_path / f"{name}.glb" for name in ("first", "again", "other"))
+    build(5, first)
+    build(5, again)
+    build(6, other)
+    assert first.read_bytes() == again.read_bytes() != other.read_bytes()
+    side_cars = [each.with_suffix(".toml").read_text() for each in (first, again, other)]
+    assert side_cars[0] == side_cars[1] != side_cars[2]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [2, 3])
+def test_two_oracles_agree(tmp_path, seed):
+    """Sheared frusta of ordinary cameras see what the engine's own lens does, lamps too."""
+    case = unseen.case(seed, tmp_path, whole_px=(480, 503), window_px=96)
+    ours = unseen.through_the_lens(case, 256)
+    condition = unseen.of_part(case.view.condition(), case.window.width_px / case.whole_px[0])
+    reference = Reference(context(), case.scene, condition, case.window.size_px)
+    sharp = unseen.drawn_with(case, no_blur("depth_of_field"))
+    fov = unseen.sub_frustum(case.view.fov, case.window, case.whole_px)
+    camera = unseen.EyeCamera(sharp.camera.world_from_eye, fov, world_from_head=case.view.head)
+    other = reference.render(
+        camera, unseen.TIME_S, None, focus_m=case.view.focus_m, samples=256
+    ).image
+    grain = np.abs(unseen.through_the_lens(case, 256, seed=1) - ours)
+    judged = case.window.within(case.drawn)
+    blurred = np.abs(ours - sharp.sharp[judged])
+    apart = np.abs(ours - other)
+    assert apart.mean() < 2 * grain.mean() + 1e-3
+    assert apart.mean() < 0.2 * blurred.mean()
+
+
+def test_a_cut_along_a_column_is_found_and_a_slanted_edge_is_not():
+    row, column = np.mgrid[:96, :96]
+    straight = np.where(column < 40, 0.0, 0.03)
+    slanted = np.where(column + row / 6 < 50, 0.0, 0.03)
+    slope = np.clip(0.01 * (column - 40), 0, 0.1)
+    assert unseen.cuts(straight) > 70
+    assert unseen.cuts(straight.T) > 70
+    assert unseen.cuts(slanted) == unseen.cuts(slope) == 0
+    assert unseen.cuts(np.random.default_rng(1).normal(0, 0.02, (96, 96))) < 10
