@@ -45,6 +45,8 @@ def by_hand(rows: pd.DataFrame) -> dict[str, float | None]:
         found["unfocused" if before["session_state"] == "visible" else "live"] += seen / 1e9
         frozen = now["dropped"] and not cut and not unseen
         found["frozen" if frozen else "hidden"] += (passed - seen) / 1e9
+        if unseen or not now["should_render"]:
+            continue
         found["blur"] += before["max_blur_px"] != now["max_blur_px"]
         if not cut and not np.isnan(now["focus_m"]) and not np.isnan(before["focus_m"]):
             found["focus"] += abs(1 / now["focus_m"] - 1 / before["focus_m"])
@@ -58,7 +60,8 @@ def by_hand(rows: pd.DataFrame) -> dict[str, float | None]:
     last = table[-1]
     kind = "unfocused" if last["session_state"] == "visible" else "live"
     found[kind if last["should_render"] else "hidden"] += last["period_ns"] / 1e9
-    found["lag"] = float(np.nanmean(np.abs(1 / rows["focus_m"] - 1 / rows["focus_raw_m"])))
+    drawn = rows[rows["should_render"] == 1]
+    found["lag"] = float(np.nanmean(np.abs(1 / drawn["focus_m"] - 1 / drawn["focus_raw_m"])))
     found["untracked"] = float(rows.loc[rows["head_tracked"] == 0, "period_ns"].sum()) / 1e9
     return found
 

@@ -11,6 +11,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, NamedTuple, Self
 
+import numpy as np
+from numpy.typing import NDArray
+
 from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, Frame
 
 FREEZE_S = 0.5
@@ -119,6 +122,20 @@ class ShownFrame(NamedTuple):
             (self.unfocused, SeenState.UNFOCUSED),
         )
         return next((state for holds, state in told if holds), SeenState.LIVE)
+
+
+def unseen_rows(columns: Mapping[str, NDArray[np.float64]]) -> NDArray[np.bool_]:
+    """Return (n,) whether the state of each row is one of `UNSEEN`.
+
+    Parameters
+    ----------
+    columns
+        ``user_present``, ``paused`` and ``should_render`` of ``frames.csv``, shape (n,); a blank
+        cell (NaN) leaves it unknown, which is seen.
+    """
+    off, hidden = columns["user_present"] == 0, columns["paused"] == 1
+    unseen: NDArray[np.bool_] = off | hidden | (columns["should_render"] == 0)
+    return unseen
 
 
 def is_late(passed_ns: int, period_ns: int) -> bool:

@@ -59,18 +59,18 @@ class ExposureFrames:
         schema `untracked_s` are the periods of all frames whose head pose was not measured, and the
         last three are not told apart; a gap after which no frame counts as dropped was hidden.
     head_path_m
-        Way of the head in the stage: the sum of its steps between frames, without cuts, and
+        Way of the head in the stage: the sum of its steps between seen frames, without cuts, and
         without frames in which its pose was not known.
     head_turning_deg
         Sum of the angles between the head's orientations, over the same frames.
     avatar_path_m
         Way of the avatar in the world, over the same frames.
     focus_travel_dioptre
-        Sum of the changes of 1 / focus distance between frames.
+        Sum of the changes of 1 / focus distance between seen frames.
     focus_lag_dioptre
-        Mean distance, in dioptres, between the focus after and before the refocus law.
+        Mean distance, in dioptres, of seen frames' focus after and before the refocus law.
     blur_changes
-        Frames whose largest blur radius (`max_blur_px`) is not that of the frame before.
+        Seen frames whose largest blur radius (`max_blur_px`) is not that of the frame before.
     """
 
     participant: str
@@ -332,9 +332,12 @@ def _state(of: str = "") -> str:
     return f"CASE {cases} ELSE '{SeenState.LIVE.value}' END"
 
 
+_UNSEEN_STATES = ", ".join(repr(each.value) for each in UNSEEN)
 _FOLLOWS = "trial_before = f.trial AND session_s_before >= a.from_s"
+_SEEN = f"({_state()} NOT IN ({_UNSEEN_STATES}))"
+_BOTH_SEEN = f"({_FOLLOWS} AND {_SEEN} AND {_state('_before')} NOT IN ({_UNSEEN_STATES}))"
 _STEADY = (
-    f"({_FOLLOWS} AND discontinuity <> {CUT} AND coalesce(head_valid, 1) = 1 "
+    f"({_BOTH_SEEN} AND discontinuity <> {CUT} AND coalesce(head_valid, 1) = 1 "
     "AND coalesce(head_valid_before, 1) = 1)"
 )
 _STEPS = f"""
@@ -351,12 +354,12 @@ _STEPS = f"""
     CASE WHEN {_STEADY} THEN {_distance("head", _LENGTH)} END AS head_step,
     CASE WHEN {_STEADY} THEN {_turn()} END AS turn,
     CASE WHEN {_STEADY} THEN {_distance("avatar", _LENGTH)} END AS avatar_step,
-    CASE WHEN {_FOLLOWS} AND discontinuity <> {CUT} AND focus_m > 0 AND focus_m_before > 0
+    CASE WHEN {_BOTH_SEEN} AND discontinuity <> {CUT} AND focus_m > 0 AND focus_m_before > 0
         THEN {_dioptres("focus_m", "focus_m_before")} END AS focus_step,
-    CASE WHEN focus_m > 0 AND focus_raw_m > 0
+    CASE WHEN {_SEEN} AND focus_m > 0 AND focus_raw_m > 0
         THEN {_dioptres("focus_m", "focus_raw_m")} END AS lag_step,
     max_blur_px IS NOT NULL AS has_blur,
-    CASE WHEN {_FOLLOWS} THEN max_blur_px <> max_blur_px_before END AS blur_changed"""
+    CASE WHEN {_BOTH_SEEN} THEN max_blur_px <> max_blur_px_before END AS blur_changed"""
 
 _TIMES_BEFORE_5 = f"""
     CASE WHEN unseen_before THEN 0 WHEN discontinuity = {CUT} THEN least(passed, shown)
@@ -386,7 +389,7 @@ _BEFORE_5 = """
     sum(CASE WHEN head_tracked = 0 THEN period_ns WHEN head_tracked = 1 THEN 0 END) AS untracked"""
 
 # As `vrcomfort.seen_time.display_intervals`, which a test compares.
-_WAITED = f"state_before IN ({', '.join(repr(each.value) for each in UNSEEN)})"
+_WAITED = f"state_before IN ({_UNSEEN_STATES})"
 _LATE = f"passed > {DROPPED_INTERVAL_PERIODS} * shown"
 _STOOD = f"({_LATE} AND passed - shown > {FREEZE_S * 1e9:.0f})"
 _TIMES = f"""

@@ -334,7 +334,7 @@ def _session(
     memory: Memory | None,
 ) -> list[SituatedExposure]:
     """Return the exposures of a session that have frames."""
-    events = {name: times_of(session, name, asked.during_s) for name in asked.during}
+    events = {name: times_of(session, name) for name in asked.during}
     found = []
     motions = read_motion(session.folder / FrameRow.FILE, trials, memory)
     for trial, motion in zip(trials, motions, strict=True):

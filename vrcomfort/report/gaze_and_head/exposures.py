@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ from vrcomfort.records.recording import Categories, Memory, Recording
 from vrcomfort.records.session_rows import EventRow
 from vrcomfort.report.rows import INLINE
 from vrcomfort.rotations import rotate
+from vrcomfort.seen_time import unseen_rows
 from vrcomfort.stats.gaze_and_head import (
     GazeFixation,
     Map,
@@ -44,7 +46,7 @@ _AVATAR = tuple(f"avatar_{part}" for part in _POSE)
 _SIDES = ("left", "right", "up", "down")
 _FOV = tuple(f"{eye}_fov_{side}_rad" for eye in ("left", "right") for side in _SIDES)
 _FRAMES = ("session_s", "xr_time_ns", "period_ns", "trial", "discontinuity", "head_valid",
-           "should_render", *_HEAD, *_AVATAR, *_FOV)  # fmt: skip
+           "should_render", "paused", "user_present", *_HEAD, *_AVATAR, *_FOV)  # fmt: skip
 _GAZE = ("xr_time_ns", "valid", "direction_x", "direction_y", "direction_z")
 # Exposures begin and end at frames, whose times are rounded apart from theirs.
 _ROUNDING_S = 1e-6
@@ -53,14 +55,15 @@ _FORWARD = (0.0, 0.0, -1.0)
 
 @dataclass(frozen=True)
 class Motion:
-    """The recording of n frames with a known pose of the head.
+    """The recording of n frames that were seen, with a known pose of the head.
 
     Parameters
     ----------
     time_s, session_s, seconds
         (n,) display time, session time, and period of each frame.
     cuts
-        (n,) whether a discontinuity lies between a frame and the one before.
+        (n,) whether a discontinuity, or a frame that was not seen, lies between a frame and the
+        one before.
     head
         (n, 5) position in the stage in metres, yaw (to the right, without jumps) and pitch in
         degrees.
@@ -70,8 +73,6 @@ class Motion:
         (n, 2) tangents of half an eye's image in width and height; NaN where not recorded.
     in_head, in_world
         (n, 3) directions of the gaze; NaN where it was not valid. None without an eye tracker.
-    drawn
-        (n,) whether the scene was drawn; invisible frames are not.
     nodes
         The node under the gaze, of n frames; None where it was not recorded.
     """
@@ -86,7 +87,6 @@ class Motion:
     half_widths: Floats
     in_head: Floats | None
     in_world: Floats | None
-    drawn: NDArray[np.bool_]
     nodes: Categories | None = None
 
     @property
@@ -95,6 +95,12 @@ class Motion:
         if self.in_world is None:
             return np.zeros(self.time_s.shape, dtype=bool)
         return np.isfinite(self.in_world[:, 0])
+
+    @cached_property
+    def seen_s(self) -> Floats:
+        """Return (n,) the seen seconds before each frame."""
+        passed = np.where(self.cuts[1:], self.seconds[:-1], np.diff(self.time_s))
+        return np.append(0.0, np.cumsum(passed))
 
 
 def read_motion(
@@ -141,10 +147,11 @@ def _motion(
     start, end = float(trial["start_s"]) - _ROUNDING_S, float(trial["end_s"]) + _ROUNDING_S
     at = table["session_s"]
     mine = (table["trial"] == int(trial["trial"])) & (at >= start) & (at <= end)
+    unseen = unseen_rows(table)
     # Counted over all frames, so that the cut of a left-out frame stays with the next one kept.
-    cuts_so_far = np.cumsum(np.asarray(table["discontinuity"] == CUT))
+    cuts_so_far = np.cumsum(np.asarray(table["discontinuity"] == CUT) | unseen)
     known = np.isfinite(np.column_stack([table[name] for name in _HEAD])).all(axis=1)
-    mine = mine & known & (table["head_valid"] != 0)
+    mine = mine & known & ~unseen & (table["head_valid"] != 0)
     if mine.sum() < 2:
         return None
     part = {name: values[mine] for name, values in table.items()}
@@ -166,7 +173,6 @@ def _motion(
         half_widths=_half_widths(part),
         in_head=None if directions is None else rotate(back, directions),
         in_world=None if directions is None else rotate(carrying, directions),
-        drawn=part["should_render"] != 0,
         nodes=None if nodes is None else nodes._replace(codes=nodes.codes[mine]),
     )
 
@@ -199,29 +205,28 @@ def _half_widths(part: dict[str, Floats]) -> Floats:
     return np.column_stack(half)
 
 
-def times_of(session: Session, name: str, otherwise_s: float) -> list[tuple[float, float]]:
-    """Return begin and end, in session time, of the events or task rows of a name.
+def times_of(session: Session, name: str) -> Times:
+    """Return begin and length, in session time, of the events or task rows of a name.
+
+    The length is 0 where none was recorded.
 
     Parameters
     ----------
     name
         Of an event (events.csv), or of a kind of task rows (`kind` of tasks.csv, as ``shot``).
-    otherwise_s
-        Length of an event without a duration, or with 0 s.
 
     Raises
     ------
     InputError
         If a file is damaged, with its place.
     """
-    begun = [
+    return [
         *_begun(session.table(EventRow), "name", name),
         *_begun(session.table(TaskRow), "kind", name),
     ]
-    return [(onset, onset + (length or otherwise_s)) for onset, length in begun]
 
 
-def _begun(table: CsvTable, column: str, name: str) -> list[tuple[float, float]]:
+def _begun(table: CsvTable, column: str, name: str) -> Times:
     """Return onset and duration of the rows of a name; none of a table without these columns."""
     if not {column, "onset_s"} <= set(table.header):
         return []
@@ -382,29 +387,41 @@ def _zones(
     ratios = zone_ratios(ways, half)
     shares = {WHOLE: zone_shares(ratios, seconds, asked.zones)}
     for name, times in events.items():
-        now = during(motion.session_s[valid], times)
+        now = during(motion, times, asked.during_s)[valid]
         if now.any():
             shares[name] = zone_shares(ratios[now], seconds[now], asked.zones)
     return GazeZones(*(zone_holding(ratios, seconds, share) for share in HELD)), shares
 
 
-def during(at_s: NDArray[np.float64], times: Times) -> NDArray[np.bool_]:
-    """Return a mask of the samples within any of the given times."""
-    inside = np.zeros(at_s.shape, dtype=bool)
-    for start, end in times:
-        inside |= (at_s >= start) & (at_s <= end)
+def during(motion: Motion, times: Times, otherwise_s: float) -> NDArray[np.bool_]:
+    """Return (n,) whether each frame lies within any of the given times.
+
+    Parameters
+    ----------
+    times
+        Onset and length of each, in session time.
+    otherwise_s
+        Seen seconds from the onset on, of those whose length is 0.
+    """
+    at_s, inside = motion.session_s, np.zeros(motion.time_s.shape, dtype=bool)
+    for onset_s, length_s in times:
+        if length_s:
+            inside |= (at_s >= onset_s) & (at_s <= onset_s + length_s)
+        elif (first := int(np.searchsorted(at_s, onset_s))) < len(at_s):
+            waited_s = 0.0 if motion.cuts[first] else at_s[first] - onset_s
+            since_s = motion.seen_s - motion.seen_s[first] + waited_s
+            inside |= (at_s >= onset_s) & (since_s <= otherwise_s)
     return inside
 
 
 def node_shares(motion: Motion) -> dict[str, float]:
-    """Return node → share of the time in which the gaze was known and the scene drawn.
+    """Return node → share of the time in which the gaze was known.
 
     Empty where the nodes are not known: they were not recorded, or the gaze met none at all.
     """
     if motion.nodes is None:
         return {}
-    known = motion.valid & motion.drawn
-    places, seconds = motion.nodes.codes[known], motion.seconds[known]
+    places, seconds = motion.nodes.codes[motion.valid], motion.seconds[motion.valid]
     if not (places >= 0).any():
         return {}
     # Blank cells are −1: the first of the sums is that of nothing.
