@@ -115,7 +115,6 @@ inside() { # inside CHECKOUT FOLDER COMMAND...
     shift 3
     export HOME=/root LANG=C.UTF-8 WINEPREFIX=/opt/win32/prefix WINEDEBUG=-all
     export WINEDLLOVERRIDES="mscoree,mshtml,winedbg.exe=" # a crash ends the program
-    make_runtime "$checkout" "$run"
     VRCOMFORT_TEST_RUNTIME=$(windows_path "$run/openxr_runtime.dll")
     PYTHONPATH=$(windows_path "$checkout")
     PYTHONPYCACHEPREFIX=$(windows_path "$run/compiled")
@@ -123,7 +122,8 @@ inside() { # inside CHECKOUT FOLDER COMMAND...
     mkfifo "$run/display"
     Xvfb -displayfd 3 -screen 0 1280x1024x24 -nolisten tcp 3>"$run/display" 2>/dev/null &
     DISPLAY=:$(head -n 1 "$run/display")
-    export DISPLAY
+    export DISPLAY # for Wine's first program, too: what starts without one makes no windows
+    make_runtime "$checkout" "$run"
     cd "$folder"
     [ "$program" = python ] || set -- -m "$program" "$@"
     wine /opt/win32/python.exe "$@" 2> >(grep -v -e 'wine32 is missing' -e '^multiarch needs' \

@@ -24,7 +24,7 @@ from vrcomfort.resources import data_folder
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.windows]
 
 TRACE = data_folder("scenes") / "temple_walk.csv"
 ANSWERS = (0, 1, 2, 3)
@@ -106,7 +106,6 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.windows
 def test_a_whole_session_has_the_poses_that_were_fed_and_the_answers(session: Path) -> None:
     manifest = json.loads((session_folder(session) / "manifest.json").read_text("utf-8"))
     assert manifest["status"] == "completed"
@@ -132,7 +131,6 @@ def test_a_whole_session_has_the_poses_that_were_fed_and_the_answers(session: Pa
     assert ahead_ns.max() - ahead_ns.min() <= 1e6 + 2 * clocks["took_ns"].astype(float).max()
 
 
-@pytest.mark.windows
 def test_the_runtime_gets_depth_and_no_vibration_is_left_on(session: Path) -> None:
     said = (session / "log.txt").read_text().splitlines()
     shown = [line for line in said if line.startswith("frame") and " eyes 1 " in line]
