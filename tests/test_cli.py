@@ -9,9 +9,11 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 import typer
+from PIL import Image
 from typer.main import get_command
 
 from vrcomfort.cli.app import COMMANDS, LazyCommands, app
@@ -405,6 +407,25 @@ def test_a_trace_is_not_replaced_by_its_playback(run: Run, tmp_path: Path) -> No
     made = run("play", played / "frames.csv", *options)
     assert_refused(made, "frames.csv", "another output folder")
     assert (played / "frames.csv").read_bytes() == before
+
+
+def test_a_trace_is_played_under_two_conditions(run: Run, tmp_path: Path) -> None:
+    """The left eye's image of each: alone, each gives the same."""
+    walk = data_folder("scenes") / "depths_walk.csv"
+    study = ("--scene", "depths", "--protocol", "motion_blur_2020_hands", "--frames", "2")
+    pictures = {}
+    for name, condition, beside in (
+        ("both", "in_world", ("--beside", "with_head")),
+        ("first", "in_world", ()),
+        ("second", "with_head", ()),
+    ):
+        shown = ("--condition", condition, *beside, "--size", "64x70", "--out", tmp_path / name)
+        code, _, err = run("play", walk, *study, *shown)
+        assert code == 0, err
+        picture = np.asarray(Image.open(tmp_path / name / "frames" / "000001.png"))
+        pictures[name] = picture[:, :64], picture[:, 64:]
+    np.testing.assert_array_equal(pictures["both"][0], pictures["first"][0])
+    np.testing.assert_array_equal(pictures["both"][1], pictures["second"][0])
 
 
 @pytest.mark.slow

@@ -35,8 +35,8 @@ OTHER = {
     "refixation_dioptre": 0.4,
 }
 """Another value of every setting but of those in `OTHERWISE`."""
-OTHERWISE = {"zone_mean_on", "without_gaze"}
-"""One changes who computes the same, the other what is done without an eye tracker."""
+OTHERWISE = {"zone_mean_on", "without_gaze", "scripts"}
+"""Who computes the same, what is done without an eye tracker, and what takes `script`'s place."""
 
 BASES = [
     *({"method": method, "law": "instant"} for method in ("fixed", "gaze")),

@@ -46,8 +46,12 @@ def test_mantiuk_in_numbers():
         assert condition.depth_of_field.law == "thin_lens"
         assert condition.depth_of_field.distance_offset_m == 0.6
     script = study.condition("no_tracker").focus
-    assert (script.method, script.script_every_s) == ("scripted", study.exposure_s)
-    assert study.training_s % script.script_every_s == 0
+    assert script.method == "scripted"
+    assert study.training_s == 0  # the scripts' time begins with the scene
+    assert set(script.scripts) == set(study.scenes)  # "predefined for each scene"
+    for view, written in script.scripts.items():
+        assert written[-1][0] <= study.length_s(view)
+        assert study.condition("no_tracker", view).focus.script == written
 
 
 def test_the_plan_says_how_focus_is_found():

@@ -71,6 +71,9 @@ def test_the_plan_says_that_nothing_is_drawn():
     assert "a script of 3 distances" in planned.reason
 
 
+OWN = 'method = "scripted", script = [[0.0, 2.0]], scripts = { '
+
+
 @pytest.mark.parametrize(
     ("settings", "says"),
     [
@@ -80,6 +83,9 @@ def test_the_plan_says_that_nothing_is_drawn():
         ('method = "scripted", script = [[0.0, 0.0]]', "equal to 0.001"),
         ('method = "scripted", script = [[0.0, 2.0]], law = "instant"', "`law` does nothing with"),
         ("script = [[0.0, 2.0]]", '`script` does nothing with method = "nine_ray"'),
+        (f"{OWN}tempel = [[0.0, 3.0]] }}", "this study has no scene `tempel`"),
+        (f"{OWN}temple = [[1.0, 3.0], [1.0, 2.0]] }}", "times of `scripts.temple` must rise"),
+        (f"{OWN}temple = [] }}", "`scripts.temple` has no distances"),
     ],
 )
 def test_scripts_that_cannot_be_are_refused(tmp_path, settings, says):
@@ -94,7 +100,8 @@ def test_scripts_that_cannot_be_are_refused(tmp_path, settings, says):
 @pytest.mark.slow
 def test_simulated_sessions_record_the_script(run, tmp_path):
     smoke = (data_folder("protocols") / "smoke.toml").read_text(encoding="utf-8")
-    scripted = 'method = "scripted"\nscript = [[0.0, 4.0], [0.1, 1.0]]\n'
+    scripted = 'method = "scripted"\nscript = [[0.0, 9.0]]\n'
+    scripted += "scripts.temple = [[0.0, 4.0], [0.1, 1.0]]\n"
     text = smoke.replace('law = "linear_dioptre"\nmean = "dioptres"\n', scripted, 1)
     assert text != smoke
     file = tmp_path / "scripted.toml"
@@ -112,6 +119,13 @@ def test_simulated_sessions_record_the_script(run, tmp_path):
         assert float(row["focus_m"]) == pytest.approx(expected, rel=1e-4)
     manifest = json.loads((session / "manifest.json").read_text(encoding="utf-8"))
     assert "scripted" in json.dumps(manifest["settings"])
+
+
+def test_a_scene_has_the_script_of_its_own():
+    focus = Focus(method="scripted", script=SCRIPT, scripts={"court": ((0.0, 7.0),)})
+    condition = Condition(name="script", focus=focus)
+    assert condition.in_scene("court").focus == Focus(method="scripted", script=((0.0, 7.0),))
+    assert condition.in_scene("hall") is condition
 
 
 def test_motion_blur_needs_no_focus():

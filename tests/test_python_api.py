@@ -21,6 +21,7 @@ from tests.support.report import foreign
 from vrcomfort import stats
 from vrcomfort.cli import main
 from vrcomfort.questionnaire import shipped_instruments
+from vrcomfort.resources import data_folder
 from vrcomfort.stats.anova import anova
 from vrcomfort.stats.signed_rank import signed_rank
 
@@ -327,6 +328,43 @@ def test_views_are_arrays_and_show_themselves(tmp_path, monkeypatch):
         assert (tmp_path / "api" / name).read_bytes() == (tmp_path / "command" / name).read_bytes()
     with pytest.raises(vrcomfort.InputError, match="is not a pose"):
         vrcomfort.render_views("temple", pose=(0, 1.6))
+
+
+def test_a_moment_of_a_trace_has_its_hands_and_what_moves(tmp_path):
+    """Paddles that go with the head: false velocities under one condition of the study of hands."""
+    walk = data_folder("scenes") / "depths_walk.csv"
+    study = vrcomfort.load_protocol("motion_blur_2020_hands")
+    speeds = {}
+    for name in ("in_world", "with_head"):
+        condition = study.condition(name)
+        views = vrcomfort.render_views(
+            "depths", condition, trace=walk, at_s=20.0, size_px=(96, 100)
+        )
+        speeds[name] = np.hypot(*np.moveaxis(views.left.arrays["velocity_px"], -1, 0))
+        assert views.meta["time_s"] == 20.0
+    held = (views.left.distance_m > 0.3) & (views.left.distance_m < 0.6)
+    assert held.mean() > 0.01
+    assert np.median(speeds["in_world"][held]) > 3 * np.median(speeds["with_head"][held])
+    ball = (-3.4, 1.6, -2.7, 0, 0, 0)  # before the carousel, at 1.5 m
+    at_rest, running = (
+        vrcomfort.render_views("depths", condition, pose=ball, at_s=at_s, size_px=(96, 100))
+        for at_s in (None, 3.0)
+    )
+    assert at_rest.left.arrays["velocity_px"].max() == 0
+    assert np.abs(running.left.arrays["velocity_px"]).max() > 0.5
+    running.write(tmp_path)
+    picture = np.asarray(Image.open(tmp_path / "left_velocity.png"))
+    moves = (running.left.arrays["velocity_px"] != 0).any(axis=-1)
+    assert (picture[~moves] == 255).all()
+    assert (picture[moves] != 255).any()
+    for options, says in [
+        ({"trace": walk, "pose": ball}, "a pose and a trace"),
+        ({"trace": walk, "at_s": 1e4}, "nothing at 10000 s"),
+        ({"at_s": -1.0}, "no time"),
+        ({"trace": walk, "at_s": 20.0, "reference_samples": 2}, "nothing in hands"),
+    ]:
+        with pytest.raises(vrcomfort.InputError, match=says):
+            vrcomfort.render_views("depths", condition, **options)
 
 
 def test_the_page_has_every_public_name():

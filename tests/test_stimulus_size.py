@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,7 +16,15 @@ from vrcomfort.headset.playback import default_fovs
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.protocol.conditions import GazeCentre, Peripheral, SpeedBlur, TurnRamp
 from vrcomfort.protocol.viewing import Visibility
-from vrcomfort.render.stimulus_check import StimulusSize, faults, measure, needlessly_meant, seen
+from vrcomfort.render.stimulus_check import (
+    StimulusSize,
+    faults,
+    measure,
+    needlessly_meant,
+    seen,
+    turning_left,
+    turning_twins,
+)
 
 SIZE = (64, 64)
 FOCAL_PX = focal_length_px(default_fovs(SIZE)[0], SIZE)[0]
@@ -190,3 +201,40 @@ def test_two_conditions_without_anything_are_told():
     protocol = study().model_copy(update={"conditions": plain})
     (fault,) = faults(protocol, {"room": {"a": sizes(), "b": sizes()}})
     assert fault.conditions == ("a", "b")
+
+
+def turning_notes(ctx, avatar_deg, head_deg, **motion):
+    """Return what is told of a condition whose avatar and head turn while it walks."""
+    turned = moment(Pose(), Pose(orientation=yaw_pitch_roll(np.radians(head_deg), 0.0, 0.0)))
+    before, now = turned
+    walked = np.array([0.0, 0.0, -0.01])
+    avatar = Pose(walked, yaw_pitch_roll(np.radians(avatar_deg), 0.0, 0.0))
+    condition = Condition(name="blur", motion_blur=MotionBlur(**motion))
+    protocol = study().model_copy(update={"conditions": (condition,)})
+    walk = [(before, replace(now, avatar_pose=avatar))]
+    shown = [condition, *turning_twins([condition])]
+    found = measure(ctx, a_wall(4.0), shown, walk, SIZE)
+    return list(turning_left(protocol, {"room": {k: v.scaled(20.0) for k, v in found.items()}}))
+
+
+def test_virtual_turns_that_leave_what_full_shows_are_told(ctx):
+    (note,) = turning_notes(ctx, avatar_deg=0.8, head_deg=0.1)
+    streak_px = 20 * 0.5 * FOCAL_PX * np.radians(0.8)  # in the middle; longer aside
+    (left_px,) = re.findall(r"streaks of ([\d.]+) px in room", note)
+    assert streak_px < float(left_px) < 1.5 * streak_px
+    assert 'virtual_turning = "cancelled"' in note
+
+
+@pytest.mark.parametrize(
+    ("turns", "motion"),
+    [
+        ((0.8, 0.1), {"virtual_turning": "kept"}),  # decided
+        ((0.8, 0.1), {"virtual_turning": "cancelled"}),
+        ((0.8, 0.1), {"mode": "full"}),
+        ((0.8, 0.1), {"mode": "head_cancelled"}),  # which says that locomotion stays
+        ((0.1, 0.8), {}),  # most of what `full` shows is cancelled
+        ((0.0, 0.0), {}),  # what is left is of walking
+    ],
+)
+def test_nothing_is_told_of_turns_that_are_decided_or_cancelled(ctx, turns, motion):
+    assert turning_notes(ctx, *turns, **motion) == []

@@ -68,7 +68,8 @@ def costs(
     found = []
     for trial in shown_trials(protocol):
         start = start_of(protocol, trial.scene, load_scene)
-        frame_ms = _frame_ms(renderer, start.scene, protocol.condition(trial.condition))
+        condition = protocol.condition(trial.condition, trial.scene)
+        frame_ms = _frame_ms(renderer, start.scene, condition)
         found.append(Cost(trial.scene, trial.condition, frame_ms))
         advance(1)
     return sorted(found, key=lambda each: each.frame_ms, reverse=True)
@@ -174,7 +175,7 @@ def show_for(
     """Show a condition for `seconds` of display time, as an exposure does, and record nothing."""
     start = start_of(protocol, cost.scene, load_scene)
     headset = headset_for(protocol.view(cost.scene).scene, start.scene)
-    renderer.begin(start.scene, protocol.condition(cost.condition))
+    renderer.begin(start.scene, protocol.condition(cost.condition, cost.scene))
     log, shown = FrameLog(_NoRows()), TimedShow(cost)
     log.start_trial(1)
     for frame, elapsed_s in _frames(headset, seconds, advance):

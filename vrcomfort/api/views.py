@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.api.outputs import Note, Progress, as_warning, no_progress
+from vrcomfort.api.playback import open_trace
 from vrcomfort.api.rendering import make_renderer
 from vrcomfort.errors import InputError
 from vrcomfort.frame import EYE_HEIGHT_M, MEAN_IPD_M
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from vrcomfort.render.condition_passes import EyeImages
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.scene.data import Scene
+    from vrcomfort.traces.trace import Trace
 
 Rgb8 = NDArray[np.uint8]
 Numbers = NDArray[np.generic]
@@ -111,7 +114,8 @@ class RenderedViews:
         """Write images, arrays and ``meta.json``; return the path of the side-by-side image.
 
         The files are ``left.png``, ``right.png``, ``side_by_side.png``, ``left.npz``,
-        ``right.npz``, ``meta.json``, and of each eye a ``…_reference`` .npz and .png.
+        ``right.npz``, ``meta.json``, and of each eye ``…_velocity.png`` where the condition draws
+        velocities, and a ``…_reference`` .npz and .png where there is a ground truth.
         """
         from vrcomfort.render import output
 
@@ -119,6 +123,10 @@ class RenderedViews:
         out.mkdir(parents=True, exist_ok=True)
         for name, eye in zip(EYES, (self.left, self.right), strict=True):
             output.write_numbers(out / f"{name}.npz", **eye.arrays)
+            if "velocity_px" in eye.arrays:
+                full_px = self.meta["velocity_full_px"]
+                picture = output.velocity_colours(eye.arrays["velocity_px"], full_px)
+                output.write_png(out / f"{name}_velocity.png", picture)
             if eye.reference:
                 linear, rgb = eye.reference["linear"], eye.reference["rgb"]
                 output.write_numbers(out / f"{name}_reference.npz", linear=linear)
@@ -134,6 +142,8 @@ def render_views(
     *,
     pose: Pose | Sequence[float] | None = None,
     previous_pose: Pose | Sequence[float] | None = None,
+    trace: Trace | str | Path | None = None,
+    at_s: float | None = None,
     size_px: tuple[int, int] = (640, 800),
     ipd_m: float = MEAN_IPD_M,
     reference_samples: int = 0,
@@ -154,6 +164,12 @@ def render_views(
         the left). Without it, a standing person at the scene's spawn point.
     previous_pose : Pose or sequence of 6 floats, optional
         The head one frame (1/90 s) earlier; without it, at rest.
+    trace : Trace, str or Path, optional
+        A head trace in place of the poses: head, hands and locomotion of the sample at `at_s`, and
+        of the one before.
+    at_s : float, optional
+        Seconds from the first sample of the trace, and the time of the scene's animations, which
+        have moved since the frame before. Without it, nothing moves but the head.
     size_px : tuple of int
         (width, height) of one eye's image.
     ipd_m : float
@@ -171,7 +187,8 @@ def render_views(
     Raises
     ------
     InputError
-        If the scene or a pose cannot be used, there is no OpenGL 4.5, or no FLIP for a reference.
+        If the scene, a pose or a trace cannot be used, there is no OpenGL 4.5, or no FLIP for a
+        reference.
 
     Examples
     --------
@@ -182,16 +199,71 @@ def render_views(
     """
     from vrcomfort.render.image_error import margin_px, require_flip
 
-    now, before = as_pose(pose), as_pose(previous_pose)
+    view = _Moment(as_pose(pose), as_pose(previous_pose), _trace(trace, note), at_s)
+    view.check()
     if reference_samples:  # before anything is drawn
         margin_px(size_px)  # refuses an image that is all margin
         require_flip()
     steps = 2 * (1 + reference_samples + bool(reference_samples))
     with progress("loading", steps, unit="steps") as advance:
         return _draw(
-            str(scene), condition or DEFAULT_CONDITION, (now, before), size_px, ipd_m,
+            str(scene), condition or DEFAULT_CONDITION, view, size_px, ipd_m,
             reference_samples, note, advance,
         )  # fmt: skip
+
+
+def _trace(trace: Trace | str | Path | None, note: Note) -> Trace | None:
+    return open_trace(Path(trace), note=note) if isinstance(trace, str | Path) else trace
+
+
+@dataclass(frozen=True)
+class _Moment:
+    """What is drawn: a head's poses, or a moment of a trace; and the time of animations."""
+
+    pose: Pose | None
+    previous_pose: Pose | None
+    trace: Trace | None
+    at_s: float | None
+
+    @property
+    def time_s(self) -> float:
+        """Return the time of the scene's animations."""
+        return PERIOD_NS / 1e9 if self.at_s is None else self.at_s
+
+    def check(self) -> None:
+        """Refuse poses beside a trace, and times that are none of it."""
+        if self.at_s is not None and not (math.isfinite(self.at_s) and self.at_s >= 0):
+            raise InputError(f"{self.at_s} s is no time; give seconds from 0 on")
+        if self.trace is None:
+            return
+        if self.pose is not None or self.previous_pose is not None:
+            raise InputError("a pose and a trace were given; leave one out")
+        length_s = (self.trace.time_ns[-1] - self.trace.time_ns[0]) / 1e9
+        if self.time_s > length_s:
+            message = f"the trace has nothing at {self.time_s:g} s: it is {length_s:.1f} s long"
+            raise InputError(f"{message}; choose a time within it")
+
+    def frames(
+        self, scene: Scene, size_px: tuple[int, int], ipd_m: float
+    ) -> tuple[Frame | None, Frame]:
+        """Return the frame before, if it counts, and the frame."""
+        if self.trace is not None:
+            return self._of_trace(self.trace, scene, size_px, ipd_m)
+        now = self.pose or scene.spawn @ Pose(np.array([0.0, EYE_HEIGHT_M, 0.0]))
+        moves = self.previous_pose is not None or self.at_s is not None
+        before = _frame(0, self.previous_pose or now, size_px, ipd_m) if moves else None
+        return before, _frame(1, now, size_px, ipd_m, still=not moves)
+
+    def _of_trace(
+        self, trace: Trace, scene: Scene, size_px: tuple[int, int], ipd_m: float
+    ) -> tuple[Frame | None, Frame]:
+        from vrcomfort.headset.playback import PlaybackHeadset
+
+        at_ns = int(trace.time_ns[0]) + round(self.time_s * 1e9)
+        row = max(int(trace.time_ns.searchsorted(at_ns, side="right")) - 1, 0)
+        headset = PlaybackHeadset(trace, image_size_px=size_px, ipd_m=ipd_m, spawn=scene.spawn)
+        *before, now = islice(headset.frames(), max(row - 1, 0), row + 1)
+        return (before[0] if before else None), now
 
 
 def as_pose(pose: Pose | Sequence[float] | None, given: str = "") -> Pose | None:
@@ -227,7 +299,7 @@ def as_pose(pose: Pose | Sequence[float] | None, given: str = "") -> Pose | None
 def _draw(
     scene_source: str,
     condition: Condition,
-    poses: tuple[Pose | None, Pose | None],
+    moment: _Moment,
     size_px: tuple[int, int],
     ipd_m: float,
     reference_samples: int,
@@ -237,11 +309,12 @@ def _draw(
     from vrcomfort.render.output import read_rgb8
     from vrcomfort.scene.load import load_scene
 
-    now, before = poses
     scene = load_scene(scene_source)
     for warning in scene.warnings:
         note(warning)
-    now = now or scene.spawn @ Pose(np.array([0.0, EYE_HEIGHT_M, 0.0]))
+    before, now = moment.frames(scene, size_px, ipd_m)
+    if reference_samples and scene.has_hands and any(now.hands):
+        raise InputError("the ground truth draws nothing in hands; leave --reference out")
     advance(0, "drawing")
     renderer = make_renderer(size_px)
     renderer.begin(scene, condition)
@@ -253,10 +326,9 @@ def _draw(
         advance(1)
 
     if before is not None:
-        renderer.render(_frame(0, before, size_px, ipd_m), 0.0)
-    rendered = renderer.render(
-        _frame(1, now, size_px, ipd_m, still=before is None), PERIOD_NS / 1e9, keep
-    )
+        passed_ns = now.predicted_display_time_ns - before.predicted_display_time_ns
+        renderer.render(before, moment.time_s - passed_ns / 1e9)
+    rendered = renderer.render(now, moment.time_s, keep)
     focus = [*rendered.focus_samples, *renderer.drain()][-1:]
     meta = {
         "scene": scene.name,
@@ -264,11 +336,14 @@ def _draw(
         "ipd_m": ipd_m,
         "condition": condition.model_dump(mode="json"),
         "passes": list(rendered.passes),
-        "head": _pose_as_data(now),
-        "previous_head": _pose_as_data(before) if before else None,
+        "time_s": moment.time_s,
+        "head": _head_as_data(now),
+        "previous_head": _head_as_data(before) if before else None,
         "focus": _focus_as_data(focus[0]) if focus else None,
         "triangles": rendered.triangles,
     }
+    if "velocity_px" in drawn[0][1]:
+        meta["velocity_full_px"] = _full_px([arrays["velocity_px"] for _, arrays in drawn])
     left, right = (
         RenderedEye(read_rgb8(texture), arrays)
         for texture, (_, arrays) in zip(rendered.eyes, drawn, strict=True)
@@ -277,8 +352,9 @@ def _draw(
         focus_m = focus[0].focus_m if focus else condition.focus.fixed_m
         images = [each for each, _ in drawn]
         meta["reference"] = _reference(
-            renderer, scene, condition, images, (left, right), focus_m, reference_samples, advance
-        )
+            renderer, scene, condition, images, (left, right), focus_m, moment.time_s,
+            reference_samples, advance,
+        )  # fmt: skip
     renderer.release()  # a notebook draws many views in one process
     return RenderedViews(left, right, meta)
 
@@ -323,6 +399,7 @@ def _reference(
     drawn: list[EyeImages],
     eyes: tuple[RenderedEye, RenderedEye],
     focus_m: float,
+    time_s: float,
     samples: int,
     advance: Callable[..., None],
 ) -> dict[str, Any]:
@@ -337,7 +414,7 @@ def _reference(
         advance(0, f"brute force, {name} eye")
         rendered = truth.render(
             camera,
-            PERIOD_NS / 1e9,
+            time_s,
             images.previous,
             focus_m=focus_m,
             samples=samples,
@@ -360,6 +437,20 @@ def _reference(
         advance(1)
         errors["samples"], errors["note"] = rendered.samples, truth.note
     return errors
+
+
+LONGEST_SHARE = 0.99
+"""Share of the pixels whose velocities have a colour of their own in a picture of them."""
+
+
+def _full_px(velocities: list[Numbers]) -> float:
+    """Return the velocity of the fullest colour, in pixels per frame; at least one pixel."""
+    lengths = np.hypot(*np.moveaxis(np.stack(velocities).astype(np.float64), -1, 0)[:2])
+    return max(round(float(np.quantile(lengths, LONGEST_SHARE)), 2), 1.0)
+
+
+def _head_as_data(frame: Frame) -> dict[str, list[float]]:
+    return _pose_as_data(frame.avatar_pose @ frame.head_pose)
 
 
 def _pose_as_data(pose: Pose) -> dict[str, list[float]]:

@@ -212,7 +212,7 @@ def _look(
         found.notes.append(f"blur and streaks were not measured: {error.message}")
         return
     found.stimuli = measure_stimuli(ctx, protocol, size_px, refresh_hz, moments, advance)
-    found.notes += found.stimuli.excused
+    found.notes += found.stimuli.notes
     names = [condition.name for condition in protocol.conditions]
     written = "factors" if protocol.factors else "conditions"
     for each in found.stimuli.faults:

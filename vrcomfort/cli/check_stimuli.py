@@ -41,7 +41,7 @@ class Stimuli:
 
     rows: list[StimulusExtent]
     faults: list[Fault]
-    excused: list[str]
+    notes: list[str]
 
 
 def measure_stimuli(
@@ -54,7 +54,14 @@ def measure_stimuli(
 ) -> Stimuli:
     """Measure all conditions in all scenes."""
     from vrcomfort.headset.playback import default_fovs
-    from vrcomfort.render.stimulus_check import faults, measure, needlessly_meant, seen
+    from vrcomfort.render.stimulus_check import (
+        faults,
+        measure,
+        needlessly_meant,
+        seen,
+        turning_left,
+        turning_twins,
+    )
     from vrcomfort.scene.load import load_scene
 
     width, height = size_px
@@ -66,7 +73,8 @@ def measure_stimuli(
         advance(0, f"looking at {name}")
         scene = load_scene(protocol.scene_source(name))
         looks = moments_of(protocol, name, scene, probe_px, refresh_hz, moments)
-        drawn = measure(ctx, scene, protocol.conditions, looks, probe_px)
+        shown = [condition.in_scene(name) for condition in protocol.conditions]
+        drawn = measure(ctx, scene, [*shown, *turning_twins(shown)], looks, probe_px)
         sizes[name] = {condition: found.scaled(scale) for condition, found in drawn.items()}
         advance()
     rows = [
@@ -74,7 +82,8 @@ def measure_stimuli(
         for condition in protocol.conditions
         for name in protocol.scenes
     ]
-    return Stimuli(rows, list(faults(protocol, sizes)), list(needlessly_meant(protocol, sizes)))
+    notes = [*needlessly_meant(protocol, sizes), *turning_left(protocol, sizes)]
+    return Stimuli(rows, list(faults(protocol, sizes)), notes)
 
 
 def moments_of(

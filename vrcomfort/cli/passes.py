@@ -195,7 +195,9 @@ def study_passes(study: Protocol, size_px: tuple[int, int], *, draw: bool = True
 
     renderer, no_opengl = _renderer(size_px)
     rows = [
-        _condition_passes(name, scene, condition, renderer, study.headset.depth, draw=draw)
+        _condition_passes(
+            name, scene, condition.in_scene(name), renderer, study.headset.depth, draw=draw
+        )
         for name in study.scenes
         for scene in [load_scene(study.scene_source(name))]
         for condition in study.conditions

@@ -47,6 +47,7 @@ def play_trace(
     scene_source: str,
     condition: Condition,
     *,
+    beside: Condition | None,
     size_px: tuple[int, int],
     ipd_m: float,
     frames: int | None,
@@ -59,9 +60,11 @@ def play_trace(
 
     Pictures, ``frames.csv`` and ``meta.json`` go into `out`, the film to `video`.
 
-    A trace without avatar poses is anchored at the scene's spawn point.
+    A trace without avatar poses is anchored at the scene's spawn point. Images are of both eyes;
+    with another condition `beside`, of the left eye under each.
     """
     from vrcomfort.headset.playback import PlaybackHeadset
+    from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.scene.load import load_scene
 
     scene = load_scene(scene_source)
@@ -78,14 +81,25 @@ def play_trace(
     )
     renderer = make_renderer(size_px)
     renderer.begin(scene, condition)
+    second = None if beside is None else StereoRenderer(renderer.ctx, size_px)
+    if second is not None:
+        second.begin(scene, beside)
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
-        _write_settings(out, scene.name, condition, headset, renderer)
-    return _draw(headset, renderer, out, video=video, total=frames or len(trace), quiet=quiet)
+        _write_settings(out, scene.name, condition, beside, headset, renderer)
+    total = frames or len(trace)
+    return _draw(headset, renderer, second, out, video=video, total=total, quiet=quiet)
 
 
 def _draw(
-    headset: Any, renderer: Any, out: Path | None, *, video: Path | None, total: int, quiet: bool
+    headset: Any,
+    renderer: Any,
+    second: Any,
+    out: Path | None,
+    *,
+    video: Path | None,
+    total: int,
+    quiet: bool,
 ) -> int:
     from vrcomfort.render.output import VideoWriter, read_rgb8, side_by_side, write_png
     from vrcomfort.replay.film import PICTURES, cleared
@@ -105,7 +119,10 @@ def _draw(
             time_s = (frame.predicted_display_time_ns - start_ns) / 1e9
             rendered = renderer.render(frame, time_s)
             log.add(frame, rendered, trial=1, session_s=time_s)
-            image = side_by_side(*map(read_rgb8, rendered.eyes))
+            shown = rendered.eyes
+            if second is not None:
+                shown = shown[0], second.render(frame, time_s).eyes[0]
+            image = side_by_side(*map(read_rgb8, shown))
             if pictures is not None:
                 write_png(pictures / f"{frame.index:06d}.png", image)
             if film is not None:
@@ -148,11 +165,17 @@ def _rows(file: Path) -> Iterator[_RowFile]:
 
 
 def _write_settings(
-    out: Path, scene: str, condition: Condition, headset: Any, renderer: Any
+    out: Path,
+    scene: str,
+    condition: Condition,
+    beside: Condition | None,
+    headset: Any,
+    renderer: Any,
 ) -> None:
     settings = {
         "scene": scene,
         "condition": condition.model_dump(mode="json"),
+        **({"beside": beside.model_dump(mode="json")} if beside else {}),
         "passes": [step.name for step in renderer.plan() if step.needed],
         "size_px": list(headset.image_size_px),
         "refresh_hz": headset.refresh_hz,
@@ -204,7 +227,7 @@ def play(
     ] = None,
     beside: Annotated[
         str | None,
-        typer.Option(metavar="CONDITION", help="Session: draw another condition beside."),
+        typer.Option(metavar="CONDITION", help="Draw another condition beside."),
     ] = None,
     trial: Annotated[
         str | None, typer.Option(help="Only this trial; 0 is training.", show_default=False)
@@ -251,12 +274,14 @@ def play(
     - `vrcomfort play my_study/sub-P01/ses-1 --beside dof_off --show gaze,ratings --video both.mp4`
     - `vrcomfort play my_study/sub-P01/ses-1 --from 65 --to 70 --quality reference --out pictures`
     - `vrcomfort play walk.csv --scene temple --frames 300 --size 320x400 --out played`
+    - `vrcomfort play scenes/depths_walk.csv --scene depths --protocol motion_blur_2020_hands
+      --condition in_world --beside with_head --video hands.mp4`
     """
     of_traces = {
         "--scene": scene, "--gaze": gaze, "--frames": frames, "--refresh-hz": refresh_hz,
     }  # fmt: skip
     of_sessions = {
-        "--beside": beside, "--from": from_s, "--to": to_s, "--show": show or None, "--eye": eye,
+        "--from": from_s, "--to": to_s, "--show": show or None, "--eye": eye,
     }  # fmt: skip
     is_session = source.is_dir()
     if is_session:
@@ -289,15 +314,18 @@ def play(
     if scene is None:
         raise InputError("a head trace needs a scene to play in: --scene temple, for example")
     study, shown = pick_condition(protocol, condition)
-    shown = shown if level is None else shown.at_level(level)
+    other = None if beside is None else pick_condition(protocol, beside)[1]
+    wanted = [each.in_scene(scene) for each in (shown, other) if each is not None]
+    wanted = wanted if level is None else [each.at_level(level) for each in wanted]
     played = open_trace(source, trial=trial, gaze=gaze, note=warn)
-    require_recorded_gaze([shown], played)
+    require_recorded_gaze(wanted, played)
     if out is not None:
         spare([source, gaze], [out / name for name in WRITTEN])
     count = play_trace(
         played,
         scene,
-        shown,
+        wanted[0],
+        beside=None if other is None else wanted[1],
         size_px=size_px or (640, 800),
         ipd_m=study.headset.ipd_m if study else MEAN_IPD_M,
         frames=frames,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -50,6 +51,19 @@ def render(
             help="Head one frame (1/90 s) earlier; without it, at rest.",
         ),
     ] = None,
+    trace: Annotated[
+        Path | None,
+        typer.Option(help="Instead of a pose: a moment of a head trace (CSV), with its hands."),
+    ] = None,
+    at_s: Annotated[
+        float | None,
+        typer.Option(
+            "--at",
+            metavar="S",
+            help="Seconds from the start of the trace and of the scene's animations. Without it, "
+            "nothing moves but the head.",
+        ),
+    ] = None,
     protocol: ProtocolOption = None,
     condition: ConditionOption = None,
     settings: Annotated[
@@ -74,12 +88,14 @@ def render(
 ) -> None:
     """Draw one stereo picture with its linear light, depth and settings.
 
-    Writes left.png, right.png, side_by_side.png, left.npz, right.npz and meta.json. Errors
-    are those that `vrcomfort tradeoff` takes, in meta.json and on the terminal.
+    Writes left.png, right.png, side_by_side.png, left.npz, right.npz and meta.json; with motion
+    blur, pictures of the velocity buffer, too. Errors are those that `vrcomfort tradeoff` takes,
+    in meta.json and on the terminal.
 
     - `vrcomfort render --scene temple --out picture`
     - `vrcomfort render --scene mountain --pose 0,1.6,0,30,-5,0 --reference 256 --out picture`
     - `vrcomfort render --scene temple --set motion_blur=none --set vignette.open_deg=60 --out v`
+    - `vrcomfort render --scene depths --trace scenes/depths_walk.csv --at 20 --out hands`
     """
     study, shown = pick_condition(protocol, condition)
     shown = changed(shown, "--set", settings or ())
@@ -88,9 +104,11 @@ def render(
     folder = output_folder(out)
     views = render_views(
         scene,
-        shown,
+        shown.in_scene(scene),
         pose=parse_pose("--pose", pose),
         previous_pose=parse_pose("--previous-pose", previous_pose),
+        trace=trace,
+        at_s=at_s,
         size_px=parse_size(size),
         ipd_m=study.headset.ipd_m if study else MEAN_IPD_M,
         reference_samples=reference,
@@ -101,6 +119,9 @@ def render(
     for name in EYES if reference else ():
         words = _in_words(views.meta["reference"][name], reference)
         console(quiet).print(f"{name} eye: {words}")
+    if full_px := views.meta.get("velocity_full_px"):
+        words = f"direction as hue, fullest from {full_px:g} px per frame on"
+        console(quiet).print(f"Velocities: left_velocity.png and right_velocity.png ({words})")
     console(quiet).print(f"Picture: {picture}")
 
 

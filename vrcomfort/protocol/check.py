@@ -6,7 +6,11 @@ import math
 from collections.abc import Iterable, Iterator
 from pathlib import Path as FilePath
 
-from vrcomfort.protocol.condition_check import adjustment_problems, without_effect
+from vrcomfort.protocol.condition_check import (
+    adjustment_problems,
+    without_effect,
+    written_tables,
+)
 from vrcomfort.protocol.model import Protocol, trial_counts
 from vrcomfort.protocol.order_check import (
     group_problems,
@@ -19,7 +23,7 @@ from vrcomfort.protocol.questions import free_text_problems, moment_problems
 from vrcomfort.protocol.session_steps import break_problems, instruction_problems
 from vrcomfort.protocol.viewing import SceneView
 from vrcomfort.resources import data_folder
-from vrcomfort.settings import KeyPath, Problem, repeated, reserved
+from vrcomfort.settings import KeyPath, Problem, read_toml, repeated, reserved
 from vrcomfort.settings.locate import Path
 from vrcomfort.settings.reading import did_you_mean
 
@@ -37,6 +41,7 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from repeated(("scenes",), protocol.scenes)
     yield from without_effect(protocol)
     yield from _missing_scenes(protocol)
+    yield from _focus_scripts(protocol)
     yield from order_problems(protocol)
     yield from part_problems(protocol)
     yield from group_problems(protocol)
@@ -85,6 +90,13 @@ def _missing_scenes(protocol: Protocol) -> Iterator[Problem]:
                 yield Problem(path, f"there is no scene file {where}")
         elif scene not in known:
             yield Problem(path, f"there is no scene `{scene}`; {did_you_mean(scene, known)}")
+
+
+def _focus_scripts(protocol: Protocol) -> Iterator[Problem]:
+    for path, table, _ in written_tables(protocol, read_toml(protocol.toml, None)):
+        for scene in table.get("focus", {}).get("scripts", {}):
+            key = (*path, "focus", "scripts", scene)
+            yield from _named_key(key, "scene", protocol.scenes)
 
 
 def _consent(protocol: Protocol) -> Iterator[Problem]:

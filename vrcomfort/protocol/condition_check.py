@@ -64,7 +64,7 @@ def without_effect(protocol: Protocol) -> Iterator[Problem]:
     a level of a factor writes must do something in one of the conditions that it is part of.
     """
     data = read_toml(protocol.toml, None)
-    for path, table, conditions in _written(protocol, data):
+    for path, table, conditions in written_tables(protocol, data):
         if table.get("quality") and not any(map(_has_dials, conditions)):
             message = f"`quality` does nothing without {' or '.join(dialled())}; remove it"
             yield Problem((*path, "quality"), message)
@@ -80,7 +80,7 @@ def without_effect(protocol: Protocol) -> Iterator[Problem]:
                     yield Problem((*path, effect, key), message)
 
 
-def _written(
+def written_tables(
     protocol: Protocol, data: Mapping[str, Any]
 ) -> Iterator[tuple[KeyPath, Mapping[str, Any], list[Condition]]]:
     """Yield each table of condition settings: its path, its keys and its conditions."""

@@ -43,6 +43,7 @@ Dioptres = Annotated[float, Field(ge=0, le=1000)]
 Arcmin = Annotated[float, Field(ge=0, le=10_800)]
 """Up to half a turn."""
 ScriptEntry = tuple[Annotated[float, Field(ge=0, le=14_400)], Distance]
+FocusScript = tuple[ScriptEntry, ...]
 Weight = Annotated[float, Field(ge=0.001, le=1)]
 NodePattern = Annotated[str, Field(min_length=1, max_length=256)]
 ZoneSide = Annotated[int, Field(ge=1, le=1024)]
@@ -102,10 +103,12 @@ class Focus(Settings):
     `gaze`: under the gaze; `fixed`: it never moves; `scripted`: by `script`."""
     fixed_m: Annotated[Distance, OnlyWith(method=("fixed",)), LIVE] = 2.0
     """Focus distance of `fixed`."""
-    script: Annotated[tuple[ScriptEntry, ...], _SCRIPT] = ()
+    script: Annotated[FocusScript, _SCRIPT] = ()
     """`scripted`: [time, distance] in seconds and metres, times rising. Between two, focus moves
     linearly in dioptres; before the first and after the last it rests. Time is that of the scene's
     animations: it begins when the scene is entered, with the training where there is one."""
+    scripts: Annotated[dict[str, FocusScript], _SCRIPT] = Field(default_factory=dict)
+    """`scripted`: scripts of scenes and views that have one of their own, in place of `script`."""
     script_every_s: Annotated[Seconds | None, _SCRIPT] = None
     """`scripted`: period after which the script begins again."""
     ring_deg: Annotated[float, Field(gt=0, lt=45), _RAYS_AHEAD] = 2.0
@@ -164,12 +167,17 @@ class Focus(Settings):
         if self.method == "scripted" and not self.script:
             message = 'method = "scripted" needs a `script`: [[0.0, 2.0], [3.0, 0.5]]'
             raise PydanticCustomError("no_script", message)
-        times = [time_s for time_s, _ in self.script]
-        if any(after <= before for before, after in pairwise(times)):
-            raise PydanticCustomError("script", "the times of `script` must rise")
-        if self.script_every_s is not None and times and times[-1] > self.script_every_s:
-            message = "`script_every_s` is before the last time of `script`; make it longer"
-            raise PydanticCustomError("script_every", message)
+        if empty := [scene for scene, script in self.scripts.items() if not script]:
+            message = "`scripts.{scene}` has no distances; write some, or remove it"
+            raise PydanticCustomError("no_script", message, {"scene": empty[0]})
+        for name, script in self.named_scripts.items():
+            times = [time_s for time_s, _ in script]
+            if any(after <= before for before, after in pairwise(times)):
+                message = "the times of `{name}` must rise"
+                raise PydanticCustomError("script", message, {"name": name})
+            if self.script_every_s is not None and times and times[-1] > self.script_every_s:
+                message = "`script_every_s` is before the last time of `{name}`; make it longer"
+                raise PydanticCustomError("script_every", message, {"name": name})
         return self
 
     @model_validator(mode="after")
@@ -177,6 +185,11 @@ class Focus(Settings):
         if self.semantic_min > self.semantic_max or self.gauss_border > self.gauss_centre:
             raise ValueError("least weights are greater than greatest ones; swap them")
         return self
+
+    @property
+    def named_scripts(self) -> dict[str, FocusScript]:
+        """Return key → script, of all scenes."""
+        return {"script": self.script, **{f"scripts.{k}": v for k, v in self.scripts.items()}}
 
 
 class Peripheral(Settings):
@@ -532,6 +545,14 @@ class Condition(ConditionSettings, ConditionName):
     def at_level(self, level: Quality) -> Condition:
         """Return the same condition, sampled as a level of `quality` says."""
         return Condition.model_validate(with_level(self.model_dump(), level))
+
+    def in_scene(self, scene: str) -> Condition:
+        """Return the condition as it is in a scene or a view: with the script of its own."""
+        script = self.focus.scripts.get(scene)
+        if script is None:
+            return self
+        focus = self.focus.model_copy(update={"script": script, "scripts": {}})
+        return self.model_copy(update={"focus": focus})
 
     @property
     def centred_on_gaze(self) -> tuple[CentredEffect, ...]:

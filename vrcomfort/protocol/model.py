@@ -337,9 +337,16 @@ class Protocol(Settings):
         named = (view for view in self.views if view.name == scene)
         return next(named, SceneView.model_construct(name=scene, scene=scene))
 
-    def condition(self, name: str) -> Condition:
-        """Return the condition called `name`; loading made sure that trials name real ones."""
-        return next(condition for condition in self.conditions if condition.name == name)
+    def condition(self, name: str, scene: str | None = None) -> Condition:
+        """Return the condition called `name`; loading made sure that trials name real ones.
+
+        Parameters
+        ----------
+        scene
+            Of a trial: the condition as it is there.
+        """
+        found = next(condition for condition in self.conditions if condition.name == name)
+        return found if scene is None else found.in_scene(scene)
 
     def asks(self, when: str, session: int, trial: int | None) -> Iterator[Ask]:
         """Yield the questionnaires asked at a moment, in the file's order."""

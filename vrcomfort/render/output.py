@@ -54,6 +54,24 @@ def distance_m(depth: Float32, near_m: float) -> Float32:
         return np.asarray(np.float32(near_m) / depth, dtype=np.float32)
 
 
+def velocity_colours(velocity_px: NDArray[np.generic], full_px: float) -> Rgb8:
+    """Return a picture of pixel velocities in the colours of optical flow: white is at rest.
+
+    The hue is the direction (red to the right, then yellow, green and blue counterclockwise), and
+    the colour is fullest from `full_px` on, as in Baker et al. 2011 (Middlebury).
+
+    Parameters
+    ----------
+    velocity_px
+        (height, width, 2) pixels per frame, +x right and +y up.
+    """
+    right, up = np.moveaxis(np.asarray(velocity_px, np.float64)[..., :2], -1, 0)
+    share = np.minimum(np.hypot(right, up) / full_px, 1.0)
+    hue = np.arctan2(up, right) / (2 * np.pi) % 1.0
+    hsv = np.stack([hue, share, np.ones_like(share)], axis=-1)
+    return np.asarray(Image.fromarray(np.round(hsv * 255).astype(np.uint8), "HSV").convert("RGB"))
+
+
 def side_by_side(left: Rgb8, right: Rgb8) -> Rgb8:
     """Return both eyes in one (height, 2 · width, 3) image, the left eye on the left."""
     return np.concatenate([left, right], axis=1)

@@ -367,6 +367,69 @@ def _apart(a: Float32 | None, b: Float32 | None) -> Float32 | None:
     return apart
 
 
+ALMOST, BY_TURNING = 0.7, 0.5
+"""Streaks are told of that keep this share of `full`'s, and at most that share without turns."""
+
+
+def turning_twins(conditions: Iterable[Condition]) -> Iterator[Condition]:
+    """Yield, of each condition that cancels the head's turns alone, unasked, two others.
+
+    One that cancels nothing, and one that cancels virtual turns, too, for `turning_left`.
+    """
+    for condition in conditions:
+        motion = condition.motion_blur
+        if motion is None or (motion.mode, motion.virtual_turning) != _HEAD_TURNS_ALONE:
+            continue
+        changes: dict[str, dict[str, Any]] = {
+            "full": {"mode": "full", "neck": None},
+            "cancelled": {"virtual_turning": "cancelled"},
+        }
+        for twin, change in changes.items():
+            update = {
+                "name": _twin(condition.name, twin),
+                "motion_blur": motion.model_copy(update=change),
+            }
+            yield condition.model_copy(update=update)
+
+
+_HEAD_TURNS_ALONE = ("rotation_cancelled", "by_mode")
+
+
+def _twin(condition: str, twin: str) -> str:
+    return f"{condition}, {twin}"  # no condition of a protocol can be called so
+
+
+def turning_left(
+    protocol: Protocol, sizes: Mapping[str, Mapping[str, StimulusSize]]
+) -> Iterator[str]:
+    """Yield a sentence for streaks that are almost those of `full`, and of virtual turns.
+
+    Parameters
+    ----------
+    sizes
+        By scene and condition, those of `turning_twins` among them.
+    """
+    for condition in protocol.conditions:
+        for scene, found in sizes.items():
+            if _twin(condition.name, "full") not in found:
+                continue
+            twins = (_twin(condition.name, each) for each in ("full", "cancelled"))
+            left_px, full_px, rest_px = (
+                _median_streak_px(found[name]) for name in (condition.name, *twins)
+            )
+            if left_px >= max(LEAST_PX, ALMOST * full_px) and rest_px <= BY_TURNING * left_px:
+                yield (
+                    f"`{condition.name}` leaves streaks of {left_px:.1f} px in {scene} (median), "
+                    f"and {full_px:.1f} px with nothing cancelled: it keeps turns by stick or "
+                    f'along a path. With virtual_turning = "cancelled" {rest_px:.1f} px are left; '
+                    'write that, or "kept" if it is meant'
+                )
+
+
+def _median_streak_px(size: StimulusSize) -> float:
+    return 0.0 if size.streaks_px is None else float(np.median(size.streaks_px))
+
+
 def needlessly_meant(
     protocol: Protocol, sizes: Mapping[str, Mapping[str, StimulusSize]]
 ) -> Iterator[str]:

@@ -162,10 +162,11 @@ def replay(
         drawn_scene = scene if balls is None else balls.scene
         name = exposure.condition
         condition = selection.instead.get(name) or session.condition(name)
+        condition = condition.in_scene(exposure.scene)
         dial = _Dial(session, exposure, condition) if condition.name == name else None
         drawer.begin(drawn_scene, dial.built_for if dial else condition)
         if second is not None and selection.beside is not None:
-            second.begin(drawn_scene, selection.beside)
+            second.begin(drawn_scene, selection.beside.in_scene(exposure.scene))
         film = _Film(session, exposure, selection, size_px, comparison, balls, dial)
         for drawn in film.frames(drawer, second if selection.beside else None, scene, last):
             yield replace(drawn, video_s=drawn.video_s + end_s)

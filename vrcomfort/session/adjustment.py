@@ -177,7 +177,8 @@ class AdjustmentRun(DialRun):
     _confirmed: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
-        self._condition = self.context.protocol.condition(self.place.condition or "")
+        place, protocol = self.place, self.context.protocol
+        self._condition = protocol.condition(place.condition or "", place.scene)
         self.at = self._first_place()
         self._value = self.dial.value_at(self.at)
 

@@ -170,7 +170,7 @@ class PracticeRunner:
         headset, start = self._trials.start_pose_of(place)
         full_s = practice.exposure_s or protocol.length_s(trial.scene)
         shown_s = full_s / context.time_scale
-        condition = protocol.condition(trial.condition)
+        condition = protocol.condition(trial.condition, trial.scene)
         settings = protocol.task_of(trial)
         task = (
             None

@@ -165,7 +165,7 @@ class TrialRunner:
     def _enter(self, place: TrialPlace) -> FrameLoop:
         context, protocol = self._context, self._context.protocol
         headset, start = self.start_pose_of(place)
-        condition = protocol.condition(place.condition or "")
+        condition = protocol.condition(place.condition or "", place.scene)
         self._task = self._task_in(place, start.scene)
         self._adjustment = adjusting = self._adjustment_in(place)
         scene = self._task.drawn if self._task else start.scene

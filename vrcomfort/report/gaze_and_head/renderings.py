@@ -77,13 +77,15 @@ def _zones(found: GazeAndHeadAnalysis, words: Vocabulary) -> Drawing:
 def _maps(name: str, maps: dict[str, Map], across: str) -> Drawing:
     """Draw maps side by side, with one scale of brightness."""
     names = list(maps)[:MOST_MAPS]
-    columns = min(3, len(names))
+    columns = 2 if len(names) == 4 else min(3, len(names))
     rows = -(-len(names) // columns)
     brightest = max(float(maps[each].share.max()) for each in names)
     with canvas(name, 2.3 * columns + 0.5, 2.7 * rows + 0.3) as (figure, drawing):
         panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
         for axes in panels[len(names) :]:
             axes.set_axis_off()
+        for axes in panels[len(names) - columns : len(names)]:
+            axes.tick_params(labelbottom=True)
         for axes, title in zip(panels, names, strict=False):
             _map(axes, maps[title], brightest)
             axes.set_title(lines(title, 24))

@@ -147,7 +147,8 @@ def unlimited(condition: Condition) -> Unlimited | None:
 
 def _focus_m(focus: Focus) -> tuple[float, ...]:
     if focus.method == "scripted":
-        return tuple(sorted({distance_m for _, distance_m in focus.script}))
+        scripts = focus.named_scripts.values()
+        return tuple(sorted({distance_m for script in scripts for _, distance_m in script}))
     return (focus.fixed_m,) if focus.method == "fixed" else EXAMPLES_M
 
 
