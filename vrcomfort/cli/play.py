@@ -81,8 +81,9 @@ def play_trace(
     )
     renderer = make_renderer(size_px)
     renderer.begin(scene, condition)
-    second = None if beside is None else StereoRenderer(renderer.ctx, size_px)
-    if second is not None:
+    second = None
+    if beside is not None:
+        second = StereoRenderer(renderer.ctx, size_px)
         second.begin(scene, beside)
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
