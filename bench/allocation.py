@@ -51,7 +51,7 @@ def main() -> None:
     parser.add_argument("--people", type=int, default=200)
     parser.add_argument("--seeds", type=int, default=100)
     asked = parser.parse_args()
-    print("| way | median | 95 % | largest | groups apart, median | at most 4 |")
+    print("| method | median | 95 % | largest | group sizes differ by, median | at most 4 |")
     print("|---|---|---|---|---|---|")
     for name, way in WAYS.items():
         found = np.array([widest(way, asked.people, seed) for seed in range(asked.seeds)])

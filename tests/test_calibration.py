@@ -11,7 +11,7 @@ SLACK = 3.3
 
 @pytest.mark.slow
 def test_a_short_calibration_keeps_its_limits():
-    """Partial η² of heavy tails does not, and docs/statistics.md says so."""
+    """Partial η² of heavy tails does not, and docs/statistics_checks.md says so."""
     kinds = [f"{generator} 12 {effect}" for generator in ("normal", "ssq") for effect in (0.0, 0.8)]
     kinds += ["heavy 12 0.0", "unequal 12 0.0"]
     counts: dict[str, dict[str, int]] = {}

@@ -1,4 +1,4 @@
-"""The table of reference numbers in docs/statistics.md: each number holds, and the page has it."""
+"""The table of reference numbers in docs/statistics_checks.md: each number holds, and the page has it."""
 
 import pytest
 

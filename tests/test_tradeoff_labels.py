@@ -15,7 +15,7 @@ from matplotlib.transforms import Bbox
 from vrcomfort.tradeoff import figures
 from vrcomfort.tradeoff.figures import MARKER_PT, RING_PT, STYLE, coinciding, draw, joined
 
-DOCS = Path(__file__).parent.parent / "docs" / "tradeoff.md"
+DOCS = Path(__file__).parent.parent / "docs" / "tradeoff_tables.md"
 HEADING = re.compile(r"### (\w+), ([a-z ]+)(?:, lens ([\w.]+) %)?(?:, (\d+×\d+))?\n\n((?:\|.*\n)+)")
 
 

@@ -1,4 +1,4 @@
-"""The table of reference numbers in docs/statistics.md: `python -m tests.support.reference_table`.
+"""The table of reference numbers in docs/statistics_checks.md: `python -m tests.support.reference_table`.
 
 One row per test and convention: of all data sets it shows the one in which ours is farthest from
 what is expected. Every single number is a test in `tests/test_stats_oracles.py` or
@@ -16,7 +16,7 @@ from pathlib import Path
 
 from tests.support import oracles, published
 
-PAGE = Path(__file__).parents[2] / "docs" / "statistics.md"
+PAGE = Path(__file__).parents[2] / "docs" / "statistics_checks.md"
 BEGIN, END = "<!-- reference table: begin -->", "<!-- reference table: end -->"
 COMMAND = "python -m tests.support.reference_table"
 

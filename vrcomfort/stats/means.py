@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 # The interval of a mean: the wider of the t and the bootstrap-t interval, at each end.
 #
 # Of skewed scores, t stops short on the side of the tail; bootstrap-t does so on the other side,
-# and of heavy tails on both. `docs/statistics.md` says how often each covers.
+# and of heavy tails on both. `docs/statistics_checks.md` says how often each covers.
 
 
 # One less than a multiple of 40: quantiles of 95 % intervals are order statistics.

@@ -26,7 +26,7 @@ def quiet() -> Iterator[None]:
 def pingouin() -> Any:
     """Return pingouin (Vallat 2018); loading it takes two seconds, so it is loaded when needed.
 
-    What it does rightly is done with it; what not is listed in ``docs/statistics.md``, each with
+    What it does rightly is done with it; what not is listed in ``docs/statistics_checks.md``, each with
     the test that shows it.
     """
     with quiet():

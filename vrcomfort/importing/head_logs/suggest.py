@@ -47,7 +47,7 @@ FORWARD = (0.0, 0.0, -1.0)
 _TOP = (
     "How to read this log as head poses, as `vrcomfort import-trace --suggest` understood it.",
     "Read it, mend what is wrong, and write an answer in each [[doubts]] below: while one is",
-    "open, the import is refused. Every key: docs/import.md.",
+    "open, the import is refused. Every key: docs/import_traces.md.",
 )
 _UNIT_WORDS: dict[str, TimeUnit] = {
     "ns": "ns", "us": "us", "µs": "us", "ms": "ms", "msec": "ms", "milliseconds": "ms", "s": "s",
