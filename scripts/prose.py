@@ -56,7 +56,9 @@ def prose_of(markdown: str) -> Prose:
             headings += [line.lstrip("# ") for _, line in lines]
         elif kind != "|":
             block = " ".join(line.strip() for _, line in lines)
-            parts = END.split(ABBREVIATION.sub(lambda found: found[1].replace(".", "") + ",", block))
+            parts = END.split(
+                ABBREVIATION.sub(lambda found: found[1].replace(".", "") + ",", block)
+            )
             sentences += [part for part in parts if count(part)]
     return Prose(tuple(headings), tuple(sentences))
 
@@ -89,7 +91,8 @@ def main() -> None:
             if count(each) > LONGEST:
                 print("   ", each)
         print(f"{file.name:28} {prose.words:6} {statistics.median(own):5} {max(own):4} {long:4}")
-    print(f"{total} words, median {statistics.median(lengths)}, {sum(x > LONGEST for x in lengths)} over 35")
+    too_long = sum(each > LONGEST for each in lengths)
+    print(f"{total} words, median {statistics.median(lengths)}, {too_long} over {LONGEST}")
 
 
 if __name__ == "__main__":

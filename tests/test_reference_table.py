@@ -1,4 +1,4 @@
-"""The table of reference numbers in docs/statistics_checks.md: each number holds, and the page has it."""
+"""The reference numbers of docs/statistics_checks.md: each holds, and the page has it."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The table of reference numbers in docs/statistics_checks.md: `python -m tests.support.reference_table`.
+"""Reference numbers of docs/statistics_checks.md: `python -m tests.support.reference_table`.
 
 One row per test and convention: of all data sets it shows the one in which ours is farthest from
 what is expected. Every single number is a test in `tests/test_stats_oracles.py` or

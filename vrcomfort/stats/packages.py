@@ -26,8 +26,7 @@ def quiet() -> Iterator[None]:
 def pingouin() -> Any:
     """Return pingouin (Vallat 2018); loading it takes two seconds, so it is loaded when needed.
 
-    What it does rightly is done with it; what not is listed in ``docs/statistics_checks.md``, each with
-    the test that shows it.
+    ``docs/statistics_checks.md`` lists what is not taken from it, with the tests that show why.
     """
     with quiet():
         return importlib.import_module("pingouin")
