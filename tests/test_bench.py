@@ -46,3 +46,22 @@ def test_a_side_of_the_comparison_draws_records_and_counts():
     assert 0 < counts["scene draws"] < counts["draws"] < counts["calls"]
     assert len(laps) == 2
     assert all(0 < lap["loop_s"] < 1 and lap["opengl_s"] > 0 for lap in laps)
+
+
+@pytest.mark.slow
+def test_frames_are_timed_on_whatever_gpu_there_is(tmp_path):
+    asked = ["--out", str(tmp_path), "--sizes", "32x40", "--scenes", "temple"]
+    shown = subprocess.run(
+        [sys.executable, "-W", "error", "-m", "bench.gpu", *asked, "--methods", "ours 36 samples"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert shown.returncode == 0, shown.stderr
+    told = json.loads((tmp_path / "gpu.json").read_text())
+    plain, ours, *_ = (row for row in told["rows"] if row["effect"] == "depth_of_field")
+    assert plain["effect ms"] == plain["bytes per pixel"] == 0
+    assert 0 < ours["effect ms"] < ours["frame ms"]
+    assert ours["copy ms"] < ours["effect ms"]
+    assert "GPU: " in told["notes"][0]
