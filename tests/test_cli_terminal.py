@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from rich.console import Console
+from rich.table import Table
 
 from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus, Scripted
@@ -170,3 +171,23 @@ def test_a_prompt_beside_a_bar_stands_on_a_line_of_its_own() -> None:
     lines = [line for line in re.split(r"[\r\n]+", plain) if "How sick" in line]
     assert [line.strip() for line in lines] == ["[/0.5 D] How sick? (10 s)"]
     assert "exposure 1: 6 of 60 s" in plain
+
+
+def test_tables_in_a_pipe_break_no_words(monkeypatch, capsys):
+    monkeypatch.delenv("COLUMNS", raising=False)
+    words = [f"rotation_cancelled_and_faded_{number}" for number in range(12)]
+    table = Table(*words)
+    for word in words:
+        table.add_row(word, "what it is, in a sentence that would be wrapped in a window" * 2)
+    terminal.console(wrap=True).print(table)
+    printed = capsys.readouterr().out
+    assert all(printed.count(f" {word} ") == 2 for word in words)
+    assert len(printed.splitlines()) == 4 + len(words)
+
+
+def test_tables_fit_into_a_window_whose_width_is_known(monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "60")
+    table = Table("a", "b")
+    table.add_row("words " * 20, "more " * 20)
+    terminal.console(wrap=True).print(table)
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= 60

@@ -26,7 +26,7 @@ def new(*words: str):
     ("compare", "rating", "scenes"),
     list(
         itertools.product(
-            ["depth_of_field", "motion_blur", "both"],
+            ["depth_of_field", "motion_blur", "both", "each"],
             ["fms", "misc", "none"],
             [["temple"], ["temple", "mountain"]],
         )
@@ -47,7 +47,7 @@ def test_whatever_is_chosen_is_a_protocol_that_balances(tmp_path, compare, ratin
     assert [each.instrument for each in protocol.ratings] == [rating] * (rating != "none")
     effects = {(bool(c.depth_of_field), bool(c.motion_blur)) for c in protocol.conditions}
     assert (False, False) in effects
-    assert len(effects) == (4 if compare == "both" else 2)
+    assert len(effects) == {"both": 4, "each": 3}.get(compare, 2)
 
 
 def test_options_stand_in_the_file_and_every_table_has_a_comment(tmp_path):
@@ -65,6 +65,36 @@ def test_options_stand_in_the_file_and_every_table_has_a_comment(tmp_path):
     for number, line in enumerate(lines):
         if line.startswith(("[order]", "[simulation]", "languages")):
             assert lines[number - 1].startswith("#")
+
+
+def test_three_conditions_over_two_days_with_sixteen_people(tmp_path):
+    """Both days show all three; 16 people cannot balance six orders, which is said or meant."""
+    days = ("--compare", "each", "--sessions", "2", "--participants", "16", "--rating", "fms")
+    more, meant = tmp_path / "more.toml", tmp_path / "meant.toml"
+    told = new(str(more), *days, "--yes")
+    assert "16 participants would not balance the orders; it plans 18" in told.stderr
+    assert (
+        "3 exposures do not divide over 2 sessions; each session shows all of them" in told.stderr
+    )
+    assert load_protocol(more).participants == 18
+    assert new(str(meant), *days, "--unbalanced", "--yes").exit_code == 0
+    for file, allowed in ((more, False), (meant, True)):
+        protocol = load_protocol(file)
+        assert (protocol.order.unbalanced, protocol.participants) == (
+            allowed,
+            16 if allowed else 18,
+        )
+        assert [each.every_s for each in protocol.ratings] == [60.0]
+        for person in build_design(protocol).plan(16):
+            assert [len({trial.condition for trial in day}) for day in person.sessions] == [3, 3]
+        checked = CliRunner().invoke(app, ["check", str(file), "--no-draw"])
+        assert checked.exit_code == 0, checked.output
+
+
+def test_balanced_numbers_are_not_called_unbalanced(tmp_path):
+    file = tmp_path / "study.toml"
+    assert new(str(file), "--participants", "16", "--unbalanced", "--yes").exit_code == 0
+    assert not load_protocol(file).order.unbalanced
 
 
 @pytest.mark.parametrize("minutes", [0.1, 0.4, 0.5, 1, 2.5, 5, 60])
@@ -103,7 +133,9 @@ def test_questions_are_asked_again_until_the_answer_can_be(tmp_path, monkeypatch
     file = tmp_path / "asked.toml"
     command.new(file)
     protocol = load_protocol(file)
-    assert asked[0].startswith("What is compared with no blur (depth_of_field, motion_blur, both)")
+    assert asked[0].startswith(
+        "What is compared with no blur (depth_of_field, motion_blur, both, each)"
+    )
     assert protocol.conditions[1].motion_blur is not None
     assert (protocol.scenes, protocol.participants) == (("mountain",), 12)
     assert (protocol.title, protocol.exposure_s) == ("A name", 600.0)
@@ -117,7 +149,6 @@ def test_questions_are_asked_again_until_the_answer_can_be(tmp_path, monkeypatch
         (["no/where/study"], "there is no such folder"),
         (["my study"], "cannot be called 'my study'"),
         (["moon", "--scene", "moon"], "there is no scene `moon`"),
-        (["odd", "--sessions", "3"], "cannot be dealt evenly over 3 sessions"),
         (["czech", "--language", "cs"], "`cs` lacks words of the panel"),
     ],
 )

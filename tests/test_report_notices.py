@@ -121,6 +121,17 @@ def test_shortened_exposures_are_told_of(tmp_path, shown_s, told):
     assert all(told in each for each in found)
 
 
+@pytest.mark.parametrize("allowed", [True, False])
+def test_orders_that_need_not_balance_are_told_of(tmp_path, allowed):
+    study = Study(tmp_path / "s")
+    study.session("P0", 1, 0, [("a", "x", 4), ("b", "x", 3)])
+    settings = {"order": {"rule": "williams", "unbalanced": allowed}}
+    file = tmp_path / "s" / "sub-P0" / "ses-1" / "manifest.json"
+    file.write_text(manifest("P0", settings=settings))
+    notices = report(tmp_path / "s", tmp_path / "o")["notices"]
+    assert any("lets orders be unbalanced" in each for each in notices) == allowed
+
+
 def test_names_that_may_be_one_person_are_told_and_stay_two(tmp_path):
     names = ["P9", "P09", "p 10", "P10", "P1", "Q1"]
     scores = {name: {"a": 3 + i, "b": 2 * i} for i, name in enumerate(names)}

@@ -77,8 +77,19 @@ def test_an_unknown_sequence_is_refused():
 def test_rules_that_cannot_be_followed_are_refused():
     with pytest.raises(InputError, match="at most 6"):
         generated("full", 7)
-    with pytest.raises(InputError, match="cannot be dealt evenly over 3 sessions"):
+    remedies = "choose 2 or 4, or show all of them in each .*`unbalanced = true`"
+    with pytest.raises(InputError, match=f"cannot be dealt evenly over 3 sessions: {remedies}"):
         generated("williams", 4, "sessions = 3\n")
+    with pytest.raises(InputError, match=r"over 5 sessions: choose 4, or show .*\[\[parts\]\]$"):
+        generated("williams", 4, "sessions = 5\nunbalanced = true\n")
+
+
+def test_sessions_differ_by_an_exposure_where_that_is_allowed():
+    for rule in ("williams", "random"):
+        design = build_design(generated(rule, 5, "sessions = 3\nunbalanced = true\n"))
+        for person in design.plan(10):
+            assert [len(session) for session in person.sessions] == [2, 2, 1]
+            assert len({trial.condition for trial in person.trials}) == 5
 
 
 def test_audit_counts_carry_over_within_sessions():

@@ -147,8 +147,9 @@ def _of_design(protocol: Protocol) -> Iterator[InputError]:
 
     if protocol.participants is not None:
         message = cannot_balance(build_design(protocol), protocol.participants)
-        if message:
-            yield protocol.fault(("participants",), message)
+        if message and not protocol.order.unbalanced:
+            allow = "or allow it: `unbalanced = true` under [order]"
+            yield protocol.fault(("participants",), f"{message}; {allow}")
 
 
 def _notes(protocol: Protocol) -> Iterator[str]:

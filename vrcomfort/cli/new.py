@@ -29,6 +29,7 @@ class ComparedKind(StrEnum):
     DEPTH_OF_FIELD = "depth_of_field"
     MOTION_BLUR = "motion_blur"
     BOTH = "both"
+    EACH = "each"
 
 
 class RatingKind(StrEnum):
@@ -51,7 +52,8 @@ def new(
     ],
     title: Annotated[str | None, typer.Option(help="In words.")] = None,
     compare: Annotated[
-        ComparedKind | None, typer.Option(help="With no blur; both: crossed.")
+        ComparedKind | None,
+        typer.Option(help="With no blur; both: crossed; each: three conditions."),
     ] = None,
     scene: Annotated[
         list[str] | None, typer.Option(help="A shipped scene, or a .glb file; once for each.")
@@ -71,6 +73,9 @@ def new(
     language: Annotated[
         list[str] | None, typer.Option(help="In which participants are asked; once for each.")
     ] = None,
+    unbalanced: Annotated[
+        bool, typer.Option(help="Keep the number of participants, and let orders be unbalanced.")
+    ] = False,
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="Ask nothing: what is not given is as usual.")
     ] = False,
@@ -81,6 +86,7 @@ def new(
 
     - `vrcomfort new lens_study`
     - `vrcomfort new lens_study --compare depth_of_field --scene temple --participants 8 --yes`
+    - `vrcomfort new two_days --compare each --sessions 2 --participants 16 --unbalanced --yes`
     """
     file = study if study.suffix == ".toml" else study.with_name(f"{study.name}.toml")
     _require_free(file)
@@ -101,7 +107,7 @@ def new(
         rating=_rating(rating or asks.choice("Rated during exposure", list(RatingKind), "fms")),
         languages=tuple(language or asks.words("Languages, with commas", "en", ["en", "de"])),
     )
-    draft = _balanced(draft, file)
+    draft = _balanced(draft, file, unbalanced=unbalanced)
     protocol = parse_protocol(draft.toml(), file=file)
     _write(file, protocol.toml)
     if draft.rating and not draft.has_time_for_ratings:
@@ -112,7 +118,10 @@ def new(
         )
     if draft.participants != wanted:
         orders = f"{wanted} participants would not balance the orders"
-        warn(f"{orders}; it plans {draft.participants}")
+        warn(f"{orders}; it plans {draft.participants} (--unbalanced keeps {wanted})")
+    if not draft.divides:
+        pairs = f"{draft.exposures} exposures do not divide over {draft.sessions} sessions"
+        warn(f"{pairs}; each session shows all of them")
     console().print(f"{file} is written; look into it, then: vrcomfort check {file}")
 
 
@@ -144,13 +153,18 @@ def _shipped_scenes() -> list[str]:
     return sorted(path.stem for path in data_folder("scenes").glob("*.glb"))
 
 
-def _balanced(draft: ProtocolDraft, file: Path) -> ProtocolDraft:
-    """Return the draft with the next number of participants that fills all orders alike."""
+def _balanced(draft: ProtocolDraft, file: Path, *, unbalanced: bool) -> ProtocolDraft:
+    """Return the draft with the next number of participants that fills all orders alike.
+
+    With `unbalanced`, the number stays, and the protocol says that it is meant.
+    """
     from vrcomfort.design import build_design
     from vrcomfort.design.audit import cannot_balance
 
     design = build_design(parse_protocol(draft.toml(), file=file))
     people = draft.participants
+    if unbalanced:
+        return replace(draft, unbalanced=cannot_balance(design, people) is not None)
     while cannot_balance(design, people):
         people += 1
     return replace(draft, participants=people)

@@ -7,6 +7,7 @@ reads markup. Styled text has a `style`.
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -32,6 +33,10 @@ SILENT_S = 2.0
 
 LINE_EVERY_S = 10.0
 """So often, from then on, another says how far it has come."""
+
+
+_NO_WIDTH = 10_000
+"""Columns, where nothing limits them."""
 
 
 class _Terminal(Console):
@@ -68,8 +73,12 @@ def answer(data: Any) -> None:
 
 
 def console(quiet: bool = False, *, wrap: bool = False) -> Console:
-    """Return where people read, silent if `quiet`; `wrap` fits tables into the window."""
-    return _console(quiet=quiet, soft_wrap=not wrap)
+    """Return where people read, silent if `quiet`; `wrap` fits tables into the window.
+
+    In a file or a pipe, which have no width, tables are as wide as their words.
+    """
+    has_width = not wrap or sys.stdout.isatty() or "COLUMNS" in os.environ
+    return _console(quiet=quiet, soft_wrap=not wrap, width=None if has_width else _NO_WIDTH)
 
 
 def dialogue() -> Console:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 from math import ceil, floor
 
 import numpy as np
@@ -299,8 +300,10 @@ def _rows(
 
 
 def _deal(name: str, group: str, trials: list[Trial], sessions: int) -> Sequence:
-    size = len(trials) // sessions
-    dealt = tuple(tuple(trials[start : start + size]) for start in range(0, len(trials), size))
+    """Return a sequence whose first sessions have one trial more, where they do not divide."""
+    size, more = divmod(len(trials), sessions)
+    ends = [size * each + min(each, more) for each in range(sessions + 1)]
+    dealt = tuple(tuple(trials[start:end]) for start, end in pairwise(ends))
     return Sequence(name=name, group=group or None, sessions=dealt)
 
 

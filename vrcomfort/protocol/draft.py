@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias
 
 from vrcomfort.settings import toml_value
 
-Compared: TypeAlias = Literal["depth_of_field", "motion_blur", "both"]
+Compared: TypeAlias = Literal["depth_of_field", "motion_blur", "both", "each"]
 
 _HEAD = """\
 # {title}
@@ -97,6 +97,27 @@ rule = "williams"
 sessions = {sessions}
 """
 
+_ORDER_OF_DAYS = """\
+
+# Who meets what in which order: in each session each condition at each position, and after each
+# other, equally often (docs/design.md). Exposures do not divide over the sessions: each shows all,
+# in orders of its own. `vrcomfort design {file}` prints the table.
+[order]
+rule = "parts"
+"""
+
+_DAY = """\
+
+[[parts]]
+name = "session_{number}"
+session = {number}
+rule = "williams"
+"""
+
+_UNBALANCED = """\
+unbalanced = true     # meant: the number of participants does not balance the orders
+"""
+
 _QUESTIONS = """\
 
 # The Simulator Sickness Questionnaire: before, after each exposure, and at the end.
@@ -157,6 +178,8 @@ class ProtocolDraft:
         Instrument of the question during exposure; blank for none.
     languages
         Blank where instruments keep their own.
+    unbalanced
+        Whether the number of participants stays, though it does not balance the orders.
     """
 
     name: str
@@ -168,6 +191,7 @@ class ProtocolDraft:
     sessions: int
     rating: str
     languages: tuple[str, ...]
+    unbalanced: bool = False
 
     @property
     def rating_times_s(self) -> tuple[float, float]:
@@ -183,12 +207,22 @@ class ProtocolDraft:
     @property
     def conditions(self) -> int:
         """Return how many conditions are compared."""
-        return 4 if self.compared == "both" else 2
+        return {"both": 4, "each": 3}.get(self.compared, 2)
+
+    @property
+    def exposures(self) -> int:
+        """Return how many pairs of condition and scene there are."""
+        return self.conditions * len(self.scenes)
+
+    @property
+    def divides(self) -> bool:
+        """Return whether the pairs divide over the sessions; else each session shows all."""
+        return self.exposures % self.sessions == 0
 
     def toml(self) -> str:
         """Return the commented text."""
         file = f"{self.name}.toml"
-        in_a_day = self.conditions * len(self.scenes) // self.sessions
+        in_a_day = self.exposures // self.sessions if self.divides else self.exposures
         parts = [
             _HEAD.format(
                 title=self.title,
@@ -204,8 +238,7 @@ class ProtocolDraft:
         if self.languages:
             given = toml_value(self.languages)
             parts.append(_LANGUAGES.format(last=self.languages[-1], languages=given))
-        parts.append(_BOTH if self.compared == "both" else _OFF + _ON[self.compared])
-        parts += [_ORDER.format(file=file, sessions=self.sessions), _QUESTIONS]
+        parts += [self._compared(), *self._order(file), _QUESTIONS]
         if self.rating and self.has_time_for_ratings:
             every_s, timeout_s = self.rating_times_s
             parts.append(
@@ -217,3 +250,15 @@ class ProtocolDraft:
                 )
             )
         return "".join([*parts, _SIMULATION])
+
+    def _compared(self) -> str:
+        if self.compared == "both":
+            return _BOTH
+        return _OFF + "".join(_ON.values() if self.compared == "each" else [_ON[self.compared]])
+
+    def _order(self, file: str) -> list[str]:
+        unbalanced = _UNBALANCED if self.unbalanced else ""
+        if self.divides:
+            return [_ORDER.format(file=file, sessions=self.sessions), unbalanced]
+        days = [_DAY.format(number=number) for number in range(1, self.sessions + 1)]
+        return [_ORDER_OF_DAYS.format(file=file), unbalanced, *days]

@@ -68,6 +68,9 @@ class Order(Settings):
     """How sequences are made."""
     sessions: Annotated[int, Field(ge=1, le=1000)] = 1
     """Sessions over which the generated rules deal the trials; explicit sequences say it."""
+    unbalanced: bool = False
+    """Whether orders may be unbalanced: sessions differ by an exposure where these do not divide
+    evenly, and `check` takes any number of participants. Reports say so."""
     assignment: Literal["in_turn", "shuffled"] = "in_turn"
     """Among equally filled sequences take the first, or one drawn with the study's seed."""
     return_places: bool = True

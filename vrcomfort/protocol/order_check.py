@@ -8,7 +8,7 @@ from itertools import pairwise
 from math import prod
 
 from vrcomfort.protocol.model import Protocol, factor_names, level_of, part_trials, trials_of
-from vrcomfort.protocol.order import NO_TASK, Group, Part, Trial, orders_of
+from vrcomfort.protocol.order import NO_TASK, Group, Order, Part, Trial, orders_of
 from vrcomfort.protocol.session_steps import Practice
 from vrcomfort.settings import KeyPath, Problem, did_you_mean, read_toml, repeated, reserved
 
@@ -96,9 +96,22 @@ def _dealt(protocol: Protocol, treatments: int) -> Iterator[Problem]:
     if treatments > most:
         message = f"`{order.rule}` takes at most {most} condition-scene pairs; there are"
         yield Problem(("order", "rule"), f"{message} {treatments}: choose another rule")
-    if treatments * order.blocks % order.sessions:
-        message = f"{treatments * order.blocks} condition-scene pairs cannot be dealt evenly over"
-        yield Problem(("order", "sessions"), f"{message} {order.sessions} sessions")
+    yield from _sessions(order, treatments * order.blocks)
+
+
+def _sessions(order: Order, exposures: int) -> Iterator[Problem]:
+    """Yield why exposures cannot be dealt over the sessions, and how they could be."""
+    sessions = order.sessions
+    if not exposures or not exposures % sessions or (order.unbalanced and exposures > sessions):
+        return
+    fitting = [each for each in range(1, exposures + 1) if not exposures % each]
+    below = [each for each in fitting if each < sessions][-1]
+    near = [str(each) for each in (below, *fitting[fitting.index(below) + 1 :][:1])]
+    remedies = [f"choose {' or '.join(near)}", "show all of them in each session with [[parts]]"]
+    if exposures > sessions:
+        remedies.append("let sessions differ by one exposure (`unbalanced = true`)")
+    message = f"{exposures} condition-scene pairs cannot be dealt evenly over {sessions} sessions"
+    yield Problem(("order", "sessions"), f"{message}: {', or '.join(remedies)}")
 
 
 def _limits(protocol: Protocol) -> Iterator[Problem]:

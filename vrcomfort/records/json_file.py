@@ -146,6 +146,7 @@ class TrialSequence(_Part):
 
 class _Order(_Part):
     rule: str
+    unbalanced: bool = False
     sequences: list[TrialSequence] = []
 
 

@@ -68,6 +68,7 @@ def notices(
         *_ended_early(study),
         *_screened(study),
         *_shortened(study),
+        *_unbalanced(study),
         *differences(each.model_dump(include=KEYS) for each in study.manifests),
         *_repeated(scored),
         *_suspect_names(study),
@@ -88,6 +89,18 @@ def _shortened(study: StudyData) -> list[str]:
     return [
         f"Exposures of {of_sessions} were shortened to {told} at most (--exposure-s): the times of "
         "ratings, endings and movements are those of the shortened exposures"
+    ]
+
+
+def _unbalanced(study: StudyData) -> list[str]:
+    """Say that the orders need not balance, where the protocol allows it."""
+    orders = [each.settings.order for each in study.manifests]
+    if not any(each is not None and each.unbalanced for each in orders):
+        return []
+    return [
+        "The protocol lets orders be unbalanced: a condition may stand in some positions more "
+        "often than another, and differences may partly be those of order (see Order of the "
+        "conditions)"
     ]
 
 
