@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import time
@@ -216,3 +217,23 @@ def test_without_a_display_one_sentence_says_what_to_do(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert "start Xvfb" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.slow
+def test_a_preflight_shows_the_dearest_condition_in_the_window(tmp_path: Path) -> None:
+    program = "from vrcomfort.cli import main; main()"
+    command = [sys.executable, "-c", program, "preflight", "smoke", "--out", str(tmp_path / "S")]
+    with x_server(tmp_path) as server:
+        done = subprocess.run(
+            [*command, *("--headset", "desktop", "--size", "64x80", "--seconds", "0.5")],
+            env=server.environment, capture_output=True, text=True, timeout=WAIT_S, check=False,
+        )  # fmt: skip
+    found = json.loads((tmp_path / "S" / "preflight.json").read_text())
+    parts = {each["part"]: each for each in found["findings"]}
+    assert done.returncode == (2 if found["outcome"] == "refuse" else 0), done.stderr
+    assert "Traceback" not in done.stderr
+    assert found["headset"] == "desktop"
+    assert found["apparatus"]["image size of an eye"] == "64×80"
+    assert found["timing"]["frames"] > 0
+    assert parts["stop"]["found"] == "by keyboard"
+    assert {name for name, each in parts.items() if each["outcome"] == "refuse"} <= {"rate holds"}

@@ -30,3 +30,20 @@ def test_every_module_is_imported() -> None:
 def test_there_is_no_debug_runtime(name: str) -> None:
     with pytest.raises(OSError, match=name):
         ctypes.CDLL(name)
+
+
+if sys.platform == "win32":
+    import winreg
+
+    from vrcomfort.gpu.adapters import WINDOWS_CLASS, adapters
+
+    def test_graphics_adapters_are_those_of_the_registry() -> None:
+        there = adapters()
+        assert there
+        laptops = "NVIDIA GeForce RTX 3060 Laptop GPU"
+        with winreg.CreateKey(winreg.HKEY_LOCAL_MACHINE, rf"{WINDOWS_CLASS}\0077") as added:
+            winreg.SetValueEx(added, "DriverDesc", 0, winreg.REG_SZ, laptops)
+        try:
+            assert adapters() == (*there, laptops)
+        finally:
+            winreg.DeleteKey(winreg.HKEY_LOCAL_MACHINE, rf"{WINDOWS_CLASS}\0077")

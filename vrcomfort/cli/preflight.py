@@ -128,10 +128,12 @@ def _examine(
     flight: Preflight, seconds: float, measured: dict[str, Any], advance: Callable[..., object]
 ) -> Iterator[Diagnosis]:
     """Yield what the checks find, up to what leaves no headset to look at."""
+    from vrcomfort.gpu.gl import release
+
     yield from _checked(flight, "machine", advance)
     if flight.ctx is None:
         return
-    flight.ctx.release()
+    release(flight.ctx)
     with ExitStack() as owned:
         watchdog = owned.enter_context(Watchdog(warn)) if flight.worn else None
         try:

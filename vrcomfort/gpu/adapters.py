@@ -27,7 +27,8 @@ SOFTWARE = (
 )
 _DISPLAY_CLASS = "0x03"
 _PCI = Path("/sys/bus/pci/devices")
-_WINDOWS_CLASS = r"SYSTEM\CurrentControlSet\Control\Class\{4d36e968-e325-11ce-bfc1-08002be10318}"
+WINDOWS_CLASS = r"SYSTEM\CurrentControlSet\Control\Class\{4d36e968-e325-11ce-bfc1-08002be10318}"
+"""The registry's display adapters, in HKEY_LOCAL_MACHINE."""
 
 
 def draws_in_software(renderer: str) -> bool:
@@ -64,7 +65,7 @@ def _windows_adapters() -> list[str]:
     if sys.platform == "win32":
         import winreg  # noqa: PLC0415 - of Windows alone
 
-        with winreg.OpenKey(winreg.HKEY_LOCAL_MACHINE, _WINDOWS_CLASS) as displays:
+        with winreg.OpenKey(winreg.HKEY_LOCAL_MACHINE, WINDOWS_CLASS) as displays:
             for index in range(winreg.QueryInfoKey(displays)[0]):
                 try:
                     with winreg.OpenKey(displays, winreg.EnumKey(displays, index)) as adapter:

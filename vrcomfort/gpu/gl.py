@@ -74,6 +74,16 @@ def prepare(ctx: moderngl.Context) -> moderngl.Context:
     return ctx
 
 
+def release(ctx: moderngl.Context) -> None:
+    """Release a context without a window; then none is current.
+
+    While one of EGL is, GLX makes no context of a window current.
+    """
+    ctx.release()
+    if sys.platform.startswith("linux"):
+        ctypes.CDLL("libEGL.so.1").eglReleaseThread()
+
+
 def collect(ctx: moderngl.Context) -> None:
     """Release all objects that have died; the context is the current one."""
     while ctx.objects:
