@@ -113,7 +113,7 @@ def test_size_and_rate_are_named_by_run_status_and_report(tmp_path: Path) -> Non
     summary = build_report(study, out=tmp_path / "report")
     page = summary.index.read_text("utf-8")
     assert {size, rate} <= set(summary.warnings)
-    assert size[1:] in page  # a sentence there begins with a capital letter
+    assert all(each[1:] in page for each in (size, rate))  # there with a capital letter
 
 
 def test_a_protocol_that_begins_with_a_view_has_a_headset_at_its_start() -> None:

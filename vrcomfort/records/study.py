@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import replace
@@ -507,12 +508,23 @@ def _only_run(lock: Path, access: Access, *, doing: str) -> Iterator[None]:
             try:
                 yield
             finally:
-                with suppress(OSError):  # Windows removes no open file
-                    if [each.name for each in lock.parent.iterdir()] == [lock.name]:
-                        lock.unlink()
+                if not _CLOSED_FIRST:
+                    _remove_where_alone(lock)
     finally:
+        if _CLOSED_FIRST:
+            _remove_where_alone(lock)
         with suppress(OSError):
             lock.parent.rmdir()
+
+
+_CLOSED_FIRST = sys.platform == "win32"
+"""Windows removes no open file: neither ours while we hold it, nor that of another program."""
+
+
+def _remove_where_alone(lock: Path) -> None:
+    with suppress(OSError):
+        if [each.name for each in lock.parent.iterdir()] == [lock.name]:
+            lock.unlink()
 
 
 def _write_participants(study: Path, rows: list[ParticipantRow]) -> None:
