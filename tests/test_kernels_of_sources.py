@@ -309,6 +309,16 @@ def test_slices_stand_where_they_are_put_whatever_the_focus(ctx, rng, eye):
     np.testing.assert_allclose(near, expected, atol=2**-9)
 
 
+def test_a_far_focus_blurs_what_is_near_and_leaves_the_distance(ctx, rng):
+    """The article's billboards with the Z-buffer's sense reversed: its extreme foreground blurs."""
+    rgb = rng.uniform(0, 1, (24, 32, 3)).astype("f2")
+    distance_m = np.where(np.arange(32) < 16, 0.5, 100.0) * np.ones((24, 1))
+    settings = {"kernel": "mip_slices", "law": "dioptre", "max_radius_percent": 8.0}
+    shown = depth_of_field(ctx, rgb, distance_m, 100.0, **settings)
+    np.testing.assert_array_equal(shown[:, 16:], rgb[:, 16:])
+    assert shown[:, :12].std() < 0.5 * rgb[:, :12].astype(float).std()
+
+
 def test_slices_that_stand_still_know_no_largest_radius(ctx):
     """The circles of confusion that they do not follow limit nothing."""
     colour, depth = textures(ctx, np.zeros((8, 8, 3)), 30.0)

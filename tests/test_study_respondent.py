@@ -11,6 +11,7 @@ from rich.console import Console
 
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
+from vrcomfort.geometry import Pose
 from vrcomfort.protocol import Simulation, load_protocol
 from vrcomfort.questionnaire import score, shipped_instruments
 from vrcomfort.respondent import (
@@ -20,6 +21,7 @@ from vrcomfort.respondent import (
     TerminalRespondent,
     Withdrew,
 )
+from vrcomfort.tasks import Demand
 
 FMS = shipped_instruments()["fms"]
 SSQ = shipped_instruments()["ssq"]
@@ -52,6 +54,25 @@ def answers(person: SimulatedRespondent) -> dict[str, int | None]:
 def somebody(seed: int = 1, name: str = "P01", **settings) -> SimulatedRespondent:
     calm = {"hazard_per_min": 0.0, "question_hazard": 0.0}
     return SimulatedRespondent(Simulation(**calm | settings), participant=name, seed=seed)
+
+
+def reaction_s(person: SimulatedRespondent, condition: str, trial: int = 1) -> float:
+    demand = Demand(np.array([0.0, 0.0, -2.0]), 0.0, press=True)
+    person.start_task(trial, condition)
+    person.act(demand, Pose(), 0.0)
+    return person.next_press_s(demand)
+
+
+def test_people_differ_in_how_a_condition_affects_them_in_tasks():
+    settings = {"reaction_sigma": 0.0, "reaction_s": 1.0, "task_effect_sigma": 0.2}
+    people = [somebody(name=f"P{n}", **settings, task_effects={"b": 1.5}) for n in range(300)]
+    logs = np.log([[reaction_s(each, name) for name in ("a", "b")] for each in people])
+    assert logs.std(axis=0) == pytest.approx([0.2, 0.2], rel=0.15)
+    assert logs.mean(axis=0) == pytest.approx([0.0, math.log(1.5)], abs=0.04)
+    assert abs(np.corrcoef(logs.T)[0, 1]) < 0.2  # each condition by itself
+    assert reaction_s(people[0], "a", trial=7) == reaction_s(people[0], "a")
+    alike = [somebody(name=f"P{n}", **settings | {"task_effect_sigma": 0.0}) for n in range(2)]
+    assert [reaction_s(each, "a") for each in alike] == [1.0, 1.0]
 
 
 def test_the_same_person_answers_the_same_and_others_do_not():

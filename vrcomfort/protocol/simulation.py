@@ -98,6 +98,9 @@ class Simulation(Settings):
     """Item → place of the mean answer in its range, 0 to 1; without it, sickness decides."""
     task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
     """Condition → factor of reaction times and spread in it; 1 without it."""
+    task_effect_sigma: Annotated[float, Field(ge=0, le=2)] = 0.0
+    """How much people differ in how a condition affects them there: standard deviation of the
+    logarithm of a factor of each person in each condition."""
     screened_out: Probability = 0.5
     """Chance that the experimenter stops where a screening rule is broken."""
     adjusts_to: dict[str, Annotated[float, Field(ge=-1e9, le=1e9)]] = Field(default_factory=dict)

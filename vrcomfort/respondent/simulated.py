@@ -82,6 +82,7 @@ class _Stream(IntEnum):
     WORDS = 9
     DECISION = 10
     SKILL = 11
+    EFFECT = 12
 
 
 SAID = (
@@ -160,7 +161,9 @@ class SimulatedRespondent:
     def start_task(self, trial: int, condition: str) -> None:
         """Begin a task, with a random stream of its own: it changes no answer."""
         random = self._stream(self._session, trial, _Stream.HANDS)
-        self._hands = SimulatedHands(self._settings, condition, random, self._skill)
+        own = self._stream(_hash(condition), _Stream.EFFECT).standard_normal()
+        skill = self._skill * math.exp(self._settings.task_effect_sigma * own)
+        self._hands = SimulatedHands(self._settings, condition, random, skill)
 
     def act(self, demand: Demand | None, head: Pose, time_s: float) -> Pose | None:
         """Return world-from-ray of a press in this frame, if there is one."""

@@ -17,6 +17,8 @@ _FLAT = 1e-12
 """Smaller volumes are those of a node that is scaled to nothing."""
 _CELL = 32
 """Triangles that lie near each other and share a box."""
+_BLOCK = 32
+"""Cells that lie near each other and share a box."""
 # Of each axis: 1024 steps across the triangles, 30 bits in all.
 _MORTON_BITS = 10
 
@@ -52,6 +54,8 @@ class _Triangles(NamedTuple):
         (cells, _CELL) index of the node.
     low, high
         (3, cells) of the boxes.
+    block_low, block_high
+        (3, blocks) of the boxes around `_BLOCK` cells each.
     """
 
     corner: Array
@@ -61,6 +65,8 @@ class _Triangles(NamedTuple):
     node: NDArray[np.intp]
     low: Array
     high: Array
+    block_low: Array
+    block_high: Array
 
     @classmethod
     def of(
@@ -72,19 +78,32 @@ class _Triangles(NamedTuple):
         order = np.pad(order, (0, cells * _CELL - len(order)), mode="edge").reshape(cells, _CELL)
         placed = corners[order]
         corner = placed[:, :, 0]
+        low = np.ascontiguousarray(placed.min(axis=(1, 2)).T)
+        high = np.ascontiguousarray(placed.max(axis=(1, 2)).T)
+        blocks = np.arange(0, cells, _BLOCK)
         return cls(
             corner,
             placed[:, :, 1] - corner,
             placed[:, :, 2] - corner,
             both_sides[order],
             node[order],
-            np.ascontiguousarray(placed.min(axis=(1, 2)).T),
-            np.ascontiguousarray(placed.max(axis=(1, 2)).T),
+            low,
+            high,
+            np.minimum.reduceat(low, blocks, axis=1),
+            np.maximum.reduceat(high, blocks, axis=1),
         )
+
+    def _cells_met(self, origin: Array, along: Array) -> NDArray[np.intp]:
+        """Return the cells whose boxes a ray meets, rising."""
+        blocks = np.flatnonzero(_meets(self.block_low, self.block_high, origin, along))
+        near = (blocks[:, None] * _BLOCK + np.arange(_BLOCK)).ravel()
+        near = near[near < self.low.shape[1]]
+        met: NDArray[np.intp] = near[_meets(self.low[:, near], self.high[:, near], origin, along)]
+        return met
 
     def nearest(self, origin: Array, along: Array, *, mirrored: bool = False) -> tuple[float, int]:
         """Return the distance to the first triangle and its node; infinite without one."""
-        met = np.flatnonzero(_meets(self.low, self.high, origin, along))
+        met = self._cells_met(origin, along)
         if not met.size:
             return np.inf, -1
         corner, edge_1, edge_2 = (
@@ -117,11 +136,9 @@ class RayCaster:
         self._still = (
             _Triangles.of(*map(np.concatenate, zip(*still, strict=True))) if still else None
         )
-        self._moving = {
-            index: _Triangles.of(*_surface(scene, index, np.eye(4)))
-            for index in solid
-            if scene.nodes[index].moving
-        }
+        moving = [index for index in solid if scene.nodes[index].moving]
+        self._moving = {k: _Triangles.of(*_surface(scene, k, np.eye(4))) for k in moving}
+        self._boxes = {k: _box(each) for k, each in self._moving.items()}
 
     def cast(self, ray: Pose, time_s: float = 0.0) -> RayHit:
         """Return the first hit along −Z of world-from-ray at a time of the scene."""
@@ -132,7 +149,7 @@ class RayCaster:
         if self._moving:
             world = self._poses.world_from_node(time_s, Pose())
             for index, triangles in self._moving.items():
-                if not _passes_near(triangles, world[index], origin, along):
+                if not _passes_near(*self._boxes[index], world[index], origin, along):
                     continue
                 # Distances along a ray are the same in a node's own frame, where nothing moves.
                 volume = np.linalg.det(world[index, :3, :3])
@@ -181,23 +198,26 @@ def _morton(points: Array) -> NDArray[np.uint64]:
 
 def _meets(low: Array, high: Array, origin: Array, along: Array) -> NDArray[np.bool_]:
     """Return (n,) True for each of (3, n) boxes that a ray meets."""
-    first, last = 0.0, np.inf
+    start, way = origin[:, None], along[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        for axis in range(3):
-            to_low = (low[axis] - origin[axis]) / along[axis]
-            to_high = (high[axis] - origin[axis]) / along[axis]
-            # NaN: the ray runs within the plane of a side, which then excludes nothing.
-            first = np.fmax(first, np.fmin(to_low, to_high))
-            last = np.fmin(last, np.fmax(to_low, to_high))
+        to_low, to_high = (low - start) / way, (high - start) / way
+    # NaN: the ray runs within the plane of a side, which then excludes nothing.
+    first = np.fmax(np.fmax.reduce(np.fmin(to_low, to_high), axis=0), 0.0)
+    last = np.fmin(np.fmin.reduce(np.fmax(to_low, to_high), axis=0), np.inf)
     met: NDArray[np.bool_] = np.asarray(last >= first)
     return met
 
 
-def _passes_near(triangles: _Triangles, world: Array, origin: Array, along: Array) -> bool:
-    """Return whether a ray meets the sphere around triangles that `world` places."""
+def _box(triangles: _Triangles) -> tuple[Array, Array]:
+    """Return the middle of a box around triangles, and its half edges as a (3, 3) diagonal."""
     low, high = triangles.low.min(axis=1), triangles.high.max(axis=1)
-    to_middle = world[:3, :3] @ ((low + high) / 2) + world[:3, 3] - origin
-    half = world[:3, :3] @ np.diag((high - low) / 2)
+    return (low + high) / 2, np.diag((high - low) / 2)
+
+
+def _passes_near(middle: Array, edges: Array, world: Array, origin: Array, along: Array) -> bool:
+    """Return whether a ray meets the sphere around a box that `world` places."""
+    to_middle = world[:3, :3] @ middle + world[:3, 3] - origin
+    half = world[:3, :3] @ edges
     reach = float(np.abs(half).sum(axis=1) @ np.abs(half).sum(axis=1))
     ahead = max(float(to_middle @ along), 0.0)
     off = to_middle - ahead * along
