@@ -19,6 +19,7 @@ from bench import (
     mask,
     memory,
     python_time,
+    ratings,
     recordings,
     requires,
     simulated,
@@ -53,6 +54,7 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
         ctx, frames=options.memory_frames // 50
     ),
     "answers": lambda _, options: many_answers.measure(options.people),
+    "ratings": lambda _, options: ratings.measure(options.rating_rows),
     "recordings": lambda _, options: recordings.measure(options.frame_rows),
     "gaze_hits": lambda ctx, options: gaze_hits.measure(ctx, rounds=options.rounds),
     "image_hash": lambda ctx, options: image_hash.measure(ctx, rounds=options.rounds),
@@ -75,6 +77,7 @@ def main() -> None:
     parser.add_argument("--memory-frames", type=int, default=100_000, help="for memory's growth")
     parser.add_argument("--people", type=int, default=1000, help="whose answers are reported")
     parser.add_argument("--frame-rows", type=int, default=10_000_000, help="summed by exposure")
+    parser.add_argument("--rating-rows", type=int, default=10_000_000, help="read and summed up")
     parser.add_argument("--simulated", type=int, default=200, help="people without frames")
     parser.add_argument("--seeds", type=int, nargs="+", default=[], help="of unseen scenes")
     parser.add_argument("--views", type=int, default=512, help="of their references")

@@ -338,6 +338,25 @@ def test_headings_that_one_template_would_mistake_are_listed(tmp_path: Path) -> 
     assert found["P2", "blur", "post"] == (3,) * 16
 
 
+def test_seconds_of_ratings_tell_no_exposures_apart(tmp_path: Path) -> None:
+    rows = [
+        f"P{person},{condition},{10 * place},{place + person}"
+        for person in range(4)
+        for condition in "ab"
+        for place in range(6)
+    ]
+    file = tmp_path / "ratings.csv"
+    file.write_text("\n".join(["participant,condition,time_s,FMS", *rows, ""]), "utf-8")
+    suggested = suggest_mapping([file])
+    assert not suggested.doubts
+    map_file = tmp_path / "map.toml"
+    map_file.write_text(suggested.text, encoding="utf-8")
+    imported = import_files([file], load_mapping(map_file).mapping)
+    courses = {r.administration._replace(timepoint="") for r in imported.ratings}
+    assert len(imported.ratings) == 48
+    assert len(courses) == 8
+
+
 def test_ratings_side_by_side_are_courses_of_exposures(tmp_path: Path) -> None:
     minutes = range(5)
     rows: list[list[object]] = [

@@ -13,10 +13,10 @@ from tests.support.report import Study, build_report, foreign
 from vrcomfort.csv_table import CsvTable, number_in, number_or_none, whole_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import score_file, shipped_instruments
+from vrcomfort.recordings import read_ratings
 from vrcomfort.recordings.exposures import measure
 from vrcomfort.records.recording import Memory
 from vrcomfort.report.measures.model import number_of
-from vrcomfort.report.rated_exposures import _rating
 from vrcomfort.report.study_data import trial_s
 
 NONE = ("x", "1_000", "\u0661", "inf", "-Infinity", "nan", "NA", "1,5", "0x1", "1e999", "--1")
@@ -76,19 +76,26 @@ def test_a_column_is_read_as_numbers_or_refused_with_its_place(tmp_path):
         table.whole_numbers("b", blank=1)
 
 
+def rating(folder, cell):
+    file = folder / "ratings.csv"
+    file.write_text(f"participant,onset_s,response,missed\nP1,1,{cell},0\n", "utf-8")
+    (series,) = read_ratings([file]).series
+    return series.response[0]
+
+
 @pytest.mark.parametrize("cell", ["NA", "nan", " N/A "])
-def test_the_words_of_other_programs_for_nothing_are_blank_in_tables_of_measures(cell):
+def test_the_words_of_other_programs_for_nothing_are_blank_in_tables_of_measures(tmp_path, cell):
     assert number_in(cell, words=True) is None
     assert number_of(cell) is None
-    assert np.isnan(_rating({"onset_s": "1", "response": cell})[1])
+    assert np.isnan(rating(tmp_path, cell))
 
 
 @pytest.mark.parametrize("cell", ["x", "1_000", "\u0661", "inf"])
 def test_every_reader_refuses_or_passes_over_the_same(tmp_path, cell):
     with pytest.raises(ValueError, match=r"number|plain digits|could not convert"):
         number_of(cell)
-    with pytest.raises(InputError, match="give a number"):
-        _rating({"onset_s": "1", "response": cell})
+    with pytest.raises(InputError, match=r"ratings\.csv, line 2, column response: .* is not a num"):
+        rating(tmp_path, cell)
     assert trial_s({"start_s": "1", "end_s": cell}) is None
     file = foreign(tmp_path / "q.csv", {"P1": {"a": 3, "b": 4}})
     answered = file.read_text("utf-8").replace(

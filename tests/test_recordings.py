@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 
+import duckdb
 import numpy as np
 import pandas as pd
 import pytest
@@ -21,7 +22,9 @@ from tests.support.study import frame
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose
 from vrcomfort.recordings import frame_measures, pack_study
-from vrcomfort.records.recording import Memory, Recording
+from vrcomfort.records.checksums import write_checksums
+from vrcomfort.records.disk import OWNER
+from vrcomfort.records.recording import Memory, Recording, packed_facts
 from vrcomfort.records.rows import cell_text, csv_line
 from vrcomfort.session.frame_log import FrameLog
 
@@ -389,3 +392,23 @@ def test_memory_stays_under_its_limit(tmp_path):
         [sys.executable, "-c", program, str(file)], capture_output=True, text=True, check=True
     )
     assert float(done.stdout) < 256
+
+
+def test_a_parquet_that_was_altered_is_told_and_not_read(tmp_path):
+    """Its facts of the CSV still hold; the session's list has its checksum."""
+    csv = session(tmp_path, frames(400))
+    write_checksums(csv.parent, OWNER)
+    packed(tmp_path)
+    parquet = csv.with_suffix(".parquet")
+    assert Recording.find(csv).parquet == parquet
+    facts = ", ".join(f"{name}: '{value}'" for name, value in packed_facts(parquet).items())
+    moved = f"SELECT * REPLACE (head_x_m + 1 AS head_x_m) FROM '{parquet}'"  # noqa: S608
+    with duckdb.connect() as database:
+        other = tmp_path / "other.parquet"
+        database.execute(f"COPY ({moved}) TO '{other}' (KV_METADATA {{{facts}}})")
+    (tmp_path / "other.parquet").replace(parquet)
+    found = Recording.find(csv)
+    assert found.parquet is None
+    assert "not as it was packed" in found.note
+    assert [each.new for each in packed(tmp_path)] == [True]
+    assert Recording.find(csv).parquet == parquet

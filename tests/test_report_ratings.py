@@ -9,7 +9,7 @@ import pytest
 from tests.support.rated import RatedStudy, with_drop_outs
 from tests.support.report import manifest
 from vrcomfort.errors import InputError
-from vrcomfort.records.recording import NEEDED
+from vrcomfort.records.recording import FORMS
 from vrcomfort.report.analyses.contract import SectionData
 from vrcomfort.report.build import build_report
 from vrcomfort.report.exclusions import PERSON, ExcludedByRule
@@ -169,7 +169,7 @@ def test_a_rating_that_is_no_number_is_told(tmp_path):
     folder = two_conditions().write(tmp_path)
     file = folder / "ratings.csv"
     file.write_text(file.read_text("utf-8").replace("2010.0", "soon", 1), "utf-8")
-    with pytest.raises(InputError, match="`onset_s` of P0 is `soon`"):
+    with pytest.raises(InputError, match=r"ratings\.csv, line 2, column onset_s: 'soon' is not"):
         rated_exposures(read_study(folder), "fms")
 
 
@@ -184,7 +184,7 @@ def test_time_that_stood_still_or_was_not_seen_does_not_count(tmp_path, recorded
     frames = [(t / 10, 1) for t in (*range(150), *range(250, 400))]  # not from 15 to 25 s
     frames += [(15.1 + t / 10, 0) for t in range(99)] if recorded else []
     columns = ("session_s", "trial", "period_ns", "should_render")
-    others = [name for name in NEEDED["frames.csv"] if name not in columns]
+    others = [name for name in FORMS["frames.csv"].needed if name not in columns]
     blank = "," * len(others)
     rows = "".join(f"{2000 + t!r},1,100000000,{drawn}{blank}\n" for t, drawn in sorted(frames))
     (folder / "frames.csv").write_text(f"{','.join((*columns, *others))}\n{rows}", "utf-8")

@@ -68,9 +68,10 @@ def write_study(
     return [folder / name for name in texts]
 
 
+_PACKED = Path(RatingRow.FILE).with_suffix(".parquet").name  # that of `vrcomfort pack`
 _ALL = frozenset((
     "dataset_description.json", ParticipantRow.FILE, PROVENANCE, MAPPING,
-    QuestionnaireRow.FILE, RatingRow.FILE, TrialRow.FILE,
+    QuestionnaireRow.FILE, RatingRow.FILE, TrialRow.FILE, _PACKED,
 ))  # fmt: skip
 
 

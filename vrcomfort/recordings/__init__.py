@@ -5,5 +5,26 @@
 
 from vrcomfort.recordings.exposures import ExposureFrames, frame_measures
 from vrcomfort.recordings.pack import Packed, pack_study
+from vrcomfort.recordings.ratings import (
+    GAP,
+    KEYS_OF_RATINGS,
+    RatingSeries,
+    joined,
+    read_ratings,
+    series_of,
+    usual_interval_s,
+)
 
-__all__ = ["ExposureFrames", "Packed", "frame_measures", "pack_study"]
+__all__ = [
+    "GAP",
+    "KEYS_OF_RATINGS",
+    "ExposureFrames",
+    "Packed",
+    "RatingSeries",
+    "frame_measures",
+    "joined",
+    "pack_study",
+    "read_ratings",
+    "series_of",
+    "usual_interval_s",
+]

@@ -24,9 +24,11 @@ from vrcomfort.records.disk import (
     refused,
     sync_folder,
 )
+from vrcomfort.records.exposure_rows import RatingRow
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.recording import (
-    FILLED,
+    FORMS,
+    LONG_BYTES,
     Fingerprint,
     Memory,
     Recording,
@@ -34,6 +36,7 @@ from vrcomfort.records.recording import (
     csv_header,
     damage_of,
     half_written,
+    is_altered,
     kinds,
     packed_facts,
     parquet_of,
@@ -67,7 +70,10 @@ def pack_study(
     memory: Memory,
     work: Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]] = map,
 ) -> Iterator[Packed]:
-    """Pack every ``frames.csv`` and ``gaze.csv`` of a folder; yield each when it is on the disk.
+    """Pack the recordings of a folder; yield each when it is on the disk.
+
+    They are every ``frames.csv`` and ``gaze.csv``, and each ``ratings.csv`` of at least
+    `LONG_BYTES`.
 
     Parameters
     ----------
@@ -82,10 +88,17 @@ def pack_study(
     """
     if not study.is_dir():
         raise InputError("there is no such folder", file=study)
-    names = (FrameRow.FILE, GazeRow.FILE)
-    found = sorted(file for name in names for file in study.rglob(name))
+    least = {FrameRow.FILE: 0, GazeRow.FILE: 0, RatingRow.FILE: LONG_BYTES}
+    found = sorted(
+        file
+        for name, size in least.items()
+        for file in study.rglob(name)
+        if file.stat().st_size >= size
+    )
     if not found:
-        raise InputError("there is no frames.csv or gaze.csv in this folder", file=study)
+        long = f"or {RatingRow.FILE} of more than {LONG_BYTES / 1e6:.0f} MB"
+        message = f"there is no {FrameRow.FILE}, {GazeRow.FILE} {long} in this folder"
+        raise InputError(message, file=study)
     for done in work(partial(pack, study, memory), found):
         folder = done.csv.parent
         if done.new and (folder / CHECKSUMS).exists():
@@ -106,7 +119,8 @@ def pack(study: Path, memory: Memory, csv: Path) -> Packed:
     with _nobody_writes(csv):
         fingerprint = Fingerprint.of(csv)
         cut = half_written(csv)
-        if packed.is_file() and packed_facts(packed) == fingerprint.facts:
+        same = packed.is_file() and packed_facts(packed) == fingerprint.facts
+        if same and not is_altered(packed):
             return Packed(csv, packed, new=False, half_written=cut)
         draft = packed.with_name(f".{packed.name}.new")
         try:
@@ -153,19 +167,23 @@ def _write(csv: Path, draft: Path, fingerprint: Fingerprint, memory: Memory) -> 
             except duckdb.IOException as error:
                 first = str(error).splitlines()[0]
                 raise InputError(f"cannot be written: {first}", file=parquet_of(csv)) from error
-        if not _is_sound(database, draft, csv_header(csv)):
+        if not _is_sound(database, draft, csv.name, csv_header(csv)):
             raise damage_of(csv, "a number is missing or not finite, or time goes back")
 
 
-def _is_sound(database: duckdb.DuckDBPyConnection, packed: Path, header: tuple[str, ...]) -> bool:
+def _is_sound(
+    database: duckdb.DuckDBPyConnection, packed: Path, file: str, header: tuple[str, ...]
+) -> bool:
     """Return whether no cell is missing, all numbers are finite, and time goes on."""
-    numbers = [column(name) for name, kind in kinds(header).items() if kind == "DOUBLE"]
-    finite = " AND ".join(f"coalesce(isfinite({name}), true)" for name in numbers)
-    filled = " AND ".join(f"{column(name)} IS NOT NULL" for name in header if name in FILLED)
-    later = "xr_time_ns > lag(xr_time_ns, 1, xr_time_ns - 1) OVER ()"
+    form = FORMS[file]
+    numbers = [column(name) for name, kind in kinds(header, file).items() if kind == "DOUBLE"]
+    sound = [f"coalesce(isfinite({name}), true)" for name in numbers]
+    sound += [f"{column(name)} IS NOT NULL" for name in header if name in form.filled]
+    if form.rising:
+        sound.append(f"{form.rising} > lag({form.rising}, 1, {form.rising} - 1) OVER ()")
     row = database.execute(
         f"SELECT count(*) FILTER (NOT coalesce(sound, false)) FROM "  # noqa: S608
-        f"(SELECT {later} AND {finite} AND {filled} AS sound FROM read_parquet({quoted(packed)}))"
+        f"(SELECT {' AND '.join(sound)} AS sound FROM read_parquet({quoted(packed)}))"
     ).fetchone()
     return row is not None and row[0] == 0
 

@@ -1,4 +1,4 @@
-"""Recordings of any length, frames.csv and gaze.csv, read out of core with DuckDB.
+"""Recordings of any length (frames, gaze, long ratings), read out of core with DuckDB.
 
 The CSV is the record. A Parquet file beside it (`vrcomfort pack`) holds the same rows and is read
 in its place as long as it is of that CSV. This module imports DuckDB: import it where a recording
@@ -24,12 +24,14 @@ import duckdb
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.csv_table import CsvTable, plain_digits
+from vrcomfort.csv_table import NOTHING, CsvTable, plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.escaping import escape_unprintable, is_utf8
 from vrcomfort.files import open_file, sha256_of
+from vrcomfort.records.checksums import CHECKSUMS, read_checksums
+from vrcomfort.records.exposure_rows import RatingRow
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, gaze_columns
-from vrcomfort.records.rows import declared
+from vrcomfort.records.rows import Row, declared
 
 _UNITS = {"MB": 10**6, "GB": 10**9, "MIB": 2**20, "GIB": 2**30}
 _SIZE = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(MB|GB|MIB|GIB)\s*", re.IGNORECASE)
@@ -135,29 +137,71 @@ def column(name: str) -> str:
 Kind = Literal["BIGINT", "DOUBLE", "VARCHAR"]
 
 _KINDS: Mapping[type, Kind] = {int: "BIGINT", float: "DOUBLE", str: "VARCHAR"}
-NEEDED: Mapping[str, tuple[str, ...]] = {
-    FrameRow.FILE: (
-        "session_s", "xr_time_ns", "period_ns", "trial", "dropped", "discontinuity",
+TIME = "xr_time_ns"
+
+
+@dataclass(frozen=True)
+class RecordingForm:
+    """The columns of the recordings of one name.
+
+    Parameters
+    ----------
+    kinds
+        Column → DuckDB type of the declared columns.
+    needed
+        Columns without which a file is no recording.
+    filled
+        Those of them that are blank in no row.
+    rising
+        The column of times that rise from row to row; blank where rows come in any order.
+    words
+        Whether NA, NaN and n/a stand for blank cells of numbers, as other programs write them.
+    """
+
+    kinds: Mapping[str, Kind]
+    needed: tuple[str, ...]
+    filled: frozenset[str]
+    rising: str = ""
+    words: bool = False
+
+
+def _of_frames(row_type: type[Row], *needed: str) -> RecordingForm:
+    known = {each.name: each for each in declared(row_type)}
+    filled = (known[name] for name in needed)
+    return RecordingForm(
+        # Gaze repeats columns of frames, and a file of either may have the other's.
+        {each.name: _KINDS[each.type] for each in (*declared(FrameRow), *declared(GazeRow))},
+        needed,
+        frozenset(each.name for each in filled if not each.blank and not each.needs),
+        rising=TIME,
+    )
+
+
+FORMS: Mapping[str, RecordingForm] = {
+    FrameRow.FILE: _of_frames(
+        FrameRow, "session_s", "xr_time_ns", "period_ns", "trial", "dropped", "discontinuity",
         "head_x_m", "head_y_m", "head_z_m", "head_qx", "head_qy", "head_qz", "head_qw",
     ),
-    GazeRow.FILE: ("session_s", "xr_time_ns", "valid", *gaze_columns()),
+    GazeRow.FILE: _of_frames(GazeRow, "session_s", "xr_time_ns", "valid", *gaze_columns()),
+    # Sessions, trials and codes of missed ratings are words in tables of other origin.
+    RatingRow.FILE: RecordingForm(
+        dict.fromkeys(("onset_s", "latency_s", "response"), "DOUBLE"),
+        ("participant", "onset_s", "response", "missed"),
+        frozenset(["onset_s"]),
+        words=True,
+    ),
 }  # fmt: skip
-"""Columns without which a file is no recording."""
-FILLED = frozenset(
-    each.name
-    for row_type in (FrameRow, GazeRow)
-    for each in declared(row_type)
-    if each.name in NEEDED[row_type.FILE] and not each.blank and not each.needs
-)
-"""Those of them that are blank in no row."""
+"""Name of the file → its form."""
 
 
-def kinds(header: Iterable[str]) -> dict[str, Kind]:
+def kinds(header: Iterable[str], file: str = FrameRow.FILE) -> dict[str, Kind]:
     """Return column → DuckDB type; columns that are not declared are text."""
-    known = {each.name: _KINDS[each.type] for each in (*declared(FrameRow), *declared(GazeRow))}
+    known = FORMS[file].kinds
     return {name: known.get(name, "VARCHAR") for name in header}
 
 
+LONG_BYTES = 2**20
+"""Size from which on ratings are packed and read out of core; shorter ones are read as text."""
 FORMAT = "1"
 """Of the packed files; others are packed anew."""
 # No row is longer; the end of the last whole one is looked for in so many bytes.
@@ -238,7 +282,8 @@ class Recording:
     def find(cls, csv: Path) -> Self:
         """Return a recording: its Parquet file is read, unless the CSV has changed since.
 
-        The CSV is hashed only where its size is the same and its time is not, as in a copied study.
+        The CSV is hashed only where its size is the same and its time is not, as in a copied study;
+        the Parquet file where its folder has a checksum of it.
 
         Raises
         ------
@@ -262,6 +307,8 @@ class Recording:
             and said.get("csv_sha256") != Fingerprint.of(csv).sha256
         ):
             return cls(csv, note=_not_read(csv, f"{csv.name} has changed since it was packed"))
+        if is_altered(packed):
+            return cls(csv, note=_not_read(csv, f"it is not as it was packed ({CHECKSUMS})"))
         return cls(csv, packed)
 
     @contextmanager
@@ -273,12 +320,13 @@ class Recording:
         InputError
             If the header is not that of a recording.
         """
-        header = csv_header(self.csv)
         if self.parquet is not None:
-            yield f"read_parquet({quoted(self.parquet)})", kinds(header)
+            header = packed_header(self.parquet)
+            yield f"read_parquet({quoted(self.parquet)})", kinds(header, self.csv.name)
             return
+        header = csv_header(self.csv)
         with _whole_rows(self.csv, len(header)) as file:
-            yield csv_table(file, header), kinds(header)
+            yield csv_table(file, header), kinds(header, self.csv.name)
 
     @contextmanager
     def told_with_its_place(self) -> Iterator[None]:
@@ -351,6 +399,15 @@ class Recording:
         return Categories(np.asarray(found["place"], np.int32), tuple(words))
 
 
+def is_altered(packed: Path) -> bool:
+    """Return whether the checksums of its folder have a Parquet file as another one."""
+    try:
+        known = read_checksums(packed.parent).get(packed.name)
+    except InputError:  # there is none; or it is damaged, which `vrcomfort verify` tells
+        return False
+    return known is not None and not known.fits(sha256_of(packed))
+
+
 def _not_read(csv: Path, why: str) -> str:
     packed = parquet_of(csv)
     again = f"{csv.name} is read; run `vrcomfort pack` again"
@@ -421,6 +478,15 @@ def packed_facts(packed: Path) -> dict[str, str] | None:
     return {str(key): str(value) for key, value in rows}
 
 
+def packed_header(packed: Path) -> tuple[str, ...]:
+    """Return the columns of a Parquet file."""
+    with duckdb.connect() as connection:
+        rows = connection.execute(
+            f"SELECT name FROM parquet_schema({quoted(packed)}) WHERE type IS NOT NULL"  # noqa: S608
+        ).fetchall()
+    return tuple(str(name) for (name,) in rows)
+
+
 def csv_header(csv: Path) -> tuple[str, ...]:
     """Return the header of a recording.
 
@@ -436,13 +502,14 @@ def csv_header(csv: Path) -> tuple[str, ...]:
 
 def csv_table(file: Path, header: tuple[str, ...]) -> str:
     """Return the rows of a CSV file in SQL; whole numbers are read as text, as others round."""
-    of = kinds(header)
-    typed = ", ".join(
-        f"{quoted(name)}: '{'VARCHAR' if of[name] == 'BIGINT' else of[name]}'" for name in header
-    )
+    of = kinds(header, file.name)
+    native = "VARCHAR" if FORMS[file.name].words else "DOUBLE"
+    read_as = {"BIGINT": "VARCHAR", "DOUBLE": native, "VARCHAR": "VARCHAR"}
+    typed = ", ".join(f"{quoted(name)}: '{read_as[of[name]]}'" for name in header)
     options = "header = true, auto_detect = false, delim = ',', quote = '\"', escape = '\"'"
     table = f"read_csv({quoted(file)}, {options}, nullstr = '', columns = {{{typed}}})"
-    cells = ", ".join(_whole(name) if of[name] == "BIGINT" else column(name) for name in header)
+    cast = {"BIGINT": _whole, "DOUBLE": column if native == "DOUBLE" else _real, "VARCHAR": column}
+    cells = ", ".join(cast[of[name]](name) for name in header)
     return f"(SELECT {cells} FROM {table})"  # noqa: S608 - of names that are quoted
 
 
@@ -451,6 +518,17 @@ def _whole(name: str) -> str:
     no = f"CASE WHEN {cell} IS NOT NULL THEN CAST(error('not a whole number') AS BIGINT) END"
     yes = f"regexp_full_match({cell}, ' *[+-]?[0-9]+ *')"
     return f"CASE WHEN {yes} THEN CAST({cell} AS BIGINT) ELSE {no} END AS {cell}"
+
+
+def _real(name: str) -> str:
+    """Return SQL for a number as text, by the rule of `vrcomfort.csv_table.number_in`."""
+    cell = column(name)
+    blank = ", ".join(quoted(word) for word in sorted({"", *NOTHING}))
+    no = f"CASE WHEN lower(trim({cell})) NOT IN ({blank}) THEN "
+    no += "CAST(error('not a number') AS DOUBLE) END"
+    digits = r" *[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)? *"
+    yes = f"regexp_full_match({cell}, '{digits}')"
+    return f"CASE WHEN {yes} THEN CAST({cell} AS DOUBLE) ELSE {no} END AS {cell}"
 
 
 @contextmanager
@@ -469,7 +547,12 @@ def _whole_rows(csv: Path, width: int) -> Iterator[Path]:
 
 def half_written(csv: Path) -> bool:
     """Return whether the last row was cut off, as where a program is ended while it writes."""
-    return _end_of_whole_rows(csv, len(csv_header(csv))) != csv.stat().st_size
+    return is_cut_off(csv, len(csv_header(csv)))
+
+
+def is_cut_off(csv: Path, width: int) -> bool:
+    """Return whether the last row of a recording of `width` columns was cut off."""
+    return _end_of_whole_rows(csv, width) != csv.stat().st_size
 
 
 def _end_of_whole_rows(csv: Path, width: int) -> int:
@@ -489,7 +572,6 @@ def _end_of_whole_rows(csv: Path, width: int) -> int:
 _ROWS_AT_ONCE = 4096
 # Of int64, DuckDB's BIGINT.
 _LARGEST = 2**63
-TIME = "xr_time_ns"
 
 
 def damage_of(csv: Path, otherwise: str) -> InputError:
@@ -502,7 +584,7 @@ def check_header(table: CsvTable) -> None:
     """Raise `InputError` if a table lacks a column that every recording has."""
     if not table.header:
         raise InputError("the file is empty; a recording starts with a header row", file=table.file)
-    table.require(NEEDED[table.file.name])
+    table.require(FORMS[table.file.name].needed)
 
 
 def find_damage(file: Path) -> InputError | None:
@@ -516,7 +598,7 @@ def find_damage(file: Path) -> InputError | None:
             check_header(table)
             if fault := _in_cells(table) or _in_time(table, before_ns):
                 return fault
-            if table.rows:
+            if table.rows and FORMS[file.name].rising:
                 before_ns = int(table.rows[-1][table.header.index(TIME)])
     except InputError as error:
         return error
@@ -524,15 +606,17 @@ def find_damage(file: Path) -> InputError | None:
 
 
 def _in_cells(table: CsvTable) -> InputError | None:
+    form = FORMS[table.file.name]
     checks = [
         (place, name, _CHECKS[kind])
-        for place, (name, kind) in enumerate(kinds(table.header).items())
+        for place, (name, kind) in enumerate(kinds(table.header, table.file.name).items())
         if kind in _CHECKS
     ]
     for line, row in zip(table.lines, table.rows, strict=True):
         for place, name, check in checks:
-            blank = not row[place].strip()
-            if blank and name in FILLED:
+            cell = row[place].strip()
+            blank = not cell or (form.words and cell.casefold() in NOTHING)
+            if blank and name in form.filled:
                 return table.fault("this cell is blank; mend it first", line, name)
             if not blank and (what := check(row[place])):
                 shown = repr(row[place] if len(row[place]) <= 40 else f"{row[place][:40]}…")
@@ -541,6 +625,8 @@ def _in_cells(table: CsvTable) -> InputError | None:
 
 
 def _in_time(table: CsvTable, before_ns: int | None) -> InputError | None:
+    if not FORMS[table.file.name].rising:
+        return None
     place = table.header.index(TIME)
     for line, row in zip(table.lines, table.rows, strict=True):
         now_ns = int(row[place])

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vrcomfort.csv_table import number_or_none
 from vrcomfort.questionnaire import never_zero
+from vrcomfort.recordings import GAP
 from vrcomfort.records.names import natural
 from vrcomfort.report.words import number
 
@@ -25,11 +24,6 @@ FEW_ZEROS = 0.05
 """Share of answers up to which “none” is too rare for symptoms."""
 HIGH = 0.6
 """Share of the scale from which on the mean answer about symptoms is implausible."""
-REGULAR, CLOSE = 0.8, 0.2
-"""Share of the intervals between ratings that have the usual length, within a fifth of it, where
-ratings are asked for at fixed times."""
-GAP = 2.5
-"""Usual intervals from which on nothing between two ratings is a gap."""
 MOST_STEPS = 6
 """Of a scale that answers coded from 1 may be mistaken for."""
 MOST_NAMED = 8
@@ -121,32 +115,20 @@ def some_of(people: Sequence[str]) -> str:
 
 def _gaps_in_ratings(study: StudyData) -> Iterator[str]:
     """Yield the number of gaps in which ratings are neither there nor recorded as missed."""
-    onsets: dict[tuple[str, ...], list[float]] = defaultdict(list)
-    for row in study.ratings:
-        onset = number_or_none(row.get("onset_s") or "")
-        if onset is not None:
-            keys = ("instrument", "participant", "session", "trial", "condition")
-            onsets[tuple(row.get(key) or "" for key in keys)].append(onset)
-    by_instrument: dict[str, list[tuple[str, float]]] = defaultdict(list)
-    for (instrument, who, *_), times in onsets.items():
-        by_instrument[instrument] += [
-            (who, after - before) for before, after in pairwise(sorted(times)) if after > before
+    for instrument, usual in sorted(study.rating_intervals_s.items()):
+        steps = [
+            (s.participant, s.intervals_s) for s in study.ratings if s.instrument == instrument
         ]
-    for instrument, steps in by_instrument.items():
-        lengths = np.array([length for _, length in steps])
-        if lengths.size < 10:
+        gaps = [(who, each[each > GAP * usual]) for who, each in steps]
+        people = sorted({who for who, lengths in gaps if lengths.size}, key=natural)
+        if not people:
             continue
-        usual = float(np.median(lengths))
-        regular = np.abs(lengths - usual) <= CLOSE * usual
-        long = [(who, length) for who, length in steps if length > GAP * usual]
-        if not long or float(regular.mean()) < REGULAR:
-            continue
-        people = sorted({who for who, _ in long}, key=natural)
-        longest = max(length for _, length in long)
+        lengths = np.concatenate([each for _, each in gaps])
         known = study.instruments.get(instrument)
         yield (
-            f"{len(long)} gap{'s' if len(long) > 1 else ''} in the ratings"
+            f"{lengths.size} gap{'s' if lengths.size > 1 else ''} in the ratings"
             f"{f' of the {known.short}' if known else ''} of {some_of(people)}, up to "
-            f"{number(longest, 0)} s where a rating comes every {number(usual, 0)} s, and none is "
-            "recorded as missed: peaks and times to a rating may lie in them"
+            f"{number(float(lengths.max()), 0)} s where a rating comes every {number(usual, 0)} s, "
+            "and none is recorded as missed: peaks and times to a rating may lie in them; areas "
+            "are missing, and means over time leave the gaps out"
         )

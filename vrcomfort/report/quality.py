@@ -158,8 +158,8 @@ def _asking_sessions(study: StudyData, plan: Plan) -> set[tuple[str, str]]:
 def _ratings(study: StudyData) -> AskedRatings | None:
     if not study.ratings:
         return None
-    missed = sum(bool(whole_or_none(r.get("missed"))) for r in study.ratings)
-    return AskedRatings(len(study.ratings), missed)
+    asked = sum(each.response.size for each in study.ratings)
+    return AskedRatings(asked, sum(each.missed for each in study.ratings))
 
 
 def _sessions(study: StudyData) -> dict[str, int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter, defaultdict
 from dataclasses import dataclass
 from itertools import pairwise
@@ -13,6 +14,7 @@ import pandas as pd
 from vrcomfort.csv_table import number_in
 from vrcomfort.errors import InputError
 from vrcomfort.frame import DROPPED_INTERVAL_PERIODS
+from vrcomfort.recordings import GAP
 from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.names import natural
 from vrcomfort.records.recording import Memory
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vrcomfort.recordings import RatingSeries
     from vrcomfort.records.reader import Session
     from vrcomfort.report.study_data import StudyData
 
@@ -59,9 +62,9 @@ class LiveTime:
     freezes: tuple[tuple[float, float], ...]
     """Onset in seen seconds, and length, of each time of a frozen picture."""
 
-    def at(self, time_s: float) -> float:
-        """Return the seen seconds at a time since the start."""
-        return float(np.interp(time_s, self.since_start_s, self.live_s))
+    def at(self, times_s: Floats) -> Floats:
+        """Return the seen seconds at times since the start, in their shape."""
+        return np.interp(times_s, self.since_start_s, self.live_s)
 
     @classmethod
     def of(cls, frames_s: Floats, shown_s: Floats, length_s: float) -> LiveTime:
@@ -235,7 +238,9 @@ def rated_instrument(study: StudyData, wanted: str) -> str:
     InputError
         If the one named was not rated.
     """
-    counts = Counter(row.get("instrument", "") for row in study.ratings)
+    counts: Counter[str] = Counter()
+    for each in study.ratings:
+        counts[each.instrument] += each.response.size
     if wanted and wanted not in counts:
         there = ", ".join(sorted(counts)) or "none"
         raise InputError(f"nothing was rated with `{wanted}`; ratings are of: {there}")
@@ -261,19 +266,19 @@ def rated_exposures(
     Raises
     ------
     InputError
-        If a cell of ratings.csv is no number.
+        If a time of trials.csv is no number.
     """
     trials = {_key(t): t for t in study.trials if t["participant"] not in without}
-    rows: dict[Key, list[dict[str, str]]] = defaultdict(list)
+    rated: dict[Key, list[RatingSeries]] = defaultdict(list)
     numbered = {key[:3]: key for key in trials if key[2]}
-    for row in study.ratings:
-        mine = row.get("instrument", "") == instrument
-        if mine and row.get("participant", "") not in without:
-            key = _key(row)
+    for each in study.ratings:
+        if each.instrument == instrument and each.participant not in without:
+            key = (each.participant, each.session, each.trial, each.condition)
             # The trial says the condition, of which a rating may be silent.
-            rows[key if key in trials else numbered.get(key[:3], key)].append(row)
+            rated[key if key in trials else numbered.get(key[:3], key)].append(each)
+    usual_s = study.rating_intervals_s.get(instrument, math.inf)
     undone = undone_attempts(study)
-    keys = sorted({*trials, *rows}, key=lambda key: tuple(map(natural, key)))
+    keys = sorted({*trials, *rated}, key=lambda key: tuple(map(natural, key)))
     positions: Counter[str] = Counter()
     found = []
     for key in keys:
@@ -282,7 +287,8 @@ def rated_exposures(
         # A withdrawal that the operator took back is an interruption.
         gone = _attempt(trial) not in undone
         position = positions[key[0]]
-        found.append(_exposure(key, position, rows[key], trial, clock, may_have_left=gone))
+        series = _Series.of(rated[key], usual_s)
+        found.append(_exposure(key, position, series, trial, clock, may_have_left=gone))
     return found
 
 
@@ -297,27 +303,66 @@ def _attempt(trial: Mapping[str, str]) -> tuple[str, ...]:
     return tuple(trial.get(name, "") for name in ("participant", "session", "trial", "attempt"))
 
 
+@dataclass(frozen=True)
+class _Series:
+    """The ratings of one exposure, in the order of time."""
+
+    onset_s: Floats
+    response: Floats
+    usual_s: float
+    """Interval at which ratings come; inf where they are not regular."""
+
+    @property
+    def gaps_s(self) -> Floats:
+        """Return from when on a rating is missing, and when the next came, shape (gaps, 2)."""
+        after = np.flatnonzero(np.diff(self.onset_s) > GAP * self.usual_s)
+        if not after.size:
+            return np.empty((0, 2))
+        return np.column_stack([self.onset_s[after] + self.usual_s, self.onset_s[after + 1]])
+
+    @classmethod
+    def of(cls, series: list[RatingSeries], usual_s: float) -> _Series:
+        """Return the ratings in the order of time; those of one time keep their order."""
+        nothing = np.empty(0)
+        onset_s = np.concatenate([each.onset_s for each in series] or [nothing])
+        response = np.concatenate([each.response for each in series] or [nothing])
+        if (np.diff(onset_s) < 0).any():
+            order = np.argsort(onset_s, kind="stable")
+            onset_s, response = onset_s[order], response[order]
+        return cls(onset_s, response, usual_s)
+
+    def within(self, start_s: float, end_s: float) -> _Series:
+        """Return those of an exposure by time since its start."""
+        first, last = start_s - _NEAR_S, end_s + _NEAR_S
+        begin, end = np.searchsorted(self.onset_s, (first, np.nextafter(last, np.inf)))
+        mine = slice(begin, end)
+        return _Series(self.onset_s[mine] - start_s, self.response[mine], self.usual_s)
+
+    def on(self, clock: LiveTime) -> _Series:
+        """Return the ratings by seen time."""
+        return _Series(clock.at(self.onset_s), self.response, self.usual_s)
+
+
 def _exposure(
     key: Key,
     position: int,
-    rows: list[dict[str, str]],
+    series: _Series,
     trial: dict[str, str],
     clock: LiveClock | None,
     *,
     may_have_left: bool,
 ) -> RatedExposure:
     start, end = (_number(trial, name) for name in ("start_s", "end_s"))
-    pairs = [(onset, rating) for onset, rating in map(_rating, rows)]
     if start is not None and end is not None:  # those of an earlier attempt lie before its start
-        pairs = [(t - start, r) for t, r in pairs if start - _NEAR_S <= t <= end + _NEAR_S]
+        series = series.within(start, end)
     live = clock.of(key, trial) if clock and trial else None
     watched = trial_s(trial) if trial else None
     lost = 0.0
     if watched is not None and start is not None and end is not None:
         lost = max(end - start - watched, 0.0)
     if live is not None:
-        pairs = [(live.at(t), r) for t, r in pairs]
-    times = [max(t, 0.0) for t, _ in pairs]
+        series = series.on(live)
+    times = np.maximum(series.onset_s, 0.0)
     ending = UNKNOWN
     if trial:
         ending = ENDINGS.get(trial["status"], INTERRUPTED) if may_have_left else INTERRUPTED
@@ -327,23 +372,13 @@ def _exposure(
         trial=key[2],
         condition=key[3],
         position=position,
-        course=RatingCourse.of(times, [r for _, r in pairs]),
-        ended_s=max(watched or 0.0, *times) if times else watched or 0.0,
+        course=RatingCourse.of(times, series.response, gaps_s=series.gaps_s),
+        ended_s=max(watched or 0.0, float(times[-1]) if times.size else 0.0),
         ending=ending,
         not_live_s=lost,
         unplaced=lost > MOST_UNPLACED_S and live is None,
         freezes=live.freezes if live else (),
     )
-
-
-def _rating(row: dict[str, str]) -> tuple[float, float]:
-    """Return the onset and the value of a rating; NaN if it was missed."""
-    onset = _number(row, "onset_s")
-    if onset is None:
-        who = row.get("participant", "")
-        raise InputError(f"a rating of {who} in ratings.csv has no onset_s; give seconds")
-    response = None if row.get("missed", "") not in {"", "0"} else _number(row, "response")
-    return onset, float("nan") if response is None else response
 
 
 def _number(row: Mapping[str, str], name: str) -> float | None:
@@ -352,6 +387,4 @@ def _number(row: Mapping[str, str], name: str) -> float | None:
         return number_in(text, words=True)
     except ValueError:
         who = row.get("participant", "")
-        raise InputError(
-            f"`{name}` of {who} is `{text}` in ratings.csv or trials.csv; give a number"
-        ) from None
+        raise InputError(f"`{name}` of {who} is `{text}` in trials.csv; give a number") from None

@@ -6,9 +6,10 @@ import math
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 
-from vrcomfort.csv_table import CsvTable, number_or_none, whole_or_none
+from vrcomfort.csv_table import CsvTable, number_in, number_or_none, whole_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import (
     FOLDER,
@@ -21,7 +22,16 @@ from vrcomfort.questionnaire import (
     shipped_instruments,
     short_form,
 )
-from vrcomfort.recordings import ExposureFrames, frame_measures
+from vrcomfort.recordings import (
+    KEYS_OF_RATINGS,
+    ExposureFrames,
+    RatingSeries,
+    frame_measures,
+    joined,
+    read_ratings,
+    series_of,
+    usual_interval_s,
+)
 from vrcomfort.records.choice import SessionName
 from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TimingRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
@@ -52,7 +62,6 @@ SIMULATED = "simulated"
 _NEEDED_ELSEWHERE: Mapping[type[Row], tuple[str, ...]] = {
     ParticipantRow: ("participant",),
     TrialRow: ("participant", "session", "trial", "condition", "scene", "status"),
-    RatingRow: ("missed",),
     TaskRow: ("participant",),
     ScreeningRow: ("participant", "rule", "decision"),
     DialRow: ("participant", "dial", "kind", "value"),
@@ -84,7 +93,7 @@ class StudyData:
     sheets: tuple[Sheet, ...]
     participants: tuple[dict[str, str], ...]
     trials: tuple[dict[str, str], ...]
-    ratings: tuple[dict[str, str], ...]
+    ratings: tuple[RatingSeries, ...]
     manifests: tuple[ManifestShape, ...]
     files: int
     warnings: tuple[str, ...]
@@ -105,6 +114,15 @@ class StudyData:
     def source(self) -> Path:
         """Return the folder, or file, that was read."""
         return self.folder.folder
+
+    @cached_property
+    def rating_intervals_s(self) -> dict[str, float]:
+        """Return instrument → the interval at which its ratings come, where they are regular."""
+        found = {
+            name: usual_interval_s(each for each in self.ratings if each.instrument == name)
+            for name in {each.instrument for each in self.ratings}
+        }
+        return {name: usual for name, usual in found.items() if usual is not None}
 
     @property
     def recorded_sessions(self) -> list[Session]:
@@ -204,7 +222,7 @@ def read_study(
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
         participants=participants,
         trials=_last_attempts(_table(folder, TrialRow, warnings)),
-        ratings=(*_table(folder, RatingRow, warnings), *_slid(dials)),
+        ratings=joined([*_ratings(folder, warnings), *series_of(_slid(dials))]),
         manifests=manifests,
         files=len(files),
         warnings=tuple(warnings),
@@ -218,8 +236,9 @@ def read_study(
 
 def people_of(study: StudyData) -> set[str]:
     """Return every participant that any file names."""
-    rows = (*study.participants, *study.trials, *study.ratings, *study.tasks, *study.dials)
+    rows = (*study.participants, *study.trials, *study.tasks, *study.dials)
     named = {row.get("participant", "") for row in rows}
+    named |= {each.participant for each in study.ratings}
     return {sheet.participant for sheet in study.sheets} | (named - {""})
 
 
@@ -252,7 +271,7 @@ def of_one_kind(study: StudyData, *, simulated: bool) -> StudyData:
         sheets=tuple(sheet for sheet in study.sheets if sheet.participant in kept),
         participants=of_them(study.participants),
         trials=of_them(study.trials),
-        ratings=of_them(study.ratings),
+        ratings=tuple(each for each in study.ratings if each.participant in kept),
         manifests=tuple(each for each in study.manifests if kinds[each.participant] == simulated),
         tasks=of_them(study.tasks),
         dials=of_them(study.dials),
@@ -396,14 +415,38 @@ def _of_last_attempts(rows: tuple[dict[str, str], ...]) -> tuple[dict[str, str],
     )
 
 
-def _slid(dials: Iterable[dict[str, str]]) -> Iterator[dict[str, str]]:
-    """Yield the samples of sliders, as ratings that came at once."""
+def _ratings(folder: Study, warnings: list[str]) -> tuple[RatingSeries, ...]:
+    """Read the ratings of a study; what is not read is reported."""
+    read = read_ratings(folder.files(RatingRow))
+    warnings += [note.removeprefix(f"{folder.folder}/") for note in read.notes]
+    return read.series
+
+
+def _slid(dials: Iterable[dict[str, str]]) -> Iterator[tuple[tuple[str, ...], float, float]]:
+    """Yield the samples of sliders, as ratings that came at once: key, onset and value."""
     for row in dials:
         if row["kind"] == "sample" and row.get("instrument"):
-            again = {name: row.get(name, "") for name in ("participant", "session", "trial")}
-            when = {"condition": row.get("condition", ""), "onset_s": row.get("onset_s", "")}
-            said = {"instrument": row["instrument"], "response": row["value"]}
-            yield {**again, **when, **said, "latency_s": "0", "missed": "0"}
+            onset_s, value = (_sample(row, name) for name in ("onset_s", "value"))
+            yield tuple(row.get(name, "") for name in KEYS_OF_RATINGS), onset_s, value
+
+
+def _sample(row: Mapping[str, str], name: str) -> float:
+    """Return a number of a sample; NaN of a blank value.
+
+    Raises
+    ------
+    InputError
+        If it is none, or a time is blank.
+    """
+    text = row.get(name) or ""
+    try:
+        found = number_in(text, words=True)
+    except ValueError:
+        message = f"`{name}` of {row['participant']} is `{text}` in dials.csv; give a number"
+        raise InputError(message) from None
+    if found is None and name == "onset_s":
+        raise InputError(f"a sample of {row['participant']} in dials.csv has no onset_s")
+    return math.nan if found is None else found
 
 
 def _stored(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -45,9 +46,13 @@ class RatingCourse:
     """Since the exposure began, shape (n,), ascending."""
     ratings: Floats
     """Shape (n,); NaN where a rating was missed."""
+    gaps_s: Floats = field(default_factory=lambda: np.empty((0, 2)))
+    """Times between which nothing is known, not even that ratings were missed; shape (gaps, 2)."""
 
     @classmethod
-    def of(cls, times_s: ArrayLike, ratings: ArrayLike) -> RatingCourse:
+    def of(
+        cls, times_s: ArrayLike, ratings: ArrayLike, *, gaps_s: ArrayLike | None = None
+    ) -> RatingCourse:
         """Sort ratings by their times; those of one time keep their order.
 
         Raises
@@ -61,14 +66,19 @@ class RatingCourse:
             raise InputError("a course needs one time for each rating")
         if not np.isfinite(times).all():
             raise InputError("a time of a rating is missing or infinite; give seconds")
+        gaps = np.empty((0, 2)) if gaps_s is None else np.asarray(gaps_s, dtype=np.float64)
+        if (np.diff(times) >= 0).all():
+            return cls(times, values, gaps)
         order = np.argsort(times, kind="stable")
-        return cls(times[order], values[order])
+        return cls(times[order], values[order], gaps)
 
-    @property
+    @cached_property
     def answered(self) -> RatingCourse:
         """Return the course without the ratings that were missed."""
         there = ~np.isnan(self.ratings)
-        return self if there.all() else RatingCourse(self.times_s[there], self.ratings[there])
+        if there.all():
+            return self
+        return RatingCourse(self.times_s[there], self.ratings[there], self.gaps_s)
 
     def peak(self) -> float | None:
         """Return the highest rating."""
@@ -89,10 +99,10 @@ class RatingCourse:
         """Return the area under the ratings in points × s, by trapezoids.
 
         It is that from the first to the last answered rating: nothing is said of other times. One
-        rating alone has the area 0.
+        rating alone has the area 0. A course with a gap has none.
         """
         here = self.answered
-        if not here.ratings.size:
+        if not here.ratings.size or self.gaps_s.size:
             return None
         return float(np.trapezoid(here.ratings, here.times_s))
 
@@ -128,7 +138,9 @@ class RatingCourse:
         return Reached(float(self.times_s[-1] if ended_s is None else ended_s), reached=False)
 
     def carried_forward(self, at_s: ArrayLike, *, until_s: float | None = None) -> Floats:
-        """Return the last rating answered at or before each time; NaN where there was none yet.
+        """Return the last rating answered at or before each time.
+
+        NaN where there was none yet, and in gaps.
 
         Parameters
         ----------
@@ -143,6 +155,8 @@ class RatingCourse:
         known = place >= 0
         if until_s is not None:
             known &= at <= until_s
+        for begin_s, end_s in self.gaps_s:
+            known &= (at <= begin_s) | (at >= end_s)
         values = np.full(at.shape, np.nan)
         values[known] = here.ratings[place[known]]
         return values

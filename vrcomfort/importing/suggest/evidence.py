@@ -320,7 +320,7 @@ def _order_within_people(context: Context, column: int) -> bool:
 
 
 def _runs_of_ratings(context: Context, column: int) -> bool:
-    if context.time is None or column not in context.roles.unknown:
+    if context.time in {None, column} or column not in context.roles.unknown:
         return False
     several = len(texts(context.table, column)) > 1
     return several and varies_within(context.table, column, context.participant)

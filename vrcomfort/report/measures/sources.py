@@ -7,6 +7,8 @@ from collections import defaultdict
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from vrcomfort.errors import InputError
 from vrcomfort.report.measures.model import (
     Measure,
@@ -186,7 +188,8 @@ def rating_values(study: StudyData, measure: Measure) -> Iterator[MeasuredValue]
         else:
             summary = _SUMMARIES[measure.quantity](each.course)
             found = None if summary is None else exactly(summary)
-            reason = "only one rating was answered"
+            gap = each.course.gaps_s.size and measure.quantity == "area"
+            reason = "its ratings have a gap" if gap else "only one rating was answered"
         yield MeasuredValue(*each.key, found, "" if found is not None else reason)
 
 
@@ -198,7 +201,7 @@ def _rated_with(study: StudyData, instrument: str) -> str:
     InputError
         If nothing was rated, or ratings are of several instruments and none is named.
     """
-    asked = sorted({row.get("instrument", "") for row in study.ratings})
+    asked = sorted({each.instrument for each in study.ratings})
     if not asked:
         raise InputError("the study has no ratings (ratings.csv)")
     if not instrument and len(asked) > 1:
@@ -219,8 +222,11 @@ def _time_to(
 
 def _mean(course: RatingCourse) -> Fraction | None:
     """Return the exact mean of the answered ratings."""
-    given = course.answered.ratings.tolist()
-    return sum(map(Fraction, given), Fraction(0)) / len(given) if given else None
+    given, counts = np.unique(course.answered.ratings, return_counts=True)
+    if not given.size:
+        return None
+    pairs = zip(given.tolist(), counts.tolist(), strict=True)
+    return sum((Fraction(value) * n for value, n in pairs), Fraction(0)) / int(counts.sum())
 
 
 def _area(course: RatingCourse) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -195,8 +195,7 @@ def _ratings(
     known = data.study.instruments.get(instrument)
     rated = [e for e in exposures if e.course.times_s.size]
     answered = [e for e in rated if e.course.answered.ratings.size]
-    values = np.concatenate([e.course.answered.ratings for e in rated])
-    low, high = (known.low, known.high) if known else _range(values)
+    low, high = (known.low, known.high) if known else (0.0, _highest(rated))
     threshold = (low + high) / 2 if asked.threshold is None else asked.threshold
     reference = reference_of(data, conditions)
     modelled = asked.symptom_model == "fast_slow"
@@ -226,8 +225,8 @@ def _ratings(
     )
 
 
-def _range(values: np.ndarray[Any, Any]) -> tuple[float, float]:
-    return (0.0, float(values.max())) if values.size else (0.0, 0.0)
+def _highest(rated: list[RatedExposure]) -> float:
+    return max((e.course.peak() or 0.0 for e in rated), default=0.0)
 
 
 def _counts(rated: list[RatedExposure]) -> RatingCounts:

@@ -300,17 +300,19 @@ def grid_s(exposures: list[RatedExposure]) -> Floats:
     Even ones end when a tenth of the exposures without withdrawal have ended: means of the few
     longer ones would jump.
     """
-    answered = [e.course.answered.times_s for e in exposures]
-    together = np.concatenate(answered) if answered else np.array([])
-    if not together.size:
-        return together
-    rounded = np.unique(np.round(together))
+    answered = [each for e in exposures if (each := e.course.answered.times_s).size]
+    if not answered:
+        return np.array([])
+    rounded = np.unique(np.concatenate([np.unique(np.round(each)) for each in answered]))
     if rounded.size <= MOST_TIMES:
         # Prompts of one time come some frames apart: at the latest of them, all were answered.
-        late = [together[np.round(together) == moment].max() for moment in rounded]
-        return np.asarray(late, dtype=np.float64)
-    first = max(float(np.median([each[0] for each in answered if each.size])), 0.0)
-    ends = [e.course.times_s[-1] for e in exposures if not e.left] or [float(together.max())]
+        late = np.full(rounded.size, -np.inf)
+        for each in answered:
+            np.maximum.at(late, np.searchsorted(rounded, np.round(each)), each)
+        return late
+    first = max(float(np.median([each[0] for each in answered])), 0.0)
+    longest = max(float(each[-1]) for each in answered)
+    ends = [e.course.times_s[-1] for e in exposures if not e.left] or [longest]
     last = float(np.quantile(ends, 0.1))
     return np.linspace(first, max(last, first), MOST_TIMES)
 
