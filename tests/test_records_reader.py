@@ -138,7 +138,8 @@ def test_rows_are_values_in_their_order(whole: Path) -> None:
 CSV_READERS = {
     "csv_table.py": "the table itself",
     "records/tables.py": "rows and tables of a study",
-    "records/recording.py": "frames and gaze, and the place of what is wrong in them",
+    "records/recording.py": "frames, gaze and long ratings, and the place of what is wrong in them",
+    "recordings/ratings.py": "ratings, in parts, as a report sums them up",
     "traces/table.py": "head traces, of any program",
     "questionnaire/library.py": "answers, to find whose items they are",
     "questionnaire/tables.py": "answers that are scored, of any program",

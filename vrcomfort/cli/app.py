@@ -86,7 +86,7 @@ GROUPS = {
         ),
         "pack": Listed(
             "study_folder",
-            "Write frames.parquet beside each frames.csv, and gaze.parquet beside each gaze.csv.",
+            "Write Parquet files beside frames.csv, gaze.csv and long ratings.csv: faster reports.",
         ),
         "export": Listed(
             "study_folder",

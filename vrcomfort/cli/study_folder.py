@@ -176,7 +176,7 @@ def pack(
     jobs: Annotated[int, typer.Option(help="Processes; each may take the memory.", min=1)] = 1,
     quiet: Quiet = False,
 ) -> None:
-    """Write frames.parquet beside each frames.csv, and gaze.parquet beside each gaze.csv.
+    """Write Parquet files beside frames.csv, gaze.csv and long ratings.csv: faster reports.
 
     Reports then read these, which is faster. The CSV files stay the record: a Parquet file whose
     CSV has changed is not read until `pack` is run again. A damaged recording is not packed.
