@@ -234,12 +234,12 @@ def _grouped(database: duckdb.DuckDBPyConnection, rows: str) -> tuple[RatingSeri
     found = database.execute(query).fetchall()
     if all(row[-1] for row in found):
         read = database.execute(f"SELECT onset, value FROM ({rows})").fetchnumpy()  # noqa: S608
-        onset_s, value = read["onset"], read["value"]
+        onset_s, value = np.asarray(read["onset"]), np.asarray(read["value"])
     else:
         query = f"SELECT onset, value, number FROM ({rows}) JOIN courses USING ({names})"  # noqa: S608
         read = database.execute(query).fetchnumpy()
         order = np.argsort(read["number"], kind="stable")
-        onset_s, value = read["onset"][order], read["value"][order]
+        onset_s, value = np.asarray(read["onset"])[order], np.asarray(read["value"])[order]
     ends = np.cumsum([0, *(row[-2] for row in found)])
     return tuple(
         RatingSeries.of(row[: len(KEYS_OF_RATINGS)], onset_s[begin:end], value[begin:end])
