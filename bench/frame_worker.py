@@ -18,6 +18,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -143,13 +144,15 @@ def main() -> None:
     wanted = json.loads(sys.argv[1])
     gl: Any = opengl()
     clock = Clock()
-    with tempfile.TemporaryDirectory() as folder, clocked_opengl(clock, gl):
+    uninterrupted = found("uninterrupted", "stop_signals")
+    with tempfile.TemporaryDirectory() as folder, clocked_opengl(clock, gl), ExitStack() as owned:
         loop = Loop(gl.create_context(), wanted, Path(folder))
         recorder_s = recorder_clock()
         for _ in range(WARM_UP):
             loop.show()
         gc.collect()
         gc.freeze()  # as a session does while it shows frames
+        owned.enter_context(uninterrupted())  # the same
         print(json.dumps(counted(loop, clock)), flush=True)
         for line in sys.stdin:
             print(json.dumps(timed(loop, clock, int(line), recorder_s)), flush=True)

@@ -170,7 +170,8 @@ def test_at_most_thirty_thousand_triangles_are_in_view(name):
     triangles = table.commands["index_count"] // 3
     worst = 0
     for point in floor_points(scene, 2.5) + EYE:
-        level = table.level_in_use(np.linalg.norm(node_centers[table.node] - point, axis=1))
+        distance_m = np.linalg.norm(node_centers[table.node] - point, axis=1)
+        level = table.level_in_use(distance_m, np.arange(len(table.node)))
         for yaw in range(0, 360, 45):
             planes = culling.planes(_clip_from_relative(yaw))
             seen = culling.visible(planes, culling.boxes(centers - point, halves))

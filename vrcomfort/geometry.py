@@ -54,6 +54,7 @@ __all__ = [
     "slerp",
     "turn_to",
     "unit_quaternion",
+    "view_from_clip",
     "yaw_pitch_roll",
 ]
 
@@ -307,6 +308,14 @@ def clip_from_view(fov: Fov, near_m: float) -> Array:
             [0.0, 0.0, -1.0, 0.0],
         ]
     )
+    matrix.setflags(write=False)
+    return matrix
+
+
+@lru_cache(maxsize=16)
+def view_from_clip(fov: Fov, near_m: float) -> Array:
+    """Return the (4, 4) inverse of `clip_from_view`, kept and read-only as well."""
+    matrix: Array = np.linalg.inv(clip_from_view(fov, near_m))
     matrix.setflags(write=False)
     return matrix
 

@@ -23,10 +23,16 @@ class UniformTuple(Protocol):
 
 
 class UniformGroup:
-    """Several tuples of uniforms."""
+    """Several tuples of uniforms.
+
+    Attributes
+    ----------
+    values
+        By name, in order.
+    """
 
     def __init__(self, *parts: Uniforms) -> None:
-        self.parts: tuple[UniformTuple, ...] = tuple(one for part in parts for one in _parts(part))
+        self.values = {name: value for part in parts for name, value in _values(part).items()}
 
 
 Uniforms: TypeAlias = UniformTuple | UniformGroup
@@ -103,6 +109,8 @@ class FullscreenPass:
             if name in filtered or name in mipmapped
         )
         self._values: dict[str, Any] = {}
+        self._last: Uniforms | None = None
+        self._kind: type | None = None
         if constants is not None:
             self._set(constants)
         framebuffer = ctx.framebuffer(self.targets, depth)
@@ -131,8 +139,9 @@ class FullscreenPass:
 
     def render(self, uniforms: Uniforms | None = None) -> None:
         """Draw, after setting the uniforms of this frame."""
-        if uniforms is not None:
+        if uniforms is not None and (uniforms != self._last or type(uniforms) is not self._kind):
             self._set(uniforms)
+            self._last, self._kind = uniforms, type(uniforms)
         self._bind()
         for unit, sampler in self._samplers:
             sampler.use(unit)
@@ -146,11 +155,11 @@ class FullscreenPass:
         self._triangle.render(self._mode, vertices=self._vertices)
 
     def _set(self, uniforms: Uniforms) -> None:
-        for part in _parts(uniforms):
-            for name, value in zip(part._fields, part, strict=True):
-                if self._values.get(name) != value:  # a program keeps uniforms between draws
-                    self._values[name] = value
-                    self._write(name, value)
+        known = self._values
+        for name, value in _values(uniforms).items():
+            if name not in known or known[name] != value:  # a program keeps uniforms between draws
+                known[name] = value
+                self._write(name, value)
 
     def _write(self, name: str, value: Any) -> None:
         member: Any = self._triangle.program[name]
@@ -160,8 +169,10 @@ class FullscreenPass:
             member.value = value
 
 
-def _parts(uniforms: Uniforms) -> tuple[UniformTuple, ...]:
-    return uniforms.parts if isinstance(uniforms, UniformGroup) else (uniforms,)
+def _values(uniforms: Uniforms) -> dict[str, Any]:
+    if isinstance(uniforms, UniformGroup):
+        return uniforms.values
+    return dict(zip(uniforms._fields, uniforms, strict=True))
 
 
 def _textures(given: moderngl.Texture | Sequence[moderngl.Texture]) -> Sequence[moderngl.Texture]:

@@ -12,7 +12,15 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.geometry import Array, Fov, Pose, clip_from_view, interpolate_pose, rotate
+from vrcomfort.geometry import (
+    Array,
+    Fov,
+    Pose,
+    clip_from_view,
+    interpolate_pose,
+    rotate,
+    view_from_clip,
+)
 from vrcomfort.optics.motion import ramp, speed_m_s, turn_deg_s
 from vrcomfort.protocol.conditions import CameraMode, Carried, Neck, SpeedRamps, VirtualTurning
 from vrcomfort.scene.node_poses import HandPoses
@@ -83,6 +91,15 @@ class EyeCamera:
         """Return world-from-head, or world-from-eye where no head was given."""
         return self.world_from_eye if self.world_from_head is None else self.world_from_head
 
+    @property
+    def head_from_eye(self) -> Pose:
+        """Return the place of the eye in the head, one object for all who ask."""
+        kept: Pose | None = self.__dict__.get("_head_from_eye")
+        if kept is None:
+            kept = self.head.inverse() @ self.world_from_eye
+            self.__dict__["_head_from_eye"] = kept  # in a third of the time of `cached_property`
+        return kept
+
     def clip_from_view(self) -> Array:
         """Return the (4, 4) reverse-Z projection."""
         return clip_from_view(self.fov, self.near_m)
@@ -111,7 +128,7 @@ class PreviousCamera:
 
 def rotation_only(rotation: Array) -> Array:
     """Return a (3, 3) rotation as a (4, 4) matrix."""
-    matrix = np.eye(4)
+    matrix = _UNIT.copy()
     matrix[:3, :3] = rotation
     return matrix
 
@@ -295,23 +312,27 @@ def camera_motion(world_from_eye: Pose, previous_world_from_eye: Pose) -> Camera
     )
 
 
+_UNIT = np.eye(4)
+
+
 def previous_clip_from_clip(
-    clip_from_view: Array, world_from_eye: Pose, previous_world_from_eye: Pose
+    fov: Fov, near_m: float, world_from_eye: Pose, previous_world_from_eye: Pose
 ) -> Array:
     """Return (4, 4): where a point that does not move was in the image before, from where it is.
 
-    With `clip_from_view` for both. Exactly the identity where the pose has not changed, and without
+    With the same frustum for both. Exactly the identity where the pose has not changed, and without
     rotation where the orientation has not: cancelled rotation moves nothing.
     """
     before_from_now = np.zeros((4, 4))
     previous_from_world = previous_world_from_eye.rotation.T
-    if not np.array_equal(world_from_eye.orientation, previous_world_from_eye.orientation):
+    if world_from_eye.numbers[3:] != previous_world_from_eye.numbers[3:]:
         turn = previous_from_world @ world_from_eye.rotation
-        before_from_now[:3, :3] = turn - np.eye(3)
+        before_from_now[:3, :3] = turn - _UNIT[:3, :3]
     delta_m = world_from_eye.position - previous_world_from_eye.position
     before_from_now[:3, 3] = previous_from_world @ delta_m
-    change: Array = clip_from_view @ before_from_now @ np.linalg.inv(clip_from_view)
-    return np.eye(4) + change
+    clip, view = clip_from_view(fov, near_m), view_from_clip(fov, near_m)
+    change: Array = clip @ before_from_now @ view
+    return _UNIT + change
 
 
 def extrapolated_eye_pose(

@@ -125,15 +125,15 @@ class DrawList:
             world_from_node[self.node[rows]], self.centers[rows], self.halves[rows]
         )
 
-    def level_in_use(self, distance_m: Array) -> NDArray[np.bool_]:
-        """Return (items,) True where a row's level of detail is the one for its distance.
+    def level_in_use(self, distance_m: Array, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Return (rows,) True where a row's level of detail is the one for its distance.
 
         Parameters
         ----------
         distance_m
-            (items,) from the viewpoint to the `node_centers` of a row's node.
+            (rows,) from the viewpoint to the `node_centers` of a row's node.
         """
-        return (distance_m >= self.from_m) & (distance_m < self.until_m)
+        return (distance_m >= self.from_m[rows]) & (distance_m < self.until_m[rows])
 
     def node_centers(self, centers: Array, halves: Array, nodes: int) -> Array:
         """Return (nodes, 3) centres of the world boxes around the finest level of each node."""

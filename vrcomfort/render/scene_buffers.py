@@ -176,11 +176,12 @@ class SceneRows:
         self._moving = self._poses.moving[table.node] | self._locked
         self._moves = MovingRows(table, self._moving)
         casts = table.casts_shadow & ~self._locked & ~table.blended
-        self._casting: dict[Movement, NDArray[np.bool_]] = {
-            "all": casts,
-            "static": casts & ~self._moving,
-            "moving": casts & self._moving,
+        self._casting: dict[Movement, Rows] = {
+            "all": casts.nonzero()[0],
+            "static": (casts & ~self._moving).nonzero()[0],
+            "moving": (casts & self._moving).nonzero()[0],
         }
+        self._with_levels = table.has_levels.nonzero()[0]
         self._commands = table.commands.view(np.uint32).reshape(-1, 5)
         world = self._poses.world_from_node(0.0, Pose())
         self.joints = self.previous_joints = self._poses.place_from_bind(0.0)
@@ -241,10 +242,10 @@ class SceneRows:
             self.previous_joints = self._poses.place_from_bind(before_s)
         self._update_moving()
         self._head_m = head.position
-        self._from_head = self._boxes.copy()
-        self._from_head[:3] -= self._head_m[:, None]
-        self.in_use = self._level_in_use(self._head_m).nonzero()[0]
-        self._in_use_from_head = self._from_head[:, self.in_use]
+        in_use = np.ones(self._boxes.shape[1], dtype=bool)
+        in_use[self._with_levels] = self._level_in_use(self._head_m, self._with_levels)
+        self.in_use = in_use.nonzero()[0]
+        self._in_use_from_head = self._from_head(self.in_use)
         self.distance_m = culling.lengths(self._in_use_from_head[:3])
 
     def _update_moving(self) -> None:
@@ -266,9 +267,16 @@ class SceneRows:
             centers[at], halves[at] = found[0][among], found[1][among]
         return centers, halves
 
-    def _level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
+    def _from_head(self, rows: Rows) -> Array:
+        """Return (7, rows) boxes around the head."""
+        boxes = self._boxes[:, rows]
+        boxes[:3] -= self._head_m[:, None]
+        return boxes
+
+    def _level_in_use(self, viewpoint_m: Array, rows: Rows) -> NDArray[np.bool_]:
         """Return (rows,) whether an instance is at the level of detail for this viewpoint."""
-        return self._list.level_in_use(culling.lengths(self._level_centers - viewpoint_m[:, None]))
+        to_rows = self._level_centers[:, rows] - viewpoint_m[:, None]
+        return self._list.level_in_use(culling.lengths(to_rows), rows)
 
     def seen(self, planes: Array, origins_m: Array) -> NDArray[np.bool_]:
         """Return (views, rows in use) whether an instance's box is within the planes of each view.
@@ -285,9 +293,10 @@ class SceneRows:
 
     def casting(self, planes: Array, origin_m: Array, movement: Movement) -> Rows:
         """Return the shadow casters within planes, levels of detail by distance from `origin_m`."""
-        rows = (self._casting[movement] & self._level_in_use(origin_m)).nonzero()[0]
+        casting = self._casting[movement]
+        rows = casting[self._level_in_use(origin_m, casting)]
         around_head = culling.from_origins(planes[None], origin_m[None] - self._head_m)
-        seen: Rows = rows[culling.visible(around_head[0], self._from_head[:, rows])]
+        seen: Rows = rows[culling.visible(around_head[0], self._from_head(rows))]
         return seen
 
     def write(

@@ -355,6 +355,7 @@ class EyeBlocks:
         self._view_from_relative = self._view["view_from_relative"][:3, :3]
         self._previous_view_from_relative = self._view["previous_view_from_relative"][:3, :3]
         self._eye_delta_m = self._view["eye_delta_m"][:3]
+        self._previous_clip_from_clip = self._view["previous_clip_from_clip"]
         self._ndc_per_px = 2 / np.array(size_px)
         self._lens, self._velocity = lens, velocity
         self._focus_offset = shaders.offset(view, "lens_focus")
@@ -381,8 +382,8 @@ class EyeBlocks:
         self._previous_view_from_relative[...] = motion.previous_view_from_world.T
         self._eye_delta_m[...] = motion.eye_delta_m
         if self._velocity:
-            self._view["previous_clip_from_clip"] = previous_clip_from_clip(
-                camera.clip_from_view(), camera.world_from_eye, previous.world_from_eye
+            self._previous_clip_from_clip[...] = previous_clip_from_clip(
+                camera.fov, camera.near_m, camera.world_from_eye, previous.world_from_eye
             ).T
         if self._lens:
             self._write_lens(camera, camera.lens or PINHOLE)
@@ -478,7 +479,7 @@ class ResolvePass:
 
     def learn_sample_places(self) -> None:
         """Ask the driver where samples lie; it tells of the framebuffer in use only."""
-        if self.velocity is not None and not self._places.parts:
+        if self.velocity is not None and not self._places.values:
             places = gl.sample_places(self._ctx, self._samples.colour.samples)
             self._places = UniformGroup(_SamplePlaces(places if len(places) > 1 else places[0]))
 

@@ -51,7 +51,7 @@ class ShadowMap:
         self._static = _Map(ctx, size_px, gpu.images)
         self._live = _Map(ctx, size_px, gpu.images) if gpu.moves else self._static
         self._copy = gl.copier(ctx)
-        self._center: Array | None = None
+        self._center: list[float] | None = None
         self._drawn_for: tuple[float, Pose] | None = None
         texel_m = 2 * radius_m / size_px
         # The 3 × 3 tent of `sunlight` (scene.frag) reaches 1.5 texels. Lifted by as much along its
@@ -69,8 +69,8 @@ class ShadowMap:
             return
         self._drawn_for = (time_s, head)
         center = self._snapped(head.position)
-        if self._center is None or not np.array_equal(center, self._center):
-            self._center = center
+        if center.tolist() != self._center:
+            self._center = center.tolist()
             self._place(center)
             self._draw(self._static, clear=True)
         if self._live is not self._static:
@@ -102,11 +102,11 @@ class ShadowMap:
         clip_from_light[2, 3] = 0.5 - center[2] * clip_from_light[2, 2]
         clip_from_world = clip_from_light.copy()
         clip_from_world[:, :3] = clip_from_light[:, :3] @ self._light_from_world
-        self._clip_from_world = clip_from_world
         texture_from_clip = np.diag([0.5, 0.5, 1.0, 1.0])
         texture_from_clip[:2, 3] = 0.5
         self.uniforms = ShadowUniforms(texture_from_clip @ clip_from_world, self._bias)
         self._origin_m = self._light_from_world.T @ center
+        self._clip_from_relative = relative_to(clip_from_world, self._origin_m)
 
     def _draw(self, target: _Map, *, clear: bool) -> None:
         target.target.use()
@@ -116,14 +116,13 @@ class ShadowMap:
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.enable_direct(_DEPTH_CLAMP)  # casters beyond the range still cast shadows
         self._ctx.depth_func = gl.DEPTH_FUNC
-        clip_from_relative = relative_to(self._clip_from_world, self._origin_m)
         movement: Movement = "all"
         if self._live is not self._static:
             movement = "static" if clear else "moving"
         self.triangles += self._gpu.run(
             target.drawn,
             lambda: self._gpu.draw_depth(
-                clip_from_relative, self._origin_m, movement=movement, shadow=True
+                self._clip_from_relative, self._origin_m, movement=movement, shadow=True
             ),
         )
         self._ctx.disable_direct(_DEPTH_CLAMP)

@@ -237,7 +237,7 @@ class FocusSearch:
         return triangle
 
 
-_NO_RAYS = np.full(RAYS, np.nan)
+_NO_RAYS, _BITS = np.full(RAYS, np.nan), np.arange(RAYS)
 
 
 class Readback:
@@ -281,7 +281,7 @@ class Readback:
         values = np.frombuffer(buffer.read(), dtype=np.float32).astype(np.float64)
         self._free.append(buffer)
         focus_m, target_m, used = values[RAYS : RAYS + 3].tolist()
-        bits = (int(used) >> np.arange(RAYS)) & 1
+        bits = (int(used) >> _BITS) & 1
         rays_m = self._metres(values[:RAYS], ray_lengths) if used else _NO_RAYS
         return FocusSample(frame_index, focus_m, target_m, rays_m, bits.astype(bool))
 

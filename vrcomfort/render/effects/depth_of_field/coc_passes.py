@@ -21,6 +21,7 @@ from vrcomfort.render.effects.depth_of_field.lens_radius import (
     radius_of_arcmin,
 )
 from vrcomfort.render.scene_pass import Radii, ResolvePass
+from vrcomfort.rotations import rotated
 
 TILE_PX = 8
 """Side of the tiles whose range of radii is known; with 4 px, dilation cost as much as it saved."""
@@ -81,11 +82,10 @@ class _PeripheralShape(NamedTuple):
 
 def eye_uniforms(fov: Fov, near_m: float, head_from_eye: Pose) -> EyeUniforms:
     """Return the uniforms that turn an eye's depth into distance from the head centre."""
-    to_view = head_from_eye.inverse().orientation
-    x, y, z = rotate(to_view, np.array([0.0, 0.0, -1.0])).tolist()
-    offset_m = -float(head_from_eye.position[2])
-    right, up, back = rotate(to_view, head_from_eye.position).tolist()
-    return EyeUniforms(fov.tangents, (x, y, z), near_m, offset_m, (right, up, back))
+    *position, x, y, z, w = head_from_eye.numbers
+    forward = rotated(-x, -y, -z, w, 0.0, 0.0, -1.0)
+    eye_in_view = rotated(-x, -y, -z, w, *position)
+    return EyeUniforms(fov.tangents, forward, near_m, -position[2], eye_in_view)
 
 
 def axis_in_view(axis: Array | None, head_from_eye: Pose) -> Axis | None:
@@ -94,6 +94,15 @@ def axis_in_view(axis: Array | None, head_from_eye: Pose) -> Axis | None:
         return None
     x, y, z = rotate(head_from_eye.inverse().orientation, axis).tolist()
     return x, y, z
+
+
+class _Kept(NamedTuple):
+    """Uniforms of an eye, and of which."""
+
+    place: Pose
+    axis: Array | None
+    frustum: tuple[Fov, float]
+    uniforms: Uniforms
 
 
 class DepthToCoc:
@@ -120,6 +129,7 @@ class DepthToCoc:
         self.constants: Uniforms = UniformGroup(
             *_lens_constants(settings), *_peripheral_constants(settings)
         )
+        self._kept: _Kept | None = None
         self._along_ray = settings.distance_along == "ray"
         self.defines: dict[str, Any] = {
             **_law_defines(settings),
@@ -152,11 +162,11 @@ class DepthToCoc:
 
     def adjust(self, settings: DepthOfField) -> None:
         """Take other settings of the same law and peripheral exponent."""
-        self._settings = settings
+        self._settings, self._kept = settings, None
 
     def adjust_infinity(self, infinity_m: float) -> None:
         """Take another distance of the sky."""
-        self._infinity = _Infinity(infinity_m)
+        self._infinity, self._kept = _Infinity(infinity_m), None
 
     def of_eye(
         self, eye: EyeUniforms, focal_px: float, peripheral_axis: Axis | None = None
@@ -173,10 +183,26 @@ class DepthToCoc:
 
     def of_camera(self, camera: EyeCamera) -> Uniforms:
         """Return the uniforms of a camera."""
-        head_from_eye = camera.head.inverse() @ camera.world_from_eye
-        focal_px = focal_length_px(camera.fov, self._size_px)[0]
-        eye = eye_uniforms(camera.fov, camera.near_m, head_from_eye)
-        return self.of_eye(eye, focal_px, axis_in_view(camera.peripheral_axis, head_from_eye))
+        return self.of_place(
+            camera.fov, camera.near_m, camera.head_from_eye, camera.peripheral_axis
+        )
+
+    def of_place(
+        self, fov: Fov, near_m: float, head_from_eye: Pose, peripheral_axis: Array | None
+    ) -> Uniforms:
+        """Return the uniforms of an eye; kept for who asks next for the same one in a frame."""
+        kept = self._kept
+        if (
+            kept is None
+            or kept.place is not head_from_eye
+            or kept.axis is not peripheral_axis
+            or (kept.frustum != (fov, near_m))
+        ):
+            focal_px = focal_length_px(fov, self._size_px)[0]
+            eye = eye_uniforms(fov, near_m, head_from_eye)
+            uniforms = self.of_eye(eye, focal_px, axis_in_view(peripheral_axis, head_from_eye))
+            kept = self._kept = _Kept(head_from_eye, peripheral_axis, (fov, near_m), uniforms)
+        return kept.uniforms
 
 
 class CocPasses:
@@ -219,8 +245,7 @@ class CocPasses:
         )
         self.now: Uniforms = UniformGroup()
         """Uniforms of the last eye (:meth:`DepthToCoc.of_eye`); empty before the first."""
-        self.eye: ForwardUniforms | None = None
-        """The last eye; None before the first."""
+        self._eye: tuple[Fov, float, Pose] | None = None
         self._is_rendered = False
         self.tile_px = TILE_PX
         """Side of :attr:`tile_min_max`."""
@@ -245,6 +270,11 @@ class CocPasses:
         it."""
         self._colour_and_coc: moderngl.Texture | None = None
         self._beside: FullscreenPass | None = None
+
+    @property
+    def eye(self) -> ForwardUniforms | None:
+        """Return the last eye; None before the first."""
+        return self._eye and ForwardUniforms(*eye_uniforms(*self._eye)[:-1])
 
     @property
     def tile_min_max(self) -> moderngl.Texture:
@@ -285,13 +315,11 @@ class CocPasses:
 
         `peripheral_axis`: (3,) that of an `EyeCamera`.
         """
-        eye = eye_uniforms(fov, near_m, head_from_eye)
-        self.eye = ForwardUniforms(*eye[:-1])
         focal_px = focal_length_px(fov, self.size_px)[0]
         self.limit_now_px = radius_limit_in_px(self._settings, focal_px, self.size_px)
         self._least_limit_px = min(self._least_limit_px, self.limit_now_px)
-        axis = axis_in_view(peripheral_axis, head_from_eye)
-        self.now, self._is_rendered = self.depth_to_coc.of_eye(eye, focal_px, axis), True
+        self.now = self.depth_to_coc.of_place(fov, near_m, head_from_eye, peripheral_axis)
+        self._eye, self._is_rendered = (fov, near_m, head_from_eye), True
         if self._beside is not None:
             self._beside.render(self.now)
         if self.tells_clamps or self._tiles_are_read:

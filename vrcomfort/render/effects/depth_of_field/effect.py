@@ -119,7 +119,7 @@ class DepthOfFieldPass:
         self._coc.render(
             fov=fov,
             near_m=near_m,
-            head_from_eye=eye.head_from_eye,
+            head_from_eye=eye.camera.head_from_eye,
             peripheral_axis=eye.camera.peripheral_axis,
         )
         self._kernel.render(focal_y / focal_x)
