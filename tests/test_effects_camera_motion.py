@@ -43,12 +43,12 @@ depth_m = st.floats(0.05, 30_000)
 
 def clip_positions(now, before, points_m, dtype=np.float64):
     """Return present and previous clip positions, the way the vertex shader computes them."""
-    motion = camera_motion(now, before)
+    motion = camera_motion([now], [before])
     if dtype == np.float64:
         delta = now.position - before.position
         rotations = [p.inverse().matrix()[:3, :3] for p in (now, before)]
     else:
-        rotations, delta = motion[:2], motion.eye_delta_m
+        rotations, delta = [each[0] for each in motion[:2]], motion.eye_delta_m[0]
     relative = (points_m - now.position).astype(dtype)
     projection = CLIP_FROM_VIEW.astype(dtype)
 
@@ -122,7 +122,7 @@ def test_head_cancelled_keeps_locomotion_only(avatar, avatar_before, head, head_
 def test_a_head_locked_point_never_moves(avatar, head, offset, point):
     """In head space both eyes are the same eye, so its velocity is zero under any motion."""
     now = avatar @ head @ offset
-    motion = camera_motion(now, now)
+    motion = camera_motion([now], [now])
     assert np.all(motion.eye_delta_m == 0)
     assert np.array_equal(motion.view_from_world, motion.previous_view_from_world)
     assert np.all(velocity(now, now, 1.0 + np.linalg.norm(point), np.float32) == 0)

@@ -57,7 +57,8 @@ void main() {{
     scene = Scene("light", (), (), (), environment=environment)
     blocks = EyeBlocks(ctx, scene, (1, 1), lens=False, velocity=False)
     eye = EyeCamera(Pose(), Fov(-0.5, 0.5, 0.5, -0.5))
-    blocks.update(eye, PreviousCamera(Pose(), 0.0), None, None)
+    blocks.write([eye], [PreviousCamera(Pose(), 0.0)], None)
+    blocks.bind()
     ctx.framebuffer([target]).use()
     source.use(0)
     triangle = ctx.vertex_array(ctx.program(shaders.source("common/fullscreen.vert"), program), [])
@@ -78,14 +79,16 @@ def test_lamps_fall_off(ctx, rng):
 @pytest.mark.parametrize(("inner", "outer"), [(0.0, 0.3), (0.5, 0.9), (0.4, 0.401), (1.2, 1.57)])
 def test_cones_are_the_twin(ctx, rng, inner, outer):
     lamp = SpotLight((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), 1.0, (0.0, 0.0, -1.0), inner, outer)
-    block = np.zeros((), shaders.block_dtype("light.glsl", "Light"))
+    blocks = np.zeros(1, shaders.block_dtype("light.glsl", "Light"))
     environment = replace(ENVIRONMENT, point_lights=(lamp,))
-    lighting.Light(Scene("light", (), (), (), environment=environment), block)
+    lighting.Light(Scene("light", (), (), (), environment=environment), blocks)
     angle = np.concatenate([rng.uniform(0, np.pi, 300), rng.uniform(inner, outer, 100)])
     turn = rng.uniform(0, 2 * np.pi, 400)
     shines = [np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), -np.cos(angle)]
     rows = np.column_stack([-np.transpose(shines), np.zeros(400)]).astype("f4")
-    of_lamp = np.float32([block["lamp_direction"][0], [*[0.0] * 3, block["lamp_intensity"][0, 3]]])
+    of_lamp = np.float32(
+        [blocks[0]["lamp_direction"][0], [*[0.0] * 3, blocks[0]["lamp_intensity"][0, 3]]]
+    )
     found = evaluate(ctx, "light.glsl", "vec4(cone(x.xyz, a, b.w))", rows, constants=of_lamp)[:, 0]
     twin = reflection.cone(angle, inner_rad=inner, outer_rad=outer)
     np.testing.assert_allclose(found, twin, atol=3e-4)  # at most 1000 times a rounded cosine

@@ -192,7 +192,7 @@ def assert_can_be_drawn(scene: Scene) -> None:
     assert np.isfinite([(*lamp.intensity, lamp.range_m) for lamp in
                         scene.environment.point_lights]).all()  # fmt: skip
     layout = shaders.block_dtype("light.glsl", "Light")
-    block = np.zeros((), layout)
+    block = np.zeros(1, layout)
     lighting.Light(scene, block)
     assert all(np.isfinite(block[name]).all() for name in layout.names or ())
 

@@ -63,6 +63,9 @@ FARTHEST_M = 1e6
 precision."""
 
 
+_write = object.__setattr__
+
+
 class Pose:
     """A rigid transform: the place of a frame (`source`) in another (`target`). It never changes.
 
@@ -82,9 +85,9 @@ class Pose:
 
     __slots__ = ("_orientation", "_position", "_rotation", "numbers")
     numbers: tuple[float, ...]
-    _position: Array | None
-    _orientation: Array | None
-    _rotation: Array | None
+    _position: Array
+    _orientation: Array
+    _rotation: Array
 
     def __init__(
         self,
@@ -93,7 +96,7 @@ class Pose:
     ) -> None:
         x, y, z = np.asarray(position, dtype=np.float64).reshape(3).tolist()
         turn = unit_quaternion(np.asarray(orientation, dtype=np.float64).reshape(4))
-        self._set((x, y, z, *turn.tolist()))
+        _write(self, "numbers", (x, y, z, *turn.tolist()))
 
     @classmethod
     def of(cls, position: Sequence[float], orientation: Sequence[float]) -> Pose:
@@ -104,14 +107,8 @@ class Pose:
             length = math.sqrt(square)
             orientation = (x / length, y / length, z / length, w / length)
         pose = cls.__new__(cls)
-        pose._set((*position, *orientation))
+        _write(pose, "numbers", (*position, *orientation))
         return pose
-
-    def _set(self, numbers: tuple[float, ...]) -> None:
-        write = object.__setattr__
-        write(self, "numbers", numbers)
-        for name in ("_position", "_orientation", "_rotation"):
-            write(self, name, None)
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(f"a pose never changes: {name!r} cannot be set")
@@ -119,26 +116,32 @@ class Pose:
     def _keep(self, name: str, values: ArrayLike) -> Array:
         array = np.array(values, dtype=np.float64)
         array.setflags(write=False)
-        object.__setattr__(self, name, array)
+        _write(self, name, array)
         return array
 
     @property
     def position(self) -> Array:
         """Return (3,) metres."""
-        kept = self._position
-        return self._keep("_position", self.numbers[:3]) if kept is None else kept
+        try:
+            return self._position
+        except AttributeError:  # asked for the first time
+            return self._keep("_position", self.numbers[:3])
 
     @property
     def orientation(self) -> Array:
         """Return the (4,) unit quaternion."""
-        kept = self._orientation
-        return self._keep("_orientation", self.numbers[3:]) if kept is None else kept
+        try:
+            return self._orientation
+        except AttributeError:
+            return self._keep("_orientation", self.numbers[3:])
 
     @property
     def rotation(self) -> Array:
         """Return target-from-source as a (3, 3) rotation matrix."""
-        kept = self._rotation
-        return self._keep("_rotation", rotation_rows(*self.numbers[3:])) if kept is None else kept
+        try:
+            return self._rotation
+        except AttributeError:
+            return self._keep("_rotation", rotation_rows(*self.numbers[3:]))
 
     def __matmul__(self, other: Pose) -> Pose:
         """Compose: ``a_from_c = a_from_b @ b_from_c``."""
@@ -315,7 +318,7 @@ def clip_from_view(fov: Fov, near_m: float) -> Array:
 @lru_cache(maxsize=16)
 def view_from_clip(fov: Fov, near_m: float) -> Array:
     """Return the (4, 4) inverse of `clip_from_view`, kept and read-only as well."""
-    matrix: Array = np.linalg.inv(clip_from_view(fov, near_m))
+    matrix = np.asarray(np.linalg.inv(clip_from_view(fov, near_m)), dtype=np.float64)
     matrix.setflags(write=False)
     return matrix
 

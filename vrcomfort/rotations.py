@@ -134,7 +134,7 @@ def slerp(a: ArrayLike, b: ArrayLike, t: ArrayLike, /) -> Array:
     a = np.asarray(a, dtype=np.float64)
     b = np.asarray(b, dtype=np.float64)
     if a.ndim == b.ndim == np.ndim(t) + 1 == 1:
-        return np.array(_slerp_numbers(a.tolist(), b.tolist(), float(t)))  # type: ignore[arg-type]
+        return np.array(slerp_numbers(a.tolist(), b.tolist(), float(t)))  # type: ignore[arg-type]
     t = np.asarray(t, dtype=np.float64)[..., None]
     cosine = np.sum(a * b, axis=-1, keepdims=True)
     b = np.where(cosine < 0, -b, b)
@@ -150,7 +150,7 @@ def slerp(a: ArrayLike, b: ArrayLike, t: ArrayLike, /) -> Array:
     return normalize(weight_a * a + weight_b * b)
 
 
-def _slerp_numbers(a: list[float], b: list[float], t: float) -> list[float]:
+def slerp_numbers(a: list[float], b: list[float], t: float) -> list[float]:
     """Return `slerp` of two quaternions, in plain numbers: hot."""
     if sum(map(operator.mul, a, b)) < 0:
         b = [-each for each in b]

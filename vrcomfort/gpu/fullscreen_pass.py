@@ -109,6 +109,7 @@ class FullscreenPass:
             if name in filtered or name in mipmapped
         )
         self._values: dict[str, Any] = {}
+        self._members: dict[str, Any] = {}
         self._last: Uniforms | None = None
         self._kind: type | None = None
         if constants is not None:
@@ -147,7 +148,10 @@ class FullscreenPass:
             sampler.use(unit)
         if self._writes_depth:
             self._ctx.depth_func = "1"  # moderngl's GL_ALWAYS: fragments replace any depth
-        self.declared.run(self._draw)
+        if passes.is_watched():
+            self.declared.run(self._draw)
+        else:
+            self._draw()
         for unit, sampler in self._samplers:
             sampler.clear(unit)  # samplers override the textures of passes that follow
 
@@ -162,7 +166,9 @@ class FullscreenPass:
                 self._write(name, value)
 
     def _write(self, name: str, value: Any) -> None:
-        member: Any = self._triangle.program[name]
+        member: Any = self._members.get(name)
+        if member is None:
+            member = self._members[name] = self._triangle.program[name]
         if isinstance(value, bytes):
             member.write(value)
         else:
@@ -229,7 +235,7 @@ class MaxReductionPass:
         self, ctx: moderngl.Context, texels: moderngl.Texture, *, components: str = "xy"
     ) -> None:
         self._ctx = ctx
-        self._texels = texels
+        self._texels, self._count = texels, texels.width * texels.height
         self.target = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
         self._framebuffer = ctx.framebuffer([self.target])
         self._framebuffer.clear()
@@ -252,7 +258,7 @@ class MaxReductionPass:
 
     def _draw(self) -> None:
         with self._scope:
-            self._points.render(moderngl.POINTS, vertices=self._texels.width * self._texels.height)
+            self._points.render(moderngl.POINTS, vertices=self._count)
 
     def read(self) -> float:
         """Return the greatest value since the pass was made; waits for the GPU."""

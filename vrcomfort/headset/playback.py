@@ -17,7 +17,8 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M, Frame, HeadsetEvent
-from vrcomfort.geometry import Fov, Pose, View, heading, slerp
+from vrcomfort.geometry import Fov, Pose, View, heading
+from vrcomfort.rotations import slerp_numbers
 from vrcomfort.traces.pose_track import PoseTrack, Times
 from vrcomfort.traces.trace import Trace
 
@@ -309,5 +310,5 @@ def _pose_at(track: PoseTrack, sample: _Sample) -> Pose:
         return track.pose(sample.index)
     a, b = sample.index, sample.index + 1
     position = track.positions[a] + (track.positions[b] - track.positions[a]) * sample.fraction
-    turn = slerp(track.orientations[a], track.orientations[b], sample.fraction)
-    return Pose.of(position.tolist(), turn.tolist())
+    before, after = track.orientations[a : b + 1].tolist()
+    return Pose.of(position.tolist(), slerp_numbers(before, after, sample.fraction))

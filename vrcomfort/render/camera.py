@@ -6,8 +6,10 @@ Where an eye is (`EyeCamera`) and the point of its lens, how the head moved and 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, TypeAlias
+from functools import lru_cache
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +29,8 @@ from vrcomfort.scene.node_poses import HandPoses
 
 LensLaw = Literal["linear", "dioptre"]
 """Radius per metre of defocus, or per dioptre (all lenses)."""
+
+_UNIT = np.eye(4)
 
 NEAR_M = 0.02
 """Distance of the near plane, where nothing else is said."""
@@ -174,9 +178,6 @@ def speed_share(settings: SpeedRamps, step: HeadStep | None) -> float:
     return max(by_turning or 0.0, by_moving or 0.0)
 
 
-Float32: TypeAlias = NDArray[np.float32]
-
-
 def previous_eye_pose(
     mode: CameraMode,
     *,
@@ -287,52 +288,61 @@ def hand_poses(
 
 
 class CameraMotion(NamedTuple):
-    """Matrices that place a point in the present and the previous view.
+    """Matrices that place a point in the present and the previous view of each of n eyes.
 
     ``view = view_from_world · x`` and ``previous_view = previous_view_from_world · (x_before +
     eye_delta_m)``, where x is a world position less the present eye's position. Subtracting in
     float64 and sharing bit-equal rotations makes cancelled rotation exactly zero on the GPU.
     """
 
-    view_from_world: Float32
-    """(3, 3) rotation."""
-    previous_view_from_world: Float32
-    """(3, 3) rotation."""
-    eye_delta_m: Float32
-    """(3,) present eye position less previous one, world axes."""
+    view_from_world: Array
+    """(n, 3, 3) rotations."""
+    previous_view_from_world: Array
+    """(n, 3, 3) rotations."""
+    eye_delta_m: Array
+    """(n, 3) present eye position less previous one, world axes."""
+    turned: NDArray[np.bool_]
+    """(n,) whether the two rotations differ."""
 
 
-def camera_motion(world_from_eye: Pose, previous_world_from_eye: Pose) -> CameraMotion:
-    """Return the float32 rotations and eye displacement between two eye poses."""
-    delta = world_from_eye.position - previous_world_from_eye.position
-    return CameraMotion(
-        _view_rotation(world_from_eye),
-        _view_rotation(previous_world_from_eye),
-        delta.astype(np.float32),
-    )
+def camera_motion(eyes: Sequence[Pose], previous: Sequence[Pose]) -> CameraMotion:
+    """Return the rotations and eye displacements between world-from-eye poses, all at once."""
+    numbers = np.array([pose.numbers for pose in (*eyes, *previous)]).reshape(2, -1, 7)
+    rotations = np.array([pose.rotation for pose in (*eyes, *previous)]).reshape(2, -1, 3, 3)
+    now, before = rotations.swapaxes(-1, -2)
+    delta = numbers[0, :, :3] - numbers[1, :, :3]
+    turned = (numbers[0, :, 3:] != numbers[1, :, 3:]).any(axis=-1)
+    return CameraMotion(now, before, delta, turned)
 
 
-_UNIT = np.eye(4)
-
-
-def previous_clip_from_clip(
-    fov: Fov, near_m: float, world_from_eye: Pose, previous_world_from_eye: Pose
-) -> Array:
-    """Return (4, 4): where a point that does not move was in the image before, from where it is.
+def previous_clip_from_clip(cameras: Sequence[EyeCamera], motion: CameraMotion) -> Array:
+    """Return (n, 4, 4): where a point that does not move was before, from where it is in the image.
 
     With the same frustum for both. Exactly the identity where the pose has not changed, and without
     rotation where the orientation has not: cancelled rotation moves nothing.
     """
-    before_from_now = np.zeros((4, 4))
-    previous_from_world = previous_world_from_eye.rotation.T
-    if world_from_eye.numbers[3:] != previous_world_from_eye.numbers[3:]:
-        turn = previous_from_world @ world_from_eye.rotation
-        before_from_now[:3, :3] = turn - _UNIT[:3, :3]
-    delta_m = world_from_eye.position - previous_world_from_eye.position
-    before_from_now[:3, 3] = previous_from_world @ delta_m
-    clip, view = clip_from_view(fov, near_m), view_from_clip(fov, near_m)
+    before_from_now = np.zeros((len(cameras), 4, 4))
+    turn = motion.previous_view_from_world @ motion.view_from_world.swapaxes(1, 2)
+    before_from_now[:, :3, :3] = (turn - _UNIT[:3, :3]) * motion.turned[:, None, None]
+    moved = motion.previous_view_from_world @ motion.eye_delta_m[:, :, None]
+    before_from_now[:, :3, 3] = moved[..., 0]
+    clip, view = projections(cameras)
     change: Array = clip @ before_from_now @ view
     return _UNIT + change
+
+
+def projections(cameras: Sequence[EyeCamera]) -> tuple[Array, Array]:
+    """Return (n, 4, 4) clip-from-view and its inverses; read-only, for they are kept."""
+    return _projections(*((each.fov, each.near_m) for each in cameras))
+
+
+@lru_cache(maxsize=16)
+def _projections(*frusta: tuple[Fov, float]) -> tuple[Array, Array]:
+    found = np.array(
+        [[make(*each) for each in frusta] for make in (clip_from_view, view_from_clip)]
+    )
+    found.setflags(write=False)
+    return found[0], found[1]
 
 
 def extrapolated_eye_pose(
@@ -340,7 +350,3 @@ def extrapolated_eye_pose(
 ) -> Pose:
     """Return the eye pose `frames` after the present one (negative: before), velocity constant."""
     return interpolate_pose(previous_world_from_eye, world_from_eye, 1 + frames)
-
-
-def _view_rotation(world_from_eye: Pose) -> Float32:
-    return world_from_eye.rotation.T.astype(np.float32)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -289,6 +289,12 @@ class ConditionPasses:
         with part("focus"):
             return self.focus.render(view)
 
+    def place(self, eyes: Sequence[EyeFrame], scene_time_s: float, before_s: float) -> None:
+        """Move the scene to a time, and place it for all eyes of a frame at once."""
+        cameras = [eye.camera for eye in eyes]
+        previous = [_previous(eye, before_s) for eye in eyes]
+        self.scene.update(scene_time_s, cameras[0].head, before_s, cameras, previous)
+
     def render_eye(self, eye: EyeFrame, scene_time_s: float, before_s: float) -> EyeImages:
         """Draw one eye and its effects; the left one first."""
         self.triangles = 0
@@ -327,7 +333,7 @@ class ConditionPasses:
         before_s: float,
         lens: Lens | None = None,
     ) -> None:
-        previous = eye.previous or PreviousCamera(eye.camera.world_from_eye, before_s)
+        previous = _previous(eye, before_s)
         camera = eye.camera if lens is None else replace(eye.camera, lens=lens)
         with part("scene"):
             self.scene.render(camera, scene_time_s, previous, resolve=False)
@@ -338,3 +344,8 @@ class ConditionPasses:
         for name, effect in effects.items():
             with part(name):
                 effect.render(seen)
+
+
+def _previous(eye: EyeFrame, before_s: float) -> PreviousCamera:
+    """Return where an eye counts as having been; without motion blur, where it is."""
+    return eye.previous or PreviousCamera(eye.camera.world_from_eye, before_s)

@@ -445,23 +445,22 @@ class BatchDrawer:
             Whether back faces of one-sided surfaces are left out.
         """
         covers = False
-        for batch in batches:
-            state = states[batch.key]
-            if state.block is not None and state.block != self._block:
-                self._block = state.block
-                self._materials.bind(state.block)
-            self._cull(state.faces if cull else None)
-            if state.covers != covers:
-                covers = state.covers
+        for key, first, length in batches:
+            array, block, faces, state_covers = states[key]
+            if block is not None and block != self._block:
+                self._block = block
+                self._materials.bind(block)
+            if (faces := faces if cull else None) != self._faces:
+                self._cull(faces)
+            if state_covers != covers:
+                covers = state_covers
                 toggle = self._ctx.enable_direct if covers else self._ctx.disable_direct
                 toggle(_ALPHA_TO_COVERAGE)
-            state.array.render_indirect(commands, count=batch.length, first=batch.first)
+            array.render_indirect(commands, count=length, first=first)
         if covers:
             self._ctx.disable_direct(_ALPHA_TO_COVERAGE)
 
     def _cull(self, faces: str | None) -> None:
-        if faces == self._faces:
-            return
         self._faces = faces
         if faces is None:
             self._ctx.disable(moderngl.CULL_FACE)

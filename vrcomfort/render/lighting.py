@@ -32,12 +32,12 @@ def features(environment: Environment) -> shaders.Defines:
 
 
 class Light:
-    """Fills the uniform block of light. Positions follow the eye: `look_from` for each view.
+    """Fills the uniform blocks of light. Positions follow the eyes: `look_from`.
 
     Parameters
     ----------
-    block
-        Of the layout that ``light.glsl`` declares; it is written into.
+    blocks
+        (views,) of the layout that ``light.glsl`` declares; they are written into.
 
     Raises
     ------
@@ -45,32 +45,34 @@ class Light:
         If the scene has more lamps than the shader has room for.
     """
 
-    def __init__(self, scene: Scene, block: NDArray[np.void]) -> None:
+    def __init__(self, scene: Scene, blocks: NDArray[np.void]) -> None:
         lamps = scene.environment.point_lights
         count = len(lamps) + len(scene.environment.directional_lights)
         if count > MOST_LAMPS:
             raise InputError(
                 f"scene {scene.name!r} has {count} lamps besides the sun; {MOST_LAMPS} are the most"
             )
-        _write_environment(block, scene.environment)
+        _write_environment(blocks, scene.environment)
         self._world_m = np.array([lamp.position for lamp in lamps]).reshape(-1, 3)
-        self._lamps = block["lamp_position"][: len(lamps), :3]
-        self._shadow_from_relative = block["shadow_from_relative"]
-        self._bias = block["shadow_bias"]
+        self._lamps = blocks["lamp_position"][:, : len(lamps), :3]
+        self._shadow_from_relative = blocks["shadow_from_relative"]
+        self._bias = blocks["shadow_bias"]
 
-    def look_from(self, eye_m: Array, shadow: ShadowUniforms | None) -> None:
-        """Write positions relative to an eye.
+    def look_from(self, eyes_m: Array, shadow: ShadowUniforms | None) -> None:
+        """Write positions relative to the eyes of the first blocks.
 
         Parameters
         ----------
-        eye_m
-            (3,) world position.
+        eyes_m
+            (eyes, 3) world positions.
         shadow
             None without a sun.
         """
-        np.subtract(self._world_m, eye_m, out=self._lamps, casting="same_kind")
+        lamps, moved = self._lamps[: len(eyes_m)], eyes_m[:, None]
+        np.subtract(self._world_m, moved, out=lamps, casting="same_kind")
         if shadow is not None:
-            self._shadow_from_relative[...] = relative_to(shadow.from_world, eye_m).T
+            for view, eye_m in enumerate(eyes_m):
+                self._shadow_from_relative[view] = relative_to(shadow.from_world, eye_m).T
             self._bias[...] = shadow.bias
 
 
@@ -115,20 +117,20 @@ class LampReach:
         return np.asarray(self._powers @ (x * x + y * y + z * z < self._squares))
 
 
-def _write_environment(block: NDArray[np.void], environment: Environment) -> None:
-    block["sun_direction"][:3] = environment.sun_direction
+def _write_environment(blocks: NDArray[np.void], environment: Environment) -> None:
+    blocks["sun_direction"][..., :3] = environment.sun_direction
     for name in ("sun_irradiance", "sky_zenith", "sky_horizon", "ground"):
-        block[name][:3] = getattr(environment, name)
-    block["fog"] = (*environment.fog_color, environment.fog_density_per_m)
-    block["clouds"][0] = environment.cloud_cover
+        blocks[name][..., :3] = getattr(environment, name)
+    blocks["fog"] = (*environment.fog_color, environment.fog_density_per_m)
+    blocks["clouds"][..., 0] = environment.cloud_cover
     for index, lamp in enumerate(environment.point_lights):
-        block["lamp_position"][index, 3] = lamp.range_m
+        blocks["lamp_position"][..., index, 3] = lamp.range_m
         direction, scale, offset = _cone(lamp)
-        block["lamp_intensity"][index] = (*lamp.intensity, offset)
-        block["lamp_direction"][index] = (*direction, scale)
+        blocks["lamp_intensity"][..., index, :] = (*lamp.intensity, offset)
+        blocks["lamp_direction"][..., index, :] = (*direction, scale)
     for index, far in enumerate(environment.directional_lights, len(environment.point_lights)):
-        block["lamp_position"][index, :3] = -np.array(far.direction)
-        block["lamp_intensity"][index] = (*far.irradiance, 1.0)
+        blocks["lamp_position"][..., index, :3] = -np.array(far.direction)
+        blocks["lamp_intensity"][..., index, :] = (*far.irradiance, 1.0)
 
 
 def _cone(lamp: PointLight) -> tuple[Rgb, float, float]:

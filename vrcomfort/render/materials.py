@@ -300,8 +300,7 @@ MATERIAL_BINDING = 2
 MakeVertexArray = Callable[[moderngl.Program], moderngl.VertexArray]
 
 
-@dataclass(frozen=True, eq=False)
-class BatchState:
+class BatchState(NamedTuple):
     """OpenGL state of a batch: vertex array with its program, block of materials, culling."""
 
     array: moderngl.VertexArray

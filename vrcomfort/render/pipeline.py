@@ -337,7 +337,7 @@ class StereoRenderer:
         eyes = [
             self._eye(index, frame, world_from_head, before, centre) for index in range(self._eyes)
         ]
-        passes.scene.update(scene_time_s, world_from_head, before_s, [eye.camera for eye in eyes])
+        passes.place(eyes, scene_time_s, before_s)
         samples = passes.find_focus(frame, world_from_head, scene_time_s, centre)
         triangles = passes.focus.triangles if passes.focus else 0
         seeks_gaze, hits = self._look_along(frame, world_from_head)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl, passes, shaders
@@ -27,6 +28,7 @@ from vrcomfort.render.camera import (
     PreviousCamera,
     camera_motion,
     previous_clip_from_clip,
+    projections,
 )
 from vrcomfort.render.gpu_scene import GpuScene, ViewFrustum
 from vrcomfort.render.lighting import Light
@@ -91,6 +93,7 @@ class ScenePass:
         )
         self._blocks = EyeBlocks(ctx, scene, size_px, lens=lens_law is not None, velocity=velocity)
         self._eyes: tuple[EyeCamera, ...] = ()
+        self._previous: tuple[PreviousCamera, ...] = ()
         self._placed: tuple[float, float, Pose] | None = None
         self._shadow_triangles = 0
         self.lens_focus: moderngl.Texture | None = None
@@ -130,10 +133,11 @@ class ScenePass:
         head: Pose,
         previous_time_s: float | None = None,
         eyes: Sequence[EyeCamera] = (),
+        previous: Sequence[PreviousCamera] = (),
     ) -> None:
-        """Move the scene to a time, and cull it for all `eyes` at once.
+        """Move the scene to a time, and cull it and place it for all `eyes` at once.
 
-        `render` does it for its eye alone where it was not done.
+        `render` does it for its eye alone where it was not done, or not for its `previous`.
         """
         before_s = time_s if previous_time_s is None else previous_time_s
         self._placed = (time_s, before_s, head)
@@ -145,6 +149,9 @@ class ScenePass:
             self._shadow_triangles = self._shadow.triangles
         if eyes:
             self.gpu.cull([_viewpoint(eye) for eye in eyes])
+        self._previous = tuple(previous)
+        if previous:
+            self._blocks.write(eyes, previous, self._shadow)
 
     def render(
         self,
@@ -171,12 +178,21 @@ class ScenePass:
         if view is None or self._placed != (time_s, before.time_s, camera.head):
             self.update(time_s, camera.head, before.time_s, [camera])
             view = 0
-        self._blocks.update(camera, before, self._shadow, self.lens_focus)
+        self._place(view, camera, before)
         self._draw(view, camera)
         self.triangles += self._shadow_triangles
         self._shadow_triangles = 0  # the next eye reads the same map
         if resolve:
             self.resolve.render(camera)
+
+    def _place(self, view: int, camera: EyeCamera, before: PreviousCamera) -> None:
+        """Bind the blocks of an eye; they are there where `update` knew all of it."""
+        if camera.lens is None and self._previous and self._previous[view] == before:
+            self._blocks.bind(view)
+            return
+        self._previous = ()
+        self._blocks.write([camera], [before], self._shadow)
+        self._blocks.bind(lens_focus=None if camera.lens is None else self.lens_focus)
 
     def _view(self, camera: EyeCamera) -> int | None:
         """Return which of the eyes of `update` a camera is, its lens aside."""
@@ -322,7 +338,7 @@ PINHOLE = Lens((0.0, 0.0), focus_m=1.0, infinity_m=1.0, px_per_defocus=0.0, radi
 
 
 class EyeBlocks:
-    """The blocks of ``view.glsl`` and ``light.glsl`` in one buffer, which one call fills.
+    """The blocks of ``view.glsl`` and ``light.glsl`` of several eyes in one buffer: one upload.
 
     Parameters
     ----------
@@ -330,6 +346,8 @@ class EyeBlocks:
         Whether cameras have a `Lens`.
     velocity
         Whether the image of velocities is resolved from clip positions.
+    most
+        Eyes at once.
     """
 
     def __init__(
@@ -340,6 +358,7 @@ class EyeBlocks:
         *,
         lens: bool,
         velocity: bool,
+        most: int = 2,
     ) -> None:
         view, light = (
             shaders.block_dtype("view.glsl", "View"),
@@ -347,70 +366,74 @@ class EyeBlocks:
         )
         self._sizes = view.itemsize, light.itemsize
         self._light_offset = gl.uniform_stride(view.itemsize)
-        self._bytes = np.zeros(self._light_offset + light.itemsize, dtype=np.uint8)
-        self._view = self._bytes[: view.itemsize].view(view).reshape(())
-        self._light = Light(scene, self._bytes[self._light_offset :].view(light).reshape(()))
-        self._view["image_size_px"][:2] = size_px
-        self._clip_from_view = self._view["clip_from_view"]
-        self._view_from_relative = self._view["view_from_relative"][:3, :3]
-        self._previous_view_from_relative = self._view["previous_view_from_relative"][:3, :3]
-        self._eye_delta_m = self._view["eye_delta_m"][:3]
-        self._previous_clip_from_clip = self._view["previous_clip_from_clip"]
+        self._stride = gl.uniform_stride(self._light_offset + light.itemsize)
+        self._bytes = np.zeros((most, self._stride), dtype=np.uint8)
+        self._views = self._bytes[:, : view.itemsize].view(view)[:, 0]
+        of_light = self._bytes[:, self._light_offset :][:, : light.itemsize]
+        self._light = Light(scene, of_light.view(light)[:, 0])
+        self._views["image_size_px"][:, :2] = size_px
+        self._clips, self._previous_clips = (
+            self._views[name].swapaxes(1, 2)  # GLSL stores columns
+            for name in ("clip_from_view", "previous_clip_from_clip")
+        )
+        self._now, self._before = (
+            self._views[name][:, :3, :3].swapaxes(1, 2)
+            for name in ("view_from_relative", "previous_view_from_relative")
+        )
+        self._eye_delta_m = self._views["eye_delta_m"][:, :3]
         self._ndc_per_px = 2 / np.array(size_px)
         self._lens, self._velocity = lens, velocity
         self._focus_offset = shaders.offset(view, "lens_focus")
         self._buffer = gl.dynamic_buffer(ctx, self._bytes.nbytes)
 
-    def update(
+    def write(
         self,
-        camera: EyeCamera,
-        previous: PreviousCamera,
+        cameras: Sequence[EyeCamera],
+        previous: Sequence[PreviousCamera],
         shadow: ShadowMap | None,
-        lens_focus: moderngl.Texture | None,
     ) -> None:
-        """Write and bind the blocks for an eye.
+        """Write the blocks of some eyes; `previous` is where each counts as having been."""
+        poses = [each.world_from_eye for each in cameras]
+        motion = camera_motion(poses, [each.world_from_eye for each in previous])
+        count = len(cameras)
+        self._clips[:count] = projections(cameras)[0]
+        self._now[:count], self._before[:count] = motion[:2]
+        self._eye_delta_m[:count] = motion.eye_delta_m
+        if self._velocity:
+            self._previous_clips[:count] = previous_clip_from_clip(cameras, motion)
+        if self._lens:
+            for view, camera in zip(self._views, cameras, strict=False):
+                self._write_lens(view, camera, camera.lens or PINHOLE)
+        places = np.array([pose.numbers[:3] for pose in poses])
+        self._light.look_from(places, None if shadow is None else shadow.uniforms)
+        self._buffer.orphan()  # draws that are under way keep their storage
+        self._buffer.write(self._bytes)
+
+    def bind(self, view: int = 0, lens_focus: moderngl.Texture | None = None) -> None:
+        """Make an eye's blocks those that shaders see.
 
         Parameters
         ----------
         lens_focus
-            1×1, x = where lenses focus (m); None where each lens says so itself.
+            1×1, x = where its lens focuses (m); None where the lens says so itself.
         """
-        motion = camera_motion(camera.world_from_eye, previous.world_from_eye)
-        # Transposed: GLSL stores columns.
-        self._clip_from_view[...] = camera.clip_from_view().T
-        self._view_from_relative[...] = motion.view_from_world.T
-        self._previous_view_from_relative[...] = motion.previous_view_from_world.T
-        self._eye_delta_m[...] = motion.eye_delta_m
-        if self._velocity:
-            self._previous_clip_from_clip[...] = previous_clip_from_clip(
-                camera.fov, camera.near_m, camera.world_from_eye, previous.world_from_eye
-            ).T
-        if self._lens:
-            self._write_lens(camera, camera.lens or PINHOLE)
-        self._light.look_from(
-            camera.world_from_eye.position, None if shadow is None else shadow.uniforms
-        )
-        self._buffer.orphan()  # draws of the other eye that are under way keep their storage
-        self._buffer.write(self._bytes)
-        if lens_focus is not None and camera.lens is not None:
+        start, (view_size, light_size) = view * self._stride, self._sizes
+        if lens_focus is not None:
             # From texture to block on the GPU: the focus of this frame is not known here.
-            lens_focus.read_into(self._buffer, write_offset=self._focus_offset)
-        self._bind()
+            lens_focus.read_into(self._buffer, write_offset=start + self._focus_offset)
+        self._buffer.bind_to_uniform_block(VIEW_BINDING, offset=start, size=view_size)
+        start += self._light_offset
+        self._buffer.bind_to_uniform_block(LIGHT_BINDING, offset=start, size=light_size)
 
-    def _bind(self) -> None:
-        view, light = self._sizes
-        self._buffer.bind_to_uniform_block(VIEW_BINDING, offset=0, size=view)
-        self._buffer.bind_to_uniform_block(LIGHT_BINDING, offset=self._light_offset, size=light)
-
-    def _write_lens(self, camera: EyeCamera, lens: Lens) -> None:
+    def _write_lens(self, view: NDArray[np.void], camera: EyeCamera, lens: Lens) -> None:
         head = camera.head
         forward = head.forward
         ahead_m = forward @ (camera.world_from_eye.position - head.position)
         offset = np.array(lens.position) * self._ndc_per_px
-        self._view["lens"] = (*offset, 0.0, lens.infinity_m)
-        self._view["lens_focus"][0] = lens.focus_m
-        self._view["lens_limit"][:2] = lens.px_per_defocus, lens.radius_limit_px
-        self._view["head_forward"] = (*forward, ahead_m + lens.distance_offset_m)
+        view["lens"] = (*offset, 0.0, lens.infinity_m)
+        view["lens_focus"][0] = lens.focus_m
+        view["lens_limit"][:2] = lens.px_per_defocus, lens.radius_limit_px
+        view["head_forward"] = (*forward, ahead_m + lens.distance_offset_m)
 
 
 class Radii(NamedTuple):

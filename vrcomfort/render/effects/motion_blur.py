@@ -397,7 +397,7 @@ class FrameStreaks:
     """Sums up the tiles of a frame in one pixel, `target`: see ``frame_streaks.vert``."""
 
     def __init__(self, ctx: moderngl.Context, tile_max: moderngl.Texture) -> None:
-        self._ctx, self._tile_max = ctx, tile_max
+        self._ctx, self._tile_max, self._rows = ctx, tile_max, tile_max.height
         self.target = gl.color_texture(ctx, (1, 1), dtype="f4")
         self._longest_of_all = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
         self._framebuffer = ctx.framebuffer([self.target, self._longest_of_all])
@@ -422,7 +422,7 @@ class FrameStreaks:
 
     def _draw(self) -> None:
         with self._scope:
-            self._points.render(moderngl.POINTS, vertices=self._tile_max.height)
+            self._points.render(moderngl.POINTS, vertices=self._rows)
 
     def longest_of_all_px(self) -> float:
         """Return the longest half velocity of all frames, before the limit; waits for the GPU."""
