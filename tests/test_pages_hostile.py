@@ -17,7 +17,8 @@ from vrcomfort.errors import InputError
 from vrcomfort.report import ReportSummary
 from vrcomfort.report.tables import inert, to_csv
 from vrcomfort.report.writing import LONGEST_BYTES, file_name
-from vrcomfort.web_page import POLICY, escape_hidden, inline_svg, page_templates
+from vrcomfort.resources import data_folder
+from vrcomfort.web_page import POLICY, escape_hidden, inline_svg, page_templates, policy_with
 
 ONERROR = "<img src=x onerror=document.title='ran'>"
 SCRIPT = "\"'></style></svg><script>document.title='ran'</script>"
@@ -87,7 +88,10 @@ class Elements(HTMLParser):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_report_on_any_names_is_written_and_has_only_its_own_elements(reports, kind):
     summary = reports(kind)
-    page = Elements(summary.index.read_text("utf-8"))
+    text = summary.index.read_text("utf-8")
+    own = f"<script>{(data_folder('analysis') / 'report' / 'page.js').read_text('utf-8')}</script>"
+    assert text.count(own) == 1
+    page = Elements(text.replace(own, ""))
     assert not page.found & {"script", "img", "iframe", "object", "embed", "base", "form", "link"}
     assert not [name for name in page.attributes if name.startswith("on")]
     assert len(summary.figures) >= 3
@@ -117,6 +121,7 @@ def test_in_a_browser_nothing_of_a_report_on_hostile_names_runs(reports, browser
     assert opened.refused == ()  # nothing got so far that the policy had to stop it
     assert opened.dom.count("<figure") == opened.dom.count("</figure>") >= 3
     assert "An interval of the shift needs" in opened.dom  # the page is whole to its end
+    assert '<button id="copy" type="button">' in opened.dom  # its own script is allowed to run
 
 
 @pytest.mark.slow
@@ -146,10 +151,13 @@ def test_every_page_has_the_policy_before_anything_else_that_counts(template):
     source, _, _ = page_templates().loader.get_source(page_templates(), template)
     head = source[source.index("<head>") :]
     assert head.index("Content-Security-Policy") < head.index("<title>") < head.index("<style>")
-    assert "<script" not in source
+    own = "<script>{{ script }}</script>"
+    assert source.count("<script") == source.count(own) == (template == "report.html.j2")
     assert "| safe" not in source
     assert "default-src 'none'" in POLICY
     assert "script-src" not in POLICY
+    assert policy_with("a()").startswith(f"{POLICY}; script-src 'sha256-")
+    assert "unsafe" not in policy_with("a()").partition("script-src")[2]
 
 
 @pytest.mark.parametrize(

@@ -145,7 +145,7 @@ def test_a_report_is_written_of_a_study_and_a_plan(study, tmp_path):
     )
     assert json.loads(summary.results.read_text())["plan"]["sha256"] == plan.sha256
     assert summary.participants == 3
-    assert len(summary.headlines) == 4
+    assert len(summary.headlines) == 5  # of four scores, and of the ratings
     assert notes == [*summary.warnings]
 
 

@@ -38,6 +38,7 @@ def test_nothing_of_the_page_is_cut(browser, page, width_px, printed):
     found = lay_out(browser, page, width_px, printed=printed)
     assert found["cut"] == []
     assert found["scroll_width"] <= found["width"] + 1
+    assert (found["hidden"], found["parts"] > 10) == (0, True)
 
 
 @pytest.mark.slow

@@ -164,7 +164,7 @@ def test_a_plan_compares_conditions_on_ratings_and_trials_without_any_questionna
     assert (second["shift"]["estimate"], third["p"]) == (0, 1)
     page = built.index.read_text()
     assert "Worst sickness: higher under No blur" in page
-    assert "difference 6.00 FMS" in page
+    assert "difference was 6.00 FMS" in page
     assert "lower is better" in page
 
 

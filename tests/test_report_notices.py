@@ -264,10 +264,10 @@ def test_exact_is_written_only_where_it_was(tmp_path, monkeypatch):
     scores = {f"P{i}": {"a": 3 + i, "b": 2 * i} for i in range(8)}
     source = foreign(tmp_path / "questionnaires.csv", scores)
     exact = build_report(source, out=tmp_path / "o").index.read_text("utf-8")
-    assert "p is from the exact permutation distribution" in exact
+    assert "The p value is from the exact permutation distribution" in exact
     monkeypatch.setattr("vrcomfort.stats.signed_rank.EXACT_UP_TO", 5)
     summary = build_report(source, out=tmp_path / "p")
-    assert "Asymptotic p" in summary.headlines[0]
+    assert "Asymptotic signed-rank test" in summary.headlines[0]
     assert "exact permutation distribution" not in summary.index.read_text("utf-8")
 
 

@@ -111,7 +111,8 @@ def test_estimates_without_an_interval_say_why(tmp_path):
     assert len(summary.headlines) == 4
     for line in summary.headlines[:3]:  # nobody answered what is of D alone
         assert re.search(
-            r"points \(no (Holm-adjusted )?95\u00a0% CI: too few differences\), n\u00a0=\u00a04\.",
+            r"points \(no (Holm-adjusted )?95\u00a0% CI: too few differences\), "
+            r"Holm-adjusted p\u00a0=\u00a0\S+, n\u00a0=\u00a04\.",
             line,
         )
         assert re.search(r"r\u00a0=\u00a0\S+ \[\S+,\u00a0\S+\]\.", line)
@@ -135,7 +136,7 @@ def test_zeros_may_leave_an_interval_to_the_shift_alone(tmp_path):
     source = foreign(tmp_path / "questionnaires.csv", scores)
     summary = build_report(source, plan=as_effectsize(tmp_path), out=tmp_path / "o")
     line = summary.headlines[0]
-    assert re.search(r"points, 95\u00a0% CI \[\S+,\u00a0\S+\], n", line)
+    assert re.search(r"points, 95\u00a0% CI \[\S+,\u00a0\S+\], p\u00a0=", line)
     assert "r\u00a0=\u00a01.00 (no 95\u00a0% CI: too few differences other than 0)" in line
 
 

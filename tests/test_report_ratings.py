@@ -225,9 +225,10 @@ def page_of(study, folder):
 def test_the_page_tells_of_drop_outs(tmp_path):
     text, made = page_of(with_drop_outs(), tmp_path)
     for words in (
-        "Ratings during exposure", "Time to leaving", "robust SE", "carried forward", "worst case",
-        "condition: blurred to sharp", "A model of how symptoms build up", "Kaplan, E. L.",
-        "the middle of the scale, as the plan names no threshold", "Lin, D. Y.",
+        "Ratings during exposure", "Time to withdrawal", "robust SE", "carried forward",
+        "worst case",
+        "condition: blurred to sharp", "Model of symptom development", "Kaplan, E. L.",
+        "the middle of the scale, as neither plan nor protocol names a threshold", "Lin, D. Y.",
     ):  # fmt: skip
         assert words in text, words
     drawn = {figure.name for figure in made.figures}

@@ -20,6 +20,12 @@ def test_summaries_are_those_of_the_answered_ratings() -> None:
     assert COURSE.slope_per_min() == pytest.approx(4 / (42 / 9))
 
 
+def test_ratings_in_a_row_are_those_that_were_answered() -> None:
+    course = RatingCourse(np.arange(1.0, 7.0), np.array([5, 9, 2, 9, np.nan, 9]))
+    assert course.time_to(9, in_a_row=2, ended_s=8) == Reached(6.0, reached=True)
+    assert course.time_to(9, in_a_row=3, ended_s=8) == Reached(8.0, reached=False)
+
+
 def test_a_threshold_is_reached_at_the_first_rating_there_or_above() -> None:
     assert COURSE.time_to(4) == Reached(120, reached=True)
     assert COURSE.time_to(1.5) == Reached(120, reached=True)

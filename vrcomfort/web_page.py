@@ -1,4 +1,4 @@
-"""The base of all written pages: escaped templates, inline SVG, no scripts.
+"""The base of all written pages: escaped templates, inline SVG, no scripts but a known one.
 
 Names of conditions, participants and studies come from files that anybody may have written. They
 reach a page through two doors only: the templates of `page_templates`, which escape, and
@@ -7,6 +7,7 @@ reach a page through two doors only: the templates of `page_templates`, which es
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import re
 
@@ -21,6 +22,13 @@ POLICY = (
     "base-uri 'none'; form-action 'none'"
 )
 """The content security policy of a page: no scripts, nothing from elsewhere."""
+
+
+def policy_with(script: str) -> str:
+    """Return the policy of a page with one script, this one and no other."""
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return f"{POLICY}; script-src 'sha256-{digest}'"
+
 
 _HIDDEN = re.compile(
     "[\u200b\u202a-\u202e\u2060-\u2069\ufeff"  # no width, or turns the text around it

@@ -17,7 +17,10 @@ addEventListener('load', () => {
   const cut = [...document.querySelectorAll('table, svg, p, h1, h2, li, dd, pre, nav a')]
     .filter((e) => e.getBoundingClientRect().width && !inside(e) && !scrolls(e.closest('.scroll')))
     .map((e) => e.tagName + ' ' + e.textContent.trim().slice(0, 60));
-  const found = {width, scroll_width: document.documentElement.scrollWidth, cut};
+  const parts = [...document.querySelectorAll('details.part > .inside')];
+  const hidden = parts.filter((e) => !e.checkVisibility()).length;
+  const found = {hidden, parts: parts.length, width,
+    scroll_width: document.documentElement.scrollWidth, cut};
   parent.postMessage(JSON.stringify(found), '*');
 });
 </script>"""
@@ -27,8 +30,13 @@ addEventListener('message', (e) => { document.querySelector('pre').textContent =
 
 
 def lay_out(browser: str, page: Path, width_px: int, *, printed: bool = False) -> dict:
-    """Return the width of the window, that of what can be scrolled to, and what is cut."""
+    """Return the width of the window, that of what can be scrolled to, and what is cut.
+
+    On screen all parts of the page are opened; on paper they have to open by themselves.
+    """
     text = page.read_text("utf-8")
+    if not printed:
+        text = text.replace('<details class="part">', '<details class="part" open>')
     text = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", text)
     if printed:
         text = text.replace("@media print", "@media all")

@@ -170,6 +170,14 @@ class _Ask(_Part):
     trials: list[int] = []
 
 
+class StopRuleOfRatings(_Part):
+    """The ratings of an instrument, and the rule by which they end an exposure."""
+
+    instrument: str
+    stop_at: float | None = None
+    stop_in_a_row: Number = 1
+
+
 class _Consent(_Part):
     version: str
 
@@ -191,6 +199,7 @@ class SettingsShape(_Part):
     practice: list[_Named] = []
     adjustments: list[_Adjustment] = []
     questionnaires: list[_Ask] = []
+    ratings: list[StopRuleOfRatings] = []
     consent: _Consent | None = None
     photodiode: dict[str, Any] | None = None
     flag_above_percent: dict[str, float] = {}

@@ -14,26 +14,28 @@ from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import InputError, spare
 from vrcomfort.report.analyses import ReportContext, outcome_sentences, sentences
 from vrcomfort.report.derived_plan import plan_of
-from vrcomfort.report.figures import draw_figures
+from vrcomfort.report.figures import draw_figures, figure_tables
 from vrcomfort.report.page import render_page
+from vrcomfort.report.paper import FILE as PAPER_FILE
 from vrcomfort.report.plan import Plan
 from vrcomfort.report.plan_files import find_plan, load_plan, read_plan, shipped_files
 from vrcomfort.report.reproduce import r_script
 from vrcomfort.report.residuals import residuals_of
 from vrcomfort.report.results import PLAN_FILE, analyse, results_json
-from vrcomfort.report.sections import run_sections
+from vrcomfort.report.sections import run_sections, section_sentences
 from vrcomfort.report.study_data import SIMULATED, of_one_kind, read_study, with_frames
 from vrcomfort.report.tables import all_tables
-from vrcomfort.report.vocabulary import Vocabulary
 from vrcomfort.report.writing import file_name, name_of_study, write_report
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
+    from collections.abc import Collection, Iterator, Sequence
 
     from vrcomfort.records.choice import SessionName
     from vrcomfort.records.recording import Memory
+    from vrcomfort.report.analyses import Sentence
     from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.results import Results
+    from vrcomfort.report.rows import Cells
     from vrcomfort.report.study_data import StudyData
 
 
@@ -157,25 +159,29 @@ def _build(
     several = max(results.participants.exposures_per_condition.values(), default=0) > 1
     context = ReportContext(words, chosen, several=several, drawn=bool(forms))
     figures: dict[str, Drawing] = {}
+    drawn_from: dict[str, list[Cells]] = {}
     if forms:
         left = [
             residuals_of(scored, chosen, results.tests, outcome.name)
             for outcome in results.outcomes
         ]
         figures = draw_figures(study, results, scored, left, sections, context)
+        drawn_from = figure_tables(study, results, scored, left)
+    tables = all_tables(results, scored, sections, drawn_from)
+    written = [form for form in FORMS if form in forms]
+    pages = render_page(results, figures, context, written, sections, tables)
     files: dict[str, str | bytes] = {
         PLAN_FILE: chosen.text,
-        "index.html": render_page(
-            results, figures, context, [f for f in FORMS if f in forms], sections
-        ),
+        "index.html": pages.page,
+        PAPER_FILE: pages.paper,
         "reproduce.R": r_script(),
-        **{f"tables/{name}": text for name, text in all_tables(results, scored, sections).items()},
+        **{f"tables/{name}": text for name, text in tables.items()},
         **_figure_files(figures, forms),
     }
     results = replace(results, files=("results.json", *files))
     spare(_read(source, plan, out), [out / name for name in results.files])
     write_report(out, {"results.json": results_json(results), **files})
-    return _summary(out, results, words)
+    return _summary(out, results, section_sentences(sections, words))
 
 
 @contextmanager
@@ -250,7 +256,7 @@ def _of_one_kind(study: StudyData, simulated: bool | None) -> StudyData:
     return of_one_kind(study, simulated=simulated)
 
 
-def _summary(out: Path, results: Results, words: Vocabulary) -> ReportSummary:
+def _summary(out: Path, results: Results, of_sections: Sequence[Sentence]) -> ReportSummary:
     quality = results.quality
     excluded = [
         f"{row.place}: {row.participant}, {row.questionnaire}: {row.reason}"
@@ -266,7 +272,7 @@ def _summary(out: Path, results: Results, words: Vocabulary) -> ReportSummary:
         analysed=len(results.participants.analysed),
         withdrawn=results.withdrawals.n,
         without_primary=results.without_primary or "",
-        headlines=tuple(_headlines(results, words)),
+        headlines=(*_headlines(results), *(each.text for each in of_sections)),
         warnings=(
             *quality.reading,
             *_changed(quality.protocol_versions),
@@ -276,8 +282,9 @@ def _summary(out: Path, results: Results, words: Vocabulary) -> ReportSummary:
     )
 
 
-def _headlines(results: Results, words: Vocabulary) -> Iterator[str]:
+def _headlines(results: Results) -> Iterator[str]:
     """Yield the answers, called secondary where the planned primary outcome is not in the data."""
+    words = results.vocabulary
     called = "Secondary: " if results.without_primary else ""
     answered = [sentence for _, sentence in outcome_sentences(results.rows, words)]
     for line in (*answered, *sentences(results.rows, words)):

@@ -6,7 +6,7 @@ import atexit
 import io
 import re
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -121,8 +121,10 @@ _NEVER: dict[str, dict[str, None]] = {
 class Drawing:
     """A drawn figure; PNG and PDF are made on demand."""
 
-    def __init__(self, name: str, width_in: float, height_in: float) -> None:
+    def __init__(self, name: str, width_in: float, height_in: float, tables: Sequence[str]) -> None:
         self._name = name
+        self.tables = tuple(tables)
+        """Names of the CSV tables with its data."""
         self.figure = Figure(figsize=(width_in, height_in), layout="constrained")
         self.svg = ""
         """With real text, for the page and for files."""
@@ -159,10 +161,18 @@ def style(name: str) -> Iterator[None]:
 
 
 @contextmanager
-def canvas(name: str, width_in: float, height_in: float) -> Iterator[tuple[Figure, Drawing]]:
-    """Yield a figure to draw on, and its drawing."""
+def canvas(
+    name: str, width_in: float, height_in: float, *tables: str
+) -> Iterator[tuple[Figure, Drawing]]:
+    """Yield a figure to draw on, and its drawing.
+
+    Parameters
+    ----------
+    tables
+        Names of the CSV tables with the data that are drawn.
+    """
     with style(name):
-        drawing = Drawing(name, width_in, height_in)
+        drawing = Drawing(name, width_in, height_in, tables)
         FigureCanvasAgg(drawing.figure)
         yield drawing.figure, drawing
         drawing.finish()

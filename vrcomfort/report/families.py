@@ -104,15 +104,13 @@ def holds(found: Any, value: float) -> bool:
     return bool(above and below)
 
 
-def difference_in_words(
-    decision: Decision[Any], of_a: str, of_b: str, within: str, few: str
-) -> str:
+def difference_in_words(decision: Decision[Any], a: str, b: str, within: str, few: str) -> str:
     """Return the decision on two sides in words; `few` names the shortage of data."""
     if decision.verdict == "not_possible":
-        return f"with {few}, no difference could be shown between {of_a} and {of_b}"
+        return f"with {few}, no difference could be shown between {a} and {b}"
     if not is_shown(decision.verdict):
-        return f"no difference was shown between {of_a} and {of_b}"
-    return f"{decision.verdict} {within} {of_a} than {within} {of_b}"
+        return f"no difference was shown between {a} and {b}"
+    return f"{decision.verdict} {within} {a} than {within} {b}"
 
 
 def too_few_in_words(decision: Decision[Any], confidence: float, zeros: int | None = None) -> str:
@@ -128,15 +126,25 @@ def interval_title(decision: Decision[Any], confidence: float) -> str:
     return f"Holm-adjusted {percent}" if decision.simultaneous else percent
 
 
+def deciding_p(p: float | None, decision: Decision[Any]) -> str:
+    """Return the p by which a test decides: the adjusted one in a family."""
+    return p_equals(p) if decision.p_holm is None else f"Holm-adjusted {p_equals(decision.p_holm)}"
+
+
 def p_in_words(p: float | None, decision: Decision[Any]) -> str:
-    """Return p, adjusted p, and how small p can be where no difference could be shown."""
-    holm = "" if decision.p_holm is None else f", Holm-adjusted {p_equals(decision.p_holm)}"
+    """Return the unadjusted p, and its least possible value where no difference could be shown."""
+    unadjusted = "" if decision.p_holm is None else "unadjusted "
     least = ""
     if decision.verdict == "not_possible":
-        least = f" (of so few at least {p_value(decision.smallest_p)})"
-    return f"{p_equals(p)}{least}{holm}"
+        least = f" (with so few people, at least {p_value(decision.smallest_p)})"
+    return f"{unadjusted}{p_equals(p)}{least}"
 
 
-def mean_and_sd(found: Description) -> str:
-    """Return mean and standard deviation as a sentence has them."""
-    return f"M\u00a0=\u00a0{number(found.mean)}, SD\u00a0=\u00a0{number(found.sd)}"
+def means_in_words(a: str, of_a: Description, b: str, of_b: Description) -> str:
+    """Return the means of two sides, their difference beside them, and standard deviations."""
+    sides = f"{_mean_and_sd(a, of_a)}, {_mean_and_sd(b, of_b)}"
+    return f"Means: {sides}; mean difference {number(of_a.mean - of_b.mean)}."
+
+
+def _mean_and_sd(label: str, found: Description) -> str:
+    return f"{label} {number(found.mean)} (SD\u00a0=\u00a0{number(found.sd)})"

@@ -29,7 +29,7 @@ from vrcomfort.report.canvas import (
     time_unit,
 )
 from vrcomfort.report.palette import colour_of, marker_of
-from vrcomfort.report.residuals import residual_figure
+from vrcomfort.report.residuals import residual_figure, residual_lines
 from vrcomfort.report.sections import section_figures
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.report.symptoms import recovery_course
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.flow import FlowLoss, FlowStage
     from vrcomfort.report.residuals import Residuals
     from vrcomfort.report.results import Results
+    from vrcomfort.report.rows import Cells
     from vrcomfort.report.sections import Section
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.symptoms import RecoveryRow, SymptomRow
@@ -113,7 +114,10 @@ def symptom_figure(
         return None
     ranked = sorted(means, key=lambda item: max(means[item].values()))
     shown = [c for c in words.conditions if any(c in found for found in means.values())]
-    with canvas(f"symptoms-{instrument}", 6.4, 1.1 + 0.22 * len(ranked)) as (figure, drawing):
+    with canvas(f"symptoms-{instrument}", 6.4, 1.1 + 0.22 * len(ranked), "symptoms") as (
+        figure,
+        drawing,
+    ):
         axes = figure.add_subplot()
         for line, item in enumerate(ranked):
             values = list(means[item].values())
@@ -143,7 +147,7 @@ def recovery_figure(
         return None
     outcome = rows[0].outcome
     scores = np.column_stack(recovery_course(scored, outcome))
-    with canvas("recovery", 3.4, 3.2) as (figure, drawing):
+    with canvas("recovery", 3.4, 3.2, "recovery_scores") as (figure, drawing):
         axes = figure.add_subplot()
         threads(axes, np.array([0.0, 1.0]), scores, color=FAINT, lw=0.8, alpha=0.6)
         for place in (0, 1):
@@ -156,6 +160,27 @@ def recovery_figure(
         axes.set_ylabel(f"{words.outcome(outcome)}, {words.basis}")
         axes.axhline(0, color=SOFT, lw=0.8, ls=(0, (4, 3)), zorder=0)
     return drawing
+
+
+def figure_tables(
+    study: StudyData, results: Results, scored: Exposures, residuals: list[Residuals]
+) -> dict[str, list[Cells]]:
+    """Return the lines of the CSV tables that figures alone are drawn from."""
+    recovered: list[Cells] = []
+    if results.recovery_course:
+        outcome = results.recovery_course[0].outcome
+        pairs = zip(*(each.tolist() for each in recovery_course(scored, outcome)), strict=True)
+        recovered = [{"outcome": outcome, "exposed": x, "recovered": y} for x, y in pairs]
+    columns = ("participant", "session", "trial", "condition", "scene", "status")
+    shown: list[Cells] = [
+        {**{name: trial.get(name) for name in columns}, "shown_s": trial_s(trial)}
+        for trial in study.trials
+    ]
+    return {
+        "recovery_scores": recovered,
+        "exposures": shown if results.withdrawals.n else [],
+        "residuals": residual_lines(residuals),
+    }
 
 
 def exposure_figure(
@@ -171,7 +196,7 @@ def exposure_figure(
     for trial in trials:
         if trial["participant"] in of:
             of[trial["participant"]].append(trial)
-    with canvas("exposures", 6.8, 0.9 + 0.19 * len(people)) as (figure, drawing):
+    with canvas("exposures", 6.8, 0.9 + 0.19 * len(people), "exposures") as (figure, drawing):
         axes = figure.add_subplot()
         scale, unit = time_unit(max(trial_s(t) or 0.0 for t in trials))
         for row, who in enumerate(reversed(people)):
@@ -223,7 +248,7 @@ def flow_figure(flow: list[FlowStage]) -> Drawing:
             parts.append(("reasons", _reasons(stage.left)))
     heights = [_height(text) for _, text in parts]
     total = sum(heights) + _GAP_IN * (len(parts) + 1)
-    with canvas("flow", _WIDTH_IN, total) as (figure, drawing):
+    with canvas("flow", _WIDTH_IN, total, "flow") as (figure, drawing):
         axes = figure.add_subplot()
         axes.set_xlim(-0.05, _WIDTH_IN)
         axes.set_ylim(-total, 0)

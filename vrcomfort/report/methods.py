@@ -28,7 +28,7 @@ def methods(
         method
         for method in (
             _scoring(results, report.words),
-            _people(results),
+            _people(),
             *methods_paragraphs(results.rows, report, "primary"),
             *methods_paragraphs(results.rows, report, "tests"),
             _describing(),
@@ -53,17 +53,17 @@ def basis_sentence(results: Results) -> str:
         moments = "Comparisons of timepoints are of raw scores. " if any(sides) else ""
         other = "Other scores" if moments else "Scores"
         return (
-            f"{moments}{other} are differences: the questionnaire after an exposure minus the "
-            "nearest baseline of the same participant."
+            f"{moments}{other} are changes from baseline: the score after an exposure minus the "
+            "same participant’s nearest baseline."
         )
     why = (
         "as the plan asks"
         if has_baseline(results)
-        else "for the data hold no baseline questionnaire"
+        else "because the data have no baseline questionnaire"
     )
     return (
-        f"Scores are raw scores after exposure, {why}, and include whatever participants already "
-        "felt before."
+        f"Scores are raw scores after exposure, {why}. They include symptoms from before the "
+        "exposure."
     )
 
 
@@ -118,13 +118,12 @@ def _instrument(asked: ReportedInstrument) -> str:
     return f"The {asked.title} ({known}{items}) was scored{after}{rule}."
 
 
-def _people(results: Results) -> MethodsParagraph:
+def _people() -> MethodsParagraph:
     return MethodsParagraph(
         "Participants",
-        "A participant is in a test with a score of every planned exposure of both its conditions. "
-        "How many are planned, the protocol says, or else the most frequent number. "
-        f"{results.participants.n} people were enrolled; the flow chart follows CONSORT "
-        "(Schulz et al., 2010).",
+        "A test includes the participants with a score of every planned exposure to both of its "
+        "conditions. The planned number is the protocol’s or, without one, the most frequent. The "
+        "flow chart follows CONSORT (Schulz et al., 2010).",
         ("schulz_2010",),
     )
 
@@ -132,11 +131,10 @@ def _people(results: Results) -> MethodsParagraph:
 def _describing() -> MethodsParagraph:
     return MethodsParagraph(
         "Descriptives",
-        "An interval of the mean of a condition has at each end the farther of those of t and of "
-        f"bootstrap-t ({RESAMPLES} resamples of n − 1, seed {SEED}; Efron & Tibshirani, 1993; Rao "
-        "& Wu, 1988), that of a mean difference is of the paired t test. Standard deviations have "
-        "n − 1; medians and quartiles are those of "
-        "definition 7 of Hyndman & Fan (1996).",
+        "The confidence interval of a condition’s mean is the wider, at each end, of the t and the "
+        f"bootstrap-t interval ({RESAMPLES} resamples of n − 1, seed {SEED}; Efron & Tibshirani, "
+        "1993; Rao & Wu, 1988). That of a mean difference is from the paired t test. Standard "
+        "deviations use n − 1; quantiles follow definition 7 of Hyndman & Fan (1996).",
         ("efron_1993", "rao_1988", "hyndman_1996"),
     )
 
@@ -147,8 +145,8 @@ def _withdrawals(results: Results) -> MethodsParagraph | None:
         return None
     fisher = found.by_first_condition.fisher_p is not None
     text = (
-        "Withdrawals are counted by condition, scene and position. In the sensitivity analyses "
-        "each is ranked as worse than every observed difference (worst-rank analysis; Lachin, "
+        "Withdrawals were counted by condition, scene and position. In the sensitivity analyses "
+        "each was ranked as worse than every observed difference (worst-rank analysis; Lachin, "
         "1999)."
     )
     also = " First conditions were compared with Fisher’s (1935) exact test." if fisher else ""
@@ -175,7 +173,7 @@ def _answering(results: Results) -> MethodsParagraph | None:
         return None
     return MethodsParagraph(
         "Answering times",
-        "A questionnaire is called fast with a median of less than 2 s per question (Huang et al., "
-        "2012). Nothing is excluded for it.",
+        "Questionnaires with a median below 2 s per question count as fast (Huang et al., 2012). "
+        "None was excluded for it.",
         ("huang_2012",),
     )

@@ -6,32 +6,39 @@ import re
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import TYPE_CHECKING, NamedTuple
+from urllib.parse import quote
 
 from markupsafe import Markup
 
 from vrcomfort.report import methods, palette, words
 from vrcomfort.report.analyses import Sentence, outcome_sentences, page_analyses, sentences
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT, DescribedRow
+from vrcomfort.report.paper import FILE as PAPER_FILE
+from vrcomfort.report.paper import paper_text
 from vrcomfort.report.references import entries
 from vrcomfort.report.results import PLAN_FILE
-from vrcomfort.report.sections import section_names
+from vrcomfort.report.sections import section_names, section_sentences
 from vrcomfort.report.withdrawals import with_labels
-from vrcomfort.web_page import inline_svg, page_templates
+from vrcomfort.report.writing import file_name
+from vrcomfort.web_page import inline_svg, page_templates, policy_with
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from jinja2 import Environment
 
     from vrcomfort.report.analyses import PageAnalysis, ReportContext
     from vrcomfort.report.analyses.contract import AnalysisFigure
     from vrcomfort.report.canvas import Drawing
+    from vrcomfort.report.pairs import Tested
     from vrcomfort.report.results import Results
     from vrcomfort.report.sections import Section
     from vrcomfort.report.symptoms import SymptomRow
     from vrcomfort.report.vocabulary import Vocabulary
 
-TEMPLATE = "report.html.j2"
+TEMPLATE, SCRIPT = "report.html.j2", "report/page.js"
+MOST_SIDES = 4
+"""Of more, the question has their number."""
 MOST_ANSWERS = 8
 """Of more, those on other outcomes than the first are in the tables alone."""
 _TAG = re.compile(r"<[a-z][^<>]*>")
@@ -45,8 +52,9 @@ def render_page(
     report: ReportContext,
     forms: Sequence[str],
     sections: Sequence[Section],
-) -> str:
-    """Fill the report template.
+    tables: Collection[str],
+) -> ReportPages:
+    """Fill the report template, and write its text for a paper.
 
     Parameters
     ----------
@@ -56,13 +64,30 @@ def render_page(
         In which figures stand beside the page.
     sections
         The analyses with a section of their own.
+    tables
+        File names of the CSV tables.
     """
     paragraphs, vocabulary = methods.methods(results, report, sections), report.words
     analyses = list(page_analyses(results.rows, report))
-    return (
+    answers, of_sections = _answers(results, vocabulary), section_sentences(sections, vocabulary)
+    references = entries(key for method in paragraphs for key in method.cited)
+    text = paper_text(
+        results.flow,
+        paragraphs,
+        [*(line for group in answers for line in group.lines), *of_sections],
+        references,
+        f"Analyses were made with {', '.join(map(' '.join, results.software.items()))}.",
+    )
+    script = _script()
+    page = (
         _templates()
         .get_template(TEMPLATE)
         .render(
+            policy=policy_with(script),
+            script=script,
+            paper=text,
+            paper_file=PAPER_FILE,
+            question=_question(results),
             r=results,
             plan_file=PLAN_FILE,
             labelled=partial(with_labels, labels=vocabulary.labels),
@@ -70,12 +95,16 @@ def render_page(
             words=vocabulary,
             shown_above=_shown_above(results, analyses, figures),
             analyses=analyses,
-            answers=_answers(results, vocabulary),
-            figures={name: _inlined(drawing.svg, name) for name, drawing in figures.items()},
+            answers=answers,
+            of_sections=of_sections,
+            figures={
+                name: PageFigure(_inlined(drawing.svg, name), _files(name, drawing, forms, tables))
+                for name, drawing in figures.items()
+            },
             several=report.several,
             symptoms=_by_instrument(results.symptoms),
             methods=paragraphs,
-            references=entries(key for method in paragraphs for key in method.cited),
+            references=references,
             basis=methods.basis_sentence(results),
             has_baseline=methods.has_baseline(results),
             described=_described(results),
@@ -86,6 +115,75 @@ def render_page(
             colours_dark=palette.css_variables(dark=True),
         )
     )
+    return ReportPages(page, text)
+
+
+class ReportPages(NamedTuple):
+    """The page, and its text for a paper."""
+
+    page: str
+    paper: str
+
+
+@dataclass(frozen=True)
+class LinkedFile:
+    """A file beside the page."""
+
+    label: str
+    path: str
+
+
+@dataclass(frozen=True)
+class PageFigure:
+    """A figure in the page, and its files: the forms of the figure, and its data."""
+
+    svg: Markup
+    files: tuple[LinkedFile, ...]
+
+
+def _files(
+    name: str, drawing: Drawing, forms: Sequence[str], tables: Collection[str]
+) -> tuple[LinkedFile, ...]:
+    """Return the files of a figure as links."""
+    stem = quote(file_name(name))
+    data = [f"{table}.csv" for table in drawing.tables if f"{table}.csv" in tables]
+    return (
+        *(LinkedFile(form.upper(), f"figures/{stem}.{form}") for form in forms),
+        *(LinkedFile(table, f"tables/{table}") for table in data),
+    )
+
+
+def _question(results: Results) -> str:
+    """Return the question of the primary comparisons; blank where there is none."""
+    rows: list[Tested] = [*results.tests, *results.comparisons]
+    if not results.outcomes or not rows or results.without_primary:
+        return ""
+    words, primary = results.vocabulary, results.outcomes[0]
+    sides = dict.fromkeys(
+        words.condition(name)
+        for row in rows
+        if row.outcome == primary.name
+        for name in (row.a, row.b)
+    )
+    if not sides:
+        return ""
+    named = [*sides]
+    between = f"{', '.join(named[:-1])} and {named[-1]}"
+    if len(named) > MOST_SIDES:
+        between = f"the {len(named)} conditions"
+    short = next((each.short for each in words.instruments if each.name == primary.instrument), "")
+    title = words.outcome(primary.name)
+    title = title if title[1:2].isupper() else f"{title[:1].lower()}{title[1:]}"
+    known = "" if not short or short in title else f" ({short})"
+    return f"Does {title}{known} differ between {between}?"
+
+
+@cache
+def _script() -> Markup:
+    """Return the script of the page, a file beside the templates."""
+    templates = _templates()
+    text, _, _ = templates.loader.get_source(templates, SCRIPT)  # type: ignore[union-attr]
+    return Markup(text)  # noqa: S704
 
 
 @cache

@@ -12,7 +12,7 @@ from vrcomfort.report.analyses.signed_rank.figure import differences
 from vrcomfort.report.canvas import INK, SOFT, Drawing, canvas, dots, lines
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.analyses.signed_rank import SignedRankRow
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
+    from vrcomfort.report.rows import Cells
     from vrcomfort.report.vocabulary import Vocabulary
 
     Floats = NDArray[np.float64]
@@ -58,6 +59,24 @@ def residuals_of(
     return Residuals(outcome, fitted, left, test.a, test.b, differences(scored, test))
 
 
+def residual_lines(found: Iterable[Residuals]) -> list[Cells]:
+    """Return a line of CSV for each value that is drawn."""
+    return [
+        line
+        for each in found
+        for line in (
+            *(
+                {"outcome": each.outcome, "kind": "residual", "fitted": x, "value": y}
+                for x, y in zip(each.fitted.tolist(), each.residuals.tolist(), strict=True)
+            ),
+            *(
+                {"outcome": each.outcome, "kind": f"{each.a} minus {each.b}", "value": y}
+                for y in each.differences.tolist()
+            ),
+        )
+    ]
+
+
 def _of_cells(scored: Exposures, plan: Plan, outcome: str) -> tuple[Floats, Floats]:
     table, unit = scored.table.dropna(subset=[outcome]), scored.units[outcome]
     factors = [
@@ -87,7 +106,7 @@ def residual_figure(found: list[Residuals], words: Vocabulary) -> Drawing | None
     rows = [each for each in found if each.differences.size >= FEWEST or each.residuals.size]
     if not rows:
         return None
-    with canvas("residuals", 7.0, 2.15 * len(rows) + 0.3) as (figure, drawing):
+    with canvas("residuals", 7.0, 2.15 * len(rows) + 0.3, "residuals") as (figure, drawing):
         grid = figure.subplots(len(rows), 3, squeeze=False)
         for axes in grid.flat:
             axes.locator_params(nbins=MOST_TICKS)

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.report.analyses import MethodsParagraph
+from vrcomfort.report.analyses import MethodsParagraph, Sentence
 from vrcomfort.report.analyses.contract import SectionAnalysis, SectionData
 from vrcomfort.report.gaze_and_head import GAZE_AND_HEAD
 from vrcomfort.report.ratings import RATINGS
@@ -77,6 +77,11 @@ def section_figures(sections: Iterable[Section], words: Vocabulary) -> dict[str,
         for each in sections
         for name, drawing in each.analysis.figures(each.found, words).items()
     }
+
+
+def section_sentences(sections: Iterable[Section], words: Vocabulary) -> list[Sentence]:
+    """Return the answers of the analyses with a section of their own."""
+    return [said for each in sections for said in each.analysis.sentences(each.found, words)]
 
 
 def section_paragraphs(sections: Iterable[Section]) -> list[MethodsParagraph]:

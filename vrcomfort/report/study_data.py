@@ -40,6 +40,7 @@ from vrcomfort.records.json_file import (
     DescribedShape,
     ManifestShape,
     Shape,
+    StopRuleOfRatings,
     read_shape,
 )
 from vrcomfort.records.names import natural
@@ -135,6 +136,14 @@ class StudyData:
         for manifest in reversed(self.manifests):
             if planned := manifest.settings.participants:
                 return planned
+        return None
+
+    def stop_rule(self, instrument: str) -> StopRuleOfRatings | None:
+        """Return the rule by which ratings end exposures, as the last session's protocol has it."""
+        for manifest in reversed(self.manifests):
+            for each in manifest.settings.ratings:
+                if each.instrument == instrument and each.stop_at is not None:
+                    return each
         return None
 
     def instruments_at(self, timepoint: str) -> tuple[str, ...]:

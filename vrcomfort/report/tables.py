@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import pandas as pd
@@ -27,8 +27,13 @@ so that one apostrophe can be taken off again, a text that begins with apostroph
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
 
 
-def all_tables(results: Results, scored: Exposures, sections: Iterable[Section]) -> dict[str, str]:
-    """Return file name → CSV text."""
+def all_tables(
+    results: Results,
+    scored: Exposures,
+    sections: Iterable[Section],
+    drawn: Mapping[str, Sequence[Cells]],
+) -> dict[str, str]:
+    """Return file name → CSV text; `drawn` are the tables that figures alone are drawn from."""
     columns = ["participant", "session", "position", "condition", "scene", "early"]
     weights = results.weights
     factors = model_columns(results, scored)
@@ -68,6 +73,7 @@ def all_tables(results: Results, scored: Exposures, sections: Iterable[Section])
         ],
         "excluded_questionnaires": as_json(results.quality.excluded_questionnaires),
         **section_tables(sections),
+        **drawn,
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
 

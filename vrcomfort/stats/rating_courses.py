@@ -115,11 +115,16 @@ class RatingCourse:
         minutes = minutes - minutes.mean()
         return float(minutes @ here.ratings / (minutes @ minutes))
 
-    def time_to(self, threshold: float, *, ended_s: float | None = None) -> Reached | None:
-        """Return when a rating was first at `threshold` or above.
+    def time_to(
+        self, threshold: float, *, in_a_row: int = 1, ended_s: float | None = None
+    ) -> Reached | None:
+        """Return when ratings were first at `threshold` or above.
 
         Parameters
         ----------
+        in_a_row
+            Successive answered ratings that have to be so high; the time is that of the last of
+            them. Missed ratings between them do not count, as in a protocol's stop rule.
         ended_s
             When the exposure ended, for how long it was watched; without it, until the last
             rating, missed ones included.
@@ -132,9 +137,10 @@ class RatingCourse:
         here = self.answered
         if not here.ratings.size:
             return None
-        hit = np.flatnonzero(here.ratings >= threshold)
-        if hit.size:
-            return Reached(float(here.times_s[hit[0]]), reached=True)
+        above = np.concatenate([[0], np.cumsum(here.ratings >= threshold)])
+        ends = np.flatnonzero(above[in_a_row:] - above[:-in_a_row] == in_a_row)
+        if ends.size:
+            return Reached(float(here.times_s[ends[0] + in_a_row - 1]), reached=True)
         return Reached(float(self.times_s[-1] if ended_s is None else ended_s), reached=False)
 
     def carried_forward(self, at_s: ArrayLike, *, until_s: float | None = None) -> Floats:

@@ -286,9 +286,9 @@ def _outcome_of(
 def _note(_: Sequence[AnovaRow], report: ReportContext) -> str:
     return html(
         "Type {} sums of squares. Effects with one degree of freedom need no sphericity "
-        "correction. Intervals of η²<sub>p</sub> belong to the first <i>p</i> and take scores for "
-        "normal: of heavy-tailed ones they hold the true value in less than 90 % of studies (.79 "
-        "with n = 40).",
+        "correction. Intervals of η²<sub>p</sub> belong to the first <i>p</i> and assume normal "
+        "scores: with heavy tails they cover the true value in less than 90 % of studies (.79 with "
+        "n = 40).",
         report.plan.sums_of_squares,
     )
 

@@ -436,6 +436,8 @@ class SectionAnalysis(Generic[Found]):
         them.
     methods
         The paragraphs on what was made; what they cite stands in references.toml.
+    sentences
+        Its answers, on the first screen of the page below those on outcomes, and on the terminal.
     conditions
         Those in its data, which may be none of the scores' conditions.
     notes
@@ -457,6 +459,7 @@ class SectionAnalysis(Generic[Found]):
     default: Any = None
     about: str = ""
     figure_kinds: tuple[str, ...] = ()
+    sentences: Callable[[Found, Vocabulary], Iterable[Sentence]] = lambda _found, _words: ()
     conditions: Callable[[Found], Iterable[str]] = lambda _: ()
     notes: Callable[[Found], Iterable[str]] = lambda _: ()
     names: Mapping[str, Mapping[str, str]] = field(default_factory=dict)

@@ -108,9 +108,9 @@ def _methods(rows: Sequence[CrossoverRow], _: ReportContext) -> Iterator[Methods
     if any(row.fit for row in rows):
         yield MethodsParagraph(
             "Crossover",
-            "The crossover analysis tests condition and position on differences and sums of the "
-            "two positions within the two orders, and the order (carry-over) on the means of "
-            "participants (Hills & Armitage, 1979).",
+            "The crossover analysis (Hills & Armitage, 1979) tests condition and position within "
+            "participants, on differences between the two positions. It tests order (carry-over) "
+            "between participants, on their means.",
             ("hills_1979",),
         )
 
@@ -193,10 +193,9 @@ _TABLE: AnalysisTable[CrossoverRow, _Line] = AnalysisTable(
     lines=_lines,
     group=_title,
     note=lambda _rows, _report: (
-        "The difference of the conditions is adjusted for position, and its interval therefore not "
-        "that of the mean difference in the other tables. Condition and position are tested within "
-        "participants, the sequence between them, where a difference may be carry-over or chance: "
-        "it has little power."
+        "The difference between conditions is adjusted for position, so its interval is not that "
+        "of the unadjusted mean difference. Sequence is tested between participants and has little "
+        "power; a difference may be carry-over or chance."
     ),
     csv=_csv,
 )

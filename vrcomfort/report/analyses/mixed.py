@@ -41,10 +41,10 @@ if TYPE_CHECKING:
     from vrcomfort.stats.random_intercept import FTest
 
 ERRORS = {
-    "cluster_robust": "robust to what the model takes for granted of people (CR2 of Bell & "
-    "McCaffrey, 2002; Pustejovsky & Tipton, 2018), with Satterthwaite’s (1946) degrees of freedom "
-    "and Hotelling’s T² for an effect as a whole.",
-    "model": "those of generalised least squares at the fitted variances, its degrees of freedom "
+    "cluster_robust": "cluster-robust (CR2; Bell & McCaffrey, 2002; Pustejovsky & Tipton, 2018), "
+    "with participants as clusters. Degrees of freedom are Satterthwaite’s (1946); effects with "
+    "several terms were tested with Hotelling’s T².",
+    "model": "those of generalised least squares at the fitted variances. Degrees of freedom are "
     "Satterthwaite’s (1946; Kuznetsova et al., 2017).",
 }
 """What is said of each kind of standard errors."""
@@ -124,17 +124,17 @@ def _methods(rows: Sequence[MixedRow], report: ReportContext) -> Iterator[Method
     if models:
         yield MethodsParagraph(
             "Mixed model",
-            "The mixed model has a random intercept per participant (Laird & Ware, 1982) and is "
-            "fitted by restricted maximum likelihood to every scored exposure; its standard errors "
+            "The mixed model has a random intercept per participant (Laird & Ware, 1982). It was "
+            "fitted by restricted maximum likelihood to every scored exposure. Standard errors "
             f"are {ERRORS[report.plan.mixed_model_errors]}",
             ("laird_1982", *CITED[report.plan.mixed_model_errors]),
         )
     if any("condition" in model.means for model in models):
         yield MethodsParagraph(
             "Marginal means",
-            "Estimated marginal means (Searle et al., 1980) of the mixed model are those of a "
-            "level with all levels of the other factors weighing alike; their differences, p and "
-            "intervals are adjusted by Bonferroni for the number of pairs.",
+            "Estimated marginal means (Searle et al., 1980) of the mixed model give the levels of "
+            "the other factors equal weight. Their differences are Bonferroni-adjusted for the "
+            "number of pairs.",
             ("searle_1980",),
         )
 
@@ -235,18 +235,20 @@ def _condition(line: _Mean, words: Vocabulary) -> str:
 
 def _note(rows: Sequence[MixedRow], report: ReportContext) -> str:
     left_out = next(row.fit.left_out for row in rows if row.fit)
-    also = f" Cannot be told apart from the others and left out: {', '.join(left_out)}."
+    also = (
+        f" Left out, as their effects cannot be separated from the others: {', '.join(left_out)}."
+    )
     return (
         "Participants with missing scores are included, and each effect is adjusted for the "
-        "others, so that differences and their intervals are not those of the pairs; valid if "
-        "what is missing depends only on what was observed. "
+        "others. Estimates therefore differ from those of the pairs; they are valid if missingness "
+        "depends only on observed data. "
         f"{NOTED[report.plan.mixed_model_errors]}." + also * bool(left_out)
     )
 
 
 def _note_on_means(rows: Sequence[MixedRow], _: ReportContext) -> str:
     note = html(
-        "Other factors weigh alike, covariates are at their means; means of all factors are in "
+        "Other factors have equal weights, covariates are at their means; all factors are in "
         "<code>tables/marginal_means.csv</code>."
     )
     models = [row.fit.model for row in rows if row.fit]

@@ -81,7 +81,7 @@ def _draw(rows: Sequence[ZScoreRow], words: Vocabulary) -> Drawing | None:
     conditions = list(dict.fromkeys(row.condition for row in rows))
     labels = [lines(words.condition(each), 26) for each in conditions]
     height = 0.9 + sum(0.25 + 0.17 * (label.count("\n") + 1) for label in labels)
-    with canvas("z-scores", 2.4 + 2.4 * len(outcomes), height) as (figure, drawing):
+    with canvas("z-scores", 2.4 + 2.4 * len(outcomes), height, "z_scores") as (figure, drawing):
         panels = np.atleast_1d(figure.subplots(1, len(outcomes), sharex=True, sharey=True))
         for axes, outcome in zip(panels, outcomes, strict=True):
             axes.axvline(0, color=INK, lw=0.6)

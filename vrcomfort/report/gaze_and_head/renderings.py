@@ -41,10 +41,13 @@ def gaze_and_head_figures(found: GazeAndHeadAnalysis, words: Vocabulary) -> dict
         drawn["gaze_zones"] = _zones(found, words)
     if found.maps:
         maps = {words.condition(name): shown for name, shown in found.maps.items()}
-        drawn["gaze_maps"] = _maps("gaze-maps", maps, "to the right of the head’s axis, °")
+        right = "to the right of the head’s axis, °"
+        drawn["gaze_maps"] = _maps("gaze-maps", maps, right, "gaze_maps")
     if found.viewpoints:
         maps = {each.row.scene: each.map for each in found.viewpoints}
-        drawn["gaze_fixations"] = _maps("gaze-fixations", maps, "to the right of the middle, °")
+        drawn["gaze_fixations"] = _maps(
+            "gaze-fixations", maps, "to the right of the middle, °", "fixations"
+        )
     if found.spectra:
         drawn["head_spectra"] = _spectra(found, words)
     return drawn
@@ -54,7 +57,7 @@ def _zones(found: GazeAndHeadAnalysis, words: Vocabulary) -> Drawing:
     """Draw a curve for each situation, and of each event's time; all situations together in ink."""
     events = list(dict.fromkeys(row.during for row in found.zones))
     situations = list(dict.fromkeys(row.situation for row in found.zones))
-    with canvas("gaze-zones", 6.6, 3.6) as (figure, drawing):
+    with canvas("gaze-zones", 6.6, 3.6, "gaze_zones") as (figure, drawing):
         axes = figure.add_subplot()
         for place, situation in enumerate(situations):
             of_all = situation == EVERYBODY
@@ -74,13 +77,13 @@ def _zones(found: GazeAndHeadAnalysis, words: Vocabulary) -> Drawing:
     return drawing
 
 
-def _maps(name: str, maps: dict[str, Map], across: str) -> Drawing:
+def _maps(name: str, maps: dict[str, Map], across: str, *tables: str) -> Drawing:
     """Draw maps side by side, with one scale of brightness."""
     names = list(maps)[:MOST_MAPS]
     columns = 2 if len(names) == 4 else min(3, len(names))
     rows = -(-len(names) // columns)
     brightest = max(float(maps[each].share.max()) for each in names)
-    with canvas(name, 2.3 * columns + 0.5, 2.7 * rows + 0.3) as (figure, drawing):
+    with canvas(name, 2.3 * columns + 0.5, 2.7 * rows + 0.3, *tables) as (figure, drawing):
         panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
         for axes in panels[len(names) :]:
             axes.set_axis_off()
@@ -106,7 +109,7 @@ def _map(axes: Axes, shown: Map, brightest: float) -> None:
 
 def _spectra(found: GazeAndHeadAnalysis, words: Vocabulary) -> Drawing:
     situations = list(dict.fromkeys(row.situation for row in found.spectra))
-    with canvas("head-spectra", 6.8, 3.2) as (figure, drawing):
+    with canvas("head-spectra", 6.8, 3.2, "head_spectra") as (figure, drawing):
         for axes, signal in zip(figure.subplots(1, len(_SHOWN)), _SHOWN, strict=True):
             for place, situation in enumerate(situations):
                 mine = [r for r in found.spectra if (r.situation, r.signal) == (situation, signal)]
@@ -139,10 +142,24 @@ def gaze_and_head_tables(found: GazeAndHeadAnalysis) -> dict[str, list[Cells]]:
     return {
         "gaze_and_head": as_json(found.exposures),
         "gaze_zones": as_json(found.zones),
+        "gaze_maps": [
+            line for name, shown in found.maps.items() for line in _cells_of(name, shown)
+        ],
         "gaze_nodes": as_json(found.nodes),
         "fixations": as_json(found.fixations),
         "head_spectra": as_json(found.spectra),
     }
+
+
+def _cells_of(situation: str, shown: Map) -> Iterator[Cells]:
+    """Yield the cells of a map that were looked at."""
+    for row, column in zip(*np.nonzero(shown.share), strict=True):
+        yield {
+            "situation": situation,
+            "azimuth_deg": float(shown.azimuth_deg[column]),
+            "elevation_deg": float(shown.elevation_deg[row]),
+            "share": float(shown.share[row, column]),
+        }
 
 
 def gaze_paragraphs(found: GazeAndHeadAnalysis) -> Iterator[MethodsParagraph]:

@@ -8,6 +8,7 @@ from vrcomfort.report.ratings.analysis import (
     course_tables,
 )
 from vrcomfort.report.ratings.figures import rating_figures
+from vrcomfort.report.ratings.headline import rating_sentences
 from vrcomfort.report.ratings.settings import RatingAnalysis
 from vrcomfort.report.ratings.time_courses import MEANINGS, TITLES
 
@@ -27,6 +28,7 @@ RATINGS = SectionAnalysis(
     figures=rating_figures,
     figure_kinds=("ratings", "survival"),
     methods=course_paragraphs,
+    sentences=rating_sentences,
     conditions=lambda courses: courses.conditions,
     names={"rating_titles": TITLES, "rating_ways": MEANINGS},
 )

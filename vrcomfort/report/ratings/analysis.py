@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -75,6 +75,21 @@ class RatingCounts:
 
 
 @dataclass(frozen=True)
+class Threshold:
+    """The rating that is an event, and where it is from.
+
+    Parameters
+    ----------
+    threshold_in_a_row
+        Successive ratings that have to be so high.
+    """
+
+    threshold: float
+    threshold_in_a_row: int
+    threshold_from: Literal["plan", "stop rule", "middle of the scale"]
+
+
+@dataclass(frozen=True)
 class ThresholdAnalysis:
     """The time to the threshold of some exposures, `analysis` by name."""
 
@@ -95,11 +110,15 @@ class RatingTimeCourses:
     summaries: list[SummaryStatistics]
     models: list[SummaryModel]
     sensitivity: list[DropoutSensitivity]
-    threshold: float
-    threshold_planned: bool
+    threshold_rule: Threshold = field(metadata=INLINE)
     reached: list[ThresholdAnalysis]
     symptom_model: SymptomModelAnalysis | None
     curves: list[CurvePoint]
+
+    @property
+    def threshold(self) -> float:
+        """Return the rating that is the event of the time to it."""
+        return self.threshold_rule.threshold
 
 
 @dataclass(frozen=True)
@@ -196,7 +215,7 @@ def _ratings(
     rated = [e for e in exposures if e.course.times_s.size]
     answered = [e for e in rated if e.course.answered.ratings.size]
     low, high = (known.low, known.high) if known else (0.0, _highest(rated))
-    threshold = (low + high) / 2 if asked.threshold is None else asked.threshold
+    threshold = _threshold(data, asked, instrument, (low + high) / 2)
     reference = reference_of(data, conditions)
     modelled = asked.symptom_model == "fast_slow"
     return RatingTimeCourses(
@@ -215,14 +234,25 @@ def _ratings(
             float(high),
             plan,
         ),
-        threshold=threshold,
-        threshold_planned=asked.threshold is not None,
+        threshold_rule=threshold,
         reached=_reached(data, answered, conditions, threshold, asked.times_s),
         symptom_model=symptom_model(answered, conditions, asked, plan.confidence)
         if modelled
         else None,
         curves=points,
     )
+
+
+def _threshold(
+    data: SectionData, asked: RatingAnalysis, instrument: str, middle: float
+) -> Threshold:
+    """Return the plan's threshold; else that of the protocol's stop rule; else the middle."""
+    if asked.threshold is not None:
+        return Threshold(asked.threshold, 1, "plan")
+    rule = data.study.stop_rule(instrument)
+    if rule is not None and rule.stop_at is not None:
+        return Threshold(rule.stop_at, rule.stop_in_a_row, "stop rule")
+    return Threshold(middle, 1, "middle of the scale")
 
 
 def _highest(rated: list[RatedExposure]) -> float:
@@ -249,7 +279,7 @@ def _reached(
     data: SectionData,
     answered: list[RatedExposure],
     conditions: list[str],
-    threshold: float,
+    threshold: Threshold,
     times_s: tuple[float, ...],
 ) -> list[ThresholdAnalysis]:
     """Return the time to the threshold: of all, and, with withdrawals, under assumptions."""
@@ -262,7 +292,9 @@ def _reached(
         ways += [COMPLETERS, WORST]
     found = []
     for how in ways:
-        events = times_to_threshold(answered, threshold, how=how)
+        events = times_to_threshold(
+            answered, threshold.threshold, threshold.threshold_in_a_row, how=how
+        )
         if events:
             reference, pairs = reference_of(data, conditions), list(data.pairs)
             made = survival_analysis(events, conditions, pairs, times, reference, plan.confidence)

@@ -56,16 +56,18 @@ def rating_figures(courses: TimeCourseAnalysis, words: Vocabulary) -> dict[str, 
     """Return name → drawing of rating time courses, and of times to a rating and to withdrawal."""
     found, confidence = courses.ratings, courses.confidence
     drawn: dict[str, Drawing | None] = {"ratings": course_figure(courses, words)}
-    if found is not None and found.reached:
-        events = times_to_threshold(courses.exposures, found.threshold)
+    if found is not None and found.reached and found.reached[0].found.came:
+        events = times_to_threshold(
+            courses.exposures, found.threshold, found.threshold_rule.threshold_in_a_row
+        )
         title = f"share below a rating of {found.threshold:g}"
         drawn["survival_rating"] = survival_figure(
-            "survival-rating", events, title, words, confidence
+            "reached_curves", events, title, words, confidence
         )
     if courses.leaving is not None:
         events = times_to_withdrawal(courses.exposures)
         drawn["survival_leaving"] = survival_figure(
-            "survival-leaving", events, "share that went on", words, confidence
+            "leaving_curves", events, "share that went on", words, confidence
         )
     return drawn
 
@@ -79,7 +81,7 @@ def course_figure(courses: TimeCourseAnalysis, words: Vocabulary) -> Drawing | N
     several = len(courses.conditions) > 1
     height = (2.9 if several else 0.4) + (2.0 if several else 2.9) * rows
     scale, unit = time_unit(float(curves.times_s.max()))
-    with canvas("ratings", 6.8, height) as (figure, drawing):
+    with canvas("ratings", 6.8, height, "rating_curves", "rated_exposures") as (figure, drawing):
         panels = _course_panels(figure, len(courses.conditions), rows)
         if several:
             together = panels.pop(0)
@@ -205,12 +207,14 @@ MOST_SURVIVAL_BANDS = 3
 
 
 def survival_figure(
-    name: str, events: list[TimeToEvent], title: str, words: Vocabulary, confidence: float
+    table: str, events: list[TimeToEvent], title: str, words: Vocabulary, confidence: float
 ) -> Drawing | None:
     """Draw the share without the event over time; None without time at risk.
 
     Parameters
     ----------
+    table
+        Name of the CSV table with its curves.
     title
         Label of the axis.
     """
@@ -226,7 +230,7 @@ def survival_figure(
     }  # fmt: skip
     longest = max(e.time_s for e in events)
     scale, unit = time_unit(longest)
-    with canvas(name, 6.4, 3.1 + 0.17 * len(shown)) as (figure, drawing):
+    with canvas(f"survival-{table}", 6.4, 3.1 + 0.17 * len(shown), table) as (figure, drawing):
         above, below = _survival_panels(figure, len(shown))
         for condition, curve in curves.items():
             _draw_survival(

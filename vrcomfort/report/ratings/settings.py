@@ -20,7 +20,8 @@ class RatingAnalysis(Settings):
     summaries: Annotated[tuple[Course, ...], Field(min_length=1)] = ("peak", "mean")
     """What sums a course up for the mixed model, the first one first."""
     threshold: Annotated[float, Field(allow_inf_nan=False)] | None = None
-    """The rating that is the event of the time to it; None: the middle of the scale."""
+    """The rating that is the event of the time to it; None: that of the protocol's stop rule, and
+    without one the middle of the scale."""
     times_s: tuple[Seconds, ...] = ()
     """When survival is read, ascending; empty: at quarters of the longest exposure."""
     symptom_model: Literal["none", "fast_slow"] = "none"

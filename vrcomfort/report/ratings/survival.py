@@ -134,19 +134,21 @@ class SurvivalAnalysis:
 
 
 def times_to_threshold(
-    exposures: Iterable[RatedExposure], threshold: float, *, how: str = ALL
+    exposures: Iterable[RatedExposure], threshold: float, in_a_row: int = 1, *, how: str = ALL
 ) -> list[TimeToEvent]:
-    """Return the time to the first rating at a threshold or above.
+    """Return the time to the first ratings at a threshold or above.
 
     Parameters
     ----------
+    in_a_row
+        Successive ratings that have to be so high; see `RatingCourse.time_to`.
     how
         `all available`: withdrawals below it are censored. `completers`: they are left out.
         `worst case`: they count as reaching it.
     """
     found = []
     for e in exposures:
-        reached = e.course.time_to(threshold, ended_s=e.ended_s)
+        reached = e.course.time_to(threshold, in_a_row=in_a_row, ended_s=e.ended_s)
         if reached is None or (how == COMPLETERS and e.left and not reached.reached):
             continue
         came = reached.reached or (how == WORST and e.left)
@@ -345,19 +347,17 @@ def survival_tables(name: str, found: SurvivalAnalysis) -> dict[str, list[Cells]
 def survival_paragraph(*, again: bool) -> MethodsParagraph:
     """Return the paragraph on survival analyses; `again`: people have several exposures."""
     text = (
-        "Times to events are Kaplan–Meier estimates (1958) with Greenwood’s error and intervals "
-        "of log(−log survival) (Borgan & Liestøl, 1990); groups are compared by log-rank tests "
-        "(Mantel, 1966), of two groups exactly, over all labellings, where these can be listed. "
-        "Hazard ratios describe: Cox’s (1972) proportional hazards with Efron’s (1977) treatment "
-        "of ties, of condition and order; their test would reject too often with few people, so "
-        "there is none."
+        "Times to events are Kaplan–Meier (1958) estimates with Greenwood’s standard error and "
+        "log–log intervals (Borgan & Liestøl, 1990). Conditions were compared with log-rank tests "
+        "(Mantel, 1966), which are exact for two groups where all permutations can be listed. "
+        "Hazard ratios of condition and order (Cox, 1972; ties after Efron, 1977) are descriptive: "
+        "with few participants their test rejects too often, so none is given."
     )
     cited = ["kaplan_1958", "borgan_1990", "mantel_1966", "cox_1972", "efron_1977"]
     if again:
         text += (
-            " As people come more than once, log-rank tests within people decide (each one a "
-            "stratum), and errors of curves are robust: influences are summed within people (Lin "
-            "& Wei, 1989)."
+            " As participants have several exposures, log-rank tests are stratified by "
+            "participant, and standard errors of curves are robust to that (Lin & Wei, 1989)."
         )
         cited.append("lin_1989")
     return MethodsParagraph("Time to events", text, tuple(cited))

@@ -390,23 +390,21 @@ def curve_points(
 def time_course_paragraph(*, several: bool, assumptions: bool, errors: Errors) -> MethodsParagraph:
     """Return the paragraph on time courses of several conditions, and on assumptions."""
     text = (
-        "Each course of ratings is summed up by one number (Matthews et al., 1990), which a mixed "
-        "model with a random intercept for each participant takes as its outcome; its standard "
-        f"errors are {ERRORS[errors]} Times are live ones, where they were recorded. "
+        "The ratings of an exposure were reduced to summary measures (Matthews et al., 1990). Each "
+        "was analysed with a mixed model with a random intercept per participant. Standard errors "
+        f"are {ERRORS[errors]} Times count only while the stimulus was visible, where recorded. "
     )
     cited = ["matthews_1990", *CITED[errors]]
     if several:
         text += (
-            "At each time, the means of conditions are those of such a model of the last ratings "
-            "then, and their intervals compare conditions within people: the variance of a mean’s "
-            "distance from the mean of all k conditions times k/(k − 1), which is Cousineau’s "
-            "(2005) with Morey’s (2008) correction and, where nothing is missing, the interval of "
-            "Loftus and Masson (1994). "
+            "Means over time are those of such a model of the last ratings at each time. Their "
+            "intervals are within-participant (Cousineau, 2005, with the correction of Morey, "
+            "2008); without missing ratings they equal those of Loftus and Masson (1994). "
         )
         cited += ["cousineau_2005", "morey_2008", "loftus_1994"]
     if assumptions:
         text += (
-            "Models are repeated of completed exposures alone, and with the last rating, or the "
-            "highest answer, standing from leaving until the planned end."
+            "Sensitivity analyses took completed exposures alone, or carried the last rating, or "
+            "the highest possible one, from dropout to the planned end."
         )
     return MethodsParagraph("Ratings during exposure", text.strip(), tuple(cited))

@@ -43,7 +43,7 @@ def group_figure(scored: Exposures, row: ComparisonRow, words: Vocabulary) -> Dr
         return None
     name = f"comparison-{row.outcome}-{row.a}-{row.b}-{row.test}"
     a, b = values_of(scored, row)
-    with canvas(name, 5.2, 3.7) as (figure, drawing):
+    with canvas(name, 5.2, 3.7, "scores", "comparisons") as (figure, drawing):
         raw, effect = figure.subplots(1, 2, width_ratios=[2.4, 1.3])
         if row.design == "paired":
             draw_people(raw, np.array([0.0, 1.0]), np.column_stack([a, b]))

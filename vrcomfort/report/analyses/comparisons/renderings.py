@@ -34,10 +34,11 @@ from vrcomfort.report.analyses.contract import (
     with_dot,
 )
 from vrcomfort.report.families import (
+    deciding_p,
     difference_in_words,
     disagreement,
     interval_title,
-    mean_and_sd,
+    means_in_words,
     p_in_words,
     too_few_in_words,
 )
@@ -75,18 +76,16 @@ def sentences(row: ComparisonRow, words: Vocabulary) -> Iterator[Sentence]:
     if row.found is None or row.reported is None:
         yield Sentence(f"{name}: {a} and {b} could not be compared ({row.not_tested}).")
         return
-    of_a, of_b = (
-        f"{label} ({mean_and_sd(row.found.descriptives[side])})"
-        for side, label in (("a", a), ("b", b))
-    )
     within = "under" if row.design == "paired" else "in"
     confidence = _confidence(row.found.numbers)
     few = too_few_in_words(row.decision, confidence)
-    said = difference_in_words(row.decision, of_a, of_b, within, few)
+    said = difference_in_words(row.decision, a, b, within, few)
     n = row.n_a if row.design == "paired" else f"{row.n_a} and {row.n_b}"
+    means = means_in_words(a, row.found.descriptives["a"], b, row.found.descriptives["b"])
     yield Sentence(
-        f"{name}: {said}; {_difference(row, words, confidence)}, n\u00a0=\u00a0{n}.",
-        _evidence(row, row.found.numbers),
+        f"{name}: {said}; {_difference(row, words, confidence)}"
+        f"{deciding_p(row.p, row.decision)}, n\u00a0=\u00a0{n}.",
+        f"{means} {_evidence(row, row.found.numbers)}",
     )
 
 
@@ -98,11 +97,12 @@ def _difference(row: ComparisonRow, words: Vocabulary, confidence: float) -> str
     found = row.reported.difference if row.reported else None
     if found is None:
         return ""
-    of = f"{found.what} {number(found.of.estimate)} {words.unit(row.outcome)}".rstrip()
+    estimate = f"{number(found.of.estimate)} {words.unit(row.outcome)}".rstrip()
+    of = f"the {found.what} was {estimate}"
     percent, ends = interval_title(row.decision, confidence), interval(found.of)
     if ends == NONE:
-        return f"{of} (no {percent}: too few)"
-    return f"{of}, {percent} {ends}{disagreement(row.decision.verdict, found.of)}"
+        return f"{of} (no {percent}: too few), "
+    return f"{of}, {percent} {ends}{disagreement(row.decision.verdict, found.of)}, "
 
 
 def _evidence(row: ComparisonRow, numbers: ComparisonNumbers) -> str:

@@ -70,7 +70,7 @@ def estimation_figure(
     beside = len(made) <= MOST_BESIDE
     left, rows = 1.0 + 0.75 * len(shown), 0.42 * len(made) + 0.9
     size = (left + 0.9 + 1.1 * len(made), 3.7) if beside else (max(5.6, left + 0.6), 3.2 + rows)
-    with canvas(f"estimation-{outcome}", *size) as (figure, drawing):
+    with canvas(f"estimation-{outcome}", *size, "scores", "tests") as (figure, drawing):
         if beside:
             ratios = [left, 0.9 + 1.0 * len(made)]
             raw, effect = figure.subplots(1, 2, width_ratios=ratios)

@@ -51,8 +51,8 @@ def _test_paragraph(rows: Sequence[SignedRankRow], report: ReportContext) -> Met
     sides = _SIDES[next(iter(asked))] if len(asked) == 1 else "two-sided or one-sided as marked"
     text = (
         f"Conditions were compared with Wilcoxon signed-rank tests, {sides}. Ranks were taken on "
-        f"integer raw sums, so ties are exact; {zeros}; p is {_exactness(rows)} (Hollander et "
-        "al., 2014); Z is tie-corrected, without continuity correction. "
+        f"integer raw sums, so ties are exact; {zeros}. The p value is {_exactness(rows)} "
+        "(Hollander et al., 2014); Z is corrected for ties, without continuity correction. "
         f"{_families(plan, report.words)}"
     )
     first = "pratt_1959" if pratt else "wilcoxon_1945"
@@ -74,11 +74,8 @@ def _families(plan: Plan, words: Vocabulary) -> str:
         + (" and every effect of its ANOVA" if "anova" in each.analyses else "")
         for each in holm
     ]
-    over = "; and, apart from these, ".join(named)
-    return (
-        f"p values were adjusted with Holm’s (1979) method over {over}; each time over all "
-        "comparisons."
-    )
+    over = "; and separately for ".join(named)
+    return f"The p values of all comparisons were adjusted with Holm’s (1979) method for {over}."
 
 
 def _exactness(rows: Sequence[SignedRankRow]) -> str:
@@ -106,20 +103,20 @@ def _shift_paragraph(plan: Plan) -> MethodsParagraph:
     zeros = "including" if plan.zeros == "pratt" else "excluding"
     if plan.shift_interval == "inverted_test":
         how = (
-            f"Its {percent} interval is the hull of the shifts that the same test, ranked anew "
-            "after each shift is taken off, does not reject at its level; a round bracket is an "
-            f"end that is itself rejected.{_of_holm(plan)}"
+            f"Its {percent} confidence interval inverts the same test: it spans the shifts that "
+            "the test, with ranks taken anew after subtracting the shift, does not reject. A round "
+            f"bracket marks an end that is itself rejected.{_of_holm(plan)}"
         )
     else:
         how = (
-            f"Its {percent} interval is bounded by the Walsh averages at the critical ranks of the "
-            "signed-rank distribution without ties, on the conservative side; with ties it may "
-            "contradict p."
+            f"Its {percent} confidence interval ends at the Walsh averages of the critical ranks "
+            "of the signed-rank distribution without ties, on the conservative side. With ties it "
+            "may contradict p."
         )
     text = (
-        "The difference in points is the Hodges–Lehmann (1963) shift, the median of the Walsh "
+        "The median difference is the Hodges–Lehmann (1963) estimate, the median of the Walsh "
         f"averages, {zeros} pairs without a difference. {how} There is none below "
-        f"{fewest_for_shift(plan)} differences, because no fewer can reach such an exact "
+        f"{fewest_for_shift(plan)} differences, because fewer cannot reach such an exact "
         f"{'two' if _sides(plan) == 2 else 'one'}-sided p."
     )
     return MethodsParagraph("Differences", text, ("hodges_1963", "hollander_2014"))
@@ -130,8 +127,9 @@ def _of_holm(plan: Plan) -> str:
     if not _is_adjusted(plan):
         return ""
     return (
-        " In a family of m tests it is of the level at which Holm’s method decides: α/(m − i + 1) "
-        "of the i-th smallest p while they are rejected, α over their number of the others."
+        " In a family of m tests its level is that at which Holm’s method decides. For the i-th "
+        "smallest p, as long as tests are rejected, that is α/(m − i + 1); for the others, α "
+        "divided by their number."
     )
 
 
@@ -143,12 +141,11 @@ def _effect_paragraph(plan: Plan) -> MethodsParagraph:
     )
     if kind == "normal_shift":
         how = (
-            f"Its {percent} interval holds the values of 2 P(D₁ + D₂ > 0) − 1 under which the "
-            "observed r, or one farther out, is not too rare for non-zero differences D from a "
-            "normal distribution of any mean, and what more an interval of arcsin r with the "
-            "standard error of its pairs (Sen, 1960) holds, which needs no normal differences. It "
-            "drops zeros, which the test may rank, so the two may disagree about 0. Whether there "
-            "is a difference, p says."
+            f"Its {percent} confidence interval is the union of two. One holds the values of "
+            "2 P(D₁ + D₂ > 0) − 1 that the observed r does not reject for normal non-zero "
+            "differences D of any mean. The other is that of arcsin r with the standard error of "
+            "its pairs (Sen, 1960), which needs no normal differences. Both drop zeros, which the "
+            "test may rank, so interval and test may disagree about 0; the p value decides."
         )
         return MethodsParagraph("Effect sizes", f"{what} {how}", ("kerby_2014", "sen_1960"))
     n = (
@@ -159,7 +156,7 @@ def _effect_paragraph(plan: Plan) -> MethodsParagraph:
     how = (
         f"Its {percent} interval is a Fisher-z interval (Ben-Shachar et al., 2020) whose standard "
         f"error uses {n}. It is approximate, too narrow where there is an effect, and has no width "
-        "at ±1. Whether there is a difference, p says."
+        "at ±1; the p value decides."
     )
     return MethodsParagraph("Effect sizes", f"{what} {how}", ("kerby_2014", "effectsize"))
 
@@ -167,9 +164,9 @@ def _effect_paragraph(plan: Plan) -> MethodsParagraph:
 def _t_test_paragraph() -> MethodsParagraph:
     return MethodsParagraph(
         "Means",
-        "Beside the signed-rank tests stand paired t tests (Student, 1908) of the same pairs, "
-        "Cohen’s d_z (Lakens, 2013) and the JZS Bayes factor with a Cauchy prior of scale √2/2 "
-        "(Rouder et al., 2009), the latter by pingouin (Vallat, 2018).",
+        "The same pairs were also compared with paired t tests (Student, 1908). Their effect size "
+        "is Cohen’s d_z (Lakens, 2013). Bayes factors are JZS, with a Cauchy prior of scale √2/2 "
+        "(Rouder et al., 2009), from pingouin (Vallat, 2018).",
         ("student_1908", "lakens_2013", "rouder_2009", "vallat_2018"),
         section="sensitivity",
     )

@@ -31,10 +31,11 @@ from vrcomfort.report.analyses.signed_rank.computation import (
 )
 from vrcomfort.report.analyses.signed_rank.methods import fewest_for_shift
 from vrcomfort.report.families import (
+    deciding_p,
     difference_in_words,
     disagreement,
     interval_title,
-    mean_and_sd,
+    means_in_words,
     p_in_words,
     too_few_in_words,
 )
@@ -72,13 +73,14 @@ def sentences(row: SignedRankRow, words: Vocabulary) -> Iterator[Sentence]:
         yield Sentence(f"{name}: nobody’s score differed between {a} and {b} (n = {row.n}).")
         return
     size, few = found.descriptives, too_few_in_words(row.decision, row.confidence, found.zeros)
-    of_a, of_b = f"{a} ({mean_and_sd(size[row.a])})", f"{b} ({mean_and_sd(size[row.b])})"
-    said = difference_in_words(row.decision, of_a, of_b, "under", few)
+    said = difference_in_words(row.decision, a, b, "under", few)
     order = f" But {in_words(row.confounded, words.condition)}." if row.confounded else ""
     yield Sentence(
-        f"{name}: {said}; {_shift(row, words)}, n\u00a0=\u00a0{row.n}.",
-        f"{found.method.capitalize()} {p_in_words(row.p, row.decision)}; Z\u00a0=\u00a0"
-        f"{number(found.z)}, r\u00a0=\u00a0{_rank_biserial(row, words)}.{order}",
+        f"{name}: {said}; {_shift(row, words)}, {deciding_p(row.p, row.decision)}, "
+        f"n\u00a0=\u00a0{row.n}.",
+        f"{means_in_words(a, size[row.a], b, size[row.b])} {found.method.capitalize()} signed-rank "
+        f"test: Z\u00a0=\u00a0{number(found.z)}, {p_in_words(row.p, row.decision)}, "
+        f"rank-biserial r\u00a0=\u00a0{_rank_biserial(row, words)}.{order}",
     )
 
 
@@ -90,7 +92,7 @@ def _shift(row: SignedRankRow, words: Vocabulary) -> str:
         whose = f" of the {stayed} who stayed (the test ranks those who left as worst)"
     percent, found = interval_title(row.decision, row.confidence), interval(shift)
     estimate = number(shift.estimate if shift else None)
-    of = f"difference{whose} {estimate} {words.unit(row.outcome)}".rstrip()
+    of = f"the median difference{whose} was {estimate} {words.unit(row.outcome)}".rstrip()
     if found == NONE:
         return f"{of} (no {percent}: too few differences)"
     return f"{of}, {percent} {found}{disagreement(row.decision.verdict, shift)}"
@@ -171,9 +173,9 @@ def _note(rows: Sequence[SignedRankRow], report: ReportContext) -> str:
     asymptotic = any(found.method == "asymptotic" for found, _ in made)
     note = html(
         "Positive values: higher scores under the first condition. <i>p</i>: {}, exact{}. Zeros: "
-        "{}. Difference: Hodges–Lehmann shift in points, pairs without a difference {}. <i>r</i>: "
-        "matched-pairs rank-biserial correlation. A round bracket: the end itself is not in the "
-        "interval.",
+        "{}. Difference: median difference (Hodges–Lehmann) in points, pairs without a difference "
+        "{}. <i>r</i>: matched-pairs rank-biserial correlation. A round bracket: the end itself is "
+        "not in the interval.",
         sides[0] if len(sides) == 1 else "as each comparison says (two-sided, greater, less)",
         " except where marked * (asymptotic)" if asymptotic else "",
         "ranked, then dropped (Pratt)" if pratt else "dropped",
@@ -187,9 +189,9 @@ def _note(rows: Sequence[SignedRankRow], report: ReportContext) -> str:
     )
     if any(row.decision.simultaneous for row in rows):
         note += html(
-            " Intervals of tests with a <i>p</i> Holm are of the level at which Holm’s method "
-            "decides on each, so that they say of 0 what <i>p</i> Holm says; unadjusted ones are "
-            "in <code>tables/tests.csv</code>."
+            " Where there is a <i>p</i> Holm, intervals have the level at which Holm’s method "
+            "decides on that test, so that interval and <i>p</i> agree about 0. Unadjusted "
+            "intervals are in <code>tables/tests.csv</code>."
         )
     disagreements = sum(
         bool(disagreement(row.decision.verdict, row.reported.effect))
@@ -306,10 +308,10 @@ TABLE_OF_MEANS: AnalysisTable[SignedRankRow, _Means] = AnalysisTable(
     ),
     lines=_means,
     note=lambda _rows, _report: html(
-        "Not adjusted. A Bayes factor above 1 speaks for a difference, below 1 for none. Scores "
-        "are skewed: with tails as long as a log-normal’s, 95 % intervals of <i>t</i> held the "
-        "true difference in .83 to .89 of simulated studies with an effect; where these tests and "
-        "the signed-rank tests differ, see the assumptions."
+        "Not adjusted. A Bayes factor above 1 favours a difference, below 1 none. Intervals of "
+        "<i>t</i> assume normal differences: with log-normal tails, 95 % intervals covered the "
+        "true difference in .83 to .89 of simulated studies with an effect. If these tests "
+        "and the signed-rank tests disagree, see Assumptions."
     ),
     csv=_csv_of_t,
     section="sensitivity",
