@@ -20,16 +20,17 @@ from tests.support.console_session import PROTOCOL, running_session
 from tests.support.operator_page import OperatorPage, operator_page, screenshot
 
 LONGER = (
-    PROTOCOL.replace("exposure_s = 4.0", "exposure_s = 20.0")
-    .replace("every_s = 1.2", "every_s = 1.5")
-    .replace("timeout_s = 1.1", "timeout_s = 1.4")
+    PROTOCOL.replace("exposure_s = 4.0", "exposure_s = 60.0")
+    .replace("every_s = 1.2", "every_s = 4.0\nstop_at = 15\nstop_in_a_row = 2")
+    .replace("timeout_s = 1.1", "timeout_s = 3.5")
 )
-SIZE = "160x200"
-RATINGS = (1, 2, 2, 4)
+SIZE = "320x400"
+RATINGS = (1, 4, 9, 12)
+PHONE_PX = (500, 1100)
 
 
 def main() -> None:
-    """Write ``console_questionnaire.png`` and ``console_exposure.png``."""
+    """Write ``console_questionnaire.png``, ``console_exposure.png`` and ``console_phone.png``."""
     folder = Path(sys.argv[1])
     browser = find_browser()
     if browser is None:
@@ -37,7 +38,7 @@ def main() -> None:
     with (
         TemporaryDirectory() as study,
         running_session(Path(study), "--size", SIZE, protocol=LONGER) as session,
-        operator_page(browser, (1000, 1240)) as page,
+        operator_page(browser, (1360, 1000)) as page,
     ):
         page.open(session.next_address())
         page.press_button("Start")
@@ -48,13 +49,13 @@ def main() -> None:
         page.until(lambda: page.shows("confirm"))
         page.press(Keys.ENTER)
         page.until_step("exposure 1 of 2")
-        page.driver.execute_script("document.getElementById('look').click()")
         rate(page)
         page.press("n")
         page.press("looks at the ceiling", Keys.TAB, Keys.ENTER)
-        page.press("p")
-        page.until_step("— paused")
+        page.until(lambda: page.shows("eyes"))
         screenshot(page, folder / "console_exposure.png")
+        page.driver.set_window_size(*PHONE_PX)
+        screenshot(page, folder / "console_phone.png")
 
 
 def rate(page: OperatorPage) -> None:

@@ -35,6 +35,23 @@ class OperatorStep:
 
 
 @dataclass(frozen=True)
+class RatedScale:
+    """The scale of a question during exposure, and the answers that end one.
+
+    Parameters
+    ----------
+    stop_at, in_a_row
+        The stop rule: so many answers this high, one after the other; None: there is none.
+    """
+
+    instrument: str
+    low: float
+    high: float
+    stop_at: float | None
+    in_a_row: int
+
+
+@dataclass(frozen=True)
 class SessionOrder:
     """A session that begins: its participant and its timeline.
 
@@ -48,6 +65,8 @@ class SessionOrder:
         Returns the number of planned steps that have begun.
     remaining_s
         Returns the estimated remaining time.
+    scales
+        Of the ratings during exposure.
     """
 
     participant: str
@@ -56,6 +75,7 @@ class SessionOrder:
     timeline: tuple[str, ...]
     position: Callable[[], int]
     remaining_s: Callable[[], float]
+    scales: tuple[RatedScale, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from typing import Any, Protocol
 
 from vrcomfort.console.process import ServerProcess
@@ -81,6 +82,7 @@ class OperatorConsole:
             "session": order.session,
             "sequence": order.sequence,
             "timeline": order.timeline,
+            "scales": tuple(asdict(each) for each in order.scales),
             "trial": 0,
             "ended": "",
         }

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 from typing import Any, Literal, NoReturn
 
 from vrcomfort.geometry import Pose
-from vrcomfort.operator_interface import SessionOrder
+from vrcomfort.operator_interface import RatedScale, SessionOrder
+from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.timeline import (
     BreakStep,
     ExposureStep,
@@ -160,6 +161,7 @@ class SessionFlow:
             tuple(each.name for each in planned),
             lambda: time.position,
             time.remaining_s,
+            tuple(_rated_scales(self._context.protocol)),
         )
         self._operators.interface.open(order)
 
@@ -281,3 +283,10 @@ def _undone_since(manifest: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     began = datetime.fromisoformat(manifest["started_at"])
     undone = manifest.get("withdrawals_undone", [])
     return [each for each in undone if datetime.fromisoformat(each["at"]) >= began]
+
+
+def _rated_scales(protocol: Protocol) -> Iterator[RatedScale]:
+    """Yield the scales of the questions during exposure."""
+    for each in protocol.ratings:
+        asked = protocol.rated(each)
+        yield RatedScale(asked.name, asked.low, asked.high, each.stop_at, each.stop_in_a_row)

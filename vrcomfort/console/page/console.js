@@ -29,10 +29,11 @@ function make(tag, text, attributes = {}) {
 function connect() {
   socket = new WebSocket(`ws://${location.host}/session`);
   socket.binaryType = "blob";
-  socket.onopen = () => { put(at("link"), "Connected."); watch(); };
+  socket.onopen = () => { put(at("link"), "Connected."); watch(); mark(); };
   socket.onclose = () => {
     if (state && state.ended) return put(at("link"), "The session has ended; this page can be closed.");
     put(at("link"), "Not connected; the session goes on. Trying again …");
+    mark("lost");
     setTimeout(connect, RECONNECT_MS);
   };
   socket.onmessage = (message) => {
@@ -79,6 +80,7 @@ function show(now) {
     showRatings();
     showFrames(state.frame);
     showTimeline();
+    mark();
   }
   showLines();
   for (const [id, refusal] of state.replies) {
@@ -89,6 +91,18 @@ function show(now) {
     put(at("eyes-words"), "Pictures are not available in this session.");
   }
 }
+
+// One word for the style sheet: the colour of the state line, and what keeps its place.
+function mark(word = "") {
+  if (!state || !state.step) { document.body.dataset.state = word; return; }
+  const scene = ["training", "exposure"].includes(state.step.kind);
+  const runs = scene || state.step.kind === "rest";
+  const now = state.ended ? "ended" : state.paused ? "paused" : state.question ? "asking" : runs ? "running" : "waiting";
+  document.body.dataset.state = word || now;
+  document.body.dataset.view = scene && state.pictures && at("look").checked ? "on" : "off";
+  document.body.dataset.rates = scene && state.step.kind === "exposure" && asksHere ? "yes" : "no";
+}
+let asksHere = false; // whether questions come to this page in an exposure: their place is kept then
 
 function showStep() {
   const paused = state.paused ? " — paused" : "";
@@ -108,7 +122,7 @@ function showStep() {
     if (button.hidden !== hidden) {
       const focused = document.activeElement === button;
       button.hidden = hidden;
-      if (focused) (document.querySelector(".actions button:not([hidden])") || document.body).focus();
+      if (focused) at("actions").focus(); // to another button, Enter would do another thing
     }
   }
   const asks = state.withdrawing && !state.ended;
@@ -136,7 +150,8 @@ function about(seconds) {
 function showEyes() {
   const scene = ["training", "exposure"].includes(state.step.kind) && !state.paused && !state.ended;
   at("eyes").hidden = !at("look").checked || !scene || pictureUrl === null;
-  if (state.pictures) put(at("eyes-words"), scene ? "" : "Nothing of the scene is shown now.");
+  const why = !at("look").checked ? "Pictures are switched off below." : scene ? "" : "The participant sees no scene now.";
+  if (state.pictures) put(at("eyes-words"), why);
 }
 
 function clock(seconds) {
@@ -152,6 +167,8 @@ function showQuestion(question) {
   at("question").hidden = question === null;
   if (question === null || before === null || before.title !== question.title) correcting = null;
   if (question === null) return;
+  if (question.action === "rate") asksHere = true;
+  if (before === null || before.title !== question.title) beep();
   put(at("question-title"), question.title);
   put(at("instruction"), question.instruction);
   const items = question.items;
@@ -160,7 +177,29 @@ function showQuestion(question) {
   showItem(question, items[place], place);
   at("items").replaceChildren(...(items.length > 1 ? items.map(itemLine) : []));
   at("confirm").hidden = question.action !== "answer" || items.some((item) => !item.answered);
-  if (!at("confirm").hidden && again < 0) at("confirm").focus();
+  if (!at("confirm").hidden && again < 0 && mayTakeFocus()) at("confirm").focus();
+}
+
+// Whoever has gone to a button or is typing is about to use it: what appears leaves them there.
+function mayTakeFocus() {
+  if (at("ask").open || !at("withdrawing").hidden) return false;
+  const now = document.activeElement;
+  return now === null || now === document.body || now === at("actions") || at("question").contains(now);
+}
+
+let audio = null;
+function beep() {
+  if (!at("sound").checked) return;
+  try {
+    audio = audio || new AudioContext();
+    const tone = audio.createOscillator(), level = audio.createGain();
+    level.gain.setValueAtTime(0.15, audio.currentTime);
+    level.gain.exponentialRampToValueAtTime(0.001, audio.currentTime + 0.25);
+    tone.frequency.value = 880;
+    tone.connect(level).connect(audio.destination);
+    tone.start();
+    tone.stop(audio.currentTime + 0.25);
+  } catch { /* a page without sound is a page all the same */ }
 }
 
 function itemLine(item) {
@@ -206,8 +245,7 @@ function showItem(question, item, place) {
   }
   group.replaceChildren(...parts);
   const first = group.querySelector("textarea, button, input");
-  const busy = at("ask").open || !at("withdrawing").hidden || /^(INPUT|TEXTAREA)$/.test(document.activeElement.tagName);
-  if (first && !busy) first.focus();
+  if (first && mayTakeFocus()) first.focus();
 }
 
 function written(item) {
@@ -235,41 +273,54 @@ function shape(tag, attributes, text = "") {
   return element;
 }
 
-// One curve per instrument; the ends of the curves are named.
+// One curve per instrument on its own scale's range; a dashed line is the answer that ends exposures.
 function showRatings() {
-  const points = state.ratings;
-  const names = [...new Set(points.map(([name]) => name))];
-  const words = names.map((name) => ratingWords(name, points.filter(([of]) => of === name))).join(" ");
+  const points = state.ratings, scales = state.scales || [];
+  const names = [...new Set([...points.map(([name]) => name), ...scales.map((each) => each.instrument)])];
+  const words = names.map((name) => ratingWords(name, points.filter(([of]) => of === name))).filter(Boolean).join(" ");
   const text = words || "None yet.";
-  if (at("curve-words").textContent === text) return;
-  put(at("curve-words"), text);
   const longest = Math.max(state.total || 1, ...points.map(([, s]) => s));
-  const highest = Math.max(10, ...points.map(([, , value]) => value || 0));
-  const x = (s) => 30 + 330 * s / longest;
-  const y = (value) => 100 - 90 * value / highest;
+  const drawn = JSON.stringify([text, longest, scales]);
+  put(at("curve-words"), text);
+  if (at("curve").dataset.drawn === drawn) return;
+  at("curve").dataset.drawn = drawn;
+  const highest = Math.max(...scales.map((each) => each.high), ...points.map(([, , value]) => value || 0), 1);
+  const lowest = Math.min(...scales.map((each) => each.low), 0);
+  const x = (s) => 30 + 350 * s / longest;
+  const y = (value) => 145 - 130 * (value - lowest) / (highest - lowest);
+  const rules = scales.filter((each) => each.stop_at !== null).flatMap((each) => {
+    const often = each.in_a_row > 1 ? `, ${each.in_a_row} in a row` : "";
+    return [
+      shape("line", { class: "stop", x1: 30, y1: y(each.stop_at), x2: 390, y2: y(each.stop_at) }),
+      shape("text", { class: "stop-words", x: 34, y: y(each.stop_at) - 4 }, `${each.instrument} stops at ${each.stop_at}${often}`),
+    ];
+  });
   const curves = names.flatMap((name) => {
     const own = points.filter(([of]) => of === name);
     const given = own.filter(([, , value]) => value !== null);
+    const stop = (scales.find((each) => each.instrument === name) || {}).stop_at ?? Infinity;
     const line = given.map(([, s, value], n) => `${n ? "L" : "M"}${x(s)} ${y(value)}`).join(" ");
     const last = given[given.length - 1];
     return [
-      shape("path", { d: line || "M0 0" }),
-      ...given.map(([, s, value]) => shape("circle", { cx: x(s), cy: y(value), r: 3 })),
-      ...own.filter(([, , value]) => value === null).map(([, s]) => shape("text", { x: x(s) - 3, y: 98 }, "×")),
-      ...(last ? [shape("text", { x: x(last[1]) + 5, y: y(last[2]) + 4 }, name)] : []),
+      shape("path", { class: "curve", d: line || "M0 0" }),
+      ...given.map(([, s, value]) => shape("circle", { cx: x(s), cy: y(value), r: 4, class: value >= stop ? "high" : "" })),
+      ...own.filter(([, , value]) => value === null).map(([, s]) => shape("text", { x: x(s) - 3, y: 143 }, "×")),
+      ...(last ? [shape("text", { x: Math.min(x(last[1]) + 7, 350), y: y(last[2]) - 6 }, `${name} ${last[2]}`)] : []),
     ];
   });
   at("curve").replaceChildren(
-    shape("line", { x1: 30, y1: 100, x2: 390, y2: 100 }),
-    shape("line", { x1: 30, y1: 10, x2: 30, y2: 100 }),
-    shape("text", { x: 2, y: 14 }, String(highest)),
-    shape("text", { x: 2, y: 104 }, "0"),
-    shape("text", { x: 350, y: 116 }, clock(longest)),
+    ...[0.25, 0.5, 0.75, 1].map((part) => shape("line", { class: "grid", x1: 30, x2: 390, y1: 145 - 130 * part, y2: 145 - 130 * part })),
+    shape("line", { x1: 30, y1: 145, x2: 390, y2: 145 }),
+    shape("text", { x: 4, y: 19 }, String(highest)),
+    shape("text", { x: 4, y: 149 }, String(lowest)),
+    shape("text", { x: 352, y: 162 }, clock(longest)),
+    ...rules,
     ...curves,
   );
 }
 
 function ratingWords(name, points) {
+  if (points.length === 0) return "";
   const given = points.filter(([, , value]) => value !== null);
   const said = given.map(([, s, value]) => `${value} at ${clock(s)}`).join(", ") || "none answered";
   const missed = points.length - given.length;
@@ -278,21 +329,22 @@ function ratingWords(name, points) {
 
 function showFrames(frame) {
   const rows = [];
+  at("frames-part").hidden = !frame;
   if (frame) {
     const [x, y, z, w] = frame.head_turn;
     const deg = (radians) => `${(radians * 180 / Math.PI).toFixed(0)}°`;
     const pitch = deg(Math.asin(Math.max(-1, Math.min(1, 2 * (w * x - y * z)))));
     const yaw = deg(Math.atan2(2 * (x * z + w * y), 1 - 2 * (x * x + y * y)));
     const roll = deg(Math.atan2(2 * (x * y + w * z), 1 - 2 * (x * x + z * z)));
-    rows.push(["Head", frame.head_m.map((m) => m.toFixed(2)).join(", ") + " m"]);
-    rows.push(["Turned", `yaw ${yaw}, pitch ${pitch}, roll ${roll}`]);
+    rows.push(["Position", frame.head_m.map((m) => m.toFixed(2)).join(", ") + " m"]);
+    rows.push(["Orientation", `yaw ${yaw}, pitch ${pitch}, roll ${roll}`]);
     rows.push(["Tracked", frame.tracked ? "yes" : "no"]);
-    rows.push(["Focus", frame.focus_m === null ? "–" : `${frame.focus_m.toFixed(2)} m`]);
-    rows.push(["Blur at most", frame.max_blur_px === null ? "–" : `${frame.max_blur_px.toFixed(1)} px`]);
+    rows.push(["Focus distance", frame.focus_m === null ? "–" : `${frame.focus_m.toFixed(2)} m`]);
+    rows.push(["Largest blur", frame.max_blur_px === null ? "–" : `${frame.max_blur_px.toFixed(1)} px`]);
     rows.push(["Frames", String(frame.frames)]);
     rows.push(["Dropped", String(frame.dropped)]);
     rows.push(["Untracked", String(frame.untracked)]);
-    rows.push(["Stood still", `${frame.frozen_s.toFixed(2)} s`]);
+    rows.push(["Frozen", `${frame.frozen_s.toFixed(2)} s`]);
   }
   at("frames").replaceChildren(...rows.flatMap(([name, value]) => [make("dt", name), make("dd", value)]));
 }
@@ -352,7 +404,7 @@ document.addEventListener("keydown", (event) => {
   event.preventDefault();
 });
 at("look").addEventListener("change", () => {
-  if (!at("look").checked) at("eyes").hidden = true;
+  if (state && state.step) { showEyes(); mark(); }
   watch();
 });
 document.addEventListener("visibilitychange", watch);
