@@ -35,7 +35,7 @@ def measure(participants: int = 200) -> Result:
 def _row(protocol: str, participants: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "study"
-        given = ["-n", str(participants), "--no-frames", "--out", str(out), "--quiet"]
+        given = ["-n", str(participants), "--no-draw", "--out", str(out), "--quiet"]
         before = os.times()
         subprocess.run([sys.executable, "-c", _MAIN, "simulate", protocol, *given], check=True)
         after = os.times()

@@ -147,7 +147,7 @@ def modules_run_by_a_report() -> int:
     ran: set[str] = set()
     with tempfile.TemporaryDirectory() as folder:
         study = f"{folder}/study"
-        vrcomfort("simulate", "smoke", "-n", "12", "--no-frames", "--out", study)
+        vrcomfort("simulate", "smoke", "-n", "12", "--no-draw", "--out", study)
         with profiled(lambda frame, _event, _result: ran.add(frame.f_code.co_filename)):
             vrcomfort("report", study, "--figures", "svg", "--out", f"{folder}/report")
     return len(ran)
@@ -204,7 +204,7 @@ def forms_of_an_answer() -> tuple[set[str], set[str]]:
 
     with tempfile.TemporaryDirectory() as folder, profiled(see):
         study = f"{folder}/study"
-        vrcomfort("simulate", "smoke", "-n", "2", "--no-frames", "--out", study)
+        vrcomfort("simulate", "smoke", "-n", "2", "--no-draw", "--out", study)
         vrcomfort("report", study, "--figures", "none", "--out", f"{folder}/report")
     return forms, passed
 

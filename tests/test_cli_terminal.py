@@ -127,6 +127,13 @@ def test_a_mixed_study_says_so_at_once(say, tmp_path: Path) -> None:
     assert all(other.startswith("note: sessions differ in the ") for other in others)
 
 
+def test_the_time_left_is_that_of_the_pace_so_far() -> None:
+    assert terminal.time_left(10, 1, 4) == ", about 30 s left"
+    assert terminal.time_left(60, 1, 11) == ", about 10 min left"
+    for passed_s, done, total in ((10, 0, 4), (10, 4, 4), (10, 1, None), (0.1, 3, 4)):
+        assert terminal.time_left(passed_s, done, total) == ""
+
+
 def test_work_in_a_pipe_says_now_and_then_how_far_it_is(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -14,8 +14,10 @@ from vrcomfort.design import build_design
 from vrcomfort.design.audit import cannot_balance
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
-from vrcomfort.protocol.draft import HIGH
+from vrcomfort.protocol.draft import high_answer
 from vrcomfort.questionnaire import find_instrument
+from vrcomfort.resources import data_folder
+from vrcomfort.scene.load import load_scene
 
 
 def new(*words: str):
@@ -120,7 +122,7 @@ def test_it_passes_check_with_its_rehearsal(tmp_path):
 
 def test_questions_are_asked_again_until_the_answer_can_be(tmp_path, monkeypatch):
     answers = iter(
-        ["blur", "motion_blur", "moon", "mountain", "no", "0", "12", "A name", "", "2", "misc"]
+        ["blur", "motion_blur", "moon", "mountain", "no", "0", "12", "A name", "", "2", "", "misc"]
     )
     asked = []
 
@@ -133,9 +135,7 @@ def test_questions_are_asked_again_until_the_answer_can_be(tmp_path, monkeypatch
     file = tmp_path / "asked.toml"
     command.new(file)
     protocol = load_protocol(file)
-    assert asked[0].startswith(
-        "What is compared with no blur (depth_of_field, motion_blur, both, each)"
-    )
+    assert asked[0].startswith("What is compared with no effect (depth_of_field, ")
     assert protocol.conditions[1].motion_blur is not None
     assert (protocol.scenes, protocol.participants) == (("mountain",), 12)
     assert (protocol.title, protocol.exposure_s) == ("A name", 600.0)
@@ -165,6 +165,86 @@ def test_what_cannot_be_is_refused_and_nothing_is_written(tmp_path, words, told)
 
 @pytest.mark.smoke
 def test_ratings_that_end_exposures_are_on_their_scales():
-    for name, high in HIGH.items():
-        answers = find_instrument(name).items[0].answers
-        assert answers.low < high < answers.high
+    for name, high in (("fms", 15), ("misc", 7)):
+        assert high_answer(find_instrument(name)) == high
+
+
+OWN_QUESTION = """
+name = "mine"
+title = "My question"
+instruction = "How do you feel?"
+answers = { low = 0, high = 4 }
+[[items]]
+name = "ill"
+text = "Ill"
+"""
+
+
+def test_conditions_of_any_effects_own_questions_days_and_breaks(tmp_path):
+    (tmp_path / "mine.toml").write_text(OWN_QUESTION, "utf-8")
+    file, own = tmp_path / "study.toml", str(tmp_path / "mine.toml")
+    compared = ["vignette.restricted_deg=40", "speed_blur", "relocation_blur",
+                "depth_of_field+vignette.colour=scene"]  # fmt: skip
+    words = [word for each in compared for word in ("--compare", each)]
+    told = new(
+        str(file), *words, "--questionnaire", "vrsq", "--questionnaire", own, "--rating", own,
+        "--sessions", "5", "--break-s", "90", "--exposure-s", "120", "-n", "10", "--yes",
+    )  # fmt: skip
+    assert told.exit_code == 0, told.output
+    protocol = load_protocol(file)
+    assert [each.name for each in protocol.conditions] == [
+        "off", "vignette_restricted_deg_40", "speed_blur", "relocation_blur",
+        "depth_of_field_vignette_colour_scene",
+    ]  # fmt: skip
+    assert protocol.conditions[0].label == "No effect"
+    assert protocol.conditions[1].vignette.restricted_deg == 40
+    assert protocol.conditions[4].vignette.colour == "scene"
+    assert protocol.conditions[4].depth_of_field is not None
+    assert [each.instrument for each in protocol.questionnaires] == ["vrsq"] * 2 + ["mine"] * 2
+    assert (protocol.ratings[0].instrument, protocol.ratings[0].stop_at) == ("mine", 3)
+    assert (protocol.order.sessions, protocol.break_s, protocol.exposure_s) == (5, 0.0, 120.0)
+    assert protocol.stop.score_rise == ()
+    checked = CliRunner().invoke(app, ["check", str(file), "--no-draw"])
+    assert checked.exit_code == 0, checked.output
+    assert "never narrows the view" not in checked.output
+
+
+def test_a_scene_of_ones_own_gets_a_side_car_with_its_start(tmp_path):
+    scene = tmp_path / "hall.glb"
+    scene.write_bytes((data_folder("scenes") / "temple.glb").read_bytes())
+    before = load_scene(str(scene))
+    folder = tmp_path / "protocols"
+    folder.mkdir()
+    file = folder / "study.toml"
+    told = new(str(file), "--from", str(scene), "-n", "4", "--exposure-s", "60", "--yes")
+    assert told.exit_code == 0, told.output
+    assert load_protocol(file).scenes == ("../hall.glb",)
+    after = load_scene(str(scene))
+    assert after.spawn.position == pytest.approx(before.spawn.position, abs=5e-4)
+    assert len(after.walkable) == len(before.walkable)
+    assert repr(after.environment) == repr(before.environment)
+    side_car = tmp_path / "hall.toml"
+    text = side_car.read_text("utf-8").replace("exposure = 1 ", "exposure = 2 ")
+    side_car.write_text(text, "utf-8")
+    again = new(str(folder / "other.toml"), "--from", str(scene), "-n", "4", "--yes")
+    assert again.exit_code == 0, again.output
+    assert side_car.read_text("utf-8") == text, "an own side-car stays"
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--compare", "vignet"], "there is no effect `vignet`; did you mean `vignette`"),
+        (["--compare", "vignette.restricted_deg"], "a setting is EFFECT.SETTING=VALUE"),
+        (["--compare", "vignette", "--compare", "vignette"], "gives `vignette` twice"),
+        (["--compare", "both", "--compare", "vignette"], "leave the others away"),
+        (["--compare", "vignette.restricted=3"], "restricted"),
+        (["--questionnaire", "sssq"], "sssq"),
+        (["--from", "nowhere.glb"], "nowhere.glb"),
+    ],
+)
+def test_what_new_does_not_know_is_one_sentence_and_leaves_nothing(tmp_path, words, told):
+    result = new(str(tmp_path / "study"), *words, "--yes")
+    assert isinstance(result.exception, InputError), result.output
+    assert told in " ".join(str(each) for each in (result.exception, *result.exception.others))
+    assert list(tmp_path.iterdir()) == []

@@ -40,5 +40,5 @@ def test_every_shipped_protocol_is_shown_whole_through_the_runtime(
     headset = ("--headset", "openxr", "--monado-trace", TRACE, "--size", "48x60")
     person = ("--participant", "P01", "--respondent", "simulated", *first_person(protocol))
     run("run", file, *person, *headset, *short, "--out", study)
-    run("simulate", file, "-n", 1, "--no-frames", *short, "--out", rehearsed)
+    run("simulate", file, "-n", 1, "--no-draw", *short, "--out", rehearsed)
     assert_whole(study, protocol, rehearsed)

@@ -126,7 +126,7 @@ def test_an_operator_who_does_not_go_on_is_told_what_to_type(
 
 def test_a_damaged_file_is_a_reason_and_a_fault_of_the_study(run: Run, tmp_path: Path) -> None:
     study = tmp_path / "S"
-    run("simulate", "smoke", "-n", 1, "--no-frames", "--out", study)
+    run("simulate", "smoke", "-n", 1, "--no-draw", "--out", study)
     (study / FILE).write_text('{"at": 3}')
     code, out, _ = run("verify", study)
     assert code == 1

@@ -127,9 +127,7 @@ def test_hillaires_situations_have_their_lengths_and_tasks():
 def test_every_shipped_protocol_is_gone_through_whole(run, name, tmp_path):
     """In its own length: no frames are drawn, and time jumps."""
     # With this seed no volunteer is screened out.
-    code, _, err = run(
-        "simulate", name, "-n", 1, "--no-frames", "--seed", 5, "--out", tmp_path / "s"
-    )
+    code, _, err = run("simulate", name, "-n", 1, "--no-draw", "--seed", 5, "--out", tmp_path / "s")
     assert code == 0, err
     protocol = load_protocol(name)
     planned = [len(session) for session in build_design(protocol).plan(1)[0].sessions]
@@ -154,7 +152,7 @@ def test_carnegie_as_printed_asks_for_eyes_closed_and_lets_people_come_back():
 def test_volunteers_are_excluded_and_who_withdrew_comes_back(tmp_path, run):
     """As 14 of 34 were, and three of the six who withdrew."""
     code, _, err = run(
-        "simulate", "carnegie_2015_as_printed", "-n", 34, "--no-frames", "--seed", 3,
+        "simulate", "carnegie_2015_as_printed", "-n", 34, "--no-draw", "--seed", 3,
         "--out", tmp_path / "s",
     )  # fmt: skip
     assert code == 0, err
@@ -190,7 +188,7 @@ def test_mantiuk_knows_age_and_sight_and_asks_for_opinions():
 def test_the_printed_anova_of_thirty_players_has_29_degrees_of_freedom(run, tmp_path):
     study, out = tmp_path / "s", tmp_path / "r"
     code, _, err = run(
-        "simulate", "hillaire_2008", "-n", 30, "--no-frames", "--exposure-s", 30, "--out", study
+        "simulate", "hillaire_2008", "-n", 30, "--no-draw", "--exposure-s", 30, "--out", study
     )
     assert code == 0, err
     code, _, err = run("report", study, "--plan", "hillaire_2008_as_printed", "--out", out)

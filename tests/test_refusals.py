@@ -25,7 +25,7 @@ run smoke --participant P01 --out new --respondent simulated --ttl /dev/nosuch
 run smoke --participant P01 --out new --consented-on 2026-01-01
 simulate nosuch -n 2 --out new
 simulate smoke -n 2 --out new --trace binary.csv
-simulate smoke -n 2 --out new --no-frames --refresh-hz 90
+simulate smoke -n 2 --out new --no-draw --refresh-hz 90
 demo --out other.csv
 demo --out holds
 render --scene nosuch --out new
@@ -64,7 +64,7 @@ power nosuch --effect 1 --out new
 power carnegie_2015 --effect 0.5sd --pilot empty --out new
 doctor --nosuch
 tradeoff --quick --methods nosuch --out new
-tradeoff --quick --pose 99 --out new
+tradeoff --quick --view 99 --out new
 tradeoff --effects focus --size 3 --out new
 undo-withdrawal empty P01 --reason x
 exclude empty P01 --reason x
@@ -154,7 +154,7 @@ def test_every_command_is_refused_here() -> None:
 def test_a_report_is_not_written_over_that_of_another_study(desk, run: Run) -> None:
     """Until that is asked for; one of the same study is replaced."""
     for name in ("first", "second"):
-        code, _, err = run("simulate", "smoke", "-n", "4", "--no-frames", "--out", name)
+        code, _, err = run("simulate", "smoke", "-n", "4", "--no-draw", "--out", name)
         assert code == 0, err
     out = ("--out", "page", "--figures", "none")
     for _ in range(2):

@@ -17,6 +17,6 @@ def test_every_shipped_protocol_is_shown_whole_on_the_playback_headset(run, name
     code, _, err = run("simulate", file, "-n", 1, "--out", tmp_path / "study", *show)
     assert code == 0, err
     rehearsed = tmp_path / "rehearsed"
-    code, _, err = run("simulate", file, "-n", 1, "--no-frames", *short, "--out", rehearsed)
+    code, _, err = run("simulate", file, "-n", 1, "--no-draw", *short, "--out", rehearsed)
     assert code == 0, err
     assert_whole(tmp_path / "study", load_protocol(file), rehearsed)

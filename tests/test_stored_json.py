@@ -58,7 +58,7 @@ def commands(study: Path) -> dict[str, tuple[object, ...]]:
         "report": ("report", study, "--out", out / "report", "--figures", "none"),
         "play": ("play", session, "--out", out / "played"),
         "run": ("run", protocol, *who),
-        "simulate": ("simulate", protocol, "-n", 2, "--out", study, "--no-frames"),
+        "simulate": ("simulate", protocol, "-n", 2, "--out", study, "--no-draw"),
     }
 
 

@@ -147,7 +147,7 @@ def test_the_exit_code_says_that_rows_are_lost(tmp_path, run, monkeypatch) -> No
 
     monkeypatch.setattr(Recorder, "write", write_and_cut)
     study = tmp_path / "S"
-    code, _, err = run("simulate", "smoke", "-n", 1, "--no-frames", "--out", study)
+    code, _, err = run("simulate", "smoke", "-n", 1, "--no-draw", "--out", study)
     assert code == 2
     assert "events.csv: another program has cut off the last" in err
     assert "these rows are lost" in err

@@ -68,7 +68,7 @@ def test_a_study_without_frames_goes_on_without_frames_alone(tmp_path):
     play = {"size_px": (32, 40), "out": tmp_path / "study"}
     protocol = load_protocol("carnegie_2015")
     simulate_sessions(protocol, participants=1, frames=False, **play)
-    with pytest.raises(InputError, match="begun with --no-frames"):
+    with pytest.raises(InputError, match="begun with --no-draw"):
         simulate_sessions(protocol, participants=2, **play)
     more = simulate_sessions(protocol, participants=2, frames=False, **play)
     assert [each.participant for each in more] == ["P02"]

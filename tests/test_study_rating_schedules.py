@@ -163,6 +163,6 @@ def test_schedules_that_cannot_be_are_refused(tmp_path, tables, told):
 
 def test_simulate_says_that_ratings_of_shortened_exposures_come_at_other_times(run, tmp_path):
     told = "their ratings come at shortened times"
-    whole = ("simulate", "smoke", "-n", 1, "--no-frames")
+    whole = ("simulate", "smoke", "-n", 1, "--no-draw")
     assert told not in run(*whole, "--out", tmp_path / "whole")[2]
     assert told in run(*whole, "--exposure-s", 0.05, "--out", tmp_path / "shortened")[2]

@@ -118,7 +118,7 @@ def files(*folders: Path) -> set[Path]:
     return {each for folder in folders for each in folder.rglob("*")}
 
 
-SIMULATE = ("simulate", "study.toml", "-n", "1", "--no-frames", "--out", "data", "--quiet")
+SIMULATE = ("simulate", "study.toml", "-n", "1", "--no-draw", "--out", "data", "--quiet")
 RUN = ("run", "study.toml", "--participant", "P01", "--respondent", "simulated", "--out", "data",
        "--size", "64x64", "--exposure-s", "0.2")  # fmt: skip
 

@@ -545,7 +545,7 @@ def marked(tmp_path_factory):
     text = PROTOCOL.replace("aiming", "nod.py").replace("room.glb", "temple")
     file = folder / "study.toml"
     file.write_text(text.replace("exposure_s = 20.0", "exposure_s = 1.0\nparticipants = 2"))
-    words = ["simulate", str(file), "-n", "2", "--no-frames", "--out", str(folder / "data")]
+    words = ["simulate", str(file), "-n", "2", "--no-draw", "--out", str(folder / "data")]
     trust = task_code_of(load_protocol(file)).sha256
     told = CliRunner().invoke(app, [*words, "--trust", trust])
     assert told.exit_code == 0, told.output

@@ -15,8 +15,8 @@ from vrcomfort.tradeoff import files, references
 from vrcomfort.tradeoff.methods import methods
 from vrcomfort.tradeoff.store import Store
 
-SMALL = ("--size", "16x20", "--samples", 8, "--poses", 1, "--rounds", 1, "--jobs", 1)
-ONE = (*SMALL, "--scenes", "temple", "--effects", "depth_of_field", "--quick")
+SMALL = ("--size", "16x20", "--samples", 8, "--views", 1, "--rounds", 1, "--jobs", 1)
+ONE = (*SMALL, "--scene", "temple", "--effects", "depth_of_field", "--quick")
 FEW = (*ONE, "--methods", "ours 36 samples")
 
 
@@ -190,7 +190,7 @@ def test_earlier_numbers_that_cannot_be_read_remove_nothing(tmp_path):
 
 @pytest.mark.slow
 def test_processes_find_what_one_finds(run, tmp_path, cache):
-    motion = (*SMALL, "--scenes", "temple", "--effects", "motion_blur", "--quick")
+    motion = (*SMALL, "--scene", "temple", "--effects", "motion_blur", "--quick")
     motion = (*motion, "--methods", "ours 8 samples")
     run(*motion, "--cache", tmp_path / "c1", "--out", tmp_path / "a")
     code, _, _ = run(*motion, "--jobs", 2, "--cache", tmp_path / "c2", "--out", tmp_path / "b")
@@ -210,7 +210,7 @@ def test_a_cluster_finds_what_one_process_finds(run, tmp_path, cache):
 
 @pytest.mark.slow
 def test_what_is_not_there_is_named(run, tmp_path):
-    refused(run("--scenes", "moon", "--out", tmp_path), "moon", "temple")
+    refused(run("--scene", "moon", "--out", tmp_path), "moon", "temple")
     refused(run("--lens", "9", "--out", tmp_path), "'9'", "3.5", "eye")
     refused(run("--windows", "--out", tmp_path), "1832x1920", "--size")
     refused(run("--effects", "glow", "--out", tmp_path), "glow", "motion_blur")
@@ -226,7 +226,7 @@ def test_what_is_not_there_is_named(run, tmp_path):
 @pytest.mark.smoke
 def test_a_method_needs_only_one_effect_that_has_it(run, tmp_path, cache):
     """Without --effects there is motion blur as well, which has no `ours 36 samples`."""
-    chosen = ("--scenes", "temple", "--quick", "--methods", "ours 36 samples")
+    chosen = ("--scene", "temple", "--quick", "--methods", "ours 36 samples")
     code, _, err = run(*SMALL, *chosen, "--cache", cache, "--out", tmp_path)
     assert (code, err) == (0, "")
     found = json.loads((tmp_path / "tradeoff.json").read_text())

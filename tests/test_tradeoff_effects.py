@@ -21,7 +21,7 @@ def test_every_effect_is_measured_somewhere():
 @pytest.mark.slow
 def test_effects_have_costs_and_traffic_in_a_table(run, tmp_path):
     names = ",".join(effect_costs.NAMES)
-    asked = ("--effects", names, "--scenes", "temple", "--quick", "--rounds", 1)
+    asked = ("--effects", names, "--scene", "temple", "--quick", "--rounds", 1)
     code, _, err = run("tradeoff", *asked, "--size", "32x40", "--out", tmp_path, "--quiet")
     assert (code, err) == (0, "")
     with (tmp_path / "effects.csv").open(encoding="utf-8") as file:
@@ -40,7 +40,7 @@ def test_effects_have_costs_and_traffic_in_a_table(run, tmp_path):
     [
         (("vignette,focus",), "tables of different kinds"),
         (("vignette,motion_blur",), "tables of different kinds"),
-        (("vignette", "--flicker"), "takes --scenes, --size, --rounds and --quick alone"),
+        (("vignette", "--flicker"), "takes --scene, --size, --rounds and --quick alone"),
         (("vignettte",), "there is no 'vignettte'; there are: depth_of_field, motion_blur, both"),
     ],
 )
@@ -54,7 +54,7 @@ def test_what_cannot_be_measured_together_is_refused(run, tmp_path, asked, said)
 def test_an_effect_that_draws_nothing_as_it_is_measured_is_refused(run, tmp_path, monkeypatch):
     idle = replace(graph.EFFECTS["vignette"], measured={"open_deg": 180.0})
     monkeypatch.setitem(graph.EFFECTS, "vignette", idle)
-    asked = ("--effects", "vignette", "--scenes", "temple", "--size", "32x40")
+    asked = ("--effects", "vignette", "--scene", "temple", "--size", "32x40")
     code, _, err = run("tradeoff", *asked, "--out", tmp_path / "out", "--quiet")
     assert code == 2
     assert "vignette is not measured: neither turning nor moving narrows the field" in err

@@ -24,7 +24,7 @@ def test_a_finer_zone_errs_less_and_the_finest_not_at_all(monkeypatch):
 def test_the_command_writes_its_tables(monkeypatch, run, tmp_path):
     monkeypatch.setattr(focus_search, "REFERENCE_SIDE_PX", 64)
     monkeypatch.setattr(focus_search, "ZONE_SIDES_PX", (16, 32))
-    asked = ("--effects", "focus", "--scenes", "temple", "--quick", "--rounds", 1)
+    asked = ("--effects", "focus", "--scene", "temple", "--quick", "--rounds", 1)
     code, out, err = run("tradeoff", *asked, "--size", "32x40", "--out", tmp_path)
     assert (code, err) == (0, "")
     assert "focus.md" in out
@@ -48,5 +48,5 @@ def test_the_command_writes_its_tables(monkeypatch, run, tmp_path):
 def test_what_focus_does_not_take_is_refused(run, tmp_path, option):
     code, _, err = run("tradeoff", "--effects", "focus", *option, "--out", tmp_path)
     assert code == 2
-    assert "--effects focus takes --scenes" in err
+    assert "--effects focus takes --scene" in err
     assert not list(tmp_path.iterdir())

@@ -102,7 +102,7 @@ def test_a_window_is_judged_without_the_margin_of_the_whole_image():
 def test_one_place_of_a_walk_is_the_one_that_all_places_have():
     whole = Scope(size_px=SIZE_PX, poses=2, effects=("depth_of_field",), scenes=("temple",))
     assert cases(replace(whole, pose=1)) == cases(whole)[1:]
-    with pytest.raises(InputError, match="--pose 3: there are 2"):
+    with pytest.raises(InputError, match="--view 3: there are 2"):
         cases(replace(whole, pose=2))
 
 
@@ -113,7 +113,7 @@ def test_windows_are_of_one_size_of_image():
 
 def test_windows_are_of_the_places_that_they_were_made_for():
     scope = Scope(size_px=HEADSET_PX, windows=True, effects=("depth_of_field",))
-    with pytest.raises(InputError, match="places of --poses 2"):
+    with pytest.raises(InputError, match="places of --views 2"):
         cases(replace(scope, poses=3))
     with pytest.raises(InputError, match="that place of the walk has none"):
         cases(replace(scope, scenes=("mountain",), pose=1))

@@ -28,7 +28,7 @@ def test_items_without_wording_are_a_fault_of_check_and_no_person_is_asked_them(
     assert code == 2
     assert "the IPQ has no wording in `en`" in err
     assert not study.exists()
-    assert run("simulate", file, "-n", "1", "--no-frames", "--out", tmp_path / "simulated")[0] == 0
+    assert run("simulate", file, "-n", "1", "--no-draw", "--out", tmp_path / "simulated")[0] == 0
 
 
 def test_a_protocol_can_give_an_instrument_the_wording_of_its_own_language(run, tmp_path):

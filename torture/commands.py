@@ -74,7 +74,7 @@ def _readings() -> list[Reading]:
         "exclude study P01 --reason why": ("study/*.*",),
         "undo-exclusion study P03 --reason why": ("study/participants.csv",),
         "undo-withdrawal study P01 --reason why": (MANIFEST, "study/*.*"),
-        "simulate protocol.toml -n 4 --no-frames --out study --quiet": (
+        "simulate protocol.toml -n 4 --no-draw --out study --quiet": (
             MANIFEST, "study/*.*", TABLES, "protocol.toml",
         ),
     }  # fmt: skip
@@ -166,7 +166,7 @@ def make(folder: Path) -> None:
         "import table.csv --mapping map.toml --out imported",
         "import scores.xlsx --suggest --out book.toml",
         "import-trace unity.csv --suggest --out head.toml",
-        "simulate protocol.toml -n 3 --no-frames --out study --quiet",
+        "simulate protocol.toml -n 3 --no-draw --out study --quiet",
         "exclude study P03 --reason why",
     ):
         ended, _ = in_child(folder, lambda words=words: command(words.split()))

@@ -49,7 +49,7 @@ def make(folder: Path) -> None:
         begun = resumed.manifest_of(study).exists()
         steps.run(partial(resumed.work, study, resume=begun), fate, folder)
     resumed.work(study, resume=True)
-    words = f"simulate {resumed.STUDY} -n 3 --no-frames --out study --quiet".split()
+    words = f"simulate {resumed.STUDY} -n 3 --no-draw --out study --quiet".split()
     ended, _ = in_child(folder, partial(command, words))
     if ended.code:
         raise RuntimeError(ended.said)

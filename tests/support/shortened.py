@@ -61,7 +61,7 @@ def assert_whole(study: Path, protocol: Protocol, rehearsed: Path) -> None:
     Parameters
     ----------
     rehearsed
-        The same protocol from `simulate --no-frames`, in its own length: what is asked, and when.
+        The same protocol from `simulate --no-draw`, in its own length: what is asked, and when.
     """
     assert not verify_study(study).faults
     folders = sorted((study / "sub-P01").glob("ses-*"))

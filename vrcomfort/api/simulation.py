@@ -148,7 +148,7 @@ def simulate_sessions(
     from vrcomfort.records import mixed_kinds_notice, opened_study
 
     if not frames and (trace or refresh_hz):
-        raise InputError("--no-frames plays no head trace; leave --trace and --refresh-hz out")
+        raise InputError("--no-draw plays no head trace; leave --trace and --refresh-hz out")
     if frames and protocol.simulation.eyes is None:
         require_recorded_gaze(protocol.conditions, trace)
     playback = PlaybackSetup(size_px, protocol.headset.ipd_m, trace, refresh_hz)
@@ -174,7 +174,7 @@ def simulate_sessions(
         if protocol.ratings and protocol.shown_s(exposure_s) < protocol.longest_s:
             note(
                 f"exposures of {protocol.longest_s:g} s are shortened to {exposure_s:g} s, and "
-                "their ratings come at shortened times, or are missed between frames; --no-frames "
+                "their ratings come at shortened times, or are missed between frames; --no-draw "
                 "without --exposure-s has them at the protocol's times"
             )
         with progress("simulated", participants, unit="participants") as advance:
@@ -286,7 +286,7 @@ class ResumeCheck:
     def _differences_of(self, headset: Mapping[str, Any]) -> Iterator[str]:
         playback = self._playback
         if (headset["name"] == NO_HEADSET) != (playback is None):
-            yield "--no-frames" if playback else "frames"
+            yield "--no-draw" if playback else "frames"
         if playback is None:
             return
         width, height = headset["image_size_px"]

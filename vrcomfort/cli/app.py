@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import sys
+from collections.abc import Iterator
 from importlib import import_module
 from typing import Annotated, Any, NamedTuple
 
@@ -148,6 +149,13 @@ GROUPS = {
 """Title of a group → its commands, in the order of the help."""
 COMMANDS = {name: each for group in GROUPS.values() for name, each in group.items()}
 
+OLD_OPTIONS = {
+    "play": {"--from": "--from-s", "--to": "--to-s"},
+    "simulate": {"--frames": "--draw", "--no-frames": "--no-draw"},
+    "tradeoff": {"--scenes": "--scene", "--pose": "--view", "--poses": "--views"},
+}
+"""Command → names that options had in version 0.2 → their names; the help has the latter alone."""
+
 UsageError: Any = typer.BadParameter.__base__
 """Misspelt commands and options, too; typer exports no name for it."""
 
@@ -182,7 +190,7 @@ class LazyCommands(TyperGroup):
         """Return a command and the rest of its words; a misspelt one is compared with all names."""
         if args[0] not in COMMANDS:
             return self._listed().resolve_command(ctx, args)
-        return super().resolve_command(ctx, args)
+        return super().resolve_command(ctx, [args[0], *_renamed(args[0], args[1:])])
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         """Write the help, with what is known of the commands without their modules."""
@@ -217,6 +225,14 @@ class LazyCommands(TyperGroup):
             words = words.replace(". Did you mean", "; did you mean")
             see = " See" if words.endswith("?") else "; see"
             raise InputError(f"{words[0].lower()}{words[1:]}{see} {command} --help") from error
+
+
+def _renamed(command: str, words: list[str]) -> Iterator[str]:
+    """Yield the words of a command with the names that its options have now."""
+    new = OLD_OPTIONS.get(command, {})
+    for word in words:
+        name, equals, value = word.partition("=")
+        yield f"{new.get(name, name)}{equals}{value}"
 
 
 app = typer.Typer(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
-from vrcomfort.cli.options import Json, parse_size
+from vrcomfort.cli.options import Json, Quiet, parse_size
 from vrcomfort.cli.terminal import (
     EXIT_BAD_INPUT,
     answer,
@@ -64,6 +64,7 @@ def check(
     draw: Annotated[
         bool, typer.Option("--draw/--no-draw", help="Measure blur and streaks, which takes frames.")
     ] = True,
+    quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
     """Check protocols before anybody is recruited: the exit code is 2 if one has a fault.
@@ -77,9 +78,9 @@ def check(
     """
     found: dict[str, _Checked] = {}
     for name in protocols:
-        with progress_bar(f"checking {name}", None, quiet=as_json) as advance:
+        with progress_bar(f"checking {name}", None, quiet=quiet or as_json) as advance:
             found[name] = _check(name, size, refresh_hz, moments, draw, advance)
-        if not as_json:
+        if not as_json and not (quiet and not found[name].faults):
             _show(name, found[name])
     if as_json:
         answer({name: _as_data(each) for name, each in found.items()})

@@ -92,10 +92,10 @@ def _of_study(protocol: Protocol, study: Path, seed: int | None, as_json: bool) 
                     "take a place")  # fmt: skip
     for name, count in found.gone.items():
         console().print(f"  {count} of sequence {name} withdrew or were excluded")
-    console().print(_sequences_table(found))
+    console(wrap=True).print(_sequences_table(found))
     _show_audit(found.counted)
     for covariate, margin in found.margins.items():
-        console().print(_margin_table(covariate, margin))
+        console(wrap=True).print(_margin_table(covariate, margin))
     console().print(f"\n{found.mending}")
     if found.next_orders:
         console().print(f"Positions then: {_positions_sentence(found.after)}.")
@@ -145,7 +145,7 @@ def _show_order(scheme: Design, sequences: list[Sequence]) -> None:
         ]
         group = [sequence.group or ""] if scheme.groups else []
         table.add_row(f"P{number:02d}", *group, sequence.name, *shown)
-    console().print(table)
+    console(wrap=True).print(table)
 
 
 def _show_audit(counted: Audit) -> None:
@@ -153,17 +153,17 @@ def _show_audit(counted: Audit) -> None:
         groups = _table("Groups", "group", "participants")
         for name, count in counted.groups.items():
             groups.add_row(name, str(count))
-        console().print(groups)
+        console(wrap=True).print(groups)
     for title, factor in (("condition", counted.conditions), ("scene", counted.scenes)):
-        console().print(_audit_table(title, factor))
+        console(wrap=True).print(_audit_table(title, factor))
     table = _table("First exposure: condition × scene", "condition", "scene", "participants")
     for (condition, scene), count in counted.crossing.items():
         table.add_row(condition, scene, str(count))
-    console().print(table)
+    console(wrap=True).print(table)
     carried = _table("Carry-over within sessions (before → after)", "pair", "times")
     for (before, after), count in sorted(counted.treatments.carry_over.items()):
         carried.add_row(f"{before} → {after}", str(count))
-    console().print(carried)
+    console(wrap=True).print(carried)
 
 
 def _audit_table(title: str, factor: FactorAudit) -> Table:
@@ -203,7 +203,10 @@ def power(
         ),
     ] = None,
     participants: Annotated[
-        str, typer.Option(metavar="FIRST:LAST[:STEP]", help="Numbers of participants.")
+        str,
+        typer.Option(
+            "--participants", "-n", metavar="FIRST:LAST[:STEP]", help="Numbers of participants."
+        ),
     ] = "8:60",
     sd: Annotated[
         float | None,
@@ -243,8 +246,11 @@ def power(
     wanted = None if effect is None else Effect.of_text(effect)
     question = question_of(plan, wanted, sd=sd, pilot=pilot)
     folder = None if out is None else output_folder(out)
-    with progress_bar("simulating", None, quiet=quiet), workers(jobs, None) as work:
-        rows = simulate_power(question, sizes, studies=studies, seed=seed, work=work)
+    bar = progress_bar("simulated", len(sizes) * studies, quiet=quiet or as_json, unit="studies")
+    with bar as advance, workers(jobs, None) as work:
+        rows = simulate_power(
+            question, sizes, studies=studies, seed=seed, work=work, advance=advance
+        )
     facts = _facts(question, rows, seed, studies)
     if folder is not None:
         _write(folder, question, rows, facts)

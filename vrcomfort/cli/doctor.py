@@ -16,7 +16,7 @@ from rich.text import Text
 
 from vrcomfort import __version__
 from vrcomfort.cli.headset_setup import require_bindings
-from vrcomfort.cli.options import Json
+from vrcomfort.cli.options import Json, Quiet
 from vrcomfort.cli.terminal import answer, console, progress_bar, warn
 from vrcomfort.errors import InputError, pip_install
 from vrcomfort.headset.watchdog import Watchdog
@@ -210,6 +210,7 @@ def doctor(
     timing: Annotated[
         bool, typer.Option("--timing", help="Show two still images for 5 s and count frames.")
     ] = False,
+    quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
     """Find the parts that are there and those that are missing, each with its remedy.
@@ -221,7 +222,7 @@ def doctor(
     - `vrcomfort doctor --timing`
     - `vrcomfort doctor --json`
     """
-    with progress_bar("looking", None, quiet=False):
+    with progress_bar("looking", None, quiet=quiet or as_json):
         findings = list(_examine(timing=timing))
     if as_json:
         answer([asdict(finding) for finding in findings])

@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 from vrcomfort.api.outputs import output_file
-from vrcomfort.cli.options import Quiet, output_path
-from vrcomfort.cli.terminal import console, warn
+from vrcomfort.cli.options import Json, Quiet, output_path
+from vrcomfort.cli.terminal import answer, console, warn
 from vrcomfort.errors import InputError
 
 
@@ -55,6 +55,7 @@ def import_answers(
         ),
     ] = False,
     quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Import another lab's questionnaire answers (head traces: `import-trace`).
 
@@ -68,14 +69,20 @@ def import_answers(
         raise InputError("give either --suggest or --mapping MAP.toml; start with --suggest")
     page = next((file for file in files if preview and file.suffix == ".html"), None)
     files = [file for file in files if file != page]
+    written = None if preview else out
+    if as_json and (page or written) is None:
+        raise InputError("--json says what was written; give --out, or --preview with a page")
+    quiet = quiet or as_json
     if page is not None:
         _write_page(page, files, mapping, instrument or [], vocabulary or [], quiet)
     elif mapping is None:
-        _suggest(files, None if preview else out, instrument or [], vocabulary or [], quiet)
+        _suggest(files, written, instrument or [], vocabulary or [], quiet)
     elif out is None and not preview:
         raise InputError("--out is missing: the study folder to make (or give --preview)")
     else:
-        _import(files, mapping, None if preview else out, quiet)
+        _import(files, mapping, written, quiet)
+    if as_json:
+        answer({"written": str(page or written)})
 
 
 def _import(files: list[Path], mapping: Path, out: Path | None, quiet: bool) -> None:
@@ -178,6 +185,7 @@ def import_trace(
         str | None, typer.Option(help="A format that needs no mapping: unity-euler.")
     ] = None,
     quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Turn another program's head log into a trace.
 
@@ -197,12 +205,15 @@ def import_trace(
     """
     if sum((suggest, mapping is not None, format is not None)) > 1:
         raise InputError("give one of --suggest, --mapping and --format")
+    if out is None and (as_json or not suggest):
+        raise InputError("--out is missing: the trace to write, such as trace.csv")
+    quiet = quiet or as_json
     if suggest:
         _suggest_log(file, out, quiet)
-    elif out is None:
-        raise InputError("--out is missing: the trace to write, such as trace.csv")
-    else:
+    elif out is not None:
         _import_log(file, out, mapping, format, quiet)
+    if as_json:
+        answer({"written": str(out)})
 
 
 def _suggest_log(file: Path, out: Path | None, quiet: bool) -> None:

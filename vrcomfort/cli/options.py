@@ -57,6 +57,11 @@ StudySeed = Annotated[
     ),
 ]
 Size = Annotated[str, typer.Option(metavar="WxH", help="Pixels of one eye's image.")]
+ParticipantsOption = Annotated[
+    int,
+    typer.Option("--participants", "-n", help="Number of participants.", min=1, max=10_000),
+]
+DrawOption = Annotated[bool, typer.Option("--draw/--no-draw", help="Draw frames, or do without.")]
 ProtocolArgument = Annotated[
     str, typer.Argument(metavar="PROTOCOL", help="A TOML file, or a shipped one such as smoke.")
 ]

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from vrcomfort.cli.options import Quiet, StudyArgument
-from vrcomfort.cli.terminal import console, warn
+from vrcomfort.cli.options import Json, Quiet, StudyArgument
+from vrcomfort.cli.terminal import conclude, warn
 
 Participant = Annotated[str, typer.Argument(metavar="PARTICIPANT", help="Such as P01.")]
 Reason = Annotated[str, typer.Option(help="Why; it is kept with the date.")]
@@ -24,7 +24,11 @@ def register(app: typer.Typer) -> None:
 
 
 def exclude(
-    study: StudyArgument, participant: Participant, reason: Reason, quiet: Quiet = False
+    study: StudyArgument,
+    participant: Participant,
+    reason: Reason,
+    quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Keep a participant out of all analyses.
 
@@ -36,11 +40,17 @@ def exclude(
     from vrcomfort.records.participants import exclude as leave_out
 
     leave_out(study, participant, reason)
-    console(quiet).print(f"{participant} is excluded; vrcomfort undo-exclusion takes it back")
+    sentence = f"{participant} is excluded; vrcomfort undo-exclusion takes it back"
+    facts = {"participant": participant, "status": "excluded"}
+    conclude(sentence, facts, quiet=quiet, as_json=as_json)
 
 
 def undo_exclusion(
-    study: StudyArgument, participant: Participant, reason: Reason, quiet: Quiet = False
+    study: StudyArgument,
+    participant: Participant,
+    reason: Reason,
+    quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Take the exclusion of a participant back.
 
@@ -49,7 +59,8 @@ def undo_exclusion(
     from vrcomfort.records.participants import undo_exclusion as undo
 
     status = undo(study, participant, reason)
-    console(quiet).print(f"{participant} is {status} again")
+    facts = {"participant": participant, "status": status}
+    conclude(f"{participant} is {status} again", facts, quiet=quiet, as_json=as_json)
 
 
 def note(
@@ -57,6 +68,7 @@ def note(
     participant: Participant,
     text: Annotated[str, typer.Argument(metavar="TEXT", help="What is to be noted.")],
     quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Add a note on a participant to participants.csv, with its date.
 
@@ -65,14 +77,16 @@ def note(
     from vrcomfort.records.participants import add_note
 
     add_note(study, participant, text)
-    console(quiet).print(f"noted of {participant}")
+    facts = {"participant": participant, "note": text}
+    conclude(f"noted of {participant}", facts, quiet=quiet, as_json=as_json)
 
 
 def erase(
     study: StudyArgument,
     participant: Participant,
-    yes: Annotated[bool, typer.Option("--yes", help="Do not ask at the terminal.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", "-y", help="Ask nothing at the terminal.")] = False,
     quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Delete everything recorded of a participant, on their request. Cannot be undone.
 
@@ -90,7 +104,14 @@ def erase(
     for file in done.mentions:
         warn(f"{study / file} still names {participant}; make it again, mend it, or delete it")
     row = f" {done.row} is the row that stays in participants.csv." if done.row else ""
-    console(quiet).print(f"{participant} is erased, with {done.sessions} sessions.{row}")
+    sentence = f"{participant} is erased, with {done.sessions} sessions.{row}"
+    facts = {
+        "participant": participant,
+        "sessions": done.sessions,
+        "row": done.row,
+        "still_named_in": [str(file) for file in done.mentions],
+    }
+    conclude(sentence, facts, quiet=quiet, as_json=as_json)
     warn(
         "not reached: reports, exports, copies and keys outside of this folder, backups, "
         "recordings of other programs, and what a disk keeps of deleted files"
@@ -98,7 +119,11 @@ def erase(
 
 
 def undo_withdrawal(
-    study: StudyArgument, participant: Participant, reason: Reason, quiet: Quiet = False
+    study: StudyArgument,
+    participant: Participant,
+    reason: Reason,
+    quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Take back the withdrawal of a participant that was a mistake.
 
@@ -113,4 +138,6 @@ def undo_withdrawal(
     then = "the next session can be run"
     if ended is not None:
         then = f"session {ended} can be continued: vrcomfort run ... --resume"
-    console(quiet).print(f"{participant} is enrolled again; {then}")
+    facts = {"participant": participant, "status": "enrolled", "session_to_resume": ended}
+    sentence = f"{participant} is enrolled again; {then}"
+    conclude(sentence, facts, quiet=quiet, as_json=as_json)

@@ -9,7 +9,7 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from vrcomfort.cli.options import Json, ProtocolArgument, Size, parse_size
+from vrcomfort.cli.options import Json, ProtocolArgument, Quiet, Size, parse_size
 from vrcomfort.cli.terminal import answer, console, progress_bar, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Condition, Protocol, load_protocol
@@ -17,6 +17,8 @@ from vrcomfort.protocol.quality import figure_for, level_of
 from vrcomfort.protocol.quality_levels import MeasurementSource, QualityFigure, quality_table
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from vrcomfort.gpu.traffic import Traffic
     from vrcomfort.protocol.viewing import DepthMode
     from vrcomfort.render.effects.depth_of_field.lens_radius import Unlimited
@@ -47,6 +49,7 @@ def passes(
         bool,
         typer.Option("--draw/--no-draw", help="Draw a frame of each, to count bytes and draws."),
     ] = True,
+    quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
     """Show the render passes of each condition in each scene, the reasons, and the cost.
@@ -59,8 +62,10 @@ def passes(
     - `vrcomfort passes my_study.toml --size 2064x2208 --json`
     """
     study = load_protocol(protocol)
-    with progress_bar("counting passes", None, quiet=as_json):
-        found = study_passes(study, parse_size(size), draw=draw)
+    total = len(study.scenes) * len(study.conditions)
+    bar = progress_bar("counted passes", total, quiet=quiet or as_json, unit="conditions in scenes")
+    with bar as advance:
+        found = study_passes(study, parse_size(size), draw=draw, advance=advance)
     if as_json:
         answer(found.as_data())
     else:
@@ -75,7 +80,7 @@ def plan(
 ) -> None:
     """Run `vrcomfort passes`: its name in version 0.1."""
     warn("`vrcomfort plan` is now called `vrcomfort passes`; a plan is an analysis plan")
-    passes(protocol, size, draw, as_json)
+    passes(protocol, size, draw, as_json=as_json)
 
 
 @dataclass(frozen=True)
@@ -182,26 +187,33 @@ def _whole(traffic: dict[str, Traffic]) -> Traffic:
     )
 
 
-def study_passes(study: Protocol, size_px: tuple[int, int], *, draw: bool = True) -> StudyPasses:
+def study_passes(
+    study: Protocol,
+    size_px: tuple[int, int],
+    *,
+    draw: bool = True,
+    advance: Callable[[], None] = lambda: None,
+) -> StudyPasses:
     """Plan every condition of a study in every scene, for eyes of this size.
 
     Parameters
     ----------
     draw
         Draws a frame of each, to count what its effects send through memory.
+    advance
+        Called after each condition in a scene.
     """
     from vrcomfort.render.effects.depth_of_field.lens_radius import unlimited
     from vrcomfort.scene.load import load_scene
 
     renderer, no_opengl = _renderer(size_px)
-    rows = [
-        _condition_passes(
-            name, scene, condition.in_scene(name), renderer, study.headset.depth, draw=draw
-        )
-        for name in study.scenes
-        for scene in [load_scene(study.scene_source(name))]
-        for condition in study.conditions
-    ]
+    rows, depth = [], study.headset.depth
+    for name in study.scenes:
+        scene = load_scene(study.scene_source(name))
+        for condition in study.conditions:
+            shown = condition.in_scene(name)
+            rows.append(_condition_passes(name, scene, shown, renderer, depth, draw=draw))
+            advance()
     beyond = {each.name: found for each in study.conditions if (found := unlimited(each))}
     return StudyPasses(size_px, rows, no_opengl, beyond)
 

@@ -16,6 +16,7 @@ from vrcomfort.api.playback import open_trace, require_recorded_gaze
 from vrcomfort.api.rendering import make_renderer
 from vrcomfort.cli.options import (
     ConditionOption,
+    Json,
     ProtocolOption,
     Quiet,
     RefreshRate,
@@ -24,7 +25,7 @@ from vrcomfort.cli.options import (
     pick_condition,
 )
 from vrcomfort.cli.play_session import ReplayOptions, play_session
-from vrcomfort.cli.terminal import console, progress_bar, warn
+from vrcomfort.cli.terminal import conclude, progress_bar, warn
 from vrcomfort.errors import InputError, spare
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol import Condition
@@ -234,10 +235,10 @@ def play(
         str | None, typer.Option(help="Only this trial; 0 is training.", show_default=False)
     ] = None,
     from_s: Annotated[
-        float | None, typer.Option("--from", metavar="S", help="Session: only from session_s on.")
+        float | None, typer.Option("--from-s", metavar="S", help="Session: only from session_s on.")
     ] = None,
     to_s: Annotated[
-        float | None, typer.Option("--to", metavar="S", help="Session: only up to session_s.")
+        float | None, typer.Option("--to-s", metavar="S", help="Session: only up to session_s.")
     ] = None,
     show: Annotated[str, typer.Option(metavar="gaze,ratings", help="Session: draw these in.")] = "",
     eye: Annotated[
@@ -264,6 +265,7 @@ def play(
     ] = None,
     refresh_hz: RefreshRate = None,
     quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Show a recorded session again, or play a head trace through a scene.
 
@@ -273,7 +275,7 @@ def play(
 
     - `vrcomfort play my_study/sub-P01/ses-1 --trial 1 --video seen.mp4`
     - `vrcomfort play my_study/sub-P01/ses-1 --beside dof_off --show gaze,ratings --video both.mp4`
-    - `vrcomfort play my_study/sub-P01/ses-1 --from 65 --to 70 --quality reference --out pictures`
+    - `vrcomfort play my_study/sub-P01/ses-1 --from-s 65 --to-s 70 --out pictures`
     - `vrcomfort play walk.csv --scene temple --frames 300 --size 320x400 --out played`
     - `vrcomfort play scenes/depths_walk.csv --scene depths --protocol motion_blur_2020_hands
       --condition in_world --beside with_head --video hands.mp4`
@@ -282,7 +284,7 @@ def play(
         "--scene": scene, "--gaze": gaze, "--frames": frames, "--refresh-hz": refresh_hz,
     }  # fmt: skip
     of_sessions = {
-        "--from": from_s, "--to": to_s, "--show": show or None, "--eye": eye,
+        "--from-s": from_s, "--to-s": to_s, "--show": show or None, "--eye": eye,
     }  # fmt: skip
     is_session = source.is_dir()
     if is_session:
@@ -310,7 +312,7 @@ def play(
         )
         folder = None if out is None else output_folder(out)
         film = None if video is None else output_file(video, source / "frames.csv")
-        play_session(source, options, out=folder, video=film, quiet=quiet)
+        play_session(source, options, out=folder, video=film, quiet=quiet, as_json=as_json)
         return
     if scene is None:
         raise InputError("a head trace needs a scene to play in: --scene temple, for example")
@@ -333,10 +335,11 @@ def play(
         refresh_hz=refresh_hz,
         video=None if video is None else output_file(video, source),
         out=None if out is None else output_folder(out),
-        quiet=quiet,
+        quiet=quiet or as_json,
     )
-    places = ", ".join(str(each) for each in (out, video) if each is not None)
-    console(quiet).print(f"{count} stereo frames: {places}")
+    places = [str(each) for each in (out, video) if each is not None]
+    sentence = f"{count} stereo frames: {', '.join(places)}"
+    conclude(sentence, {"frames": count, "written": places}, quiet=quiet, as_json=as_json)
 
 
 def _refuse(options: dict[str, Any], what: str) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort.api.rendering import make_renderer, shader_hashes
-from vrcomfort.cli.terminal import console, progress_bar, warn
+from vrcomfort.cli.terminal import conclude, console, progress_bar, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Condition, Protocol, load_protocol
 from vrcomfort.protocol.quality_levels import Quality
@@ -64,7 +64,13 @@ class ReplayOptions:
 
 
 def play_session(
-    folder: Path, options: ReplayOptions, *, out: Path | None, video: Path | None, quiet: bool
+    folder: Path,
+    options: ReplayOptions,
+    *,
+    out: Path | None,
+    video: Path | None,
+    quiet: bool,
+    as_json: bool,
 ) -> None:
     """Show a recorded session again, and say whether its images are the recorded ones."""
     from vrcomfort.replay import Comparison, read_session
@@ -82,20 +88,28 @@ def play_session(
     sheet = _sheet(session, options, selection)
     total = _count(session, selection)
     if not total:
-        message = "no recorded frame is among what --trial, --from and --to ask for"
+        message = "no recorded frame is among what --trial, --from-s and --to-s ask for"
         raise InputError(f"{message}; {_times(session)}", file=folder)
     count, length_s = 0, 0.0
-    with progress_bar("drawn", total, quiet=quiet, unit="frames") as advance:
+    with progress_bar("drawn", total, quiet=quiet or as_json, unit="frames") as advance:
         film = write_film(frames, sheet, out=out, video=video, refresh_hz=session.refresh_hz)
         for written in film:
             advance()
             count, length_s = written.frames, written.video_s
     if size_px == session.size_px:
-        _tell(session, selection, comparison, drawer, quiet=quiet)
+        _tell(session, selection, comparison, drawer, quiet=quiet or as_json)
     if out is not None:
         write_summary(out, _summary(session, selection, options, comparison, size_px))
-    places = ", ".join(str(each) for each in (out, video) if each is not None)
-    console(quiet).print(f"{count} frames, {length_s:.2f} s: {places}")
+    places = [str(each) for each in (out, video) if each is not None]
+    facts = {
+        "frames": count,
+        "length_s": length_s,
+        "images_compared": comparison.compared,
+        "images_equal": comparison.equal,
+        "written": places,
+    }
+    sentence = f"{count} frames, {length_s:.2f} s: {', '.join(places)}"
+    conclude(sentence, facts, quiet=quiet, as_json=as_json)
 
 
 def _protocol(options: ReplayOptions, session: RecordedSession) -> Protocol | None:

@@ -12,6 +12,7 @@ from vrcomfort.api.outputs import output_folder
 from vrcomfort.api.views import EYES, as_pose, render_views
 from vrcomfort.cli.options import (
     ConditionOption,
+    Json,
     Out,
     ProtocolOption,
     Quiet,
@@ -20,7 +21,7 @@ from vrcomfort.cli.options import (
     parse_size,
     pick_condition,
 )
-from vrcomfort.cli.terminal import console, progress_bar, warn
+from vrcomfort.cli.terminal import conclude, console, progress_bar, warn
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.geometry import Pose
 from vrcomfort.protocol.changed import changed, idle_settings
@@ -85,6 +86,7 @@ def render(
         ),
     ] = 0,
     quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Draw one stereo picture with its linear light, depth and settings.
 
@@ -113,16 +115,18 @@ def render(
         ipd_m=study.headset.ipd_m if study else MEAN_IPD_M,
         reference_samples=reference,
         note=warn,
-        progress=partial(progress_bar, quiet=quiet),
+        progress=partial(progress_bar, quiet=quiet or as_json),
     )
     picture = views.write(folder)
     for name in EYES if reference else ():
         words = _in_words(views.meta["reference"][name], reference)
-        console(quiet).print(f"{name} eye: {words}")
+        console(quiet or as_json).print(f"{name} eye: {words}")
     if full_px := views.meta.get("velocity_full_px"):
         words = f"direction as hue, fullest from {full_px:g} px per frame on"
-        console(quiet).print(f"Velocities: left_velocity.png and right_velocity.png ({words})")
-    console(quiet).print(f"Picture: {picture}")
+        pictures = "left_velocity.png and right_velocity.png"
+        console(quiet or as_json).print(f"Velocities: {pictures} ({words})")
+    facts = {"picture": str(picture), **views.meta}
+    conclude(f"Picture: {picture}", facts, quiet=quiet, as_json=as_json)
 
 
 def parse_pose(option: str, text: str | None) -> Pose | None:

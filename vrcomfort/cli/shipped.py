@@ -47,7 +47,7 @@ def list_shipped(
     table.add_column(no_wrap=True)
     for name, title in found.items():
         table.add_row(name, title)
-    console().print(table)
+    console(wrap=True).print(table)
 
 
 def _effects() -> dict[str, str]:

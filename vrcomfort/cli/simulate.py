@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -16,9 +17,12 @@ from vrcomfort.api.simulation import finish, simulate_sessions
 from vrcomfort.api.study_setup import outcome_sentence
 from vrcomfort.api.views import render_views
 from vrcomfort.cli.options import (
+    DrawOption,
     ExposureOption,
     GroupReadable,
+    Json,
     LanguageOption,
+    ParticipantsOption,
     ProtocolArgument,
     Quiet,
     RefreshRate,
@@ -31,7 +35,7 @@ from vrcomfort.cli.options import (
     output_option,
     parse_size,
 )
-from vrcomfort.cli.terminal import ask_for_code, console, progress_bar, warn
+from vrcomfort.cli.terminal import answer, ask_for_code, console, progress_bar, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
 
@@ -44,31 +48,30 @@ def register(app: typer.Typer) -> None:
 
 def simulate(
     protocol: ProtocolArgument,
-    participants: Annotated[int, typer.Option("--participants", "-n", min=1, max=10_000)],
+    participants: ParticipantsOption,
     out: StudyFolder,
     seed: StudySeed = None,
     trace: TraceOption = None,
     size: Size = "320x400",
     refresh_hz: RefreshRate = None,
     exposure_s: ExposureOption = None,
-    frames: Annotated[
-        bool, typer.Option("--frames/--no-frames", help="Draw every frame, or let time jump.")
-    ] = True,
+    draw: DrawOption = True,
     language: LanguageOption = None,
     trust: TrustOption = None,
     group_readable: GroupReadable = False,
     quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Take simulated participants through all their sessions, every frame rendered.
 
-    With --no-frames nothing is drawn, and time jumps from one event to the next: answers, ratings
+    With --no-draw nothing is drawn, and time jumps from one event to the next: answers, ratings
     and withdrawals as people give them, in no time.
 
     Where it was stopped, the same command goes on: what is recorded stays, and an interrupted
     session continues at its next exposure. One with other options is refused.
 
     - `vrcomfort simulate smoke --participants 4 --out my_study`
-    - `vrcomfort simulate carnegie_2015 --participants 200 --no-frames --out answers`
+    - `vrcomfort simulate carnegie_2015 --participants 200 --no-draw --out answers`
     - `vrcomfort simulate carnegie_2015 -n 8 --exposure-s 4 --refresh-hz 4 --out my_study`
     """
     outcomes = simulate_sessions(
@@ -81,13 +84,15 @@ def simulate(
         refresh_hz=refresh_hz,
         exposure_s=exposure_s,
         group_readable=group_readable,
-        frames=frames,
+        frames=draw,
         trust=trust,
         ask=ask_for_code,
         note=warn,
-        progress=partial(progress_bar, quiet=quiet),
+        progress=partial(progress_bar, quiet=quiet or as_json),
     )
-    for outcome in outcomes:
+    if as_json:
+        answer({"study": str(out), "sessions": [asdict(each) for each in outcomes]})
+    for outcome in () if as_json else outcomes:
         console(quiet).print(outcome_sentence(outcome, out))
     if outcomes[-1].status == "aborted":
         warn("the same command goes on where this was stopped")
@@ -111,9 +116,12 @@ def demo(
     out: Annotated[Path, output_option(help="Folder; an earlier demo in it is replaced.")] = Path(
         "vrcomfort-demo"
     ),
-    participants: Annotated[int, typer.Option("--participants", "-n", min=2, max=200)] = 8,
+    participants: Annotated[
+        int, typer.Option("--participants", "-n", help="Number of participants.", min=2, max=200)
+    ] = 8,
     seed: Seed = 1,
     quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Simulate Carnegie & Rhee's study with shortened exposures, render it, and report.
 
@@ -123,6 +131,7 @@ def demo(
     - `vrcomfort demo --out somewhere --participants 20`
     """
     study, pictures = _fresh(out)
+    quiet = quiet or as_json
     say = console(quiet).print
     say(f"Simulating {participants} participants, two sessions each ...")
     outcomes = simulate_sessions(
@@ -144,6 +153,9 @@ def demo(
     say("Writing the report ...")
     with progress_bar("report", None, quiet=quiet):
         report = write_report(study, out / "report", plan=DEMO_PROTOCOL, note=warn).index
+    if as_json:
+        answer({"study": str(study), "pictures": [*map(str, files)], "report": str(report)})
+        return
     console().print(f"\nStudy:    {study}")
     for file in files:
         console().print(f"Picture:  {file}")

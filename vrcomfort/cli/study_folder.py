@@ -20,7 +20,7 @@ from vrcomfort.cli.options import (
     WithoutOption,
     output_option,
 )
-from vrcomfort.cli.terminal import answer, console, progress_bar, warn
+from vrcomfort.cli.terminal import answer, conclude, console, progress_bar, warn
 
 if TYPE_CHECKING:
     from vrcomfort.exchange.status import SessionState, StudyState
@@ -175,6 +175,7 @@ def pack(
     memory: MemoryOption = "512MB",
     jobs: Annotated[int, typer.Option(help="Processes; each may take the memory.", min=1)] = 1,
     quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Write Parquet files beside frames.csv, gaze.csv and long ratings.csv: faster reports.
 
@@ -183,20 +184,26 @@ def pack(
 
     - `vrcomfort pack my_study`
     """
-    from vrcomfort.recordings import pack_study
+    from vrcomfort.recordings import pack_study, recordings_in
     from vrcomfort.records.recording import Memory
     from vrcomfort.workers import workers
 
     limit = Memory.of_text(memory)
-    with progress_bar("packing", None, quiet=quiet), workers(jobs, None) as work:
-        done = list(pack_study(study, limit, work))
+    total, done = len(recordings_in(study)), []
+    bar = progress_bar("packed", total, quiet=quiet or as_json, unit="recordings")
+    with bar as advance, workers(jobs, None) as work:
+        for each in pack_study(study, limit, work):
+            done.append(each)
+            advance()
     for each in done:
         if each.half_written:
             warn(f"{each.csv}: the last row is half-written and was left out")
     new = [each for each in done if each.new]
     before, after = _megabytes(e.csv for e in new), _megabytes(e.parquet for e in new)
     told = f"Packed: {len(new)} of {len(done)} recordings, {before:.1f} MB into {after:.1f} MB"
-    console(quiet).print(f"{told}; {len(done) - len(new)} were packed before")
+    facts = {"recordings": len(done), "packed": [str(each.parquet) for each in new]}
+    sentence = f"{told}; {len(done) - len(new)} were packed before"
+    conclude(sentence, facts, quiet=quiet, as_json=as_json)
 
 
 def _megabytes(files: Iterable[Path]) -> float:
@@ -234,6 +241,7 @@ def anonymise(
     without: WithoutOption = None,
     accept_flagged: AcceptFlaggedOption = False,
     quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Copy a study with new ids, other dates, and without notes, head motion and gaze.
 
@@ -259,7 +267,8 @@ def anonymise(
         warn(f"covariates are kept ({names}): the smallest group alike in them is of {smallest}")
     for name in record["events_not_known"]:
         warn(f"details of events `{name}` are left out: this version does not know them")
-    console(quiet).print(f"{out}: what was done stands in {out / RECORD}")
+    sentence = f"{out}: what was done stands in {out / RECORD}"
+    conclude(sentence, {"study": str(out), **record}, quiet=quiet, as_json=as_json)
 
 
 class Format(StrEnum):
@@ -279,6 +288,7 @@ def export(
     without: WithoutOption = None,
     accept_flagged: AcceptFlaggedOption = False,
     quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Export a study as BIDS (motion, gaze, events, answers) or Psych-DS (tables).
 
@@ -294,6 +304,9 @@ def export(
 
     write = export_bids if format_ is Format.BIDS else export_psych_ds
     choice = Choice.of_texts(without, accept_flagged=accept_flagged)
-    for sentence in write(study, out, choice):
+    left_out = list(write(study, out, choice))
+    for sentence in left_out:
         warn(f"left out: {sentence}")
-    console(quiet).print(f"{out}: a dataset in {format_.value}; its README.md says what is where")
+    facts = {"dataset": str(out), "format": format_.value, "left_out": left_out}
+    sentence = f"{out}: a dataset in {format_.value}; its README.md says what is where"
+    conclude(sentence, facts, quiet=quiet, as_json=as_json)

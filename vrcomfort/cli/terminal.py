@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, Self
@@ -70,6 +70,14 @@ def warn(sentence: str) -> None:
 def answer(data: Any) -> None:
     """Print JSON for a program to read; NaN and infinity, which JSON lacks, are errors."""
     typer.echo(json.dumps(data, indent=2, allow_nan=False, default=str))
+
+
+def conclude(sentence: str, facts: Mapping[str, Any], *, quiet: bool, as_json: bool) -> None:
+    """Print the result of a command: a sentence for people, or `facts` as JSON for programs."""
+    if as_json:
+        answer(facts)
+    else:
+        console(quiet).print(sentence)
 
 
 def console(quiet: bool = False, *, wrap: bool = False) -> Console:
@@ -162,10 +170,11 @@ class _Lines:
         self._title = title or self._title
 
     def _tell(self) -> None:
-        wait_s = SILENT_S
+        wait_s, passed_s = SILENT_S, 0.0
         while not self._over.wait(wait_s):
+            passed_s += wait_s
             words = _how_far(self._title, self._done, self._total, self._unit)
-            _errors.print(f"{words} ...")
+            _errors.print(f"{words}{time_left(passed_s, self._done, self._total)} ...")
             wait_s = LINE_EVERY_S
 
     def __enter__(self) -> Self:
@@ -175,6 +184,16 @@ class _Lines:
     def __exit__(self, *exception: object) -> None:
         self._over.set()
         self._thread.join()
+
+
+def time_left(passed_s: float, done: float, total: float | None) -> str:
+    """Return the time that the rest takes at the pace so far; blank where there is no pace yet."""
+    if not total or not 0 < done < total:
+        return ""
+    left_s = passed_s * (total - done) / done
+    if left_s < 1:
+        return ""
+    return f", about {left_s:.0f} s left" if left_s < 100 else f", about {left_s / 60:.0f} min left"
 
 
 def _how_far(title: str, done: float, total: float | None, unit: str) -> str:

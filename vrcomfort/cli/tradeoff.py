@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 import typer
 
 from vrcomfort.api.outputs import output_folder
-from vrcomfort.cli.options import Quiet, output_option, parse_size
-from vrcomfort.cli.terminal import console, progress_bar, warn
+from vrcomfort.cli.options import Json, Quiet, output_option, parse_size
+from vrcomfort.cli.terminal import conclude, console, progress_bar, warn
 from vrcomfort.errors import InputError
 
 if TYPE_CHECKING:
@@ -30,8 +30,8 @@ def register(app: typer.Typer) -> None:
 
 def tradeoff(
     out: Annotated[Path, output_option(help="Folder for the results; earlier ones are replaced.")],
-    scenes: Annotated[
-        str | None, typer.Option(metavar="NAME,…", help="Shipped scenes; without it, all.")
+    scene: Annotated[
+        list[str] | None, typer.Option(help="A shipped scene; once for each. Without it, all.")
     ] = None,
     effects: Annotated[
         str | None,
@@ -75,8 +75,8 @@ def tradeoff(
     references: Annotated[
         bool, typer.Option("--references", help="Only draw and keep the references.")
     ] = False,
-    poses: Annotated[int | None, typer.Option(help="Views of each scene's walk.", min=1)] = None,
-    pose: Annotated[
+    views: Annotated[int | None, typer.Option(help="Views of each scene's walk.", min=1)] = None,
+    view: Annotated[
         int | None, typer.Option(help="Only this one of the views, from 1.", min=1)
     ] = None,
     samples: Annotated[int | None, typer.Option(help="Of each reference.", min=2)] = None,
@@ -98,6 +98,7 @@ def tradeoff(
         output_option(help="Folder where finished work is kept; without it, the user's own."),
     ] = None,
     quiet: Quiet = False,
+    as_json: Json = False,
 ) -> None:
     """Measure the cost and the error of each method of blurring.
 
@@ -105,7 +106,7 @@ def tradeoff(
     was stopped goes on where it was.
 
     - `vrcomfort tradeoff --quick --out out/tradeoff`
-    - `vrcomfort tradeoff --scenes temple --effects depth_of_field --samples 4096 --out temple`
+    - `vrcomfort tradeoff --scene temple --effects depth_of_field --samples 4096 --out temple`
     - `vrcomfort tradeoff --effects depth_of_field --size 1832x1920 --windows --out headset`
     - `vrcomfort tradeoff --effects vignette,speed_blur --out effects`
     - `vrcomfort tradeoff --effects focus --out focus`
@@ -120,6 +121,8 @@ def tradeoff(
     from vrcomfort.tradeoff.store import default_folder
     from vrcomfort.tradeoff.walk import SCENES
 
+    quiet = quiet or as_json
+    shown = _chosen("--scene", ",".join(scene) if scene else None, SCENES)
     asked = _chosen("--effects", effects, EFFECTS[:2], (*EFFECTS, *NAMES, "focus"))
     judged: tuple[Effect, ...] = tuple(each for each in EFFECTS if each in asked)
     if set(asked) & {"focus", *NAMES}:
@@ -128,22 +131,23 @@ def tradeoff(
                 f"--effects {effects} asks for tables of different kinds; ask in runs of their "
                 f"own for focus, for {', '.join(NAMES)}, and for {', '.join(EFFECTS)}"
             )
-        others = (methods, lens, poses, pose, samples, jobs, cluster, cache)
+        others = (methods, lens, views, view, samples, jobs, cluster, cache)
         if any((windows, flicker, references, eyes == 1, *(each is not None for each in others))):
-            message = f"--effects {effects} takes --scenes, --size, --rounds and --quick alone"
+            message = f"--effects {effects} takes --scene, --size, --rounds and --quick alone"
             raise InputError(message)
-        where = output_folder(out), _chosen("--scenes", scenes, SCENES)
+        where = output_folder(out), shown
         if "focus" in asked:
-            _tradeoff_of_focus(*where, size, rounds, quick=quick, quiet=quiet)
+            written = _tradeoff_of_focus(*where, size, rounds, quick=quick, quiet=quiet)
         else:
-            _tradeoff_of_effects(*where, asked, size, rounds, quick=quick, quiet=quiet)
+            written = _tradeoff_of_effects(*where, asked, size, rounds, quick=quick, quiet=quiet)
+        conclude(f"Costs: {written}", {"table": str(written)}, quiet=quiet, as_json=as_json)
         return
     scope = Scope(
-        scenes=_chosen("--scenes", scenes, SCENES),
+        scenes=shown,
         effects=judged,
         motions=("walk",) if quick else ("walk", "turn"),
-        poses=poses or (1 if quick else 2),
-        pose=None if pose is None else pose - 1,
+        poses=views or (1 if quick else 2),
+        pose=None if view is None else view - 1,
         size_px=parse_size(size) if size else QUICK_SIZE_PX if quick else Scope.size_px,
         samples=samples or (QUICK_SAMPLES if quick else Scope.samples),
         quick=quick,
@@ -175,8 +179,10 @@ def tradeoff(
     for doubt in summary.doubts:
         warn(doubt)
     console(quiet).print(summary.reused)
-    if summary.page is not None:
-        console(quiet).print(f"Trade-off: {summary.page}")
+    page = None if summary.page is None else str(summary.page)
+    if page is not None or as_json:
+        facts = {"page": page, "doubts": list(summary.doubts)}
+        conclude(f"Trade-off: {page}", facts, quiet=quiet, as_json=as_json)
 
 
 def _tradeoff_of_focus(
@@ -187,7 +193,7 @@ def _tradeoff_of_focus(
     *,
     quick: bool,
     quiet: bool,
-) -> None:
+) -> Path:
     """Measure the searches for the focus, and write focus.md and two tables."""
     from vrcomfort.tradeoff import focus_search as focus
     from vrcomfort.tradeoff.captures import context
@@ -203,7 +209,7 @@ def _tradeoff_of_focus(
             for size_px in sizes:
                 costs += focus.search_costs(scene, size_px, rounds, advance)
             errors += focus.zone_errors(scene, places, advance)
-    console(quiet).print(f"Focus: {focus.write(out, costs, errors, context())}")
+    return focus.write(out, costs, errors, context())
 
 
 def _tradeoff_of_effects(
@@ -215,7 +221,7 @@ def _tradeoff_of_effects(
     *,
     quick: bool,
     quiet: bool,
-) -> None:
+) -> Path:
     """Measure effects that err from no ground truth, and write effects.md and effects.csv."""
     from vrcomfort.tradeoff import effect_costs as measured
     from vrcomfort.tradeoff.captures import context
@@ -226,7 +232,7 @@ def _tradeoff_of_effects(
     steps = measured.steps(names) * len(scenes)
     with progress_bar("effects", steps, quiet=quiet) as advance:
         costs = measured.effect_costs(scope, names, advance)
-    console(quiet).print(f"Effects: {measured.write(out, costs, context())}")
+    return measured.write(out, costs, context())
 
 
 def _chosen(

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
 
-from vrcomfort.settings import toml_value
+from vrcomfort.errors import InputError
+from vrcomfort.protocol.conditions import EFFECTS
+from vrcomfort.questionnaire import Instrument
+from vrcomfort.settings import did_you_mean, toml_value
 
-Compared: TypeAlias = Literal["depth_of_field", "motion_blur", "both", "each"]
+BOTH, EACH = "both", "each"
+"""Depth of field and motion blur: as two crossed factors, or as a condition each."""
+BLURS = ("depth_of_field", "motion_blur")
 
 _HEAD = """\
 # {title}
@@ -38,15 +43,18 @@ _OFF = """\
 # What is compared. Participants meet every condition in every scene.
 [[conditions]]
 name = "off"
-label = "No blur"
+label = {label}
+"""
+
+_CONDITION = """\
+
+[[conditions]]
+name = {name}
+label = {label}
 """
 
 _ON = {
     "depth_of_field": """\
-
-[[conditions]]
-name = "depth_of_field"
-label = "Depth of field"
 [conditions.focus]
 method = "nine_ray"    # what is sharp lies where the head points: docs/focus.md
 law = "linear_dioptre" # how focus moves to something new
@@ -54,14 +62,27 @@ law = "linear_dioptre" # how focus moves to something new
 law = "dioptre"        # blur grows with the defocus in dioptres: docs/depth_of_field.md
 """,
     "motion_blur": """\
-
-[[conditions]]
-name = "motion_blur"
-label = "Motion blur"
 [conditions.motion_blur]
 mode = "rotation_cancelled"   # turning the head blurs nothing: docs/motion_blur.md
 """,
+    "vignette": """\
+[conditions.vignette]          # a field of view that closes with speed: docs/effects.md
+speed_of = "avatar"            # locomotion alone; "head" or "both" as well
+turning = { from_deg_s = 10.0, to_deg_s = 60.0 }
+moving = { from_m_s = 0.2, to_m_s = 1.5 }
+""",
+    "speed_blur": """\
+[conditions.speed_blur]        # blur of the whole image that grows with speed: docs/effects.md
+speed_of = "avatar"            # locomotion alone; "head" or "both" as well
+turning = { from_deg_s = 10.0, to_deg_s = 60.0 }
+moving = { from_m_s = 0.2, to_m_s = 1.5 }
+""",
+    "relocation_blur": """\
+[conditions.relocation_blur]   # blur at cuts that sharpens with time: docs/effects.md
+snap_turns = true
+""",
 }
+"""Effect → the settings that a new condition begins with."""
 
 _BOTH = """\
 
@@ -118,18 +139,21 @@ _UNBALANCED = """\
 unbalanced = true     # meant: the number of participants does not balance the orders
 """
 
-_QUESTIONS = """\
+_QUESTIONNAIRE = """\
 
-# The Simulator Sickness Questionnaire: before, after each exposure, and at the end.
+# {title}: before, and after each exposure.
 [[questionnaires]]
-instrument = "ssq"
+instrument = {instrument}
 timepoint = "baseline"
 when = "session_start"
 
 [[questionnaires]]
-instrument = "ssq"
+instrument = {instrument}
 timepoint = "post"
 when = "after_trial"
+"""
+
+_SCORE_RISE = """\
 
 # Whose score has risen so far goes home, and may come back another day.
 [[stop.score_rise]]
@@ -162,8 +186,67 @@ ANSWER_S = (10.0, 15.0)
 """Time to answer a rating: at least, and usually."""
 EVERY_S = (20.0, 60.0)
 """From one rating to the next: at least, and usually."""
-HIGH = {"fms": 15, "misc": 7}
-"""Rating instrument → the answer that ends an exposure."""
+HIGH_SHARE = 0.75
+"""Share of a rating scale from which on answers end an exposure."""
+
+
+@dataclass(frozen=True)
+class DraftCondition:
+    """A condition besides the one without effects.
+
+    Parameters
+    ----------
+    effects
+        Effect → its settings besides those that every new condition has, as lines of TOML.
+    """
+
+    name: str
+    label: str
+    effects: dict[str, list[str]]
+
+    @classmethod
+    def of_text(cls, text: str) -> DraftCondition:
+        """Read ``EFFECT``, ``EFFECT.SETTING=VALUE``, or several of them joined by ``+``.
+
+        Raises
+        ------
+        InputError
+            If there is no such effect.
+        """
+        effects: dict[str, list[str]] = {}
+        for part in text.split("+"):
+            path, equals, value = (each.strip() for each in part.partition("="))
+            effect, _, setting = path.partition(".")
+            if effect not in EFFECTS:
+                known = did_you_mean(effect, [*EFFECTS, BOTH, EACH])
+                raise InputError(f"--compare {text}: there is no effect `{effect}`; {known}")
+            if bool(setting) != bool(equals and value):
+                raise InputError(f"--compare {text}: a setting is EFFECT.SETTING=VALUE")
+            effects.setdefault(effect, [])
+            if setting:
+                effects[effect].append(f"{setting} = {_toml(value)}")
+        label = ", ".join(
+            f"{effect.replace('_', ' ')}{' (' * bool(lines)}{', '.join(lines)}{')' * bool(lines)}"
+            for effect, lines in effects.items()
+        )
+        name = re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_")
+        return cls(name, f"{label[0].upper()}{label[1:]}", effects)
+
+    def toml(self) -> str:
+        """Return its table."""
+        parts = [_CONDITION.format(name=toml_value(self.name), label=toml_value(self.label))]
+        for effect, lines in self.effects.items():
+            written = {line.partition(" = ")[0] for line in lines}
+            begun = _ON[effect].splitlines()
+            kept = [each for each in begun if each.partition(" = ")[0].strip() not in written]
+            parts.append("\n".join([*kept, *lines]) + "\n")
+        return "".join(parts)
+
+
+def _toml(value: str) -> str:
+    """Return a value as TOML has it: numbers, booleans, tables and texts in quotes stay."""
+    is_toml = re.fullmatch(r"[+-]?[\d.]+(e[+-]?\d+)?|true|false|[\[{\"'].*", value)
+    return value if is_toml else toml_value(value)
 
 
 @dataclass(frozen=True)
@@ -172,10 +255,17 @@ class ProtocolDraft:
 
     Parameters
     ----------
+    compared
+        The conditions besides the one without effects; none: depth of field and motion blur as
+        crossed factors.
+    break_s
+        Between two exposures of a session.
+    questionnaires
+        Name or file, as the protocol calls it, and instrument.
     sessions
-        Over which each participant's exposures are dealt.
+        Over which each participant's exposures are distributed.
     rating
-        Instrument of the question during exposure; blank for none.
+        Name or file, and instrument, of the question during exposure; None for none.
     languages
         Blank where instruments keep their own.
     unbalanced
@@ -184,12 +274,14 @@ class ProtocolDraft:
 
     name: str
     title: str
-    compared: Compared
+    compared: tuple[DraftCondition, ...]
     scenes: tuple[str, ...]
     participants: int
     exposure_s: float
+    break_s: float
     sessions: int
-    rating: str
+    questionnaires: tuple[tuple[str, Instrument], ...]
+    rating: tuple[str, Instrument] | None
     languages: tuple[str, ...]
     unbalanced: bool = False
 
@@ -207,7 +299,7 @@ class ProtocolDraft:
     @property
     def conditions(self) -> int:
         """Return how many conditions are compared."""
-        return {"both": 4, "each": 3}.get(self.compared, 2)
+        return len(self.compared) + 1 if self.compared else 4
 
     @property
     def exposures(self) -> int:
@@ -231,30 +323,33 @@ class ProtocolDraft:
                 title_text=toml_value(self.title),
                 participants=self.participants,
                 exposure_s=self.exposure_s,
-                break_s=600.0 if in_a_day > 1 else 0.0,
+                break_s=self.break_s if in_a_day > 1 else 0.0,
                 scenes=toml_value(self.scenes),
             )
         ]
         if self.languages:
             given = toml_value(self.languages)
             parts.append(_LANGUAGES.format(last=self.languages[-1], languages=given))
-        parts += [self._compared(), *self._order(file), _QUESTIONS]
+        parts.append(self._conditions())
+        parts += self._order(file)
+        parts += [
+            _QUESTIONNAIRE.format(title=each.title, instrument=toml_value(called))
+            for called, each in self.questionnaires
+        ]
+        if any(each.name == "ssq" for _, each in self.questionnaires):
+            parts.append(_SCORE_RISE)
         if self.rating and self.has_time_for_ratings:
+            called, asked = self.rating
             every_s, timeout_s = self.rating_times_s
             parts.append(
                 _RATING.format(
-                    instrument=toml_value(self.rating),
+                    instrument=toml_value(called),
                     every_s=every_s,
                     timeout_s=timeout_s,
-                    stop_at=HIGH[self.rating],
+                    stop_at=high_answer(asked),
                 )
             )
         return "".join([*parts, _SIMULATION])
-
-    def _compared(self) -> str:
-        if self.compared == "both":
-            return _BOTH
-        return _OFF + "".join(_ON.values() if self.compared == "each" else [_ON[self.compared]])
 
     def _order(self, file: str) -> list[str]:
         unbalanced = _UNBALANCED if self.unbalanced else ""
@@ -262,3 +357,15 @@ class ProtocolDraft:
             return [_ORDER.format(file=file, sessions=self.sessions), unbalanced]
         days = [_DAY.format(number=number) for number in range(1, self.sessions + 1)]
         return [_ORDER_OF_DAYS.format(file=file), unbalanced, *days]
+
+    def _conditions(self) -> str:
+        if not self.compared:
+            return _BOTH
+        of_blur = all(set(each.effects) <= {*BLURS} for each in self.compared)
+        off = _OFF.format(label=toml_value("No blur" if of_blur else "No effect"))
+        return off + "".join(each.toml() for each in self.compared)
+
+
+def high_answer(rating: Instrument) -> int:
+    """Return the answer from which on an exposure ends."""
+    return int(rating.low + HIGH_SHARE * (rating.high - rating.low))

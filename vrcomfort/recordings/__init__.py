@@ -4,7 +4,7 @@
 """
 
 from vrcomfort.recordings.exposures import ExposureFrames, frame_measures
-from vrcomfort.recordings.pack import Packed, pack_study
+from vrcomfort.recordings.pack import Packed, pack_study, recordings_in
 from vrcomfort.recordings.ratings import (
     GAP,
     KEYS_OF_RATINGS,
@@ -25,6 +25,7 @@ __all__ = [
     "joined",
     "pack_study",
     "read_ratings",
+    "recordings_in",
     "series_of",
     "usual_interval_s",
 ]

@@ -86,6 +86,21 @@ def pack_study(
         If there is none; or at the first that is damaged, with its place, or is being written.
         What was packed before stays; the damaged recording has no Parquet file, or its old one.
     """
+    for done in work(partial(pack, study, memory), recordings_in(study)):
+        folder = done.csv.parent
+        if done.new and (folder / CHECKSUMS).exists():
+            update_checksums(folder, [done.parquet.name], access_like(folder / CHECKSUMS))
+        yield done
+
+
+def recordings_in(study: Path) -> list[Path]:
+    """Return every ``frames.csv``, ``gaze.csv`` and long ``ratings.csv`` of a folder.
+
+    Raises
+    ------
+    InputError
+        If there is none, or no such folder.
+    """
     if not study.is_dir():
         raise InputError("there is no such folder", file=study)
     least = {FrameRow.FILE: 0, GazeRow.FILE: 0, RatingRow.FILE: LONG_BYTES}
@@ -99,11 +114,7 @@ def pack_study(
         long = f"or {RatingRow.FILE} of more than {LONG_BYTES / 1e6:.0f} MB"
         message = f"there is no {FrameRow.FILE}, {GazeRow.FILE} {long} in this folder"
         raise InputError(message, file=study)
-    for done in work(partial(pack, study, memory), found):
-        folder = done.csv.parent
-        if done.new and (folder / CHECKSUMS).exists():
-            update_checksums(folder, [done.parquet.name], access_like(folder / CHECKSUMS))
-        yield done
+    return found
 
 
 def pack(study: Path, memory: Memory, csv: Path) -> Packed:

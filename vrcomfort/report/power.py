@@ -255,7 +255,13 @@ class _Piece(NamedTuple):
 
 
 def simulate_power(
-    question: Question, participants: Iterable[int], *, studies: int, seed: int, work: Work = map
+    question: Question,
+    participants: Iterable[int],
+    *,
+    studies: int,
+    seed: int,
+    work: Work = map,
+    advance: Callable[[int], None] = lambda _: None,
 ) -> list[PowerRow]:
     """Simulate so many studies of each size.
 
@@ -263,6 +269,8 @@ def simulate_power(
     ----------
     work
         Calls a function for every piece of work: `map`, or that of `vrcomfort.workers`.
+    advance
+        Called with the number of studies that were simulated since.
     """
     sizes = list(participants)
     pieces = [
@@ -273,6 +281,7 @@ def simulate_power(
     found: dict[int, list[np.ndarray[Any, Any]]] = {n: [] for n in sizes}
     for n, p in work(_simulated, pieces):
         found[n].append(p)
+        advance(len(p))
     return [_row(question, n, np.concatenate(found[n])) for n in sizes]
 
 

@@ -34,6 +34,7 @@ from vrcomfort.settings import (
     did_you_mean,
     first_problem,
     parse_settings,
+    toml_value,
 )
 from vrcomfort.settings.camera_path import PathPoints
 
@@ -369,3 +370,43 @@ def _changed(node: Node, entry: NodeSettings, stand_ins: dict[str, tuple[int, ..
         for level in sorted(entry.lod, key=lambda level: level.from_distance_m)
     )
     return replace(node, **given, lod=lod or node.lod)
+
+
+_DRAFT = """\
+# Side-car of {name}: what glTF cannot say. Every key: vrcomfort schema side-car, docs/scenes.md.
+title = {title}
+exposure = {exposure:g}     # factor on radiance before the tone curve
+
+# [sun]                # takes the place of the sun in the file
+# azimuth_deg = {sun.azimuth_deg:g}   # towards it: 0 is -Z, 90 is +X
+# elevation_deg = {sun.elevation_deg:g}
+
+# Where participants begin, on the floor; yaw 0 looks along -Z, 90 along -X.
+[spawn]
+position = [{x:.3f}, {y:.3f}, {z:.3f}]
+yaw_deg = {yaw_deg:.1f}
+
+# Where they can walk: corners of a polygon in x and z.
+{walkable}"""
+
+
+def draft_side_car(scene: Scene, name: str) -> str:
+    """Return a commented side-car with the start and the floors that a scene has without one.
+
+    Parameters
+    ----------
+    name
+        Of the scene's file.
+    """
+    forward = scene.spawn.rotation @ np.array([0.0, 0.0, -1.0])
+    yaw_deg = float(np.degrees(np.arctan2(-forward[0], -forward[2]))) + 0.0
+    x, y, z = (float(each) for each in scene.spawn.position)
+    floors = "\n".join(
+        f"[[walkable]]\nheight_m = {area.height_m:.3f}\npolygon_xz = "
+        f"[{', '.join(f'[{px:.3f}, {pz:.3f}]' for px, pz in area.polygon_xz)}]\n"
+        for area in scene.walkable
+    )
+    return _DRAFT.format(
+        name=name, title=toml_value(scene.name), exposure=SideCar().exposure, sun=Sun(),
+        x=x, y=y, z=z, yaw_deg=yaw_deg, walkable=floors,
+    )  # fmt: skip

@@ -215,10 +215,10 @@ def cases(scope: Scope) -> list[Case]:
         width, height = HEADSET_PX
         raise InputError(f"--windows are parts of images of {width}x{height}; give that --size")
     if scope.windows and scope.poses != WINDOW_POSES:
-        places = f"--poses {WINDOW_POSES}"
+        places = f"--views {WINDOW_POSES}"
         raise InputError(f"--windows are parts of the places of {places}; give that")
     if scope.pose is not None and scope.pose >= scope.poses:
-        raise InputError(f"--pose {scope.pose + 1}: there are {scope.poses}; give more --poses")
+        raise InputError(f"--view {scope.pose + 1}: there are {scope.poses}; give more --views")
     poses = range(scope.poses) if scope.pose is None else (scope.pose,)
     found = product(scope.scenes, scope.effects, poses)
     made = [
