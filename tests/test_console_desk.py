@@ -19,7 +19,7 @@ from tests.support.waiting import WAIT_S
 from vrcomfort.console import OperatorConsole
 from vrcomfort.gpu import gl
 from vrcomfort.headset.eye_painter import EyePictures
-from vrcomfort.operator_interface import Command, OperatorStep, SessionProgress
+from vrcomfort.operator_interface import Command, OperatorStep, SessionOrder, SessionProgress
 from vrcomfort.session.operator_control import OperatorControl
 
 
@@ -79,6 +79,16 @@ def session(tmp_path_factory):
     server, pictures = Shown(pictures=1), Pictures()
     desk = shown_session(tmp_path_factory.mktemp("shown"), server, pictures=pictures)
     return server, desk, pictures
+
+
+def test_the_state_says_which_depth_the_headset_gets_once_that_is_known():
+    server, facts = Shown(), {}
+    desk = OperatorConsole(server, say=lambda _: None)
+    desk.open(SessionOrder("P01", 1, "ab", (), lambda: 0, lambda: 0.0, headset=lambda: facts))
+    desk.begin(OperatorStep(1, "training", "training"))
+    facts["depth"] = "blur_aware"
+    desk.begin(OperatorStep(2, "exposure", "exposure 1"))
+    assert [state["depth"] for state in server.states] == ["", "blur_aware"]
 
 
 def states_of(server: Shown, kind: str) -> list[Mapping[str, Any]]:

@@ -5,6 +5,7 @@ import pytest
 
 from tests.support import golden_images
 from tests.support.render import eye, still_life
+from vrcomfort.frame import STIMULUS_VERSION
 from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
@@ -18,6 +19,22 @@ from vrcomfort.scene.load import load_scene
 from vrcomfort.traces.trace import read_trace
 
 SIZE = (160, 120)
+
+
+@pytest.mark.smoke
+def test_golden_pixels_change_with_the_stimulus_version_alone():
+    """A line for each picture, and one more for each version that changed it.
+
+    Whoever changes golden pictures raises `vrcomfort.frame.STIMULUS_VERSION` and adds the lines.
+    """
+    lines = map(str.split, golden_images.VERSIONS.read_text("utf-8").splitlines())
+    told: dict[str, dict[int, str]] = {}
+    for name, version, sha256 in lines:
+        assert int(version) not in told.get(name, {}), f"{name} has changed: raise the version"
+        told.setdefault(name, {})[int(version)] = sha256
+    assert max(version for each in told.values() for version in each) <= STIMULUS_VERSION
+    last = {name: each[max(each)] for name, each in told.items()}
+    assert golden_images.pixels_sha256() == last
 
 
 @pytest.mark.smoke

@@ -67,6 +67,8 @@ class SessionOrder:
         Returns the estimated remaining time.
     scales
         Of the ratings during exposure.
+    headset
+        Returns the headset's facts, as the manifest has them so far.
     """
 
     participant: str
@@ -76,6 +78,7 @@ class SessionOrder:
     position: Callable[[], int]
     remaining_s: Callable[[], float]
     scales: tuple[RatedScale, ...] = ()
+    headset: Callable[[], Mapping[str, Any]] = dict
 
 
 @dataclass(frozen=True)

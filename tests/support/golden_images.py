@@ -6,6 +6,7 @@ amplified, are left in the test's temporary folder.
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from PIL import Image
 
 FOLDER = Path(__file__).parent.parent / "golden"
 DRIVER = FOLDER / "driver.txt"
+VERSIONS = FOLDER / "stimulus_versions.txt"
 
 TOLERANCE = 1
 """Largest difference of a channel, of 255."""
@@ -50,3 +52,12 @@ def compare(request, ctx, tmp_path, name: str, image: np.ndarray) -> None:
             f"{worse:.2%} of the pixels of {name} differ by more than {tolerance}/255 "
             f"(largest {difference.max()}); see {tmp_path}"
         )
+
+
+def pixels_sha256() -> dict[str, str]:
+    """Return the checksum of the pixels of each golden picture."""
+    images = {path.name: Image.open(path) for path in sorted(FOLDER.glob("*.png"))}
+    return {
+        name: hashlib.sha256(f"{each.size} {each.mode}".encode() + each.tobytes()).hexdigest()
+        for name, each in images.items()
+    }

@@ -92,6 +92,8 @@ class OperatorConsole:
         """Show a step that begins."""
         here = {"number": step.number, "kind": step.kind, "words": step.words}
         self._state |= {"step": here, "done": 0.0, "total": 0.0, "frame": None}
+        headset = self._order.headset() if self._order else {}
+        self._state["depth"] = str(headset.get("depth", ""))
         self._state["allowed"] = sorted(ALLOWED[step.kind])
         if step.kind in {"training", "exposure"}:
             self._ratings.clear()

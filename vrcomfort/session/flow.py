@@ -162,6 +162,7 @@ class SessionFlow:
             lambda: time.position,
             time.remaining_s,
             tuple(_rated_scales(self._context.protocol)),
+            lambda: self._manifest.headset,
         )
         self._operators.interface.open(order)
 

@@ -98,6 +98,11 @@ class ManifestWriter:
             self._manifest.headset = facts
             self._write()
 
+    @property
+    def headset(self) -> dict[str, Any]:
+        """Return the headset's facts so far; none before the first frame."""
+        return self._manifest.headset
+
     def _write(self) -> None:
         self._manifest.changed_while_recorded = [
             each.sentence for each in self._recorder.external_changes

@@ -72,7 +72,8 @@ function show(now) {
   state = now;
   arrivedMs = performance.now();
   if (state.step) {
-    put(at("who"), `${state.participant}, session ${state.session}, order ${state.sequence}`);
+    const depth = state.depth ? `, depth ${state.depth.replace("_", "-")}` : "";
+    put(at("who"), `${state.participant}, session ${state.session}, order ${state.sequence}${depth}`);
     showStep();
     showSessionLeft();
     showEyes();
