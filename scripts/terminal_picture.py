@@ -18,6 +18,7 @@ from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from PIL import Image
 from rich.console import Console
 from rich.text import Text
 
@@ -58,6 +59,9 @@ def photograph(svg: Path, png: Path) -> None:
              page.as_uri()],
             check=True, capture_output=True,
         )  # fmt: skip
+    with Image.open(png) as picture:
+        few = picture.convert("RGB").quantize(64)
+    few.save(png, optimize=True)
 
 
 if __name__ == "__main__":

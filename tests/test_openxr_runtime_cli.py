@@ -243,6 +243,7 @@ def test_a_runtime_that_hangs_is_told_and_ctrl_c_ends_the_session(tmp_path: Path
     assert process.returncode == 130, said
     assert "Traceback" not in said
     assert "stopped; all that was recorded is kept" in said
+    assert "to go on, type: vrcomfort run" in said
     assert_kept(tmp_path, "runtime_hung")
 
 
