@@ -61,7 +61,7 @@ def test_the_answer_comes_first_with_everything_that_it_rests_on(labelled):
     number = r"−?\d+\.\d\d"
     assert re.search(
         rf"Total severity: lower under Calm than under Wild; the median difference was {number} "
-        rf"points, 95 % CI [\[(]{number}, {number}[\])], Holm-adjusted p = \.\d+, n = 10\.",
+        rf"points, 95 % CI [\[(]{number}, {number}[\])], p = \.\d+, n = 10\.",
         sentence,
     )
     test = results_of(labelled)["tests"][0]

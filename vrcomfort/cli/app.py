@@ -46,35 +46,33 @@ GROUPS = {
         "new": Listed("new", "Write a commented protocol for a new study."),
         "check": Listed(
             "check",
-            "Check protocols before anybody is recruited: the exit code is 2 if one has a fault.",
+            "Check protocols before recruitment; the exit code is 2 if one has a fault.",
         ),
         "design": Listed(
             "design", "Show the orders and groups of all participants, and their balance."
         ),
         "power": Listed(
             "design",
-            "Simulate studies of a plan, and say how often its primary test finds the effect.",
+            "Estimate the power of a plan's primary test by simulating studies.",
         ),
         "preflight": Listed(
-            "preflight", "Check machine, headset and room for a protocol, before people come."
+            "preflight", "Check machine, headset and room before participants arrive."
         ),
-        "run": Listed("run", "Take one participant through one session."),
+        "run": Listed("run", "Run one session of one participant."),
         "simulate": Listed(
             "simulate",
-            "Take simulated participants through all their sessions, every frame rendered.",
+            "Run all sessions of simulated participants, with every frame rendered.",
         ),
         "status": Listed(
             "study_folder",
-            "Show the state of a study and of its participants, the next steps, and the disk.",
+            "Show a study's participants, next steps and disk usage.",
         ),
         "note": Listed(
             "participants", "Add a note on a participant to participants.csv, with its date."
         ),
-        "exclude": Listed("participants", "Keep a participant out of all analyses."),
-        "undo-exclusion": Listed("participants", "Take the exclusion of a participant back."),
-        "undo-withdrawal": Listed(
-            "participants", "Take back the withdrawal of a participant that was a mistake."
-        ),
+        "exclude": Listed("participants", "Exclude a participant from all analyses."),
+        "undo-exclusion": Listed("participants", "Undo the exclusion of a participant."),
+        "undo-withdrawal": Listed("participants", "Undo a mistaken withdrawal of a participant."),
     },
     "Data": {
         "import": Listed(
@@ -83,7 +81,7 @@ GROUPS = {
         ),
         "verify": Listed(
             "study_folder",
-            "Check that a study folder is whole: files, rows, ids, times, checksums.",
+            "Check the integrity of a study folder: files, rows, ids, times, checksums.",
         ),
         "pack": Listed(
             "study_folder",
@@ -95,24 +93,22 @@ GROUPS = {
         ),
         "anonymise": Listed(
             "study_folder",
-            "Copy a study with new ids, other dates, and without notes, head motion and gaze.",
+            "Copy a study with new ids and dates, without notes, head motion and gaze.",
         ),
         "erase": Listed(
             "participants",
-            "Delete everything recorded of a participant, on their request. Cannot be undone.",
+            "Delete all data of a participant on request. This cannot be undone.",
         ),
     },
     "Scenes and pictures": {
         "render": Listed(
             "render", "Draw one stereo picture with its linear light, depth and settings."
         ),
-        "play": Listed(
-            "play", "Show a recorded session again, or play a head trace through a scene."
-        ),
-        "import-trace": Listed("imports", "Turn another program's head log into a trace."),
+        "play": Listed("play", "Replay a recorded session, or a head trace in a scene."),
+        "import-trace": Listed("imports", "Convert another program's head log to a trace."),
         "passes": Listed(
             "passes",
-            "Show the render passes of each condition in each scene, the reasons, and the cost.",
+            "Show the render passes of each condition in each scene, with reasons and cost.",
         ),
         "plan": Listed("passes", "Run `vrcomfort passes`: its name in version 0.1.", hidden=True),
         "tradeoff": Listed(
@@ -131,7 +127,7 @@ GROUPS = {
     "Machine and help": {
         "doctor": Listed(
             "doctor",
-            "Find the parts that are there and those that are missing, each with its remedy.",
+            "Check the installation, and name remedies for what is missing.",
         ),
         "demo": Listed(
             "simulate",

@@ -49,17 +49,19 @@ class _Checked:
 
 def check(
     protocols: Annotated[
-        list[str], typer.Argument(metavar="PROTOCOL...", help="TOML files, or shipped ones.")
+        list[str], typer.Argument(metavar="PROTOCOL...", help="Protocol files, or shipped ones.")
     ],
     size: Annotated[
         str | None,
-        typer.Option(metavar="WxH", help="Pixels of one eye's image; else the protocol's headset."),
+        typer.Option(metavar="WxH", help="Pixels of one eye's image; by default the protocol's."),
     ] = None,
     refresh_hz: Annotated[
-        float | None, typer.Option(help="Else that of the protocol's headset.", min=1, max=1000)
+        float | None,
+        typer.Option(help="Display rate, in Hz; by default the protocol's.", min=1, max=1000),
     ] = None,
     moments: Annotated[
-        int, typer.Option(help="Of each scene's walk, at which is looked.", min=2, max=1000)
+        int,
+        typer.Option(help="Number of moments of each scene's walk to measure.", min=2, max=1000),
     ] = 24,
     draw: Annotated[
         bool, typer.Option("--draw/--no-draw", help="Measure blur and streaks, which takes frames.")
@@ -67,7 +69,7 @@ def check(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Check protocols before anybody is recruited: the exit code is 2 if one has a fault.
+    """Check protocols before recruitment; the exit code is 2 if one has a fault.
 
     Reads and checks the file, whether the number of participants balances the orders, takes a
     simulated participant through all sessions without drawing, and measures how large blur and

@@ -30,10 +30,19 @@ def design(
     protocol: ProtocolArgument,
     participants: Annotated[
         int | None,
-        typer.Option("--participants", "-n", min=1, max=10_000, help="Else the protocol's, or 20."),
+        typer.Option(
+            "--participants",
+            "-n",
+            min=1,
+            max=10_000,
+            help="Number of participants; by default the protocol's, or 20.",
+        ),
     ] = None,
     study: Annotated[
-        Path | None, typer.Option(help="Audit what was run in this folder, and say what mends it.")
+        Path | None,
+        typer.Option(
+            help="Audit the sessions in this folder, and suggest orders that restore balance."
+        ),
     ] = None,
     seed: StudySeed = None,
     as_json: Json = False,
@@ -192,9 +201,7 @@ def _margin_table(covariate: str, margin: dict[str, dict[str, int]]) -> Table:
 
 
 def power(
-    plan: Annotated[
-        str, typer.Argument(metavar="PLAN", help="A shipped analysis plan, or a file.")
-    ],
+    plan: Annotated[str, typer.Argument(metavar="PLAN", help="Shipped analysis plan, or a file.")],
     effect: Annotated[
         str | None,
         typer.Option(
@@ -223,14 +230,14 @@ def power(
         int, typer.Option(help="Simulated studies of each size.", min=100, max=1_000_000)
     ] = 2000,
     seed: Seed = 0,
-    jobs: Annotated[int, typer.Option(help="Processes.", min=1)] = 1,
+    jobs: Annotated[int, typer.Option(help="Number of processes.", min=1)] = 1,
     out: Annotated[
         Path | None, output_option(help="Folder for power.csv, power.svg, power.png, power.json.")
     ] = None,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Simulate studies of a plan, and say how often its primary test finds the effect.
+    """Estimate the power of a plan's primary test by simulating studies.
 
     The test is the report's: that of the plan's first outcome and contrast, at its level. Intervals
     are Wilson's, of 95 %, and say how well the simulation knows the power.

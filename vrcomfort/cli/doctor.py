@@ -208,12 +208,12 @@ def register(app: typer.Typer) -> None:
 
 def doctor(
     timing: Annotated[
-        bool, typer.Option("--timing", help="Show two still images for 5 s and count frames.")
+        bool, typer.Option("--timing", help="Show two still images for 5 s, and count frames.")
     ] = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Find the parts that are there and those that are missing, each with its remedy.
+    """Check the installation, and name remedies for what is missing.
 
     The exit code is 1 if something is missing that every use of vrcomfort needs. A headset is not:
     playback, rendering and reports work without.

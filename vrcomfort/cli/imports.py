@@ -22,7 +22,8 @@ def register(app: typer.Typer) -> None:
 
 def import_answers(
     files: Annotated[
-        list[Path], typer.Argument(metavar="FILES", help="CSV, TSV, XLSX or JSON; one or more.")
+        list[Path],
+        typer.Argument(metavar="FILES", help="Files of answers: CSV, TSV, XLSX or JSON."),
     ],
     out: Annotated[
         Path | None,
@@ -33,10 +34,10 @@ def import_answers(
         ),
     ] = None,
     mapping: Annotated[
-        Path | None, typer.Option(help="What the columns mean (TOML), as --suggest writes it.")
+        Path | None, typer.Option(help="Mapping of the columns (TOML), as --suggest writes it.")
     ] = None,
     suggest: Annotated[
-        bool, typer.Option("--suggest", help="Write a mapping from the files, with its doubts.")
+        bool, typer.Option("--suggest", help="Write a suggested mapping with its doubts.")
     ] = False,
     instrument: Annotated[
         list[Path] | None,
@@ -166,7 +167,7 @@ def _write_page(
 
 
 def import_trace(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A log that another program wrote.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Head log of another program.")],
     out: Annotated[
         Path | None,
         typer.Option(
@@ -176,10 +177,10 @@ def import_trace(
         ),
     ] = None,
     mapping: Annotated[
-        Path | None, typer.Option(help="What the columns mean (TOML), as --suggest writes it.")
+        Path | None, typer.Option(help="Mapping of the columns (TOML), as --suggest writes it.")
     ] = None,
     suggest: Annotated[
-        bool, typer.Option("--suggest", help="Write a mapping from the log, with its doubts.")
+        bool, typer.Option("--suggest", help="Write a suggested mapping with its doubts.")
     ] = False,
     format: Annotated[  # noqa: A002
         str | None, typer.Option(help="A format that needs no mapping: unity-euler.")
@@ -187,7 +188,7 @@ def import_trace(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Turn another program's head log into a trace.
+    """Convert another program's head log to a trace.
 
     Logs are text with a row for each sample: time in any unit, the head's position, and its
     orientation as a quaternion or as Euler angles; in any left- or right-handed frame, with commas,

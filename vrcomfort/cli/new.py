@@ -327,7 +327,7 @@ class FileKind(StrEnum):
 
 
 def schema(
-    kind: Annotated[FileKind, typer.Argument(help="Which of the project's TOML files.")],
+    kind: Annotated[FileKind, typer.Argument(help="Kind of file.")],
 ) -> None:
     """Print the JSON Schema of protocols, analysis plans, or scenes' side-cars.
 

@@ -47,8 +47,10 @@ def declared_by(
     return decorate
 
 
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only what was asked for.")]
-Json = Annotated[bool, typer.Option("--json", help="Answer as JSON, for programs.")]
+Quiet = Annotated[
+    bool, typer.Option("--quiet", "-q", help="Print no progress and no confirmations.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON, for programs.")]
 Seed = Annotated[int, typer.Option(help="Every random choice derives from it.", min=0)]
 StudySeed = Annotated[
     int | None,
@@ -61,9 +63,12 @@ ParticipantsOption = Annotated[
     int,
     typer.Option("--participants", "-n", help="Number of participants.", min=1, max=10_000),
 ]
-DrawOption = Annotated[bool, typer.Option("--draw/--no-draw", help="Draw frames, or do without.")]
+DrawOption = Annotated[
+    bool,
+    typer.Option("--draw/--no-draw", help="Draw frames; without, time jumps from event to event."),
+]
 ProtocolArgument = Annotated[
-    str, typer.Argument(metavar="PROTOCOL", help="A TOML file, or a shipped one such as smoke.")
+    str, typer.Argument(metavar="PROTOCOL", help="Protocol file, or a shipped one such as smoke.")
 ]
 StudyArgument = Annotated[Path, typer.Argument(metavar="STUDY", help="The study folder.")]
 
@@ -86,18 +91,14 @@ def output_option(*names: str, help: str) -> Any:  # noqa: A002 - as typer calls
     return typer.Option(*names, parser=output_path, metavar="PATH", help=help)
 
 
-StudyFolder = Annotated[
-    Path, output_option("--out", help="The study folder; made if it is not there.")
-]
+StudyFolder = Annotated[Path, output_option("--out", help="Study folder; created if missing.")]
 MemoryOption = Annotated[
     str,
-    typer.Option(metavar="SIZE", help="The most memory that reading frames may take, as 512MB."),
+    typer.Option(metavar="SIZE", help="Memory limit for reading frames, such as 512MB."),
 ]
 GroupReadable = Annotated[
     bool,
-    typer.Option(
-        "--group-readable", help="A new study's files are for your group, too, not for you alone."
-    ),
+    typer.Option("--group-readable", help="Let your group read a new study's files."),
 ]
 WithoutOption = Annotated[
     list[str] | None,
@@ -105,26 +106,28 @@ WithoutOption = Annotated[
 ]
 AcceptFlaggedOption = Annotated[
     bool,
-    typer.Option("--accept-flagged", help="Go on where verify finds faults; they are recorded."),
+    typer.Option(
+        "--accept-flagged", help="Continue although verify finds faults; they are recorded."
+    ),
 ]
 TrustOption = Annotated[
     str | None,
     typer.Option(
-        metavar="HASH", help="Consent to run the protocol's own Python files of this hash."
+        metavar="HASH", help="Consent to running the protocol's own Python files with this hash."
     ),
 ]
 TraceOption = Annotated[
-    Path | None, typer.Option(help="Head trace (CSV); without it, the walk shipped with the scene.")
+    Path | None, typer.Option(help="Head trace (CSV); by default the walk shipped with the scene.")
 ]
 ExposureOption = Annotated[
     float | None,
     typer.Option(
-        help="Shorten every exposure to this, at most the protocol's exposure_s; recorded.",
+        help="Shorten exposures to this length, in s; recorded.",
         min=0.001,
     ),
 ]
 RefreshRate = Annotated[
-    float | None, typer.Option(help="Display rate; without it, the trace's own.", min=0.1)
+    float | None, typer.Option(help="Display rate, in Hz; by default the trace's.", min=0.1)
 ]
 
 
@@ -169,7 +172,7 @@ CovariateOption = Annotated[
     typer.Option(
         "--covariate",
         metavar="NAME=VALUE",
-        help="Known of a new participant, as the protocol's [[covariates]] say; once for each.",
+        help="Covariate of a new participant, as in the protocol's [[covariates]]; once for each.",
     ),
 ]
 
@@ -196,7 +199,7 @@ def parse_covariates(texts: list[str] | None) -> dict[str, str]:
 LanguageOption = Annotated[
     str | None,
     typer.Option(
-        help="What the participant reads, one of the protocol's `languages`; without it, that of "
+        help="Language of the participant, one of the protocol's `languages`; by default that of "
         "their last session, else the protocol's first."
     ),
 ]

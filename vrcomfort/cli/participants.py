@@ -10,8 +10,10 @@ import typer
 from vrcomfort.cli.options import Json, Quiet, StudyArgument
 from vrcomfort.cli.terminal import conclude, warn
 
-Participant = Annotated[str, typer.Argument(metavar="PARTICIPANT", help="Such as P01.")]
-Reason = Annotated[str, typer.Option(help="Why; it is kept with the date.")]
+Participant = Annotated[
+    str, typer.Argument(metavar="PARTICIPANT", help="Participant id, such as P01.")
+]
+Reason = Annotated[str, typer.Option(help="Reason, kept with the date.")]
 
 
 def register(app: typer.Typer) -> None:
@@ -30,7 +32,7 @@ def exclude(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Keep a participant out of all analyses.
+    """Exclude a participant from all analyses.
 
     What was recorded stays; reports count them among those who were excluded. The reason stands in
     participants.csv.
@@ -52,7 +54,7 @@ def undo_exclusion(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Take the exclusion of a participant back.
+    """Undo the exclusion of a participant.
 
     - `vrcomfort undo-exclusion my_study P01 --reason "it was P10 who fell asleep"`
     """
@@ -66,7 +68,7 @@ def undo_exclusion(
 def note(
     study: StudyArgument,
     participant: Participant,
-    text: Annotated[str, typer.Argument(metavar="TEXT", help="What is to be noted.")],
+    text: Annotated[str, typer.Argument(metavar="TEXT", help="Text of the note.")],
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -88,7 +90,7 @@ def erase(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Delete everything recorded of a participant, on their request. Cannot be undone.
+    """Delete all data of a participant on request. This cannot be undone.
 
     A row with a new name, the order and the day of the erasure stays in participants.csv, so that
     the orders of the next participants stay balanced.
@@ -125,7 +127,7 @@ def undo_withdrawal(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Take back the withdrawal of a participant that was a mistake.
+    """Undo a mistaken withdrawal of a participant.
 
     They are enrolled again, and the session that ended so can be resumed. Rows and events stay as
     they are; the reason stands in participants.csv and in the session's manifest.

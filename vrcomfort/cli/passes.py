@@ -52,7 +52,7 @@ def passes(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Show the render passes of each condition in each scene, the reasons, and the cost.
+    """Show the render passes of each condition in each scene, with reasons and cost.
 
     Draws a frame of each, which without a GPU takes some seconds at --size. GPU memory is what is
     allocated here, for both eyes at --size. Cost and error are those shipped for the condition's

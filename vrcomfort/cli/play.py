@@ -220,16 +220,16 @@ def play(
         output_option("--out", help="Folder for numbered pictures; earlier ones are replaced."),
     ] = None,
     video: Annotated[
-        Path | None, output_option("--video", help="FILE.mp4; an earlier one is replaced.")
+        Path | None, output_option("--video", help="Video file (.mp4); an earlier one is replaced.")
     ] = None,
     protocol: ProtocolOption = None,
     condition: ConditionOption = None,
     quality: Annotated[
-        Level | None, typer.Option(help="Draw at this level of quality, whatever was shown.")
+        Level | None, typer.Option(help="Quality level to draw at, instead of that of the session.")
     ] = None,
     beside: Annotated[
         str | None,
-        typer.Option(metavar="CONDITION", help="Draw another condition beside."),
+        typer.Option(metavar="CONDITION", help="Draw another condition beside it."),
     ] = None,
     trial: Annotated[
         str | None, typer.Option(help="Only this trial; 0 is training.", show_default=False)
@@ -240,16 +240,19 @@ def play(
     to_s: Annotated[
         float | None, typer.Option("--to-s", metavar="S", help="Session: only up to session_s.")
     ] = None,
-    show: Annotated[str, typer.Option(metavar="gaze,ratings", help="Session: draw these in.")] = "",
+    show: Annotated[
+        str, typer.Option(metavar="gaze,ratings", help="Session: overlays to draw.")
+    ] = "",
     eye: Annotated[
         str | None,
         typer.Option(
-            metavar="left|right|both", help="Session: without it both, and left with --beside."
+            metavar="left|right|both",
+            help="Session: eye to draw; by default both, with --beside the left.",
         ),
     ] = None,
     gaze: Annotated[
         Path | None,
-        typer.Option(help="Where the eyes looked (gaze.csv); the one beside a frames.csv is used."),
+        typer.Option(help="Gaze (gaze.csv); by default the one beside frames.csv."),
     ] = None,
     size: Annotated[
         str | None,
@@ -260,14 +263,14 @@ def play(
     frames: Annotated[
         int | None,
         typer.Option(
-            help="Trace: so many frames (a short one loops); without it, all once.", min=1
+            help="Trace: number of frames (short traces loop); by default all, once.", min=1
         ),
     ] = None,
     refresh_hz: RefreshRate = None,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Show a recorded session again, or play a head trace through a scene.
+    """Replay a recorded session, or a head trace in a scene.
 
     A session is drawn from its own files: conditions, scenes, cuts and dropped frames are those
     that were shown, and its images are compared with the hashes that were recorded (images.csv).

@@ -46,10 +46,11 @@ class PreflightOptions:
 
     protocol: ProtocolArgument
     out: StudyFolder
-    headset: Annotated[HeadsetKind, typer.Option(help="What shows it.")] = OPENXR
+    headset: Annotated[HeadsetKind, typer.Option(help="Headset to use.")] = OPENXR
     trace: TraceOption = None
     monado_trace: Annotated[
-        Path | None, typer.Option(help="Rehearse: a Monado runtime whose head follows this trace.")
+        Path | None,
+        typer.Option(help="Rehearse with a Monado runtime whose head follows this trace."),
     ] = None
     size: Annotated[
         str | None,
@@ -57,11 +58,14 @@ class PreflightOptions:
     ] = None
     refresh_hz: RefreshRate = None
     seconds: Annotated[
-        float, typer.Option(help="How long the dearest condition is timed.", min=0.1, max=3600)
+        float, typer.Option(help="Time for the slowest condition, in s.", min=0.1, max=3600)
     ] = SECONDS
-    lsl: Annotated[bool, typer.Option("--lsl", help="Sessions send to LabStreamingLayer.")] = False
+    lsl: Annotated[
+        bool, typer.Option("--lsl", help="Check LabStreamingLayer, which sessions will use.")
+    ] = False
     ttl: Annotated[
-        str | None, typer.Option(metavar="PORT", help="Sessions send bytes to this serial port.")
+        str | None,
+        typer.Option(metavar="PORT", help="Check this serial port, which sessions will use."),
     ] = None
     group_readable: GroupReadable = False
     quiet: Quiet = False
@@ -90,7 +94,7 @@ def register(app: typer.Typer) -> None:
 
 @declared_by(PreflightOptions)
 def preflight(ctx: typer.Context, options: PreflightOptions) -> None:
-    """Check machine, headset and room for a protocol, before people come.
+    """Check machine, headset and room before participants arrive.
 
     Looks at wording, GPU, disk, clock, sound, runtime, headset, rate, room and stop, and shows the
     condition that takes longest to draw for two minutes: put the headset on. No code of the

@@ -49,7 +49,7 @@ def render(
         str | None,
         typer.Option(
             metavar="X,Y,Z,YAW,PITCH,ROLL",
-            help="Head one frame (1/90 s) earlier; without it, at rest.",
+            help="Head pose one frame (1/90 s) earlier; by default at rest.",
         ),
     ] = None,
     trace: Annotated[
@@ -61,7 +61,7 @@ def render(
         typer.Option(
             "--at",
             metavar="S",
-            help="Seconds from the start of the trace and of the scene's animations. Without it, "
+            help="Time in the trace and in the scene's animations, in s. Without it, "
             "nothing moves but the head.",
         ),
     ] = None,

@@ -102,7 +102,7 @@ def report(
     simulated: Annotated[
         bool,
         typer.Option(
-            "--simulated", help="Of a study with both, the simulated participants, not the real."
+            "--simulated", help="Report the simulated participants of a study with both kinds."
         ),
     ] = False,
     figures: Annotated[
@@ -123,7 +123,7 @@ def report(
         ),
     ] = None,
     replace: Annotated[
-        bool, typer.Option("--replace", help="Write over the report of another study in --out.")
+        bool, typer.Option("--replace", help="Overwrite the report of another study in --out.")
     ] = False,
     without: WithoutOption = None,
     accept_flagged: AcceptFlaggedOption = False,
@@ -176,7 +176,7 @@ def score(
     answers: Annotated[
         list[str],
         typer.Argument(
-            metavar="[INSTRUMENT] FILE.csv", help="Answers: one row a person, or a row an answer."
+            metavar="[INSTRUMENT] FILE.csv", help="Answers: one row per person, or one per answer."
         ),
     ],
     instrument: Annotated[
@@ -195,7 +195,7 @@ def score(
     coded_from: Annotated[
         int | None,
         typer.Option(
-            help="The number that stands for the lowest answer: 1 where 1 to 4 are 0 to 3."
+            help="Number of the lowest answer in the file: 1 where 1 to 4 stand for 0 to 3."
         ),
     ] = None,
     as_json: Json = False,

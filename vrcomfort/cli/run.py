@@ -98,22 +98,27 @@ class RunOptions:
     """Arguments and options of `run`: each field declares one."""
 
     protocol: ProtocolArgument
-    participant: Annotated[str, typer.Option(help="Letters and digits, for example P01.")]
+    participant: Annotated[
+        str, typer.Option(help="Participant id: letters and digits, such as P01.")
+    ]
     out: StudyFolder
-    headset: Annotated[HeadsetKind, typer.Option(help="What shows it.")] = HeadsetKind.PLAYBACK
+    headset: Annotated[HeadsetKind, typer.Option(help="Headset to use.")] = HeadsetKind.PLAYBACK
     trace: TraceOption = None
     monado_trace: Annotated[
-        Path | None, typer.Option(help="Rehearse: a Monado runtime whose head follows this trace.")
+        Path | None,
+        typer.Option(help="Rehearse with a Monado runtime whose head follows this trace."),
     ] = None
     monado_answers: Annotated[
-        Path | None, typer.Option(help="What its controllers answer: whole numbers, in order.")
+        Path | None, typer.Option(help="Answers of its controllers: whole numbers, in order.")
     ] = None
     respondent: Annotated[
         RespondentKind | None,
-        typer.Option(help="Who answers; without it, the panel in a headset, else the terminal."),
+        typer.Option(
+            help="Source of answers; by default the panel in a headset, else the terminal."
+        ),
     ] = None
     session: Annotated[
-        int | None, typer.Option(help="Session number; without it, the next one.", min=1)
+        int | None, typer.Option(help="Session number; by default the next.", min=1)
     ] = None
     seed: StudySeed = None
     size: Annotated[
@@ -127,35 +132,37 @@ class RunOptions:
         typer.Option("--resume", help="Continue an interrupted session at its next exposure."),
     ] = False
     mirror: Annotated[
-        bool, typer.Option("--mirror", help="OpenXR: show the operator what the participant sees.")
+        bool, typer.Option("--mirror", help="OpenXR: mirror the participant's view in a window.")
     ] = False
-    one_eye: Annotated[
-        bool, typer.Option("--one-eye", help="Desktop: show the left eye alone, not both.")
-    ] = False
+    one_eye: Annotated[bool, typer.Option("--one-eye", help="Desktop: show the left eye only.")] = (
+        False
+    )
     with_console: Annotated[
         bool,
-        typer.Option("--console", help="Steer it from a page on this machine; prints its address."),
+        typer.Option(
+            "--console", help="Control the session from a page on this machine; prints its address."
+        ),
     ] = False
     ipd_mm: Annotated[
         float | None,
         typer.Option(
-            help="The participant's distance between the pupils; recorded.", min=40, max=85
+            help="Participant's interpupillary distance, in mm; recorded.", min=40, max=85
         ),
     ] = None
     sees_sharp: Annotated[
         SharpEyes | None,
-        typer.Option(help="With which eyes the participant sees sharp, as they say; recorded."),
+        typer.Option(help="Eyes with which the participant reports to see sharp; recorded."),
     ] = None
     other_stimulus: Annotated[
         bool,
         typer.Option(
             "--other-stimulus",
-            help="Go on with a study whose sessions were shown other pixels; recorded.",
+            help="Continue a study whose sessions had another stimulus version; recorded.",
         ),
     ] = False
     no_preflight: Annotated[
         bool,
-        typer.Option("--no-preflight", help="Go on without a preflight of the day; recorded."),
+        typer.Option("--no-preflight", help="Continue without today's preflight; recorded."),
     ] = False
     lsl: Annotated[
         bool,
@@ -163,15 +170,19 @@ class RunOptions:
     ] = False
     ttl: Annotated[
         str | None,
-        typer.Option(metavar="PORT", help="A byte to this serial port as exposures begin and end."),
+        typer.Option(
+            metavar="PORT", help="Serial port for a byte at the start and end of exposures."
+        ),
     ] = None
     covariate: CovariateOption = None
     consent: Annotated[
         str | None,
-        typer.Option(metavar="VERSION", help="The participant has consented to this version."),
+        typer.Option(
+            metavar="VERSION", help="Version of the form that the participant has signed."
+        ),
     ] = None
     consented_on: Annotated[
-        str | None, typer.Option(metavar="DAY", help="Day of the consent; today without it.")
+        str | None, typer.Option(metavar="DAY", help="Date of the consent; by default today.")
     ] = None
     language: LanguageOption = None
     trust: TrustOption = None
@@ -362,7 +373,7 @@ def register(app: typer.Typer) -> None:
 
 @declared_by(RunOptions)
 def run(ctx: typer.Context, options: RunOptions) -> None:
-    """Take one participant through one session.
+    """Run one session of one participant.
 
     Answers are on disk as soon as they are given. Ctrl-C, SIGTERM and a closed terminal stop:
     everything is kept, and --resume continues. The exit code is 130 after Ctrl-C (143 after

@@ -30,7 +30,7 @@ def register(app: typer.Typer) -> None:
 
 
 def list_shipped(
-    kind: Annotated[Kind, typer.Argument(help="Things to list.")],
+    kind: Annotated[Kind, typer.Argument(help="Kind of things to list.")],
     json: Json = False,
 ) -> None:
     """List the shipped scenes, instruments, protocols, effects, tasks or plans.
@@ -84,7 +84,7 @@ _LISTS: dict[Kind, Callable[[], dict[str, str]]] = {
 
 def docs(
     page: Annotated[
-        str, typer.Argument(metavar="[PAGE]", help="A page, such as import.")
+        str, typer.Argument(metavar="[PAGE]", help="Page to open, such as import.")
     ] = "index",
 ) -> None:
     """Open the documentation, which needs no network.

@@ -62,7 +62,7 @@ def simulate(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Take simulated participants through all their sessions, every frame rendered.
+    """Run all sessions of simulated participants, with every frame rendered.
 
     With --no-draw nothing is drawn, and time jumps from one event to the next: answers, ratings
     and withdrawals as people give them, in no time.

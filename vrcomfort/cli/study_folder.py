@@ -40,7 +40,7 @@ def status(
     study: StudyArgument,
     as_json: Json = False,
 ) -> None:
-    """Show the state of a study and of its participants, the next steps, and the disk.
+    """Show a study's participants, next steps and disk usage.
 
     - `vrcomfort status my_study`
     - `vrcomfort status my_study --json`
@@ -126,7 +126,7 @@ def verify(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Check that a study folder is whole: files, rows, ids, times, checksums.
+    """Check the integrity of a study folder: files, rows, ids, times, checksums.
 
     Each finding is a line with its place and what to do. Exit code 1 where something is wrong.
 
@@ -173,7 +173,9 @@ def pack(
         Path, typer.Argument(metavar="STUDY", help="A study folder, or one inside it.")
     ],
     memory: MemoryOption = "512MB",
-    jobs: Annotated[int, typer.Option(help="Processes; each may take the memory.", min=1)] = 1,
+    jobs: Annotated[
+        int, typer.Option(help="Number of processes; each may use --memory.", min=1)
+    ] = 1,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -222,28 +224,29 @@ def anonymise(
     out: Annotated[Path, output_option("--out", help="A new folder for the anonymous copy.")],
     dates: Annotated[
         DateChoice,
-        typer.Option(help="shift: times between sessions stay; remove: they go, too."),
+        typer.Option(help="shift: keep times between sessions; remove: drop them as well."),
     ] = DateChoice.SHIFT,
     keep_motion: Annotated[
-        bool, typer.Option("--keep-motion", help="Keep head and hands: they identify people.")
+        bool,
+        typer.Option("--keep-motion", help="Keep head and hand motion, which identifies people."),
     ] = False,
     keep_gaze: Annotated[
-        bool, typer.Option("--keep-gaze", help="Keep the gaze: it identifies people.")
+        bool, typer.Option("--keep-gaze", help="Keep gaze, which identifies people.")
     ] = False,
     key: Annotated[
         Path | None,
-        output_option("--key", help="Write old and new names here, outside of both folders."),
+        output_option("--key", help="File for the key of old and new ids, outside both folders."),
     ] = None,
     seed: Annotated[
         int | None,
-        typer.Option(min=0, help="Of the new names, written nowhere; who knows it can undo them."),
+        typer.Option(min=0, help="Seed of the new ids, stored nowhere; it can reverse them."),
     ] = None,
     without: WithoutOption = None,
     accept_flagged: AcceptFlaggedOption = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Copy a study with new ids, other dates, and without notes, head motion and gaze.
+    """Copy a study with new ids and dates, without notes, head motion and gaze.
 
     The study itself is not changed. What was done stands in the copy's anonymised.json.
 

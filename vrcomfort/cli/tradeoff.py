@@ -45,17 +45,17 @@ def tradeoff(
         str | None,
         typer.Option(
             metavar="NAME,…",
-            help="Only these methods, and only effects that have one of them; without it, all.",
+            help="Methods to measure, and with them the effects that have one; by default all.",
         ),
     ] = None,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Small: one small view, fewer samples and steps.")
+        bool, typer.Option("--quick", help="Measure one small view with fewer samples.")
     ] = False,
     size: Annotated[
         str | None,
         typer.Option(
             metavar="WxH",
-            help="Pixels of one eye's image; without it, 320x400, or 160x200 if quick.",
+            help="Pixels of one eye's image; by default 320x400, or 160x200 with --quick.",
         ),
     ] = None,
     lens: Annotated[
@@ -66,36 +66,47 @@ def tradeoff(
         ),
     ] = None,
     windows: Annotated[
-        bool, typer.Option("--windows", help="Judge parts of images of 1832x1920, left eye.")
+        bool, typer.Option("--windows", help="Judge windows of images of 1832x1920, left eye.")
     ] = False,
-    eyes: Annotated[int, typer.Option(help="1 judges the left eye alone.", min=1, max=2)] = 2,
+    eyes: Annotated[
+        int, typer.Option(help="Number of eyes to judge; 1: the left.", min=1, max=2)
+    ] = 2,
     flicker: Annotated[
-        bool, typer.Option("--flicker", help="How errors change a frame later; more references.")
+        bool,
+        typer.Option(
+            "--flicker",
+            help="Measure how errors change from frame to frame; takes more references.",
+        ),
     ] = False,
     references: Annotated[
-        bool, typer.Option("--references", help="Only draw and keep the references.")
+        bool, typer.Option("--references", help="Only draw the references, into the cache.")
     ] = False,
-    views: Annotated[int | None, typer.Option(help="Views of each scene's walk.", min=1)] = None,
-    view: Annotated[
-        int | None, typer.Option(help="Only this one of the views, from 1.", min=1)
+    views: Annotated[
+        int | None, typer.Option(help="Number of views of each scene's walk.", min=1)
     ] = None,
-    samples: Annotated[int | None, typer.Option(help="Of each reference.", min=2)] = None,
+    view: Annotated[
+        int | None, typer.Option(help="Number of the only view to measure, from 1.", min=1)
+    ] = None,
+    samples: Annotated[int | None, typer.Option(help="Samples per reference.", min=2)] = None,
     rounds: Annotated[
         int | None,
         typer.Option(
-            help="Timed frames of each method; else 300 on a GPU, 9 without, 3 if quick.", min=1
+            help="Timed frames per method; by default 300 on a GPU, 9 without, 3 with --quick.",
+            min=1,
         ),
     ] = None,
     jobs: Annotated[
-        int | None, typer.Option(help="Processes; without it, one for each core.", min=1)
+        int | None, typer.Option(help="Number of processes; by default one per core.", min=1)
     ] = None,
     cluster: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="A running Dask scheduler, such as tcp://host:8786."),
+        typer.Option(
+            metavar="ADDRESS", help="Address of a running Dask scheduler, such as tcp://host:8786."
+        ),
     ] = None,
     cache: Annotated[
         Path | None,
-        output_option(help="Folder where finished work is kept; without it, the user's own."),
+        output_option(help="Cache folder; by default one in the user's cache."),
     ] = None,
     quiet: Quiet = False,
     as_json: Json = False,

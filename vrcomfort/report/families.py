@@ -126,14 +126,21 @@ def interval_title(decision: Decision[Any], confidence: float) -> str:
     return f"Holm-adjusted {percent}" if decision.simultaneous else percent
 
 
+def _is_adjusted(p: float | None, decision: Decision[Any]) -> bool:
+    """Return whether the family of a test changes its p; one of a single test does not."""
+    return decision.p_holm is not None and decision.p_holm != p
+
+
 def deciding_p(p: float | None, decision: Decision[Any]) -> str:
     """Return the p by which a test decides: the adjusted one in a family."""
-    return p_equals(p) if decision.p_holm is None else f"Holm-adjusted {p_equals(decision.p_holm)}"
+    if _is_adjusted(p, decision):
+        return f"Holm-adjusted {p_equals(decision.p_holm)}"
+    return p_equals(p)
 
 
 def p_in_words(p: float | None, decision: Decision[Any]) -> str:
     """Return the unadjusted p, and its least possible value where no difference could be shown."""
-    unadjusted = "" if decision.p_holm is None else "unadjusted "
+    unadjusted = "unadjusted " if _is_adjusted(p, decision) else ""
     least = ""
     if decision.verdict == "not_possible":
         least = f" (with so few people, at least {p_value(decision.smallest_p)})"
