@@ -24,6 +24,43 @@ def named() -> list[tuple[str, str]]:
     return found
 
 
+def rows() -> list[str]:
+    """Return the rows of all tables, without their heads."""
+    lines = PAGE.splitlines()
+    is_rule = [bool(re.fullmatch(r"\|[-|]+\|", line)) for line in [*lines, ""]]
+    return [
+        line
+        for number, line in enumerate(lines)
+        if line.startswith("|") and not is_rule[number] and not is_rule[number + 1]
+    ]
+
+
+def commands() -> list[str]:
+    """Return the commands with arguments that rows name, each once."""
+    found = re.findall(r"`((?:vrcomfort|python -m bench) [a-z-]+ [^`]*)`", "\n".join(rows()))
+    return [each for each in dict.fromkeys(found) if "NAME" not in each]
+
+
+NOT_SHOWN = r"not shown: (?:hardware|not published)"
+MINUTES = ("python -m bench", "vrcomfort tradeoff")
+"""These have tests of their own."""
+
+
+def test_every_row_says_what_shows_it():
+    assert len(rows()) > 140
+    shown = rf"`(?:test_\w+\.py)?(?:::)?test_\w+|`(?:vrcomfort|python -m bench) [^`]+`|{NOT_SHOWN}"
+    assert [row for row in rows() if not re.search(shown, row.rpartition(" | ")[2])] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", [each for each in commands() if not each.startswith(MINUTES)])
+def test_commands_of_rows_run(run, tmp_path, monkeypatch, command):
+    (tmp_path / "scenes").symlink_to(data_folder("scenes"))
+    monkeypatch.chdir(tmp_path)
+    code, _, err = run(*command.split()[1:])
+    assert code == 0, err
+
+
 def test_every_test_that_is_named_is_there():
     assert len(named()) > 90
     for file, test in named():
