@@ -49,11 +49,12 @@ texts = pytest.mark.parametrize("text", TEXTS.values(), ids=TEXTS)
 RECORDED = {"text", "reason", "title"}
 """Parameters of commands that take any text and keep it."""
 CHECKED = {
-    "answers", "beside", "cluster", "condition", "consent", "consented_on", "covariate", "effect",
-    "effects", "eye", "figures", "format", "instrument", "kind", "language", "lens",
+    "answers", "beside", "cluster", "compare", "condition", "consent", "consented_on", "covariate",
+    "effect", "effects", "eye", "figures", "format", "instrument", "kind", "language", "lens",
     "memory", "methods", "page",
     "participant", "participants", "plan", "pose", "previous_pose", "protocol", "protocols",
-    "scene", "scenes", "settings", "show", "size", "trial", "trust", "ttl", "without",
+    "questionnaire", "rating", "scene", "settings", "show", "size", "trial",
+    "trust", "ttl", "without",
 }  # fmt: skip
 """Parameters that name a file, or one of a few things that there are."""
 
