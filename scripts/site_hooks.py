@@ -17,3 +17,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         text = (ROOT / name).read_text("utf-8").replace("](docs/", "](")
         files.append(File.generated(config, page, content=text))
     return files
+
+
+def on_post_build(config: MkDocsConfig) -> None:
+    """Remove the source maps of the theme's scripts: 1.3 MB in every wheel."""
+    for file in Path(config.site_dir).rglob("*.map"):
+        file.unlink()

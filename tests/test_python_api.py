@@ -380,7 +380,7 @@ def test_the_page_has_every_public_name():
 @pytest.mark.filterwarnings("default::UserWarning")  # notes on the simulated data
 def test_the_example_notebook_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    notebook = json.loads((ROOT / "docs" / "analysis_in_python.ipynb").read_text("utf-8"))
+    notebook = json.loads((ROOT / "examples" / "analysis_in_python.ipynb").read_text("utf-8"))
     assert notebook["nbformat"] == 4
     space, shown = {}, []
     for cell in notebook["cells"]:

@@ -6,9 +6,11 @@ import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from tests.support.doc_blocks import blocks
 from tests.support.exchange import cell
 from tests.support.resume import go
 from tests.support.study import PROTOCOL, AheadHeadset, read_rows, tiny_protocol
@@ -110,6 +112,16 @@ def test_a_headset_that_does_not_tell_leaves_display_time_blank(tmp_path: Path) 
     rows = read_rows(tmp_path / SESSION / "clocks.csv")
     assert rows
     assert {row["xr_time_ns"] for row in rows} == {""}
+
+
+def test_the_python_of_the_documentation_puts_frames_on_the_systems_clock(tmp_path: Path) -> None:
+    record(tmp_path)
+    (block,) = (each.text for each in blocks("python") if each.page == "timing.md")
+    space: dict[str, Any] = {}
+    code = block.replace("my_study/sub-P01/ses-1", (tmp_path / SESSION).as_posix())
+    exec(compile(code, "timing.md", "exec"), space)  # noqa: S102
+    seen_ns = space["seen_ns"].iloc[-1]
+    assert abs(seen_ns - space["clocks"].monotonic_ns.iloc[-1]) < 60e9
 
 
 def test_a_simulated_session_has_no_clocks(tmp_path: Path) -> None:

@@ -14,11 +14,13 @@ from rich.table import Table
 from vrcomfort.cli.options import Json
 from vrcomfort.cli.terminal import answer, console
 from vrcomfort.errors import InputError
+from vrcomfort.installed import installed
 from vrcomfort.protocol.conditions import EFFECTS, EffectTables
+from vrcomfort.questionnaire.library import ENTRY_POINTS as INSTRUMENTS
 from vrcomfort.resources import Folder, data_folder, site_folder
 from vrcomfort.settings import did_you_mean
 from vrcomfort.tasks.kinds import SHIPPED
-from vrcomfort.tasks.own_code import installed_tasks
+from vrcomfort.tasks.own_code import ENTRY_POINTS as TASKS
 
 Kind = Literal["effects", "instruments", "plans", "protocols", "scenes", "tasks"]
 
@@ -35,7 +37,7 @@ def list_shipped(
 ) -> None:
     """List the shipped scenes, instruments, protocols, effects, tasks or plans.
 
-    Tasks of installed packages are among the tasks.
+    Effects, instruments and tasks of installed packages are among them.
 
     - `vrcomfort list protocols`
     """
@@ -57,24 +59,31 @@ def _effects() -> dict[str, str]:
 
 def _tasks() -> dict[str, str]:
     found = {name: _summary(each) for name, each in SHIPPED.items()}
-    return found | {each.name: f"{each.value} (installed)" for each in installed_tasks()}
+    return found | _installed(TASKS)
+
+
+def _installed(group: str) -> dict[str, str]:
+    return {each.name: f"{each.value} (installed)" for each in installed(group)}
 
 
 def _summary(documented: type) -> str:
     return (getdoc(documented) or "").partition("\n")[0]
 
 
-def _titles(folder: Folder) -> Callable[[], dict[str, str]]:
+def _titles(folder: Folder, group: str = "") -> Callable[[], dict[str, str]]:
     """Return a function that gives name → title of the TOML files of a folder."""
-    return lambda: {
-        file.stem: tomllib.loads(file.read_text("utf-8")).get("title", "")
-        for file in data_folder(folder).glob("*.toml")
-    }
+    return lambda: (
+        {
+            file.stem: tomllib.loads(file.read_text("utf-8")).get("title", "")
+            for file in data_folder(folder).glob("*.toml")
+        }
+        | _installed(group)
+    )
 
 
 _LISTS: dict[Kind, Callable[[], dict[str, str]]] = {
     "effects": _effects,
-    "instruments": _titles("instruments"),
+    "instruments": _titles("instruments", INSTRUMENTS),
     "plans": _titles("analysis"),
     "protocols": _titles("protocols"),
     "scenes": _titles("scenes"),

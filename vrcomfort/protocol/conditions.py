@@ -9,9 +9,11 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, get_args
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, create_model, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from vrcomfort.errors import InputError
+from vrcomfort.installed import installed, load, package_of, place_of
 from vrcomfort.protocol.marks import LIVE, OnlyWith
 from vrcomfort.protocol.quality_levels import Quality, filled, with_level
 from vrcomfort.settings import Name, Settings, Word
@@ -482,6 +484,25 @@ class EffectTables(Settings):
     """A field of view that closes with speed; none without it."""
 
 
+EFFECT_GROUP = "vrcomfort.effects"
+"""Entry points of installed packages: the name of an effect → the model of its table."""
+
+
+def _with_installed(shipped: type[EffectTables]) -> type[EffectTables]:
+    fields: dict[str, Any] = {}
+    for found in installed(EFFECT_GROUP):
+        model = load(found)
+        if not (isinstance(model, type) and issubclass(model, Settings)):
+            raise InputError(f"the entry point {place_of(found)} is no model of settings")
+        if found.name in shipped.model_fields or found.name in fields:
+            raise InputError(f"another effect is called `{found.name}` too ({place_of(found)})")
+        text = f"Of the package {package_of(found)}; none without it."
+        fields[found.name] = (model | None, Field(None, description=text))
+    return create_model("EffectTables", __base__=shipped, **fields) if fields else shipped
+
+
+if not TYPE_CHECKING:
+    EffectTables = _with_installed(EffectTables)
 EFFECTS: tuple[str, ...] = tuple(EffectTables.model_fields)
 if TYPE_CHECKING:
     EffectName: TypeAlias = str

@@ -92,9 +92,12 @@ class TranslationTable(Settings):
     """Names of the answers, as many as in the file's own language."""
     source: str = ""
     """Whose wording it is; recorded."""
-    items: dict[str, Annotated[WordingTable, BeforeValidator(_worded)]] = Field(
-        default_factory=dict
-    )
+    items: dict[
+        str,
+        Annotated[
+            WordingTable, BeforeValidator(_worded, json_schema_input_type=WordingTable | str)
+        ],
+    ] = Field(default_factory=dict)
     """Item → its text, or its text and aliases."""
 
 

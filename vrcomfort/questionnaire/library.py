@@ -9,6 +9,7 @@ from pathlib import Path
 
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
+from vrcomfort.installed import file_of, installed
 from vrcomfort.questionnaire.instrument_file import read_instrument
 from vrcomfort.questionnaire.instruments import Instrument
 from vrcomfort.resources import data_folder
@@ -16,6 +17,10 @@ from vrcomfort.settings import did_you_mean
 
 FOLDER = "instruments"
 """Where a study keeps the instruments that are not shipped."""
+
+
+ENTRY_POINTS = "vrcomfort.instruments"
+"""Group of the entry points of installed packages: the name of an instrument → its TOML file."""
 
 
 @cache
@@ -47,7 +52,8 @@ def find_instrument(
     beside
         The folder in which a relative file is looked for first.
     known
-        Instruments that are there besides the shipped ones, by name.
+        Instruments that are there besides the shipped ones, by name. Those of installed packages
+        (group ``vrcomfort.instruments``) are found by name, too.
 
     Raises
     ------
@@ -62,6 +68,9 @@ def find_instrument(
     for file in ([beside / text] if beside else []) + [Path(text)]:
         if file.is_file():
             return own_instrument(file)
+    for found in installed(ENTRY_POINTS):
+        if found.name == text:
+            return own_instrument(file_of(found))
     if text.endswith(".toml"):
         raise InputError("there is no such instrument file; check the path", file=text)
     hint = did_you_mean(text, there)

@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from vrcomfort.declarations import declared_in
+from vrcomfort.errors import InputError
+from vrcomfort.installed import installed, load, place_of
 from vrcomfort.protocol.conditions import EFFECTS as NAMES
 from vrcomfort.protocol.conditions import Condition, EffectName
 from vrcomfort.render import background_blur, effects
@@ -19,14 +21,23 @@ from vrcomfort.render.lighting import has_sun
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
+ENTRY_POINTS = "vrcomfort.passes"
+"""Entry points of installed packages: the name of an effect → its `RegisteredEffect`."""
+
 
 def _registered() -> dict[EffectName, RegisteredEffect]:
     found = {each.name: each for each in declared_in(effects, RegisteredEffect)}
+    for entry in installed(ENTRY_POINTS):
+        effect = load(entry)
+        if not isinstance(effect, RegisteredEffect) or effect.name != entry.name:
+            message = f"is no RegisteredEffect called `{entry.name}` (docs/own_effect.md)"
+            raise InputError(f"the entry point {place_of(entry)} {message}")
+        found[entry.name] = effect
     missing, unknown = set(NAMES) - set(found), set(found) - set(NAMES)
     if missing or unknown:
-        raise RuntimeError(
-            f"EffectTables and the modules of {effects.__name__} declare different effects: "
-            f"{', '.join(sorted(missing | unknown))}"
+        raise InputError(
+            "an effect needs a table of settings and a pass (docs/own_effect.md); one of both is "
+            f"missing for {', '.join(sorted(missing | unknown))}"
         )
     return {name: found[name] for name in NAMES}
 

@@ -14,18 +14,17 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.abc import InspectLoader, MetaPathFinder
 from importlib.machinery import ModuleSpec
-from importlib.metadata import EntryPoint, distributions
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from types import CodeType, ModuleType
 
 from vrcomfort.errors import InputError
 from vrcomfort.files import MOST_TEXT_BYTES, read_bytes
+from vrcomfort.installed import installed, load, package_of, path_without, place_of
 from vrcomfort.tasks.base import TaskSettings
 
 ENTRY_POINTS = "vrcomfort.tasks"
 """Group of the entry points by which installed packages bring tasks."""
-_PACKAGE = Path(__file__).resolve().parents[2]
-"""Where this package is imported from."""
 
 
 def own_task_file(folder: Path, kind: str) -> Path:
@@ -60,17 +59,7 @@ def installed_task(kind: str) -> EntryPoint | None:
     """Return the entry point of an installed package that brings a task; nothing is imported."""
     if kind.endswith(".py"):
         return None
-    return next((each for each in installed_tasks() if each.name == kind), None)
-
-
-def installed_tasks() -> Iterator[EntryPoint]:
-    """Yield the entry points of installed packages that bring tasks; nothing is imported.
-
-    What lies in the present folder, where `python -m` looks too, is not installed.
-    """
-    there = distributions(path=_path_without((Path.cwd(),)))
-    found = (each for package in there for each in package.entry_points)
-    yield from (each for each in found if each.group == ENTRY_POINTS)
+    return next((each for each in installed(ENTRY_POINTS) if each.name == kind), None)
 
 
 @dataclass(frozen=True)
@@ -135,17 +124,11 @@ def run_installed_task(found: EntryPoint) -> tuple[type[TaskSettings], str]:
     InputError
         If it cannot be imported, or is no such class.
     """
-    place = f"{ENTRY_POINTS}: {found.name} = {found.value}"
-    sys.path[:] = _path_without((Path.cwd(),))
-    try:
-        task = found.load()
-    except Exception as error:  # whatever a package raises, it is told where
-        message = f"this task cannot be read: {type(error).__name__}: {error}"
-        raise InputError(f"{message} (entry point {place})") from error
+    task = load(found)
     if not (isinstance(task, type) and issubclass(task, TaskSettings)):
-        raise InputError(f"the entry point {place} is no settings class of a task (docs/tasks.md)")
-    package = found.dist
-    return task, f"{package.name} {package.version}" if package else place
+        message = f"the entry point {place_of(found)} is no settings class of a task"
+        raise InputError(f"{message} (docs/tasks.md)")
+    return task, package_of(found)
 
 
 def _task_of(module: ModuleType, file: Path) -> type[TaskSettings]:
@@ -218,7 +201,7 @@ def _imported(text: bytes, package: str, file: Path) -> Iterator[str]:
 def _found(folder: Path, beside: Path, wanted: str) -> Iterator[tuple[str, Path]]:
     """Yield the files, with their names as modules, that an import of `wanted` runs."""
     parts = wanted.split(".")
-    if _is_installed(parts[0], _path_without((folder, beside))):
+    if _is_installed(parts[0], path_without((folder, beside))):
         return
     for count in range(1, len(parts) + 1):
         name, path = ".".join(parts[:count]), beside.joinpath(*parts[:count])
@@ -240,18 +223,6 @@ def _is_installed(name: str, path: Sequence[str]) -> bool:
     return False
 
 
-def _path_without(folders: Iterable[Path]) -> list[str]:
-    """Return where modules are looked for, but for folders of tasks, the protocol's first.
-
-    `python -m` looks into the folder in which it was started: what nobody has hashed would run.
-    """
-    own = [folder.resolve() for folder in folders]
-    here = Path.cwd()
-    own += [here] if here.is_relative_to(own[0]) else []
-    places = ((each, Path(each or ".").resolve()) for each in sys.path)
-    return [each for each, place in places if place == _PACKAGE or place not in own]
-
-
 class _Importer(MetaPathFinder, InspectLoader):
     """Imports modules of the task code that runs, from the bytes that were hashed."""
 
@@ -262,7 +233,7 @@ class _Importer(MetaPathFinder, InspectLoader):
     def serve(cls, code: TaskCode) -> None:
         """Import from this code from now on, and no longer from another."""
         beside = {(code.folder / name).parent for name in code.files}
-        sys.path[:] = _path_without((code.folder, *beside))
+        sys.path[:] = path_without((code.folder, *beside))
         for each in [each for each in sys.meta_path if isinstance(each, cls)]:
             if each._code is code:
                 return

@@ -1,0 +1,1 @@
+"""A lab's own effect, task and questionnaire."""
