@@ -73,7 +73,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("lab")
     shutil.copy(ROOT / "protocols" / "carnegie_2015.toml", folder / "my_study.toml")
     told = ["simulate", "my_study.toml", "--out"]
-    vrcomfort(folder, *told, "my_study", "-n", "8", "--no-frames", "--seed", "1")  # P05 withdraws
+    vrcomfort(folder, *told, "my_study", "-n", "8", "--no-draw", "--seed", "1")  # P05 withdraws
     small = ["--exposure-s", "0.2", "--refresh-hz", "10", "--size", "16x20"]
     vrcomfort(folder, *told, "drawn", "-n", "1", *small)
     for data in ("import", "fms"):
@@ -296,7 +296,7 @@ def test_python_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     code = code.replace('render_views("temple",', 'render_views("temple", size_px=(32, 40),')
     of_protocol = text_of("README.md", 'name = "lens')
     (tmp_path / "lens_study.toml").write_text(of_protocol, "utf-8")
-    told = ["-n", "4", "--no-frames", "--out", "my_study"]
+    told = ["-n", "4", "--no-draw", "--out", "my_study"]
     vrcomfort(tmp_path, "simulate", "lens_study.toml", *told)
     monkeypatch.chdir(tmp_path)
     exec(compile(code, page, "exec"), {})  # noqa: S102

@@ -6,11 +6,13 @@ import ast
 import re
 import runpy
 import shlex
+import statistics
 import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 import typer
@@ -22,7 +24,7 @@ from vrcomfort.cli.app import COMMANDS, app
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
-PLACEHOLDERS = {"STUDY", "FILE", "PROTOCOL", "NAME"}
+PROSE = runpy.run_path(str(ROOT / "scripts" / "prose.py"))
 
 
 def blocks(page: Path, language: str) -> Iterator[str]:
@@ -88,6 +90,41 @@ def test_the_page_of_commands_is_that_of_the_program() -> None:
 def test_the_readme_is_short() -> None:
     text = BLOCK.sub("", (ROOT / "README.md").read_text("utf-8"))
     assert len(re.sub(r"\]\([^)]*\)", "]", text).split()) <= 500
+
+
+GENERATED = {"commands.md", "data_dictionary.md", "licences.md", "protocol_reference.md"}
+"""Pages that scripts write, whose sentences stand in the code."""
+
+
+def prose(page: Path) -> Any:
+    return PROSE["prose_of"](page.read_text("utf-8"))
+
+
+def test_the_documentation_is_short() -> None:
+    words = {page.name: prose(page).words for page in PAGES if page.name not in GENERATED}
+    assert sum(words.values()) <= 35_000
+    assert {name: count for name, count in words.items() if count > 1500} == {}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_sentences_are_short(page: Path) -> None:
+    if page.name in GENERATED:
+        return
+    lengths = prose(page).lengths
+    assert statistics.median(lengths or [0]) <= 17
+    assert [each for each in prose(page).sentences if PROSE["count"](each) > PROSE["LONGEST"]] == []
+
+
+def test_words_and_sentences_are_counted_without_code_and_tables() -> None:
+    found = PROSE["prose_of"](
+        "# A title\n\nOne `vrcomfort run x` here, e.g. this. And (a [second](x.md#y) one)! "
+        "3.5 m is\nfar.\n- an item\n- **another**: it. Ends\n"
+        "\n| a | b |\n|---|---|\n| no | no |\n\n"
+        "```sh\nno words here\n```\n<!-- none -->\n![no](x.png)\n"
+    )
+    assert found.headings == ("A title",)
+    assert found.lengths == [5, 4, 4, 2, 2, 1]
+    assert found.words == 20
 
 
 def test_the_readmes_protocol_has_no_fault(run, tmp_path: Path) -> None:

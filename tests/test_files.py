@@ -64,7 +64,7 @@ ELSEWHERE: dict[str, tuple[set[str], str]] = {
     "render/output.py": ({".open"}, "a film to write"),
     "session/flow.py": ({".open"}, "a manifest and an operator's interface, which are no files"),
     "headset/openxr/graphics_binding.py": ({".load"}, "a function of a library"),
-    "tasks/own_code.py": ({".load"}, "the entry point of an installed package"),
+    "installed.py": ({".load"}, "the entry point of an installed package"),
 }  # fmt: skip
 """Who reads otherwise, by which functions, and why that is safe."""
 SHIPPED = {
