@@ -24,9 +24,9 @@ pytestmark = [
 
 RATED = (
     PROTOCOL[: PROTOCOL.index("[[questionnaires]]")]
-    .replace("exposure_s = 4.0", "exposure_s = 120.0")
+    .replace("exposure_s = 4.0", "exposure_s = 60.0")
     .replace("training_s = 0.5\n", "")
-    + '[[ratings]]\ninstrument = "fms"\nevery_s = 20.0\ntimeout_s = 18.0\n'
+    + '[[ratings]]\ninstrument = "fms"\nevery_s = 8.0\ntimeout_s = 7.5\n'
     + "stop_at = 15\nstop_in_a_row = 2\n"
 )
 COUNTED = """
@@ -50,7 +50,9 @@ def place_of(page: OperatorPage, action: str) -> dict[str, float]:
 
 def test_a_rating_that_appears_takes_nothing_from_the_hand(tmp_path: Path, browser: str) -> None:
     with (
-        running_session(tmp_path, "--size", "64x80", protocol=RATED) as session,
+        running_session(
+            tmp_path, "--size", "64x80", "--refresh-hz", "5", protocol=RATED
+        ) as session,
         operator_page(browser) as page,
     ):
         page.open(session.next_address(1))
@@ -65,7 +67,8 @@ def test_a_rating_that_appears_takes_nothing_from_the_hand(tmp_path: Path, brows
         assert page.focused() == "Pause (P)"
         assert place_of(page, "pause") == before
         assert page.driver.execute_script("return window.sounds") == 1
-        page.press("7")  # digits answer wherever the focus is
+        seven = page.driver.find_element(By.CSS_SELECTOR, '#answers [data-value="7"]')
+        page.driver.execute_script("arguments[0].click()", seven)  # another hand, at the mouse
         page.until(lambda: page.text("curve-words").startswith("fms: 7 at"))
         assert page.focused() == "Pause (P)"
         stop = page.driver.find_element(By.CSS_SELECTOR, "#curve .stop-words").text
