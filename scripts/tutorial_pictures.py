@@ -119,7 +119,7 @@ def picture_of_the_report(folder: Path) -> Image.Image:
     with TemporaryDirectory() as profile:
         subprocess.run(
             [found.stdout.strip(), "--headless", "--no-sandbox", "--disable-gpu",
-             f"--user-data-dir={profile}", "--hide-scrollbars", "--window-size=1000,900",
+             f"--user-data-dir={profile}", "--hide-scrollbars", "--window-size=1000,1250",
              "--virtual-time-budget=2000", f"--screenshot={picture}",
              (folder / "lens_report" / "index.html").as_uri()],
             capture_output=True, check=True, timeout=120,

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from tests.support.report import Study, build_report, carnegie_like, foreign
+from vrcomfort.report.descriptives import DescriptionWithInterval
 from vrcomfort.report.words import interval
 
 UNEQUAL = {
@@ -185,3 +186,19 @@ def test_the_page_of_more_conditions_than_are_compared_in_pairs(tmp_path):
     )
     summary = build_report(foreign(tmp_path / "q.csv", scores), plan=plan, out=tmp_path / "o")
     assert "Pairs are compared of up to 12 conditions." in summary.index.read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "beyond"),
+    [(1, 4, False), (-1, 4, True), (1, 9, True), (None, 4, False), (None, 9, True),
+     (-1, None, True), (None, None, False)],
+)  # fmt: skip
+def test_an_interval_beyond_the_scores_is_known_with_one_end_or_none(low, high, beyond):
+    found = DescriptionWithInterval(5, 2.0, 1.0, 2.0, 1.0, 3.0, 0.0, 5.0, low, high)
+    assert found.is_beyond_scores is beyond
+
+
+def test_an_interval_of_a_mean_that_is_beyond_the_scores_is_explained(tmp_path):
+    scores = {f"P{i}": {"a": 20 * (i == 0) + i % 2, "b": 2} for i in range(6)}
+    summary = build_report(foreign(tmp_path / "q.csv", scores), out=tmp_path / "o", forms=())
+    assert "few, skewed scores leave the mean uncertain" in summary.index.read_text("utf-8")

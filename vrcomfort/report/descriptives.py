@@ -52,6 +52,13 @@ class DescriptionWithInterval(Description):
         """Return the interval of the mean."""
         return MeanInterval(self.mean_low, self.mean_high)
 
+    @property
+    def is_beyond_scores(self) -> bool:
+        """Return whether the interval of the mean goes beyond the range of the values."""
+        low, high = self.mean_low, self.mean_high
+        below = low is not None and low < self.minimum
+        return below or (high is not None and high > self.maximum)
+
 
 @dataclass(frozen=True)
 class DescribedRow:
