@@ -337,7 +337,7 @@ function showFrames(frame) {
     const pitch = deg(Math.asin(Math.max(-1, Math.min(1, 2 * (w * x - y * z)))));
     const yaw = deg(Math.atan2(2 * (x * z + w * y), 1 - 2 * (x * x + y * y)));
     const roll = deg(Math.atan2(2 * (x * y + w * z), 1 - 2 * (x * x + z * z)));
-    rows.push(["Position", frame.head_m.map((m) => m.toFixed(2)).join(", ") + " m"]);
+    rows.push(["Position", frame.head_m.map((m) => (Math.round(m * 100) / 100 + 0).toFixed(2)).join(", ") + " m"]);
     rows.push(["Orientation", `yaw ${yaw}, pitch ${pitch}, roll ${roll}`]);
     rows.push(["Tracked", frame.tracked ? "yes" : "no"]);
     rows.push(["Focus distance", frame.focus_m === null ? "–" : `${frame.focus_m.toFixed(2)} m`]);
