@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 
 from tests.support.session import go, manifest, rows
@@ -11,10 +12,12 @@ from tests.support.study import PROTOCOL, tiny_protocol
 from vrcomfort.api.simulation import simulate_sessions
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.geometry import rotate
 from vrcomfort.protocol import load_protocol
 from vrcomfort.records.json_file import indented
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.session import NoPictures, StillHeadset
+from vrcomfort.traces.gaze_quality import angles_deg
 
 
 def simulated(tmp_path, study, **more):
@@ -99,6 +102,26 @@ def test_a_task_is_done_without_frames_and_its_rows_are_whole(tmp_path):
             each["kind"] == "target" and each["hit"] == "1" for each in own
         )
         assert row["deaths"] != ""
+    assert not verify_study(tmp_path / "S").faults
+
+
+def test_heads_of_simulated_eyes_turn_to_what_they_are_to_look_at(tmp_path):
+    """So they look closer to the middle of the view the more there is to shoot (Hillaire 2008)."""
+    protocol = load_protocol("hillaire_2008_gaze")
+    shown = {"exposure_s": 8.0, "size_px": (16, 16), "out": tmp_path / "S"}
+    simulate_sessions(protocol, participants=1, frames=False, **shown)
+    frames, gaze = (rows(tmp_path, name) for name in ("frames.csv", "gaze.csv"))
+    aside_deg = {"1": [], "3": []}  # navigation, and four opponents
+    for frame, look in zip(frames, gaze, strict=True):
+        if look["valid"] == "1" and frame["trial"] in aside_deg:
+            head = [float(frame[f"head_q{axis}"]) for axis in "xyzw"]
+            ahead = rotate(head, [0.0, 0.0, -1.0])
+            way = [float(look[f"direction_{axis}"]) for axis in "xyz"]
+            aside_deg[frame["trial"]].append(float(angles_deg(ahead, np.array(way))))
+    medians = {trial: np.median(found) for trial, found in aside_deg.items()}
+    assert medians["3"] < 0.5 * medians["1"]
+    turned = [{frame["head_qy"] for frame in frames if frame["trial"] == k} for k in aside_deg]
+    assert len(turned[0]) == 1 < len(turned[1])
     assert not verify_study(tmp_path / "S").faults
 
 

@@ -20,7 +20,7 @@ from vrcomfort.frame import (
     ImageHash,
     PartTime,
 )
-from vrcomfort.geometry import Fov, Pose, View
+from vrcomfort.geometry import Fov, Pose, View, normalize, yaw_pitch_roll
 from vrcomfort.protocol import Condition
 from vrcomfort.protocol import Protocol as StudyProtocol
 from vrcomfort.respondent import SimulatedRespondent
@@ -35,6 +35,10 @@ STEPS_HZ = 20.0
 """Rate of steps in tasks and in validations of the gaze, which pass step by step."""
 
 
+HEAD_TURN_S = 0.2
+"""Time constant with which the head of simulated eyes turns to what they are to look at."""
+
+
 class EventLoop(FrameLoop):
     """Lets an exposure pass without frames.
 
@@ -43,6 +47,10 @@ class EventLoop(FrameLoop):
     """
 
     _scene_s = 0.0
+    _facing_rad = (0.0, 0.0)
+    """Yaw and pitch of the head, which no display moves."""
+    _shows = False
+    """Whether an exposure is under way: points of a validation go with the head."""
 
     def _run(
         self,
@@ -50,7 +58,7 @@ class EventLoop(FrameLoop):
         schedule: RatingSchedules | None,
         progress: Callable[[float], None],
     ) -> Ending:
-        task = self._task
+        task, self._shows = self._task, stimulus.trial > 0
         if self._sees or (task is not None and task.next_s() is None):
             return super()._run(stimulus, schedule, progress)
         duration_s = stimulus.duration_s * stimulus.time_scale
@@ -76,6 +84,25 @@ class EventLoop(FrameLoop):
         """Return whether the gaze of simulated eyes is recorded."""
         respondent = self.context.respondent
         return isinstance(respondent, SimulatedRespondent) and respondent.has_eyes
+
+    def _with_eyes(self, frame: Frame) -> Frame:
+        """Return a frame with a head that turns to what its simulated eyes look at, and them."""
+        if self._shows and self._sees:
+            frame = self._turned(frame)
+        return super()._with_eyes(frame)
+
+    def _turned(self, frame: Frame) -> Frame:
+        demand = self._task.demand(frame) if self._task else None
+        if demand is not None:
+            point = (frame.avatar_pose.inverse() @ Pose(demand.position_m)).position
+            x, y, z = normalize(point - frame.head_pose.position).tolist()
+            share = 1 - math.exp(-frame.period_ns / 1e9 / HEAD_TURN_S)
+            yaw, pitch = self._facing_rad
+            yaw += share * math.remainder(math.atan2(-x, -z) - yaw, 2 * math.pi)
+            self._facing_rad = yaw, pitch + share * (math.asin(y) - pitch)
+        head = Pose(frame.head_pose.position, yaw_pitch_roll(*self._facing_rad, 0.0))
+        left, right = (View(head, view.fov) for view in frame.views)
+        return replace(frame, head_pose=head, views=(left, right))
 
     def _next_s(self, schedule: RatingSchedules | None) -> float:
         """Return the next moment of the protocol's time in which something happens."""

@@ -64,6 +64,8 @@ def _zones(found: GazeAndHeadAnalysis, words: Vocabulary) -> Drawing:
             label = "all" if of_all else lines(words.condition(situation), 28)
             for dash, event in enumerate(events):
                 mine = [r for r in found.zones if (r.situation, r.during) == (situation, event)]
+                if not mine:  # nobody shoots while they look around
+                    continue
                 axes.plot(
                     [r.zone for r in mine], [100 * r.share for r in mine],
                     _DASHES[dash % len(_DASHES)], ms=3.5, lw=2.2 if of_all else 1.4,
