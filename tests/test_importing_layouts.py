@@ -430,3 +430,113 @@ def test_means_over_conditions_are_no_condition(tmp_path: Path) -> None:
     assert suggested.imported is not None
     assert suggested.imported.conditions == ["FP", "H"]
     assert "SSQ_N_AVG: a mean of the others" in suggested.text
+
+
+def suggested_import(files: list[Path], folder: Path) -> tuple[Imported, str]:
+    """Import files with the suggested mapping, all doubts answered; return the mapping, too."""
+    file = folder / "suggested.toml"
+    file.write_text(answered(suggest_mapping(files).text), encoding="utf-8")
+    return import_files(files, load_mapping(file).mapping), file.read_text("utf-8")
+
+
+def test_seconds_in_the_first_column_without_headings_are_times_of_ratings(tmp_path: Path) -> None:
+    files = [
+        write(
+            tmp_path / f"P{person:02d}_{condition}_FMS.csv",
+            [[10.0 * place, place // 2 + person % 3] for place in range(8)],
+        )
+        for person in range(1, 5)
+        for condition in ("blur", "plain")
+    ]
+    imported, text = suggested_import(files, tmp_path)
+    courses: dict[tuple[str, str], list[float]] = {}
+    for each in imported.ratings:
+        key = each.administration.participant, each.administration.condition
+        courses.setdefault(key, []).append(each.onset_s)
+    assert courses.keys() == {(f"P{n:02d}", c) for n in range(1, 5) for c in ("blur", "plain")}
+    assert all(times == [10.0 * place for place in range(8)] for times in courses.values())
+    assert "in seconds since the exposure began" in text
+
+
+def test_a_count_of_rows_tells_no_exposures_apart(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["id", "condition", "idx", "EndTimeStamp", "fms"]]
+    rows += [[f"P{n}", c, t, 2 * t + 2, t] for n in range(4) for c in "ab" for t in range(9)]
+    imported, text = suggested_import([write(tmp_path / "log.csv", rows)], tmp_path)
+    assert len({r.administration for r in imported.ratings}) == 8
+    assert 'time = "EndTimeStamp"' in text
+
+
+def test_numbered_conditions_say_those_of_ratings_with_their_number(tmp_path: Path) -> None:
+    rows: list[list[object]] = [
+        ["Participant", "MISC_0", "MISC_1", "Condition_1", "Comment", "MISC_2", "Condition_2"]
+    ]
+    for n in range(8):
+        first, second = ("near", "far") if n % 2 else ("far", "near")
+        rows.append([f"P{n}", 0, 1 + n % 3, first, f"comment {n}", 4 + n % 2, second])
+    imported, _ = suggested_import([write(tmp_path / "form.csv", rows)], tmp_path)
+    found = {
+        (m.participant, m.condition, m.timepoint): response.answers["misc"]
+        for (_, m), response in imported.responses.items()
+    }
+    assert found["P1", "", "baseline"] == 0
+    assert (found["P1", "near", "post"], found["P1", "far", "post"]) == (2, 5)
+    assert (found["P2", "far", "post"], found["P2", "near", "post"]) == (3, 4)
+    assert len(found) == 24
+
+
+def test_questions_glued_to_the_names_of_items_are_one_questionnaire(tmp_path: Path) -> None:
+    head = [
+        "Participant ID", "Mental DemandHow mentally demanding was the task?  []",
+        "Physical DemandHow physically demanding was the task?  []",
+        "Temporal DemandHow hurried or rushed was the pace of the task?  []",
+        "PerformanceHow successful were you in accomplishing what you were asked to do?  []",
+        "EffortHow hard did you have to work to accomplish your level of performance?  []",
+        "FrustrationHow insecure, discouraged and annoyed were you?  []",
+    ]  # fmt: skip
+    rows: list[list[object]] = [head]
+    rows += [[n, *((n + k) % 10 + 1 for k in range(6))] for n in range(1, 9)]
+    imported, _ = suggested_import([write(tmp_path / "NASA-TLX.csv", rows)], tmp_path)
+    (first, *_) = imported.responses.values()
+    assert len(imported.responses) == 8
+    assert [*first.answers.values()] == [20, 30, 40, 50, 60, 70]
+
+
+def test_numbered_scores_that_rise_from_the_first_are_timepoints(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["Subject", "SSQ 1", "SSQ 2", "SSQ 3"]]
+    rows += [[f"{n}F", 3.74 * (n % 2), 3.74 * (5 + n), 3.74 * (1 + n)] for n in range(8)]
+    imported, text = suggested_import([write(tmp_path / "totals.csv", rows)], tmp_path)
+    assert {m.timepoint for _, m in imported.responses} == {"baseline", "post", "recovery"}
+    assert 'kind = "score"' in text
+
+
+def test_leaving_times_in_words_become_ends_of_exposures(tmp_path: Path) -> None:
+    said = ["Y - 11m 56s", "N", "Yes, -8min 43s", "No", "Yes 3 min", "N", "No", "N"]
+    rows: list[list[object]] = [["Participant", "Condition", "Discontinued"]]
+    rows += [[n, "Road" if n % 2 else "Oval", text] for n, text in enumerate(said, start=1)]
+    rows.append(["Participant", "Condition", "Discontinued"])
+    imported, text = suggested_import([write(tmp_path / "left.csv", rows)], tmp_path)
+    left = {e.administration.participant: e.end_s for e in imported.ends if e.left}
+    assert left == {"1": 716.0, "3": 523.0, "5": 180.0}
+    assert {e.end_s for e in imported.ends if not e.left} == {720.0}
+    assert {e.administration.condition for e in imported.ends} == {"Road", "Oval"}
+    assert 'Participant = ["Participant"]' in text
+
+
+def test_words_in_front_are_the_condition_where_nothing_tells_people_apart(tmp_path: Path) -> None:
+    rows: list[list[object]] = [
+        ["song", "mental", "physical", "temporal", "performance", "effort", "frustration"]
+    ]
+    rows += [[song, *((n + k) % 9 + 1 for k in range(6))] for song in "ABC" for n in range(5)]
+    imported, _ = suggested_import([write(tmp_path / "nasatlx.csv", rows)], tmp_path)
+    assert {m.condition for _, m in imported.responses} == {"A", "B", "C"}
+    assert len(imported.responses) == 15
+
+
+def test_three_items_are_a_short_form_where_the_file_names_the_questionnaire(
+    tmp_path: Path,
+) -> None:
+    rows: list[list[object]] = [["id", "GeneralDiscomfort", "Fatigue", "EyeStrain"]]
+    rows += [[f"P{n}", n % 4, (n + 1) % 4, (n + 2) % 4] for n in range(8)]
+    imported, _ = suggested_import([write(tmp_path / "ssq.csv", rows)], tmp_path)
+    assert len(imported.responses) == 8
+    assert not suggest_mapping([write(tmp_path / "notes.csv", rows)]).text.count('"ssq"')

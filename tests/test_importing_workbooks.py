@@ -38,6 +38,13 @@ def test_cells_are_text_and_merged_ones_are_filled(tmp_path):
     assert (more.sheet, more.rows) == ("more", (("code", "age"), ("P01", "31")))
 
 
+def test_a_workbook_that_takes_too_long_is_refused(tmp_path):
+    file = tmp_path / "slow.xlsx"
+    file.write_bytes(GOOD)
+    with pytest.raises(InputError, match=r"slow\.xlsx: .*takes more than 0 s; .* as CSV"):
+        read_workbook(file, Reading(), most_s=0.0)
+
+
 @pytest.mark.parametrize("first", range(0, 120, 20))
 def test_a_damaged_workbook_is_read_or_refused_in_one_sentence(tmp_path, first):
     refused = []

@@ -198,11 +198,63 @@ def german_and_english(folder: Path) -> Made:
     return [write(folder / "gemischt.csv", rows, separator=";")], truth
 
 
+def before_and_after_in_names(folder: Path) -> Made:
+    """A file before and one after, of which one condition is called Baseline."""
+    truth = study(("Baseline", "StaticSmall", "StaticLarge"))
+    files = []
+    for name, time in (("PreSSQ", "baseline"), ("PostSSQ", "post")):
+        rows: list[Sequence[object]] = [["Name", "Participant", "Session", "Condition", *ENGLISH]]
+        sessions: dict[str, int] = {}
+        for (person, condition, when), answers in truth.items():
+            if when == time:
+                sessions[person] = sessions.get(person, 0) + 1
+                rows.append(["", person, sessions[person], condition, *answers])
+        files.append(write(folder / f"{name}.csv", rows))
+    return files, truth
+
+
+def order_beside_conditions(folder: Path) -> Made:
+    """The order of conditions in a column whose heading says condition, too."""
+    truth = study(("HED", "HIP", "STF"), ("post",))
+    head = ["Timestamp", "Participant ID", "VR motion used ask researcher", "orderCondition"]
+    rows: list[Sequence[object]] = [[*head, *ENGLISH, "I found the interface easy to use"]]
+    orders: dict[str, int] = {}
+    for (person, condition, _), answers in truth.items():
+        orders[person] = orders.get(person, 0) + 1
+        when = f"25-4-2023 16:{orders[person]:02d}"
+        rows.append([when, person, condition, orders[person], *answers, 5])
+    return [write(folder / "UXdata.csv", rows, separator=";")], truth
+
+
+def moments_with_units(folder: Path) -> Made:
+    """Three moments in suffixes, one of them so many minutes later."""
+    truth = study(("all",), ("baseline", "post", "recovery"))
+    moments = ("pre", "post", "30min")
+    rows: list[Sequence[object]] = [["VP", *(f"{i}_{m}" for m in moments for i in ENGLISH)]]
+    for person in PEOPLE:
+        whens = ("baseline", "post", "recovery")
+        rows.append([person, *(a for when in whens for a in truth[person, "all", when])])
+    return [write(folder / "moments.csv", rows)], truth
+
+
+def words_under_block(folder: Path) -> Made:
+    """Two words under Block are the conditions; three numbered moments in headings."""
+    truth = study(("RL", "VR"), ("baseline", "post", "recovery"))
+    names = [f"SSQ_T{when}_{n}" for when in range(3) for n in range(1, 17)]
+    rows: list[Sequence[object]] = [["VP", "Block", *names]]
+    for person in PEOPLE:
+        for block in ("RL", "VR"):
+            whens = ("baseline", "post", "recovery")
+            rows.append([person, block, *(a for w in whens for a in truth[person, block, w])])
+    return [write(folder / "blocks.csv", rows)], truth
+
+
 LAB_LAYOUTS: dict[str, Callable[[Path], Made]] = {
     each.__name__: each
     for each in (
         scene_and_sums, long_of_several, blocks_without_headings, optional_words_in_names,
         numbers_of_a_survey_tool, said_twice, glued_moments, order_in_each_row,
         asked_before_each_block, row_numbers, physiology_beside_items, german_and_english,
+        before_and_after_in_names, order_beside_conditions, moments_with_units, words_under_block,
     )
 }  # fmt: skip

@@ -23,6 +23,21 @@ def number(text: str, decimal: str) -> float | None:
     return found if math.isfinite(found) else None  # of 400 digits, it would be infinite
 
 
+_TIME_IN_WORDS = re.compile(
+    r"(?i)(?:\D*?\b)?(?:(\d+)\s*(?:h|hours?)\b\W*)?(?:(\d+)\s*(?:m|mins?|minutes?|minuten)\b\W*)?"
+    r"(?:(\d+(?:\.\d+)?)\s*(?:s|secs?|seconds?|sekunden)\b\W*)?"
+)
+
+
+def time_in_words_s(text: str) -> float | None:
+    """Return the seconds of ``11m 56s`` or ``Yes - 7 min``; None where no unit says them."""
+    match = _TIME_IN_WORDS.fullmatch(text)
+    if match is None or not any(match.groups()):
+        return None
+    hours, minutes, seconds = (float(each or 0) for each in match.groups())
+    return 3600 * hours + 60 * minutes + seconds
+
+
 class AnswerReader:
     """Reads the answers of one item as its mapping says.
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from vrcomfort.errors import InputError
-from vrcomfort.importing.answers import AnswerReader, number
+from vrcomfort.importing.answers import AnswerReader, number, time_in_words_s
 from vrcomfort.importing.columns import (
     ALMOST,
     TIMEPOINT,
@@ -246,10 +246,12 @@ class TableImport:
         if text in {"", *leaving.missing, *self._mapping.missing}:
             return ExposureEnd(administration, leaving.planned_s, left=False)
         value = number(text, self._table.reading.decimal or ".")
-        if value is None or value < 0:
+        in_words_s = time_in_words_s(text)
+        if in_words_s is None and (value is None or value < 0):
             message = f"{text!r} is no time at which somebody left; texts for those who stayed go"
             raise self._table.fault(f"{message} under missing of left_at", row, column)
-        end_s = value * (60 if leaving.unit == "min" else 1)
+        end_s = (value or 0.0) * (60 if leaving.unit == "min" else 1)
+        end_s = end_s if in_words_s is None else in_words_s
         return ExposureEnd(
             administration, min(end_s, leaving.planned_s), left=end_s < leaving.planned_s
         )

@@ -7,6 +7,7 @@ checked before it is parsed, and cells are counted before they are made.
 from __future__ import annotations
 
 import io
+import time
 import warnings
 import zipfile
 from collections.abc import Iterable, Iterator
@@ -30,6 +31,10 @@ MOST_ELEMENTS = 8_000_000
 """Of XML: a cell is two or three."""
 MOST_OTHERS = 200_000
 """Elements of XML that are no part of cells: styles, merged ranges, links and the like."""
+MOST_S = 60.0
+"""Of processor time, for one workbook: three times that of all cells at 10 µs each."""
+_ELEMENTS_AT_ONCE = 4096
+"""Between two looks at the clock."""
 _READ = {"row": 1, "c": 1, "si": 1, "is": 1, "r": 4}
 """As many cells as take the time of an element; of `r`, a part of a text with its own style."""
 _INSIDE = frozenset({"v", "t", "f"})
@@ -42,7 +47,27 @@ _SAVE_AGAIN = "open it in a spreadsheet program, and save it again"
 _NO_WORKBOOK = "this is not a workbook that can be read; save it as .xlsx or CSV"
 
 
-def check_archive(content: bytes, file: Path) -> None:
+class _Clock:
+    """Stops the reading of a workbook that takes too long."""
+
+    def __init__(self, file: Path, most_s: float) -> None:
+        self._file, self._most_s, self._begun_s = file, most_s, time.process_time()
+
+    def check(self) -> None:
+        """Look at the clock.
+
+        Raises
+        ------
+        InputError
+            If the time is over.
+        """
+        if time.process_time() - self._begun_s > self._most_s:
+            message = f"reading this workbook takes more than {self._most_s:g} s"
+            hint = "delete what is no data, or save its sheets as CSV"
+            raise InputError(f"{message}; {hint}", file=self._file)
+
+
+def check_archive(content: bytes, file: Path, clock: _Clock) -> None:
     """Check that the XML of a workbook is well-formed and within the limits.
 
     Document types are refused: no spreadsheet program writes one, and their entities expand.
@@ -56,7 +81,7 @@ def check_archive(content: bytes, file: Path) -> None:
         archive = _opened(content, file)
         parts = [each for each in archive.infolist() if _is_xml(archive, each)]
         _require_room(sum(each.file_size for each in parts), MOST_BYTES, "bytes", file)
-    count = _Elements(file).count
+    count = _Elements(file, clock).count
 
     for part in parts:
         name = f"{part.filename} of this workbook"
@@ -70,8 +95,9 @@ def check_archive(content: bytes, file: Path) -> None:
 class _Elements:
     """Counts the elements of all parts, weighted by the memory that they take."""
 
-    def __init__(self, file: Path) -> None:
+    def __init__(self, file: Path, clock: _Clock) -> None:
         self._file, self._all, self._read, self._others, self._in_row = file, 0, 0, 0, 0
+        self._clock = clock
 
     def count(self, name: str, _attributes: object) -> None:
         """Count an element that begins.
@@ -83,6 +109,8 @@ class _Elements:
         """
         name = name.rpartition(":")[2]
         self._all += 1
+        if self._all % _ELEMENTS_AT_ONCE == 1:
+            self._clock.check()
         if name in _READ:
             self._read += _READ[name]
             self._in_row = self._in_row + (name == "c") if name != "row" else 0
@@ -145,16 +173,21 @@ _ROW, _MERGED = f"{_XML}row", f"{_XML}mergeCell"
 _FORMULA, _VALUE = f"{_XML}f", f"{_XML}v"
 
 
-def read_workbook(file: Path, reading: Reading) -> list[Grid]:
+def read_workbook(file: Path, reading: Reading, *, most_s: float = MOST_S) -> list[Grid]:
     """Read every sheet that holds anything; a merged cell's text stands in all of its cells.
 
     Formulas are their values when the workbook was last saved.
 
+    Parameters
+    ----------
+    most_s
+        Processor time that it may take.
+
     Raises
     ------
     InputError
-        If it is no workbook, is damaged, unpacks to more than `archives.MOST_BYTES` or
-        `MOST_CELLS`, or a formula has no saved value; with sheet and row.
+        If it is no workbook, is damaged, unpacks to more than `MOST_BYTES` or
+        `MOST_CELLS`, takes too long, or a formula has no saved value; with sheet and row.
     """
     from openpyxl import load_workbook  # noqa: PLC0415 - slow, and for workbooks alone
 
@@ -162,7 +195,8 @@ def read_workbook(file: Path, reading: Reading) -> list[Grid]:
     if content.startswith(_ENCRYPTED):
         message = "this workbook has a password, or is of Excel's former format"
         raise InputError(f"{message}; save it as .xlsx without a password", file=file)
-    check_archive(content, file)
+    clock = _Clock(file, most_s)
+    check_archive(content, file, clock)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # styles and such that it does not keep
         with one_sentence(file, "this workbook"):
@@ -170,7 +204,7 @@ def read_workbook(file: Path, reading: Reading) -> list[Grid]:
                 io.BytesIO(content), read_only=True, data_only=True, keep_links=False
             )
         with closing(book):
-            size = _Size(file)
+            size = _Size(file, clock)
             grids = [_grid(file, sheet, reading, size) for sheet in book.worksheets]
     found = [grid for grid in grids if grid.rows]
     if not found:
@@ -181,8 +215,8 @@ def read_workbook(file: Path, reading: Reading) -> list[Grid]:
 class _Size:
     """Counts the cells of all sheets, before they are made."""
 
-    def __init__(self, file: Path) -> None:
-        self._file, self._cells = file, 0
+    def __init__(self, file: Path, clock: _Clock) -> None:
+        self._file, self._cells, self._clock = file, 0, clock
 
     def add(self, cells: int, sheet: str, place: str) -> None:
         """Count cells.
@@ -193,6 +227,7 @@ class _Size:
             If they are more than a table of answers has.
         """
         self._cells += cells
+        self._clock.check()
         if self._cells > MOST_CELLS:
             message = f"sheet {sheet}, {place}: the workbook has more than {MOST_CELLS:,} cells"
             raise InputError(f"{message} up to here; delete what is no data", file=self._file)

@@ -22,6 +22,39 @@ Counted: TypeAlias = Literal["trial", "session", "period"]
 _COUNTED: tuple[Counted, ...] = ("trial", "session", "period")
 
 
+def numbered_conditions(table: SourceTable, vocabulary: LabVocabulary) -> dict[int, int]:
+    """Return number → column of ``Condition_1``, ``Condition_2`` …; nothing where there is one."""
+    said = vocabulary.fact_words.get("condition", frozenset())
+    found: dict[int, int] = {}
+    for column, heading in enumerate(table.headings):
+        words = tokens(heading)
+        named = len(words) == 2 and words[1].isdecimal() and words[0] in said
+        if named and 0 < len(texts(table, column)) <= MOST_CONDITIONS:
+            found.setdefault(int(words[1]), column)
+    return found if len(found) > 1 else {}
+
+
+def number_in_words(words: Sequence[str]) -> int | None:
+    """Return the only number among words."""
+    numbers = [int(word) for word in words if word.isdecimal()]
+    return numbers[0] if len(numbers) == 1 else None
+
+
+def fitting(
+    numbers: Sequence[int | None], conditions: Mapping[int, int]
+) -> list[int | None] | None:
+    """Return the column of the condition of each numbered administration, or None for all.
+
+    All have one but perhaps the first, which is a baseline.
+    """
+    known = [number for number in numbers if number is not None]
+    others = {*known} - {*conditions}
+    first = len(others) <= 1 and all(each < min(conditions, default=0) for each in others)
+    if not conditions or len(known) < len(numbers) or {*conditions} - {*known} or not first:
+        return None
+    return [conditions.get(number) for number in known]
+
+
 class Ordered(NamedTuple):
     """A column that gives the conditions of the blocks of a row in their order.
 

@@ -41,6 +41,7 @@ SHORT_FORM = Stake("a questionnaire would be scored as if it had been shorter", 
 SCORE_KIND = Stake("scores would be called what they are not", 68)
 SAME_PERSON = Stake("one person would count as two", 66)
 SAME_CONDITION = Stake("one condition would count as two", 64)
+TIMES = Stake("times to a rating, areas and slopes would be of another unit", 62)
 ORDER = Stake("exposures would be numbered in another order", 55)
 ROWS = Stake("rows with answers would be missing", 50)
 CURIOUS = Stake("something is left out that an analysis might need", 10)

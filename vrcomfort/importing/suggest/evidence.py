@@ -13,6 +13,7 @@ import re
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import NamedTuple
 
 from vrcomfort.importing.files import is_number
@@ -124,6 +125,17 @@ class Candidate(NamedTuple):
     evidence: CellEvidence
 
 
+def _order_of_conditions(text: str, vocabulary: LabVocabulary) -> list[str]:
+    words = set(tokens(text))
+    ordered = any(vocabulary.roles.get(word) == "sequence" for word in words)
+    plain_label = plain(text) in vocabulary.roles
+    return ["sequence"] if ordered and not plain_label and words & _conditions(vocabulary) else []
+
+
+def _conditions(vocabulary: LabVocabulary) -> Collection[str]:
+    return vocabulary.fact_words.get("condition", frozenset())
+
+
 def _own_label(text: str, vocabulary: LabVocabulary) -> list[str]:
     key = plain(text)
     return [vocabulary.own_roles[key]] if key in vocabulary.own_roles else []
@@ -169,6 +181,7 @@ _ROW_NUMBER = re.compile(r"(?i)unnamed: ?\d+|row ?(names?|no|number|id)?|zeile|x
 """What pandas and R call the numbers of rows, and columns without a name."""
 HEADINGS: tuple[HeadingEvidence, ...] = (
     HeadingEvidence("a label of the lab's own vocabulary", 110, _own_label),
+    HeadingEvidence("words for an order and for conditions", 105, _order_of_conditions),
     HeadingEvidence(
         "a word for a fact, among at most 3 words", 100, lambda t, v: _fact_word(t, v, most=3)
     ),
@@ -322,7 +335,9 @@ def _order_within_people(context: Context, column: int) -> bool:
 def _runs_of_ratings(context: Context, column: int) -> bool:
     if context.time in {None, column} or column not in context.roles.unknown:
         return False
-    several = len(texts(context.table, column)) > 1
+    cells = context.table.column(column)
+    stays = sum(one == other for one, other in pairwise(cells))
+    several = len(texts(context.table, column)) > 1 and 2 * stays >= len(cells)
     return several and varies_within(context.table, column, context.participant)
 
 
@@ -369,6 +384,17 @@ def _counted(context: Context) -> Iterator[int]:
     for fact in ("trial", "session", "period"):
         if fact in context.columns:
             yield context.columns[fact][0]
+
+
+def _words_without_people(context: Context, column: int) -> bool:
+    """Return whether one of the first columns has few words, where nothing tells people apart."""
+    open_ = {*context.roles.unknown[:FIRST_COLUMNS]} - context.used
+    if context.participant is not None or column not in open_:
+        return False
+    if all(map(context.vocabulary.timepoint, texts(context.table, column))):
+        return False
+    numbers = is_numeric(context.table, column) or _measures(context.table, column)
+    return not numbers and few_texts(context.table, column)
 
 
 def _groups_people(context: Context, column: int) -> bool:
@@ -444,6 +470,10 @@ CELLS: tuple[CellEvidence, ...] = (
     ),
     COUNTS_EXPOSURES,
     GROUPS_PEOPLE,
+    CellEvidence(
+        "condition", "few words in front, where nothing tells people apart", 5,
+        _words_without_people, "Is {heading!r} the condition?", "it is",
+    ),
     CellEvidence("covariate", "one text for each participant", 10, _constant_within_people),
 )  # fmt: skip
 
@@ -490,6 +520,20 @@ def is_numeric(table: SourceTable, column: int) -> bool:
     """Return whether all texts of a column are numbers."""
     found = texts(table, column)
     return bool(found) and all(map(is_number, found))
+
+
+def repeated_headings(table: SourceTable, column: int) -> list[str]:
+    """Return the texts of a column in rows that repeat headings, between groups of people."""
+    headings = [*map(plain, table.headings)]
+
+    def repeats(row: tuple[str, ...]) -> bool:
+        alike = (plain(cell) == name != "" for cell, name in zip(row, headings, strict=True))
+        return sum(alike) >= _FEWEST_REPEATED
+
+    return list(dict.fromkeys(row[column] for row in table.rows if row[column] and repeats(row)))
+
+
+_FEWEST_REPEATED = 3
 
 
 def total_rows(table: SourceTable, column: int, totals: Collection[str]) -> list[str]:

@@ -39,6 +39,7 @@ from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 from vrcomfort.questionnaire import plain
 from vrcomfort.settings import toml_value
 
+_GUESSED_TIMEPOINTS = (BASELINE_AMONG_CONDITIONS, OTHER_TIMEPOINTS)
 _STAKES = {"participant": PEOPLE, "condition": CONDITIONS, "timepoint": TIMEPOINTS, "trial": ORDER}
 _PART = re.compile(r"([_\-\s.]+)")
 MOST_NAMED = 5
@@ -432,6 +433,9 @@ class _Facts(FactDraft):
         if self._is_key_of_rows(fact, column):
             self._roles.metadata.append(column)
             return
+        if fact == "block" and not is_numeric(self._table, column) and not self._has_condition():
+            self._roles.unknown.append(column)  # words under Block are what was shown in it
+            return
         if fact in {"trial", "period"} and "condition" in self._answers.said:
             self._exposures_of_rows(fact, column)
             return
@@ -445,6 +449,9 @@ class _Facts(FactDraft):
             self.doubt(question, f"they are, {what}", ORDER)
         else:
             self.use(fact, column)
+
+    def _has_condition(self) -> bool:
+        return "condition" in self._context.columns or self._condition_is_named()
 
     def _is_key_of_rows(self, fact: str, column: int) -> bool:
         """Return whether a column has another text in each row, as codes of web sessions are."""
@@ -471,6 +478,8 @@ class _Facts(FactDraft):
         facts = self._roles.facts
         columns = (*facts["timepoint"], *self._roles.unknown, *facts["condition"])
         found = candidates("timepoint", columns, self._context)
+        if "timepoint" in self._named:  # names of files say it better than guesses do
+            found = [each for each in found if each.evidence not in _GUESSED_TIMEPOINTS]
         if found and found[0].evidence is BASELINE_AMONG_CONDITIONS:
             self._mixed(found[0].column)
         elif found and found[0].evidence is OTHER_TIMEPOINTS:

@@ -42,6 +42,7 @@ def heading_facts(
         ]
         facts.append(_facts(rest, vocabulary))
     _numbered_times(facts, doubts)
+    _later(facts, doubts)
     _two_unnamed(facts, doubts)
     _name_the_rest(facts, doubts, numbers)
     return facts, doubts
@@ -79,6 +80,9 @@ def _facts(words: Sequence[str], vocabulary: LabVocabulary) -> dict[str, str]:
         if fact and following.isdecimal():
             facts[fact] = f"t{following}" if fact == "timepoint" else following
             place += 1
+        elif word.isdecimal() and following in _UNITS and "timepoint" not in facts:
+            facts["timepoint"] = f"{word}{following}"
+            place += 1
         elif word in timepoints and "timepoint" not in facts:
             facts["timepoint"] = timepoints[word]
         elif fact in {"", "timepoint"} and word not in vocabulary.condition_fillers:
@@ -89,21 +93,48 @@ def _facts(words: Sequence[str], vocabulary: LabVocabulary) -> dict[str, str]:
     return facts
 
 
+_UNITS = frozenset(["min", "mins", "minutes", "minuten", "h", "hours", "std"])
+
+
+def _later(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
+    """Call a moment such as ``30min`` beside before and after the recovery, and ask."""
+    later = sorted({f["timepoint"] for f in facts if f.get("timepoint", "")[:1].isdecimal()})
+    if len(later) != 1 or "recovery" in {f.get("timepoint") for f in facts}:
+        return
+    for each in facts:
+        if each.get("timepoint") == later[0]:
+            each["timepoint"] = "recovery"
+    question = f"Is {later[0]!r} that long after exposure?"
+    doubts.append(OpenDoubt(question, "it is: the timepoint recovery", *TIMEPOINTS))
+
+
 def _numbered_times(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
     """Call T0, T1, T2 baseline, post and recovery, and ask."""
     said = sorted({f["timepoint"] for f in facts if f.get("timepoint", "")[1:].isdecimal()})
     if not said:
         return
-    names = dict(zip(said, ("baseline", "post", "recovery"), strict=False))
-    for each in facts:
-        when = each.get("timepoint", "")
-        each["timepoint"] = names.get(when, when)
-    shown = ", ".join(f"{old.upper()} {names.get(old, old)}" for old in said)
+    shown = _names_of_times(facts, said)
     doubts.append(
         OpenDoubt(
             "Which timepoints are T0, T1 …: before exposure, after it, later?", shown, *TIMEPOINTS
         )
     )
+
+
+def _names_of_times(facts: Sequence[dict[str, str]], said: Sequence[str]) -> str:
+    """Call timepoints baseline, post and recovery in their order; return what was called what."""
+    names = dict(zip(said, ("baseline", "post", "recovery"), strict=False))
+    for each in facts:
+        when = each.get("timepoint", "")
+        each["timepoint"] = names.get(when, when)
+    return ", ".join(f"{old.upper()} {names.get(old, old)}" for old in said)
+
+
+def _name_times(facts: Sequence[dict[str, str]], doubts: list[OpenDoubt]) -> None:
+    """Take numbers for timepoints, and ask that in place of what they stand for."""
+    said = sorted({each["timepoint"] for each in facts}, key=lambda text: (len(text), text))
+    shown = _names_of_times(facts, said)
+    doubts[-1] = OpenDoubt(doubts[-1].question, f"timepoints: {shown}", *TIMEPOINTS)
 
 
 def _two_unnamed(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
@@ -134,6 +165,8 @@ def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: s
         doubts.append(OpenDoubt(question, f"each is a {fact}", *CONDITIONS))
         for each in numbers:
             each[fact] = each.pop("condition")
+        if fact == "timepoint":
+            _name_times(numbers, doubts)
     several = len({f.get("condition", "") for f in facts}) > 1
     for place, each in enumerate(facts, start=1):
         nameless = several and "condition" not in each and each.get("timepoint") != "baseline"

@@ -167,8 +167,9 @@ def mentions(text: str, instruments: Iterable[Instrument]) -> set[str]:
     }
 
 
-FEWEST = 4
-"""So many items of an instrument, or all it has, make a questionnaire."""
+FEWEST, FEWEST_OF_NAMED = 4, 3
+"""So many items of an instrument, or all it has, make a questionnaire; where its name stands in
+headings or in the name of the file, fewer do."""
 
 Context = tuple[str, ...]
 
@@ -253,6 +254,10 @@ def _by_name(
         if (each := named_item(index, heading, label, instrument, vocabulary)) is not None
     ]
     contexts = _contexts(named, instrument)
+    if {Counter(each.item for each in named)[item.name] for item in instrument.asked} == {1}:
+        # Each item stands once: what some headings share alone is wording of their questions.
+        whole = set.intersection(*map(set, contexts))
+        contexts = [tuple(word for word in context if word in whole) for context in contexts]
     groups: dict[Context, dict[str, Named]] = defaultdict(dict)
     for each, context in zip(named, contexts, strict=True):
         groups.setdefault(_free(groups, context, each), {})[each.item] = each
@@ -339,7 +344,10 @@ def _best(
     taken: set[int] = set()
     for block in sorted(found, key=merit, reverse=True):
         items = {i: named for i, named in block.items.items() if named.column not in taken}
-        enough = min(FEWEST, len(block.instrument.asked))
+        said, *_ = merit(block)
+        sure = all(named.how == "name" for named in items.values())
+        fewest = FEWEST_OF_NAMED if said and sure else FEWEST
+        enough = min(fewest, len(block.instrument.asked))
         if len(items) >= enough and _is_worth(block, items):
             kept.append(replace(block, items=items))
             taken.update(named.column for named in items.values())

@@ -9,11 +9,16 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from vrcomfort.importing.answers import number
+from vrcomfort.importing.answers import number, time_in_words_s
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.made_instruments import on_scale
 from vrcomfort.importing.mapping import ScoreKind, scale_named
 from vrcomfort.importing.source import Grid, SourceTable
+from vrcomfort.importing.suggest.block_conditions import (
+    fitting,
+    number_in_words,
+    numbered_conditions,
+)
 from vrcomfort.importing.suggest.evidence import texts
 from vrcomfort.importing.suggest.items import FoundAnswers, How, mentions, named_item
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
@@ -251,7 +256,7 @@ class FoundCourse(FoundAnswers):
 def find_ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
     """Return the columns of ratings that are in no time course."""
     ratings = _ratings(table, columns, known)
-    courses = _courses_of(ratings, known.vocabulary.units)
+    courses = _times_of(table, ratings, known.vocabulary)
     in_courses = [rating for course in courses for rating in course]
     return [rating for rating in ratings if rating not in in_courses]
 
@@ -260,7 +265,7 @@ def find_courses(table: SourceTable, columns: Sequence[int], known: Known) -> li
     """Return the rating time courses that have a column for each time."""
     units = known.vocabulary.units
     found = []
-    for course in _courses_of(_ratings(table, columns, known), units):
+    for course in _times_of(table, _ratings(table, columns, known), known.vocabulary):
         first = course[0].context
         time = _time_in(first, units)
         context = (w for n, w in enumerate(first) if n != time and w not in units)
@@ -279,10 +284,9 @@ def _time_in(context: Sequence[str], units: Set[str]) -> int | None:
 def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
     """Return the columns that are called by the name of a scale of one item."""
     totals = {c for each in find_scores(table, columns, known) for c in each.columns}
-    seconds = known.vocabulary.seconds
-    time = next(
-        (c for c in columns if plain(table.headings[c]) in seconds and c not in totals), None
-    )
+    time = _time_column(table, [c for c in columns if c not in totals], known.vocabulary)
+    if not table.reading.heading_rows:
+        return _beside_their_time(table, columns, time, known)
     found = []
     for instrument in known.instruments:
         if len(instrument.asked) == 1:
@@ -292,6 +296,48 @@ def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[F
                 rest = tuple(w for w in tokens(table.headings[column]) if w not in own)
                 found.append(FoundRating(instrument, rest, column, time))
     return found
+
+
+def _time_column(
+    table: SourceTable, columns: Sequence[int], vocabulary: LabVocabulary
+) -> int | None:
+    """Return the column of the seconds of ratings: by its heading, or one of times that rise."""
+    named = [c for c in columns if plain(table.headings[c]) in vocabulary.seconds]
+    if named:
+        return named[0]
+    headed = bool(table.reading.heading_rows)
+    rising = [
+        c
+        for c in columns
+        if (not headed or {*tokens(table.headings[c])} & vocabulary.time_words) and _rises(table, c)
+    ]
+    return rising[0] if len(rising) == 1 or (rising and not headed) else None
+
+
+def _rises(table: SourceTable, column: int) -> bool:
+    """Return whether numbers rise from row to row, but where another exposure begins."""
+    values = _values(table, column)
+    whole = len(values) == len(table.rows) > _FEWEST_RISING
+    steps = np.diff(values) if whole else np.zeros(1)
+    return bool((steps > 0).mean() >= _RISING)
+
+
+_FEWEST_RISING, _RISING = 5, 0.8
+"""Rows, and the share of steps upwards, of a column of times."""
+
+
+def _beside_their_time(
+    table: SourceTable, columns: Sequence[int], time: int | None, known: Known
+) -> list[FoundRating]:
+    """Return the ratings of a log without headings, whose file names the scale: time and rating."""
+    said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
+    scales = [i for i in known.instruments if i.name in said and len(i.asked) == 1]
+    others = [c for c in columns if c != time]
+    if time is None or len(scales) != 1 or len(others) != 1:
+        return []
+    (scale,), (column,) = scales, others
+    inside = all(map(scale.answers.has, _values(table, column)))
+    return [FoundRating(scale, (), column, time)] if inside else []
 
 
 def _is_rating(table: SourceTable, column: int, instrument: Instrument) -> bool:
@@ -311,6 +357,18 @@ def _is_rating(table: SourceTable, column: int, instrument: Instrument) -> bool:
 
 FEWEST_TIMES = 3
 """Columns of one scale that differ in a number alone and are a time course of ratings."""
+
+
+def _times_of(
+    table: SourceTable, ratings: Sequence[FoundRating], vocabulary: LabVocabulary
+) -> list[list[FoundRating]]:
+    """Return the time courses, but for ratings whose numbers are those of conditions beside."""
+    numbered = numbered_conditions(table, vocabulary)
+    return [
+        course
+        for course in _courses_of(ratings, vocabulary.units)
+        if not fitting([number_in_words(each.context) for each in course], numbered)
+    ]
 
 
 def _courses_of(ratings: Sequence[FoundRating], units: Set[str]) -> list[list[FoundRating]]:
@@ -338,6 +396,8 @@ class FoundLeaving(NamedTuple):
     columns: dict[int, str]
     heading: str
     unit: Literal["s", "min"]
+    stayed: tuple[str, ...] = ()
+    """Texts of those who stayed."""
 
 
 def find_leaving(table: SourceTable, columns: Sequence[int], known: Known) -> FoundLeaving | None:
@@ -349,7 +409,7 @@ def find_leaving(table: SourceTable, columns: Sequence[int], known: Known) -> Fo
         and _values(table, column)
     ]
     if not found:
-        return None
+        return _left_in_words(table, columns, known.vocabulary)
     headings = [table.headings[column] for column in found]
     minutes = any({*tokens(heading)} & _MINUTES for heading in headings)
     unit: Literal["s", "min"] = "min" if minutes else "s"
@@ -361,6 +421,26 @@ def find_leaving(table: SourceTable, columns: Sequence[int], known: Known) -> Fo
         for column, heading in zip(found, headings, strict=True)
     }
     return FoundLeaving(said, f"{start}{{condition}}{end}", unit)
+
+
+def _left_in_words(
+    table: SourceTable, columns: Sequence[int], vocabulary: LabVocabulary
+) -> FoundLeaving | None:
+    """Return a column of ``N`` and ``Yes - 11m 56s`` under a heading for leaving."""
+    for column in columns:
+        if not {*tokens(table.headings[column])} & vocabulary.leaving_words:
+            continue
+        heading = table.headings[column]
+        # Labs repeat the row of headings between groups of people.
+        words = [word for word in texts(table, column) if plain(word) != plain(heading)]
+        stayed = tuple(word for word in words if time_in_words_s(word) is None)
+        said_no = all(plain(word) in vocabulary.yes_no for word in stayed)
+        if len(words) - len(stayed) >= _FEWEST_LEFT and said_no:
+            return FoundLeaving({column: ""}, heading, "s", stayed)
+    return None
+
+
+_FEWEST_LEFT = 2
 
 
 _MINUTES = frozenset(["min", "mins", "minute", "minutes", "minuten"])
@@ -418,6 +498,7 @@ def _of_instrument(
     groups: dict[tuple[str, ...], dict[str, int]] = {}
     for column in columns:
         named = _scale(table.headings[column], instrument, words, fillers)
+        named = named or _bare_total(table, column, instrument)
         measured = {*tokens(table.headings[column])} & vocabulary.measures
         if named is not None and not measured and _numeric(table, column):
             scale, context = named
@@ -472,6 +553,27 @@ def _scale(
     return None
 
 
+def _bare_total(
+    table: SourceTable, column: int, instrument: Instrument
+) -> tuple[str, tuple[str, ...]] | None:
+    """Return the primary scale for ``SSQ 2`` or ``SSQ post`` whose values are scores of it."""
+    words = tokens(table.headings[column])
+    own = {plain(instrument.name), *tokens(instrument.short)}
+    scale = scale_named(instrument, instrument.primary)
+    if words[:1] != [plain(instrument.name)] or len(words) > _MOST_WORDS or scale is None:
+        return None
+    values = _values(table, column)
+    steps = [on_scale(value, scale, "score") is not None for value in values]
+    above = any(value > instrument.high and not value.is_integer() for value in values)
+    if not above or not all(steps):
+        return None
+    return instrument.primary, tuple(word for word in words if word not in own)
+
+
+_MOST_WORDS = 3
+"""Of a heading that names an instrument and no scale."""
+
+
 def _is_sure(table: SourceTable, instrument: Instrument, scales: Mapping[str, int]) -> bool:
     """Return whether these are scores, and not columns that happen to be called N or O."""
     names = [table.headings[column] for column in scales.values()]
@@ -481,6 +583,19 @@ def _is_sure(table: SourceTable, instrument: Instrument, scales: Mapping[str, in
     if single:
         return len(scales) >= 3
     return said or len(scales) >= 2
+
+
+def rise_from_first(table: SourceTable, found: Sequence[FoundScores]) -> bool:
+    """Return whether scores of the first administration are half of the later ones, or less.
+
+    So they are before exposure: the numbers in such headings are timepoints, no conditions.
+    """
+    numbered = sorted(found, key=lambda each: [int(w) for w in each.context if w.isdecimal()])
+    values = [[v for c in each.columns for v in _values(table, c)] for each in numbered]
+    if len(values) < 2 or not all(values):
+        return False
+    first, *later = (float(np.mean(each)) for each in values)
+    return 2 * first <= max(later)
 
 
 def _numeric(table: SourceTable, column: int) -> bool:

@@ -20,6 +20,7 @@ from vrcomfort.importing.suggest.draft import (
     REFUSED,
     ROWS,
     SHORT_FORM,
+    TIMES,
     OpenDoubt,
     TomlDraft,
 )
@@ -490,7 +491,15 @@ def draft_rating(
     coding = coding_of(table, rating.columns, rating.instrument, known.vocabulary)
     _coded(draft, coding)
     draft.tables["items"] = TomlDraft({item.name: table.headings[rating.column]})
-    return draft, coding.doubts
+    doubts = list(coding.doubts)
+    if (
+        rating.time is not None
+        and plain(table.headings[rating.time]) not in known.vocabulary.seconds
+    ):
+        heading = table.headings[rating.time]
+        question = f"Is {heading!r} the time of each rating, in seconds since the exposure began?"
+        doubts.append(OpenDoubt(question, "it is", *TIMES))
+    return draft, doubts
 
 
 def draft_course(

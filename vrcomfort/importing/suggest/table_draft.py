@@ -7,12 +7,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
-from vrcomfort.importing.answers import number
+from vrcomfort.importing.answers import number, time_in_words_s
 from vrcomfort.importing.columns import conditions_in
 from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.block_conditions import (
     conditions_beside,
+    fitting,
+    number_in_words,
+    numbered_conditions,
     order_column,
     without_repeats,
 )
@@ -33,6 +36,7 @@ from vrcomfort.importing.suggest.evidence import (
     Context,
     Roles,
     is_personal,
+    repeated_headings,
     roles_of,
     texts,
     total_rows,
@@ -48,6 +52,7 @@ from vrcomfort.importing.suggest.layouts import (
     find_long,
     find_ratings,
     find_scores,
+    rise_from_first,
 )
 from vrcomfort.importing.suggest.questionnaires import (
     Drafted,
@@ -237,9 +242,9 @@ class TableDraft:
 
     def _write(self) -> None:
         leading = self._answers.leading
-        facts = self._facts_beside() or (
-            self._heading_facts_of(self._answers[leading]) if leading else []
-        )
+        facts = self._facts_beside() or self._facts_by_number(leading)
+        if leading and not facts:
+            facts = self._heading_facts_of(self._answers[leading])
         when = self._roles.facts.get("timepoint", [])
         if len(facts) == 1 and any(len(texts(self.table, column)) > 1 for column in when):
             facts[0].pop("timepoint", None)  # a column says it better
@@ -269,17 +274,7 @@ class TableDraft:
         columns = conditions_beside(self.table, blocks, self._answers.taken, self._vocabulary)
         if not columns:
             return []
-        names = [None if c is None else self.table.headings[c] for c in columns]
-        self._beside = names
-        for column in columns:
-            if column is not None:
-                self._roles.forget(column)
-        shown = ", ".join(repr(name) for name in names if name is not None)
-        question = f"Do {shown} say the condition of the answers beside them?"
-        first = "they do"
-        if names[0] is None:
-            first = f"{first}; the first answers, which have none, are before exposure"
-        self.doubts.append(OpenDoubt(question, first, *CONDITIONS))
+        facts = self._take_beside(columns, "of the answers beside them")
         for row in self.table.rows:
             said = [row[column] for column in columns if column is not None and row[column]]
             if len({*said}) < len(said):
@@ -287,6 +282,28 @@ class TableDraft:
                 question = f"One condition twice in a row ({', '.join(said)}): was it shown twice?"
                 self.doubts.append(OpenDoubt(question, "it was", *ORDER))
                 break
+        return facts
+
+    def _facts_by_number(self, leading: Layout[Any] | None) -> list[dict[str, str]]:
+        """Return the facts of answers whose numbers are those of conditions: ``Condition_1``."""
+        if leading not in {BLOCKS, RATINGS} or leading is None:
+            return []
+        numbers = [number_in_words(each.context) for each in self._answers[leading]]
+        columns = fitting(numbers, numbered_conditions(self.table, self._vocabulary))
+        return self._take_beside(columns, "of the answers with their number") if columns else []
+
+    def _take_beside(self, columns: Sequence[int | None], of: str) -> list[dict[str, str]]:
+        """Let columns say the conditions of the leading answers, and ask; return their facts."""
+        names = [None if c is None else self.table.headings[c] for c in columns]
+        self._beside = names
+        for column in columns:
+            if column is not None:
+                self._roles.forget(column)
+        shown = ", ".join(repr(name) for name in names if name is not None)
+        first = "they do"
+        if None in names:
+            first = f"{first}; the first answers, which have none, are before exposure"
+        self.doubts.append(OpenDoubt(f"Do {shown} say the condition {of}?", first, *CONDITIONS))
         return [{"timepoint": "baseline" if name is None else "post"} for name in names]
 
     def _in_order(self, facts: list[dict[str, str]]) -> set[str]:
@@ -312,10 +329,18 @@ class TableDraft:
         self.draft.put("participants", {"sequence": name})
         return {"condition"}
 
-    def _numbers(self) -> str:
-        """Return the fact that numbers in headings are: a column may say the condition already."""
-        said = self._roles.facts.get("condition", [])
-        return "trial" if any(len(texts(self.table, c)) > 1 for c in said) else "condition"
+    def _numbers(self, found: Sequence[FoundAnswers]) -> str:
+        """Return the fact that numbers in headings are: a column may say the condition already.
+
+        That of a person, of whom all numbers are, leaves them the timepoints.
+        """
+        said = [c for c in self._roles.facts.get("condition", []) if len(texts(self.table, c)) > 1]
+        people = self._roles.facts.get("participant", [])
+        scores = [each for each in found if isinstance(each, FoundScores)]
+        if not said:
+            return "timepoint" if rise_from_first(self.table, scores) else "condition"
+        each_once = any(len(texts(self.table, c)) == len(self.table.rows) for c in people)
+        return "timepoint" if each_once and scores else "trial"
 
     def _spelt(self, facts: dict[str, str]) -> dict[str, str]:
         """Return conditions with the capital letters that the headings have."""
@@ -354,7 +379,8 @@ class TableDraft:
 
     def _found_answers(self, said: set[str]) -> AnswersFound:
         keys = [column for long in self._answers[LONG][:1] for column in long.row_keys]
-        return AnswersFound(self._tables, said, self._answers.taken, keys, bool(self._answers))
+        answered = bool(self._answers) or self._leaving is not None
+        return AnswersFound(self._tables, said, self._answers.taken, keys, answered)
 
     def _total_rows(self) -> dict[int, list[str]]:
         """Take rows of means and sums out of the table; return column → their texts."""
@@ -364,6 +390,7 @@ class TableDraft:
                 for table in self._tables
                 for text in total_rows(table, column, self._vocabulary.totals)
             ]
+            found += repeated_headings(self.table, column)
             if found:
                 rows = tuple(row for row in self.table.rows if row[column] not in found)
                 self.table = replace(self.table, rows=rows)
@@ -417,11 +444,15 @@ class TableDraft:
         if self._leaving is None:
             return
         decimal = self.table.reading.decimal or "."
-        columns, heading, unit = self._leaving
-        cells = (row[column] for row in self.table.rows for column in columns)
-        longest = max((number(cell, decimal) or 0.0 for cell in cells), default=0.0)
-        planned_s = longest * (60 if unit == "min" else 1)
-        self.draft.put("left_at", {"heading": heading, "unit": unit, "planned_s": planned_s})
+        columns, heading, unit, stayed = self._leaving
+        cells = [row[column] for row in self.table.rows for column in columns]
+        longest_s = max((number(cell, decimal) or 0.0 for cell in cells), default=0.0)
+        longest_s *= 60 if unit == "min" else 1
+        planned_s = max([longest_s, *(time_in_words_s(cell) or 0.0 for cell in cells)])
+        if stayed:  # who has a time has left, so the exposure was longer: to the next minute
+            planned_s = 60.0 * (planned_s // 60 + 1)
+        said: dict[str, object] = {"heading": heading, "unit": unit, "planned_s": planned_s}
+        self.draft.put("left_at", {**said, "missing": list(stayed)} if stayed else said)
         question = f"Was an exposure that nobody left {planned_s:g} s long?"
         assumed = "it was: who has this time, or none, stayed to the end"
         self.doubts.append(OpenDoubt(question, assumed, *STAYED))
@@ -434,7 +465,7 @@ class TableDraft:
             for found, own in zip(self._answers[layout], self._facts_of(layout), strict=True):
                 draft, doubts = layout.draft(self.table, found, own, self._known, self._roles)
                 beside = self._beside[len(drafts)] if len(drafts) < len(self._beside) else None
-                if beside is not None and layout is BLOCKS:
+                if beside is not None and layout is self._answers.leading:
                     draft.put("beside", {"condition": beside})
                 drafts.append(draft)
                 self.doubts += doubts
@@ -501,7 +532,7 @@ class TableDraft:
         for name in dict.fromkeys(name for name, _ in named):
             places = [i for i, (other, _) in enumerate(named) if other == name]
             own, doubts = heading_facts(
-                [named[i][1] for i in places], self._vocabulary, numbers=self._numbers()
+                [named[i][1] for i in places], self._vocabulary, numbers=self._numbers(found)
             )
             self.doubts += doubts
             for place, said in zip(places, own, strict=True):

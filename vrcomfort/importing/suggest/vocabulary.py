@@ -85,6 +85,8 @@ class LeavingLabels(Settings):
     """Columns of the times at which participants left exposures."""
 
     labels: _Words = ()
+    words: _Words = ()
+    """Words of headings whose cells say times in words: ``Yes - 11m 56s``."""
 
 
 class LongLabels(Settings):
@@ -98,6 +100,8 @@ class RatingLabels(Settings):
     """Headings of ratings during exposure."""
 
     seconds: _Words = ()
+    words: _Words = ()
+    """Words of headings of times, where numbers rise from row to row."""
     units: _Words = ()
 
 
@@ -209,9 +213,11 @@ class LabVocabulary:
         self.measures = _plain_set(merged["measures"]["words"])
         self.leaving = tuple(tuple(tokens(label)) for label in merged["leaving"]["labels"])
         """Labels of leaving times, as words."""
+        self.leaving_words = _plain_set(merged["leaving"]["words"])
         self.item_labels = _plain_set(merged["long"]["item"])
         self.response_labels = _plain_set(merged["long"]["response"])
         self.seconds = _plain_set(merged["ratings"]["seconds"])
+        self.time_words = _plain_set(merged["ratings"]["words"])
         self.units = _plain_set(merged["ratings"]["units"])
         self.numbered = _looked_up(merged["numbered"])
         """Word before a number → fact."""
