@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import NamedTuple
@@ -132,7 +132,7 @@ def _order_of_conditions(text: str, vocabulary: LabVocabulary) -> list[str]:
     return ["sequence"] if ordered and not plain_label and words & _conditions(vocabulary) else []
 
 
-def _conditions(vocabulary: LabVocabulary) -> Collection[str]:
+def _conditions(vocabulary: LabVocabulary) -> Set[str]:
     return vocabulary.fact_words.get("condition", frozenset())
 
 
