@@ -7,6 +7,7 @@ anybody listing it here.
 import typing
 from itertools import count, islice
 from types import NoneType, UnionType
+from zlib import crc32
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
@@ -82,9 +83,15 @@ def drawn(model, rng, fixed=()):
     raise AssertionError(f"no valid {model.__name__} with {fixed}")
 
 
+def named_rng(seed, name):
+    """Return a generator of a name's own: what is added beside it does not move its numbers."""
+    return np.random.default_rng([seed, crc32(name.encode())])
+
+
 def _values(model, rng, fixed):
-    values = {}
+    values, seed = {}, int(rng.integers(2**32))
     for name, field in model.model_fields.items():
+        rng = named_rng(seed, name)
         own = {path[1:]: value for path, value in fixed.items() if path[0] == name}
         if () in own:
             values[name] = own[()]
@@ -94,11 +101,12 @@ def _values(model, rng, fixed):
         elif (value := _value(name, field, rng)) is not None:
             values[name] = value
     if values.get("method") == "scripted":
-        values["script"] = sorted({0.0: 0.05, float(rng.random()): 3e4}.items())
+        late_s = float(named_rng(seed, "script").random())
+        values["script"] = sorted({0.0: 0.05, late_s: 3e4}.items())
     if "of" in model.model_fields:
         values["of"] = typing.get_args(CentredEffect)
     if "foreground" in model.model_fields:
-        values["foreground"] = [str(rng.choice(["*", "held", "[fl]*"]))]
+        values["foreground"] = [str(named_rng(seed, "foreground").choice(["*", "held", "[fl]*"]))]
     return values
 
 
@@ -128,10 +136,12 @@ def _value(name, field, rng):
 
 def conditions(rng):
     """Yield conditions for ever, first one for each value of each Literal (quality excepted)."""
+    seed = int(rng.integers(2**32))
     every = [each for each in choices(Condition) if each[0] != ("quality",)]
     for number in count():
-        fixed = [*every[number : number + 1], (("name",), "extreme"), (("quality",), None)]
-        yield drawn(Condition, rng, fixed)
+        first = every[number : number + 1]
+        fixed = [*first, (("name",), "extreme"), (("quality",), None)]
+        yield drawn(Condition, named_rng(seed, repr(first or number)), fixed)
 
 
 def every_choice(rng):
