@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from bench.table import Result
 from vrcomfort.frame import Frame
-from vrcomfort.gpu.timer import is_software
+from vrcomfort.gpu.gl import is_software
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur, SpeedBlur
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Scene

@@ -124,7 +124,7 @@ def _radius_px(drawn: Drawn) -> Array:
             law="dioptre",
             focus_m=FOCUS_M,
             near_m=drawn.camera.near_m,
-            radius_limit_px=HEADSET_PX[0] * PERCENT / 100,
+            max_radius_px=HEADSET_PX[0] * PERCENT / 100,
             full_blur=FULL_BLUR_DIOPTRE,
         )
     )

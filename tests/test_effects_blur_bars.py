@@ -156,7 +156,7 @@ def test_discs_of_a_few_pixels_are_summed_as_the_twin_sums_them(ctx, pixel_aspec
     rgb[4:6, 9] = 900.0
     radius = 3.9 - spread * rng.uniform(0, 7.8, (23, 21)) * rng.integers(0, 2, (23, 21))
     found = blur(
-        ctx, "vrcomfort", rgb, radius, limit_px=4.0, pixel_aspect=pixel_aspect, samples=128
+        ctx, "vrcomfort", rgb, radius, max_radius_px=4.0, pixel_aspect=pixel_aspect, samples=128
     )
     expected = layers.layered(found.points, pixel_aspect=pixel_aspect)
     off = np.abs(found.rgb - expected) > 1e-4 + 2e-3 * np.abs(expected)

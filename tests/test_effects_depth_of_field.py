@@ -111,7 +111,7 @@ def test_a_front_reaches_over_all_tiles_however_tall_pixels_are(
     near = np.arange(96)[:, None].repeat(64, axis=1) < 24
     near = near[::-1] if upwards else near
     rgb = np.where(near[..., None], 1.0, [0.0, 0.0, 0.0])
-    settings = {"samples": samples, "pixel_aspect": aspect, "limit_px": radius_px}
+    settings = {"samples": samples, "pixel_aspect": aspect, "max_radius_px": radius_px}
     found = blur(ctx, "vrcomfort", rgb, np.where(near, -radius_px, 0.0), **settings)
     x = np.clip((np.arange(96) - 23.5) / (radius_px * aspect), -1, 1)
     covered = 0.5 - (x * np.sqrt(1 - x**2) + np.arcsin(x)) / np.pi
@@ -261,12 +261,16 @@ def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px, law, sam
 
 
 @pytest.mark.parametrize("samples", [16, 36])
-@pytest.mark.parametrize("limit_px", [2.4, 9.0, 20.0])
+@pytest.mark.parametrize("max_radius_px", [2.4, 9.0, 20.0])
 @pytest.mark.parametrize("aspect", [1.0, 1.5])
-def test_nothing_of_the_frame_before_is_left(ctx, rng, samples, limit_px, aspect):
+def test_nothing_of_the_frame_before_is_left(ctx, rng, samples, max_radius_px, aspect):
     """Tiles of which nothing is needed are not drawn: what they still hold must not be seen."""
     width, height = 203, 149
-    settings = {"law": "dioptre", "full_blur_dioptre": 1.0, "max_radius_percent": limit_px / 2.03}
+    settings = {
+        "law": "dioptre",
+        "full_blur_dioptre": 1.0,
+        "max_radius_percent": max_radius_px / 2.03,
+    }
     tangent = np.tan(0.8)
     horizontal = float(np.arctan(tangent * width / height * aspect))
     fov = Fov(-horizontal, horizontal, 0.8, -0.8)

@@ -177,8 +177,8 @@ def test_radii_are_accurate_at_every_range(ctx, law, seed):
     rows = np.zeros((400, 4), "f4")
     rows[:, 0] = depth
     single = [np.float64(np.float32(each)) for each in (near_m, offset_m, 3e4)]
-    for limit_px, rate in ((100.0, 10 ** rng.uniform(0, 3)), (1e6, 10 ** rng.uniform(2, 5))):
-        constants = np.float32([[near_m, focus_m, offset_m, 3e4], [rate, limit_px, 0, 0]])
+    for max_radius_px, rate in ((100.0, 10 ** rng.uniform(0, 3)), (1e6, 10 ** rng.uniform(2, 5))):
+        constants = np.float32([[near_m, focus_m, offset_m, 3e4], [rate, max_radius_px, 0, 0]])
         call = "vec4(signed_radius_px(x.x, a.x, a.y, a.z, a.w, b.x, b.y))"
         found = evaluate(ctx, "coc.glsl", call, rows, constants=constants, law=law)[:, 0]
         twin = coc.signed_radius_px(
@@ -188,11 +188,11 @@ def test_radii_are_accurate_at_every_range(ctx, law, seed):
             near_m=single[0],
             offset_m=single[1],
             infinity_m=single[2],
-            radius_limit_px=limit_px,
-            full_blur=limit_px / np.float64(constants[1, 0]),
+            max_radius_px=max_radius_px,
+            full_blur=max_radius_px / np.float64(constants[1, 0]),
         )
         off_px = np.abs(found - twin)
-        if limit_px == 100.0:
+        if max_radius_px == 100.0:
             assert (off_px <= np.maximum(1e-5 * np.abs(twin), 1e-3)).all()
         from_head_m = np.minimum(near_m / depth.astype("f8") + offset_m, single[2])
         apart = np.abs(from_head_m - focus_m) > 0.02 * focus_m

@@ -32,7 +32,7 @@ LEVELS = {"EXACT_PX": 3.0, "LEVELS": 1, "FADED": 0.85}
 
 def radius_px(distance_m, **settings):
     depth = NEAR_M / np.asarray(distance_m, float)
-    wide = {"near_m": NEAR_M, "radius_limit_px": 1e12, "infinity_m": 1e6, **settings}
+    wide = {"near_m": NEAR_M, "max_radius_px": 1e12, "infinity_m": 1e6, **settings}
     return lens_radius_px(depth, **wide)
 
 
@@ -77,7 +77,7 @@ def test_no_lens_is_focused_inside_its_focal_length(focus_m):
     assert coc.lens_focus_m(focus_m, 0.05) == pytest.approx(0.05005)
     found = radius_px(
         [0.0501, 1.0, np.inf], px_per_dioptre=6.0, focus_m=focus_m, focal_length_m=0.05,
-        radius_limit_px=11.0,
+        max_radius_px=11.0,
     )  # fmt: skip
     np.testing.assert_allclose(found, [11, 11, 11], rtol=1e-12)
 
@@ -119,7 +119,7 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
         )
         twin = lens_radius_px(
             z, px_per_dioptre=px, focus_m=float(np.float32(focus_m)),
-            near_m=np.float64(np.float32(near_m)), radius_limit_px=1e9,
+            near_m=np.float64(np.float32(near_m)), max_radius_px=1e9,
             offset_m=float(np.float32(0.01)),
             focal_length_m=settings.focal_length_m if settings.law == "thin_lens" else 0.0,
             distance_offset_m=settings.distance_offset_m,
@@ -163,20 +163,20 @@ def test_the_largest_diameter_can_be_an_angle(ctx):
     size_px = (64, 48)
     focal_px = focal_length_px(square_pixels(size_px), size_px)[0]
     settings = DepthOfField(max_radius_percent=10, max_diameter_arcmin=120.0)
-    assert lens_radius.radius_limit_in_px(settings, focal_px, size_px) == pytest.approx(
+    assert lens_radius.max_radius_of(settings, size_px, focal_px) == pytest.approx(
         np.tan(np.radians(1.0)) * focal_px
     )
     effect = coc_passes_of(ctx, settings, np.inf, 1.0, size_px)
     effect.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
     points = np.frombuffer(effect.colour_and_coc.read(), "f2").reshape(48, 64, 4)[..., 3]
     np.testing.assert_allclose(points, np.tan(np.radians(1.0)) * focal_px, rtol=1e-3)
-    assert effect.limit_now_px == pytest.approx(np.tan(np.radians(1.0)) * focal_px)
+    assert effect.max_radius_now_px == pytest.approx(np.tan(np.radians(1.0)) * focal_px)
     # Law `linear`: 10 m of defocus reach the limit; the sky would have 2999.9 times as much.
-    limit_px = np.tan(np.radians(1.0)) * focal_px
-    assert effect.largest_radius_px() == pytest.approx(2999.9 * limit_px, rel=1e-5)
+    max_radius_px = np.tan(np.radians(1.0)) * focal_px
+    assert effect.largest_radius_px() == pytest.approx(2999.9 * max_radius_px, rel=1e-5)
     assert effect.clamps() == (
-        f"depth of field: circles of confusion of up to {2999.9 * limit_px:.1f} px (radius) were "
-        f"limited to {limit_px:.1f} px",
+        f"depth of field: circles of confusion of up to {2999.9 * max_radius_px:.1f} px (radius) "
+        f"were limited to {max_radius_px:.1f} px",
     )
     effect.reset()
     assert effect.clamps() == ()

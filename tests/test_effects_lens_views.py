@@ -12,7 +12,7 @@ from vrcomfort.optics.lens_sampling import FEW_RADIUS, view_radius
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.effects.depth_of_field.effect import blur_of_one_view, part_of_one_view
 from vrcomfort.render.effects.depth_of_field.lens_radius import (
-    radius_limit_px,
+    max_radius_of,
     radius_per_dioptre_px,
     unlimited,
 )
@@ -197,7 +197,7 @@ def test_it_is_the_law_that_says_how_little_is_not_blurred():
 def test_a_view_is_blurred_by_its_part_of_the_lens_up_to_the_same_limit(settings, size_px):
     lens = DepthOfField(**settings)
     one = blur_of_one_view(lens, size_px)
-    assert radius_limit_px(one, size_px) == radius_limit_px(lens, size_px)
+    assert max_radius_of(one, size_px) == max_radius_of(lens, size_px)
     assert one.samples == lens.samples
     if lens.law == "eye":
         assert radius_per_dioptre_px(one, size_px) == pytest.approx(

@@ -20,11 +20,11 @@ def test_levels_share_every_disc_and_hand_over_gradually():
 
 
 @pytest.mark.parametrize("samples", [16, 36, 128])
-@pytest.mark.parametrize("limit_px", [1.0, 5.0, 22.4, 64.0])
-def test_no_disc_is_wider_than_its_level_allows(samples, limit_px):
-    count = blur_kernels.gather_mips(limit_px, samples)
+@pytest.mark.parametrize("max_radius_px", [1.0, 5.0, 22.4, 64.0])
+def test_no_disc_is_wider_than_its_level_allows(samples, max_radius_px):
+    count = blur_kernels.gather_mips(max_radius_px, samples)
     widest = blur_kernels.exact_px(samples) * 2 ** (count - 1)
-    assert limit_px <= widest or count == blur_kernels.MOST_MIPS
+    assert max_radius_px <= widest or count == blur_kernels.MOST_MIPS
 
 
 def test_the_shader_shares_discs_as_its_twin(ctx):

@@ -261,7 +261,7 @@ def test_streaks_fade_while_the_head_turns(ctx, rng):
 def test_the_limit_shortens_and_says_so(ctx, rng, method):
     rgb = rng.uniform(0, 1, (96, 128, 3))
     effect = motion_blur_pass(ctx, rgb, 2.0, [80.0, 60.0], method=method, **WHOLE)
-    assert effect.limit_px == pytest.approx(12.8)
+    assert effect.max_radius_px == pytest.approx(12.8)
     assert effect.longest_half_velocity_px() == pytest.approx(50, rel=1e-3)
     assert effect.clamps() == (
         "motion blur: half streaks of up to 50.0 px were shortened to 12.8 px",

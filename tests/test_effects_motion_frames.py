@@ -10,6 +10,7 @@ from test_render_pipeline import SIZE, FrameAt, standing
 from tests.support.render import at, box, glowing, scene, still_life, wall
 from vrcomfort.api.playback import shipped_walk
 from vrcomfort.geometry import Pose, rotate, yaw_pitch_roll
+from vrcomfort.gpu import shaders
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.conditions import (
     Condition,
@@ -166,6 +167,23 @@ def test_a_frame_in_which_nothing_moved_has_no_pass_and_is_copied_exactly(
     assert more == blurs
     for sharp, blurred, _ in last_eyes(ctx, content, streaks(mode), frames):
         assert np.array_equal(sharp, blurred) != blurs
+
+
+@pytest.mark.parametrize("method", ["reconstruction", "per_pixel"])
+def test_branches_of_a_gpu_draw_what_loops_of_a_software_rasteriser_draw(ctx, monkeypatch, method):
+    both = Condition(
+        name="both",
+        focus=Focus(method="fixed", fixed_m=0.5),
+        depth_of_field=DepthOfField(max_radius_percent=10.0, law="dioptre"),
+        motion_blur=MotionBlur(mode="full", shutter_fraction=1.0, method=method),
+    )
+    images = []
+    for software in (True, False):
+        monkeypatch.setattr(shaders, "is_software", lambda _, software=software: software)
+        images.append(last_eyes(ctx, still_life(), both, WALK))
+    for (_, loops, _), (_, branches, _) in zip(*images, strict=True):
+        assert np.array_equal(loops, branches)
+        assert np.ptp(loops) > 0.1
 
 
 def test_objects_only_has_no_velocity_and_no_pass_where_nothing_moves(owned):

@@ -56,7 +56,7 @@ def evaluate(ctx, include, expression, arguments, *, constants=((0,) * 4,) * 2, 
 @given(distances, distances, st.sampled_from(LAWS))
 def test_radius_has_the_sign_of_the_defocus_and_stays_in_its_limit(distance_m, focus_m, law):
     radius = coc.signed_radius_px(
-        0.02 / distance_m, law=law, focus_m=focus_m, near_m=0.02, radius_limit_px=11.2, full_blur=2
+        0.02 / distance_m, law=law, focus_m=focus_m, near_m=0.02, max_radius_px=11.2, full_blur=2
     )
     assert abs(radius) <= 11.2
     nearer = min(distance_m, 3e4) < min(focus_m, 3e4)
@@ -64,7 +64,7 @@ def test_radius_has_the_sign_of_the_defocus_and_stays_in_its_limit(distance_m, f
 
 
 def test_radius_is_the_papers_law():
-    settings = {"focus_m": 2.0, "near_m": 0.05, "radius_limit_px": 10.0}
+    settings = {"focus_m": 2.0, "near_m": 0.05, "max_radius_px": 10.0}
     depth = 0.05 / np.array([1.0, 2.0, 4.0, 100.0])
     linear = coc.signed_radius_px(depth, law="linear", full_blur=4.0, **settings)
     np.testing.assert_allclose(linear, [-2.5, 0, 5, 10], atol=1e-12)
@@ -73,7 +73,7 @@ def test_radius_is_the_papers_law():
 
 
 def test_a_far_focus_keeps_a_far_range_sharp_in_metres():
-    settings = {"law": "linear", "near_m": 0.02, "radius_limit_px": 10.0, "full_blur": 10.0}
+    settings = {"law": "linear", "near_m": 0.02, "max_radius_px": 10.0, "full_blur": 10.0}
     depth = 0.02 / np.array([5.0, 6e3, 8e3, 10e3])
     radius = coc.signed_radius_px(depth, focus_m=8e3, **settings)
     np.testing.assert_allclose(radius, [-9.99375, -2.5, 0, 2.5], atol=1e-9)
@@ -81,7 +81,7 @@ def test_a_far_focus_keeps_a_far_range_sharp_in_metres():
 
 @pytest.mark.parametrize("law", LAWS)
 def test_sky_is_as_far_as_infinity(law):
-    settings = {"law": law, "near_m": 0.02, "radius_limit_px": 11.2, "full_blur": 2.0}
+    settings = {"law": law, "near_m": 0.02, "max_radius_px": 11.2, "full_blur": 2.0}
     for focus_m in (3e4, 1e9, np.inf):
         sky = coc.signed_radius_px(0.0, focus_m=focus_m, **settings)
         np.testing.assert_allclose(sky, 0, atol=1e-6)
@@ -137,7 +137,7 @@ def test_a_point_from_behind_the_eye_comes_from_its_rim():
 
 def test_half_velocity_is_half_the_shutter_and_clamps_without_turning():
     streak = motion.half_velocity_px(
-        [[8, 0], [300, -400], [0, 0]], shutter_fraction=0.5, radius_limit_px=32
+        [[8, 0], [300, -400], [0, 0]], shutter_fraction=0.5, max_radius_px=32
     )
     np.testing.assert_allclose(streak, [[2, 0], [19.2, -25.6], [0, 0]])
 
@@ -156,7 +156,7 @@ def test_shader_radius_is_the_twin(ctx, law, near_m, rng):
         shader = evaluate(ctx, "coc.glsl", call, x, constants=constants, law=law)[:, 0]
         twin = coc.signed_radius_px(
             depth, law=law, focus_m=focus_m, near_m=np.float64(np.float32(near_m)), slope=slope,
-            radius_limit_px=np.float64(np.float32(11.2)), full_blur=full_blur,
+            max_radius_px=np.float64(np.float32(11.2)), full_blur=full_blur,
         )  # fmt: skip
         # A rounded slope moves the point by 6e-8 of its distance, in metres too.
         np.testing.assert_allclose(shader, twin, rtol=1e-5, atol=1e-3)
@@ -227,7 +227,7 @@ def test_shader_velocity_and_streak_are_the_twins(ctx, rng):
     x = x.astype("f4")
     twin = motion.velocity_px(np.broadcast_to(now, x.shape), x, (640, 800))
     np.testing.assert_allclose(result[:, :2], twin, rtol=1e-4, atol=0.01)
-    streak = motion.half_velocity_px(30 * x[:, :2], shutter_fraction=0.5, radius_limit_px=16)
+    streak = motion.half_velocity_px(30 * x[:, :2], shutter_fraction=0.5, max_radius_px=16)
     np.testing.assert_allclose(result[:, 2:], streak, rtol=1e-5, atol=1e-5)
 
 

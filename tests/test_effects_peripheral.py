@@ -18,7 +18,7 @@ WIDE_EDGE = Peripheral(unit_diameter_arcmin=600.0)
 
 @given(st.floats(-20, 20), st.floats(-20, 20), st.floats(-1, 1))
 def test_peripheral_blur_keeps_signs_and_their_order(one, other, cosine):
-    shape = {"unit_px": 7.0, "exponent": 2.0, "radius_limit_px": 25.0}
+    shape = {"unit_px": 7.0, "exponent": 2.0, "max_radius_px": 25.0}
     a, b = coc.with_peripheral_px([one, other], cosine, **shape)
     assert abs(a) >= min(abs(one), 25.0)
     assert abs(a) <= 25.0
@@ -28,7 +28,7 @@ def test_peripheral_blur_keeps_signs_and_their_order(one, other, cosine):
 
 
 def test_peripheral_blur_is_equation_5():
-    shape = {"unit_px": 4.0, "exponent": 2.0, "radius_limit_px": 50.0}
+    shape = {"unit_px": 4.0, "exponent": 2.0, "max_radius_px": 50.0}
     cosines = np.cos(np.radians([0.0, 30.0, 60.0, 90.0, 120.0]))
     found = coc.with_peripheral_px(np.array([0.0, -1.0, 0.0, 1.0, -1.0]), cosines, **shape)
     at_30 = 4 * (2 / np.sqrt(3) - 1) ** 2
@@ -54,7 +54,7 @@ def test_peripheral_blur_on_the_gpu_grows_from_the_heads_axis(ctx):
     cosine = rays @ ahead / np.linalg.norm(rays, axis=-1)
     unit_px = np.tan(np.radians(2.5)) * focal_length_px(LEFT_EYE, size_px)[0]
     twin = coc.with_peripheral_px(
-        np.zeros_like(cosine), cosine, unit_px=unit_px, exponent=2, radius_limit_px=6
+        np.zeros_like(cosine), cosine, unit_px=unit_px, exponent=2, max_radius_px=6
     )
     np.testing.assert_allclose(found, twin, rtol=2e-3, atol=2e-3)
     assert found.max() > 1.0

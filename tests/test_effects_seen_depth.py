@@ -41,9 +41,9 @@ def spread(ctx, distance_m, percent):
 def test_it_is_that_of_the_nearest_foreground_whose_disc_reaches(ctx, percent):
     distance_m = np.random.default_rng(3).choice([0.6, 0.9, 1.5, 2.0, 5.0], SIZE_PX[::-1], p=[
         0.01, 0.01, 0.01, 0.47, 0.5])  # fmt: skip
-    found, own, limit_px = spread(ctx, distance_m, percent)
-    radius = (1 / FOCUS_M - 1 / distance_m) * limit_px / FULL_BLUR_DIOPTRE
-    expected = seen_depth(own, np.clip(radius, -limit_px, limit_px), limit_px, TAPS)
+    found, own, max_radius_px = spread(ctx, distance_m, percent)
+    radius = (1 / FOCUS_M - 1 / distance_m) * max_radius_px / FULL_BLUR_DIOPTRE
+    expected = seen_depth(own, np.clip(radius, -max_radius_px, max_radius_px), max_radius_px, TAPS)
     np.testing.assert_array_equal(found, expected.astype(np.float32))
     assert (found != own).any()
 
@@ -51,9 +51,9 @@ def test_it_is_that_of_the_nearest_foreground_whose_disc_reaches(ctx, percent):
 def test_wide_discs_are_sought_in_steps_and_lose_less_than_one(ctx):
     distance_m = np.full(SIZE_PX[::-1], 5.0)
     distance_m[:, :20] = 0.4
-    found, own, limit_px = spread(ctx, distance_m, 10.0)
+    found, own, max_radius_px = spread(ctx, distance_m, 10.0)
     reached = int((found[0] == own[0, 0]).sum()) - 20
-    radius = min(limit_px, (1 / 0.4 - 1 / FOCUS_M) * limit_px / FULL_BLUR_DIOPTRE)
+    radius = min(max_radius_px, (1 / 0.4 - 1 / FOCUS_M) * max_radius_px / FULL_BLUR_DIOPTRE)
     assert radius - 1 < reached <= radius
 
 

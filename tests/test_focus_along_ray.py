@@ -67,11 +67,11 @@ def twin_px(settings, distance_m, focus_m, size_px, lens_of=None):
     `lens_of`: settings that give the lens, where those before give the limit alone.
     """
     focal_px = focal_length_px(LEFT_EYE, size_px)[0]
-    limit_px = lens_radius.radius_limit_px(settings, size_px)
+    max_radius_px = lens_radius.max_radius_of(settings, size_px)
     if settings.law == "linear":
         full_m = max(settings.full_blur_m, focus_m)
-        radius = (np.minimum(distance_m, 3e4) - focus_m) * limit_px / full_m
-        return np.clip(radius, -limit_px, limit_px)
+        radius = (np.minimum(distance_m, 3e4) - focus_m) * max_radius_px / full_m
+        return np.clip(radius, -max_radius_px, max_radius_px)
     return lens_radius_px(
         1 / np.asarray(distance_m),
         px_per_dioptre=lens_radius.px_per_dioptre(
@@ -79,7 +79,7 @@ def twin_px(settings, distance_m, focus_m, size_px, lens_of=None):
         ),
         focus_m=focus_m,
         near_m=1.0,
-        radius_limit_px=limit_px,
+        max_radius_px=max_radius_px,
         focal_length_m=settings.focal_length_m if settings.law == "thin_lens" else 0.0,
         distance_offset_m=settings.distance_offset_m,
     )

@@ -139,7 +139,7 @@ def test_peripheral_blur_grows_from_where_the_eyes_look(ctx, head_from_eye):
     cosine = in_head @ axis / np.linalg.norm(rays, axis=-1)
     unit_px = np.tan(np.radians(2.5)) * focal_length_px(LEFT_EYE, size_px)[0]
     twin = coc.with_peripheral_px(
-        np.zeros_like(cosine), cosine, unit_px=unit_px, exponent=2, radius_limit_px=6
+        np.zeros_like(cosine), cosine, unit_px=unit_px, exponent=2, max_radius_px=6
     )
     np.testing.assert_allclose(found, twin, rtol=2e-3, atol=2e-3)
     row, column = np.unravel_index(np.argmin(found), found.shape)

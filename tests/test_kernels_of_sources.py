@@ -24,7 +24,7 @@ radii = st.floats(-16, 16)
 
 
 def twin(kernel, found, pixel_aspect):
-    limit = {"radius_limit_px": found.limit_px}
+    limit = {"max_radius_px": found.max_radius_px}
     aspect = {"pixel_aspect": pixel_aspect}
     made = {
         "scatter": lambda points: scattering.scatter(points, **aspect),
@@ -57,7 +57,7 @@ def ulps(a, b):
 def test_a_kernel_is_its_twin(ctx, rng, kernel, pixel_aspect):
     rgb = rng.uniform(0, 1, (17, 16, 3)).astype("f2")
     radius = rng.uniform(-6, 6, (17, 16)) * rng.integers(0, 2, (17, 16))
-    found = blur(ctx, kernel, rgb, radius, limit_px=6.0, pixel_aspect=pixel_aspect)
+    found = blur(ctx, kernel, rgb, radius, max_radius_px=6.0, pixel_aspect=pixel_aspect)
     # Half floats, and in pyramids one after the other.
     np.testing.assert_allclose(found.rgb, twin(kernel, found, pixel_aspect), atol=2**-9)
     assert np.abs(found.rgb - rgb).max() > 0.1
@@ -68,7 +68,7 @@ def test_a_constant_image_stays_constant(ctx, rng, kernel):
     rgb = np.tile(np.array([0.3, 1.7, 900.0], "f2"), (47, 61, 1))
     radius = rng.uniform(-7, 7, (47, 61))
     radius[:20] = np.linspace(-7, 7, 61)
-    found = blur(ctx, kernel, rgb, radius, limit_px=7.0)
+    found = blur(ctx, kernel, rgb, radius, max_radius_px=7.0)
     assert ulps(found.rgb, rgb) <= (2 if kernel in ENGINES else 1), "half floats, pass after pass"
 
 
@@ -76,7 +76,7 @@ def test_a_constant_image_stays_constant(ctx, rng, kernel):
 def test_what_is_in_focus_is_copied_bit_for_bit(ctx, rng, kernel):
     rgb = np.exp(rng.uniform(-14, 11, (21, 35, 3))).astype("f2")
     rgb[0] = 65504
-    found = blur(ctx, kernel, rgb, 0.0, limit_px=8.0)
+    found = blur(ctx, kernel, rgb, 0.0, max_radius_px=8.0)
     np.testing.assert_array_equal(found.rgb.view("i2"), rgb.view("i2"))
 
 
@@ -94,10 +94,10 @@ def test_extremes_stay_finite_and_within_the_image(ctx, rng, kernel, size_px):
     width, height = size_px
     rgb = np.exp2(rng.uniform(-14, 15.99, (height, width, 3))).astype("f2")
     rgb[rng.random((height, width)) < 0.3] = 65504
-    for limit_px in (1e-3, 0.5, 3.0, 40.0):
-        mixed = rng.uniform(-limit_px, limit_px, (height, width))
-        for radius in (-limit_px, 0.0, limit_px, mixed):
-            out = blur(ctx, kernel, rgb, radius, limit_px=limit_px).rgb
+    for max_radius_px in (1e-3, 0.5, 3.0, 40.0):
+        mixed = rng.uniform(-max_radius_px, max_radius_px, (height, width))
+        for radius in (-max_radius_px, 0.0, max_radius_px, mixed):
+            out = blur(ctx, kernel, rgb, radius, max_radius_px=max_radius_px).rgb
             assert np.isfinite(out).all()
             assert out.max() <= rgb.max()
             assert out.min() >= rgb.min() * (1 - 2**-9)
@@ -108,7 +108,7 @@ def test_extremes_stay_finite_and_within_the_image(ctx, rng, kernel, size_px):
 def test_a_bright_patch_keeps_its_energy_and_gets_the_discs_variance(ctx, kernel, radius_px):
     rgb = np.zeros((48, 64, 3))
     rgb[22:26, 30:34] = 1.0
-    found = blur(ctx, kernel, rgb, radius_px, limit_px=8.0).rgb[..., 0].astype(float)
+    found = blur(ctx, kernel, rgb, radius_px, max_radius_px=8.0).rgb[..., 0].astype(float)
     assert found.sum() == pytest.approx(16, rel=0.005)
     y, x = np.mgrid[-23.5:24, -31.5:32]
     for axis in (x, y):
@@ -120,7 +120,7 @@ def test_twelve_turned_taps_keep_the_energy_on_average(ctx):
     """Each pixel has its own weights, so a single patch keeps it only on average over places."""
     rgb = np.where((columns(128, 96) // 4 + np.arange(96)[:, None] // 4) % 4 == 0, 1.0, 0.0)
     rgb = np.repeat(rgb[..., None], 3, axis=-1)
-    found = blur(ctx, "poisson12", rgb, 5.0, limit_px=8.0).rgb.astype(float)
+    found = blur(ctx, "poisson12", rgb, 5.0, max_radius_px=8.0).rgb.astype(float)
     inside = found[16:80, 16:112, 0]
     assert inside.mean() == pytest.approx(0.25, rel=0.03)
 
@@ -129,7 +129,7 @@ def test_scatter_spreads_one_pixel_over_its_disc(ctx):
     rgb = np.zeros((9, 9, 3))
     rgb[4, 4] = 1.0
     radius = np.where(rgb[..., 0] > 0, 2.0, 0.0)
-    found = blur(ctx, "scatter", rgb, radius, limit_px=2.0).rgb[..., 0].astype(float)
+    found = blur(ctx, "scatter", rgb, radius, max_radius_px=2.0).rgb[..., 0].astype(float)
     area = np.pi * (2**2 + 1 / 12)
     assert found[4, 4] == 1.0  # nothing else arrives there
     assert found[4, 5] == pytest.approx((1 / area) / (1 + 1 / area), abs=1e-3)
@@ -141,7 +141,7 @@ def test_scatter_draws_discs_that_are_wider_than_a_drivers_points(ctx, rng):
     rgb = rng.uniform(0, 1, (12, 14, 3)).astype("f2")
     radius = rng.uniform(-9, 9, (12, 14)) * rng.integers(0, 2, (12, 14))
     widest = ctx.info["GL_POINT_SIZE_RANGE"][1]
-    found = blur(ctx, "scatter", rgb, radius, limit_px=widest, pixel_aspect=1.25)
+    found = blur(ctx, "scatter", rgb, radius, max_radius_px=widest, pixel_aspect=1.25)
     np.testing.assert_allclose(found.rgb, twin("scatter", found, 1.25), atol=2**-9)
 
 
@@ -150,7 +150,7 @@ def test_the_nearer_side_does_not_matter_to_scatter(ctx):
     left = columns() < 32
     rgb = np.where(left[..., None], [1.0, 0, 0], [0, 0, 1.0])
     for sign in (-1, 1):
-        found = blur(ctx, "scatter", rgb, np.where(left, sign * 6.0, 0.0), limit_px=6.0).rgb
+        found = blur(ctx, "scatter", rgb, np.where(left, sign * 6.0, 0.0), max_radius_px=6.0).rgb
         profile = found[24, :, 0].astype(float)
         x = (np.arange(64) - 31.5)[32:38] / 6.0
         arriving = 0.5 - (x * np.sqrt(1 - x**2) + np.arcsin(x)) / np.pi
@@ -174,9 +174,9 @@ def test_turned_taps_make_noise_of_ghosts(ctx):
     rgb[20, 20] = 1.0
     patches = {}
     for turned in (True, False):
-        found = blur(ctx, "poisson12", rgb, 10.0, limit_px=10.0, rotate_taps=turned)
+        found = blur(ctx, "poisson12", rgb, 10.0, max_radius_px=10.0, rotate_taps=turned)
         expected = poisson_taps.poisson12(
-            found.points, radius_limit_px=found.limit_px, rotate_taps=turned
+            found.points, max_radius_px=found.max_radius_px, rotate_taps=turned
         )
         np.testing.assert_allclose(found.rgb, expected, atol=2**-9)
         patches[turned] = label(found.rgb[..., 0] > 0)[1]
@@ -186,7 +186,7 @@ def test_turned_taps_make_noise_of_ghosts(ctx):
 
 def test_twelve_taps_do_not_leak_a_sharp_front(ctx, edge):
     front = columns() < 32
-    found = blur(ctx, "poisson12", edge, np.where(front, 0.0, 6.0), limit_px=6.0).rgb
+    found = blur(ctx, "poisson12", edge, np.where(front, 0.0, 6.0), max_radius_px=6.0).rgb
     np.testing.assert_array_equal(found[front], edge[front])
     # Half a pixel of it may be in a tap's bilinear colour, and one tap in a few ends there.
     assert found[:, 32:, 0].astype(float).mean(axis=0).max() < 0.05
@@ -194,7 +194,7 @@ def test_twelve_taps_do_not_leak_a_sharp_front(ctx, edge):
 
 def test_twelve_taps_keep_the_outline_of_a_blurred_front(ctx, edge):
     front = columns() < 32
-    found = blur(ctx, "poisson12", edge, np.where(front, -6.0, 0.0), limit_px=6.0).rgb
+    found = blur(ctx, "poisson12", edge, np.where(front, -6.0, 0.0), max_radius_px=6.0).rgb
     np.testing.assert_array_equal(found[~front], edge[~front])  # hard outside ...
     assert 0.3 < found[:, 31, 2].astype(float).mean() < 0.6  # ... mixed with the back inside
     assert np.all(found[:, 25, 2] == 0)
@@ -203,8 +203,8 @@ def test_twelve_taps_keep_the_outline_of_a_blurred_front(ctx, edge):
 def test_a_nearer_tap_counts_as_far_as_it_is_blurred(ctx, edge):
     """A front blurred by half the largest circle, before a back that is blurred fully."""
     front = columns() < 32
-    half = blur(ctx, "poisson12", edge, np.where(front, -4.0, 8.0), limit_px=8.0).rgb
-    full = blur(ctx, "poisson12", edge, np.where(front, -8.0, 8.0), limit_px=8.0).rgb
+    half = blur(ctx, "poisson12", edge, np.where(front, -4.0, 8.0), max_radius_px=8.0).rgb
+    full = blur(ctx, "poisson12", edge, np.where(front, -8.0, 8.0), max_radius_px=8.0).rgb
     leaks = [found[:, 32, 0].astype(float).mean() for found in (half, full)]
     assert leaks[1] == pytest.approx(0.45, abs=0.06)  # 6 of 13
     assert leaks[0] == pytest.approx(3 / 10, abs=0.06)  # 6 · 0.5 of 1 + 6 · 0.5 + 6
@@ -214,7 +214,7 @@ def test_fifteen_taps_soften_a_blurred_front_and_what_is_beside_it(ctx):
     front = columns() < 32
     back = np.where(front, 0.0, columns() % 2)[..., None] * [0, 0, 1.0]
     rgb = np.where(front[..., None], [1.0, 0, 0], back)
-    found = blur(ctx, "poisson15_near", rgb, np.where(front, -6.0, 0.0), limit_px=6.0).rgb
+    found = blur(ctx, "poisson15_near", rgb, np.where(front, -6.0, 0.0), max_radius_px=6.0).rgb
     red, blue = (found[20:28, :, channel].astype(float).mean(axis=0) for channel in (0, 2))
     assert 0.2 < red[32] < 0.6
     assert red[31] > red[32] > red[35]
@@ -224,14 +224,14 @@ def test_fifteen_taps_soften_a_blurred_front_and_what_is_beside_it(ctx):
 
 def test_fifteen_taps_leak_a_sharp_front(ctx, edge):
     front = columns() < 32
-    found = blur(ctx, "poisson15_near", edge, np.where(front, 0.0, 6.0), limit_px=6.0).rgb
+    found = blur(ctx, "poisson15_near", edge, np.where(front, 0.0, 6.0), max_radius_px=6.0).rgb
     np.testing.assert_array_equal(found[front], edge[front])
     assert found[24, 32, 0] > 0.3
 
 
 def test_near_circles_widen_by_equation_2():
     radius = poisson_taps.spread_radius_px(
-        [-4.0, 0.0, 0.0, 1.0, 7.0, -1.0], [2.0, 2.0, 6.0, 2.0, 2.0, 3.0], radius_limit_px=8.0
+        [-4.0, 0.0, 0.0, 1.0, 7.0, -1.0], [2.0, 2.0, 6.0, 2.0, 2.0, 3.0], max_radius_px=8.0
     )
     np.testing.assert_allclose(radius, [4, 4, 8, 4, 7, 5])
     near = poisson_taps.near_mean_px([[-1.0] * 8 + [5.0, -4.0]])
@@ -240,7 +240,7 @@ def test_near_circles_widen_by_equation_2():
 
 @given(radii, st.floats(0, 16))
 def test_a_spread_circle_is_never_narrower_than_its_own(radius_px, near_mean):
-    spread = poisson_taps.spread_radius_px(radius_px, near_mean, radius_limit_px=16.0)
+    spread = poisson_taps.spread_radius_px(radius_px, near_mean, max_radius_px=16.0)
     assert abs(radius_px) <= spread <= 16
     assert spread == abs(radius_px) or near_mean > 0
 
@@ -264,10 +264,10 @@ def test_poisson_offsets_lie_apart_in_a_disc_of_diameter_1(taps):
 @pytest.mark.parametrize("kernel", ["mip", "mip_slices"])
 def test_pyramids_have_halos_and_hard_outlines(ctx, edge, kernel):
     left = columns() < 32
-    halo = blur(ctx, kernel, edge, np.where(left, 0.0, 4.0), limit_px=4.0).rgb
+    halo = blur(ctx, kernel, edge, np.where(left, 0.0, 4.0), max_radius_px=4.0).rgb
     np.testing.assert_array_equal(halo[left], edge[left])
     assert 0.2 < halo[24, 32, 0] < 0.5  # a sharp front in blurred surroundings
-    outline = blur(ctx, kernel, edge, np.where(left, -4.0, 0.0), limit_px=4.0).rgb
+    outline = blur(ctx, kernel, edge, np.where(left, -4.0, 0.0), max_radius_px=4.0).rgb
     np.testing.assert_array_equal(outline[~left], edge[~left])  # a blurred front
 
 
@@ -275,7 +275,7 @@ def test_a_level_is_blown_up_bilinearly(ctx):
     """Texels 4 px wide: a pixel lies an eighth or three eighths from their middles."""
     rgb = np.zeros((8, 16, 3))
     rgb[:, 8:12] = 1.0
-    found = blur(ctx, "mip", rgb, 4.0, limit_px=4.0).rgb[4, :, 0]
+    found = blur(ctx, "mip", rgb, 4.0, max_radius_px=4.0).rgb[4, :, 0]
     ramp = np.array([1, 3, 5, 7]) / 8
     np.testing.assert_allclose(found, [0] * 6 + [*ramp, *ramp[::-1]] + [0] * 2, atol=2**-10)
 
@@ -283,10 +283,10 @@ def test_a_level_is_blown_up_bilinearly(ctx):
 def test_slices_jump_where_a_level_begins_and_the_cross_fade_does_not(ctx):
     rgb = np.repeat((columns(64, 8) % 2)[..., None], 3, axis=-1).astype(float)
     radius = np.where(columns(64, 8) < 32, 1.41, 1.42)  # either side of the first billboard
-    sharp_then_half = blur(ctx, "mip_slices", rgb, radius, limit_px=4.0).rgb[4, :, 0]
+    sharp_then_half = blur(ctx, "mip_slices", rgb, radius, max_radius_px=4.0).rgb[4, :, 0]
     np.testing.assert_array_equal(sharp_then_half[:32], rgb[4, :32, 0])
     np.testing.assert_array_equal(sharp_then_half[32:], 0.5)
-    faded = blur(ctx, "mip", rgb, radius, limit_px=4.0).rgb[4, :, 0].astype(float)
+    faded = blur(ctx, "mip", rgb, radius, max_radius_px=4.0).rgb[4, :, 0].astype(float)
     assert np.abs(faded[30:32] - faded[32:34]).max() < 0.01
 
 
@@ -330,7 +330,7 @@ def test_slices_that_stand_still_know_no_largest_radius(ctx):
             ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=(8, 8)
         )
         effect.render(seen(square_pixels((8, 8))))
-        found[slices_m] = effect.limit_px, len(effect.clamps())
+        found[slices_m] = effect.max_radius_px, len(effect.clamps())
     assert found == {None: (pytest.approx(0.14), 1), (1.0, 2.0, 3.0): (8.0, 0)}
 
 
@@ -342,15 +342,15 @@ def test_slices_that_do_not_recede_are_refused():
 def test_every_texel_is_the_mean_of_the_pixels_it_covers(ctx, rng):
     """Odd sizes: the last texel of a level covers what is left."""
     rgb = rng.uniform(0, 1, (5, 7, 3)).astype("f2")
-    found = blur(ctx, "mip_slices", rgb, 8.0, limit_px=8.0).rgb.astype(float)
+    found = blur(ctx, "mip_slices", rgb, 8.0, max_radius_px=8.0).rgb.astype(float)
     np.testing.assert_allclose(found, np.tile(rgb.astype(float).mean((0, 1)), (5, 7, 1)), atol=2e-3)
     level = pyramid.mean_level(np.arange(7.0)[None], 1)
     np.testing.assert_array_equal(level, [[0.5, 2.5, 4.5, 6.0]])
 
 
-@pytest.mark.parametrize(("limit_px", "wanted"), [(0, 1), (2, 1), (2.1, 2), (16, 4), (1e9, 9)])
-def test_the_last_level_is_at_least_as_blurred_as_the_widest_disc(limit_px, wanted):
-    assert pyramid_levels(limit_px) == wanted
+@pytest.mark.parametrize(("max_radius_px", "wanted"), [(0, 1), (2, 1), (2.1, 2), (16, 4), (1e9, 9)])
+def test_the_last_level_is_at_least_as_blurred_as_the_widest_disc(max_radius_px, wanted):
+    assert pyramid_levels(max_radius_px) == wanted
 
 
 @pytest.mark.parametrize("radius_px", [1.0, 2.0, 3.0, 4.0, 7.0, 8.0])
@@ -362,7 +362,7 @@ def test_a_pyramid_spreads_points_as_far_as_a_disc_on_average(radius_px):
         points = np.zeros((1, 136, 4))
         points[0, place, 0] = 1.0
         points[..., 3] = radius_px
-        found = pyramid.mip(points, radius_limit_px=8.0)[0, :, 0]
+        found = pyramid.mip(points, max_radius_px=8.0)[0, :, 0]
         moments.append([found.sum(), found @ (np.arange(136) - place) ** 2])
     np.testing.assert_allclose(np.mean(moments, axis=0), [1.0, radius_px**2 / 4], rtol=1e-12)
 
@@ -379,7 +379,7 @@ def test_fades_add_up_to_the_variance_of_the_disc():
 @pytest.mark.parametrize("kernel", ENGINES)
 def test_engines_ways_blur_a_half_plane_behind_the_focus_about_as_wide_as_a_disc(ctx, kernel):
     rgb = np.where(columns() < 32, 1.0, 0.0)[..., None].repeat(3, axis=-1)
-    found = blur(ctx, kernel, rgb, 6.0, limit_px=6.0).rgb[24, :, 0].astype(float)
+    found = blur(ctx, kernel, rgb, 6.0, max_radius_px=6.0).rgb[24, :, 0].astype(float)
     assert found[31] == pytest.approx(0.5, abs=0.12)
     assert found[32 - 12] > 0.97
     assert found[32 + 12] < 0.03
@@ -389,7 +389,7 @@ def test_engines_ways_blur_a_half_plane_behind_the_focus_about_as_wide_as_a_disc
 def test_the_gaussian_has_the_variance_of_the_disc(ctx):
     rgb = np.zeros((64, 96, 3))
     rgb[30:34, 46:50] = 1.0
-    found = blur(ctx, "separable_gaussian", rgb, 6.0, limit_px=8.0).rgb[..., 0].astype(float)
+    found = blur(ctx, "separable_gaussian", rgb, 6.0, max_radius_px=8.0).rgb[..., 0].astype(float)
     assert found.sum() == pytest.approx(16, rel=0.02)
     y, x = np.mgrid[:64, :96] - np.array([31.5, 47.5])[:, None, None]
     for axis in (x, y):

@@ -51,7 +51,7 @@ def test_a_point_of_the_lens_shifts_what_is_out_of_focus(ctx, law):
     nodes = [at(-0.5, 0, -1, mesh=(0,)), at(1.0, 0, -2, mesh=(1,))]
     content = scene(nodes, [wall(0.5), wall(1.0)], [white])
     scene_pass = ScenePass(ctx, content, SIZE, velocity=False, lens_law=law)
-    lens = Lens((0.0, 0.0), focus_m=1.0, infinity_m=3e4, px_per_defocus=8.0, radius_limit_px=9.0)
+    lens = Lens((0.0, 0.0), focus_m=1.0, infinity_m=3e4, px_per_defocus=8.0, max_radius_px=9.0)
     images = {}
     for position in ((0.0, 0.0), (1.0, 0.0), (0.0, -0.5)):
         scene_pass.render(eye(lens=replace(lens, position=position)), 0.0)
@@ -67,7 +67,7 @@ def test_a_point_of_the_lens_shifts_what_is_out_of_focus(ctx, law):
 
 
 def test_the_middle_of_the_lens_is_the_pinhole_bit_for_bit(ctx):
-    lens = Lens((0.0, 0.0), focus_m=1.0, infinity_m=3e4, px_per_defocus=8.0, radius_limit_px=9.0)
+    lens = Lens((0.0, 0.0), focus_m=1.0, infinity_m=3e4, px_per_defocus=8.0, max_radius_px=9.0)
     images = []
     for law, camera in ((None, eye((0, 0.8, 0))), ("dioptre", eye((0, 0.8, 0), lens=lens))):
         scene_pass = ScenePass(ctx, still_life(), SIZE, velocity=False, lens_law=law)

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from tests.support.waiting import WAIT_S
+from vrcomfort.gpu import adapters
 from vrcomfort.gpu import timer as gpu_timer
 from vrcomfort.gpu.passes import watched
 from vrcomfort.gpu.timer import Stopwatch
@@ -46,7 +47,7 @@ def test_what_a_plain_frame_has_too_is_no_effect():
 
 def test_time_stamps_work_inside_a_frame_that_is_timed_and_leave_nothing(ctx, monkeypatch):
     """On a software rasteriser they say little, but they are there."""
-    monkeypatch.setattr(gpu_timer, "SOFTWARE", ())
+    monkeypatch.setattr(adapters, "SOFTWARE", ())
     target = ctx.simple_framebuffer((4, 4))
     timer, watch = gpu_timer.GpuTimer(ctx), Stopwatch(ctx)
     assert watch.on_gpu
@@ -57,7 +58,7 @@ def test_time_stamps_work_inside_a_frame_that_is_timed_and_leave_nothing(ctx, mo
 
 
 def test_on_a_software_rasteriser_the_processors_time_counts(ctx, monkeypatch):
-    monkeypatch.setattr(gpu_timer, "SOFTWARE", (str(ctx.info["GL_RENDERER"]).lower(),))
+    monkeypatch.setattr(adapters, "SOFTWARE", (str(ctx.info["GL_RENDERER"]).lower(),))
     watch = Stopwatch(ctx)
     assert not watch.on_gpu
     assert watch.seconds(lambda: time.sleep(0.2)) < 0.1
@@ -71,7 +72,7 @@ def test_on_a_software_rasteriser_the_processors_time_counts(ctx, monkeypatch):
 
 
 def test_time_stamps_are_read_when_they_are_asked_for_and_used_again(ctx, monkeypatch):
-    monkeypatch.setattr(gpu_timer, "SOFTWARE", ())
+    monkeypatch.setattr(adapters, "SOFTWARE", ())
     target = ctx.simple_framebuffer((4, 4))
     watch = Stopwatch(ctx)
     laps = []
@@ -89,14 +90,14 @@ def test_time_stamps_are_read_when_they_are_asked_for_and_used_again(ctx, monkey
 def test_a_gpu_is_given_more_frames_than_a_software_rasteriser(ctx, monkeypatch):
     assert rounds_of(Scope(rounds=5), ctx) == 5
     assert (rounds_of(Scope(), ctx), rounds_of(Scope(quick=True), ctx)) == (9, 3)
-    monkeypatch.setattr(gpu_timer, "SOFTWARE", ())
+    monkeypatch.setattr(adapters, "SOFTWARE", ())
     assert rounds_of(Scope(quick=True), ctx) >= 300
 
 
 @pytest.mark.parametrize("on_gpu", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_percentiles_are_told_where_there_are_frames_enough_for_them(monkeypatch, on_gpu):
     if on_gpu:
-        monkeypatch.setattr(gpu_timer, "SOFTWARE", ())
+        monkeypatch.setattr(adapters, "SOFTWARE", ())
     monkeypatch.setattr(costs, "P95_ROUNDS", 2)
     monkeypatch.setattr(costs, "P99_ROUNDS", 3)
     few = Scope(size_px=(16, 20), poses=1, rounds=2, methods=("ours 8 samples",))
@@ -132,7 +133,7 @@ def test_a_window_costs_what_the_whole_image_costs():
 @pytest.mark.parametrize("on_gpu", [False, True])
 def test_parts_of_every_third_frame_are_timed_and_told_late(ctx, monkeypatch, on_gpu):
     if on_gpu:
-        monkeypatch.setattr(gpu_timer, "SOFTWARE", ())
+        monkeypatch.setattr(adapters, "SOFTWARE", ())
     renderer = StereoRenderer(ctx, (16, 20), time_parts_every=3)
     scene, _ = scene_and_hash("temple")
     renderer.begin(scene, base_condition("motion_blur"))
@@ -155,7 +156,7 @@ def test_parts_of_every_third_frame_are_timed_and_told_late(ctx, monkeypatch, on
 
 
 def test_what_a_frame_hands_on_is_no_time_of_it(ctx, monkeypatch):
-    monkeypatch.setattr(gpu_timer, "SOFTWARE", ())
+    monkeypatch.setattr(adapters, "SOFTWARE", ())
     renderer = StereoRenderer(ctx, (16, 20))
     scene, _ = scene_and_hash("temple")
     renderer.begin(scene, base_condition("motion_blur"))

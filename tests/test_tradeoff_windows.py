@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vrcomfort.errors import InputError
-from vrcomfort.optics.circle_of_confusion import max_radius_px
+from vrcomfort.optics.circle_of_confusion import radius_of_percent
 from vrcomfort.tradeoff.captures import capture_views, radius_px
 from vrcomfort.tradeoff.cases import (
     ALIGNED_PX,
@@ -62,8 +62,8 @@ def test_discs_are_as_wide_in_a_part_as_in_the_whole(part):
     found = condition_of(part, scope, base_condition("both"))
     width = drawn(part, scope).width_px
     lens, shutter = found.depth_of_field, found.motion_blur
-    assert max_radius_px(lens.max_radius_percent, width) == pytest.approx(
-        max_radius_px(3.5, SIZE_PX[0])
+    assert radius_of_percent(lens.max_radius_percent, width) == pytest.approx(
+        radius_of_percent(3.5, SIZE_PX[0])
     )
     assert shutter.max_radius_percent / 100 * width == pytest.approx(0.2 * SIZE_PX[0])
 

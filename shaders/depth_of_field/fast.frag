@@ -4,6 +4,7 @@
 // Input:  colour_and_coc (colour_and_coc.frag; signed CoC RADIUS in px of image width); gathered
 //         (gather.frag), WITH_HALF_RESOLUTION, for discs that are not summed over pixels.
 // Output: the blurred image, linear HDR, full resolution.
+#include "where.glsl"
 #include "coc.glsl"
 #include "discs.glsl"
 #include "levels.glsl"
@@ -29,7 +30,7 @@ void main() {
     float wide = coarser_part(0, own_px);
     blurred = vec4(mean_over(colour_and_coc, vec2(pixel), own_px, wanted && wide < 1.0), 1.0);
 #ifdef WITH_HALF_RESOLUTION
-    for (bool on = wanted && wide > 0.0; on; on = false) {
+    WHERE (wanted && wide > 0.0) {
         vec2 at = gl_FragCoord.xy / vec2(textureSize(colour_and_coc, 0));
         blurred.rgb = mix(blurred.rgb, textureLod(gathered, at, 0.0).rgb, wide);
     }

@@ -5,7 +5,7 @@
 //         front of the focus), read bilinearly.
 // Output: rgb = background under foreground, a = opacity of the foreground.
 //
-//      radius_limit_px
+//      max_radius_px
 //    |<------------>|      every pixel looks as far as the widest disc goes, however small its own:
 //    .  .  .  o  .  .  .   a sample counts up to the smaller of both radii (behind), or up to its
 //       |<-- a -->|        own (in front)
@@ -15,7 +15,7 @@
 uniform sampler2D half_image;
 uniform vec2 offsets[TAPS];   // in the unit disc
 uniform float pixel_aspect;   // image pixels per unit, vertical / horizontal
-uniform float radius_limit_px;
+uniform float max_radius_px;
 
 out vec4 blurred;
 
@@ -26,7 +26,7 @@ void main() {
     vec4 centre = texelFetch(half_image, ivec2(gl_FragCoord.xy), 0);
     vec4 behind = vec4(0.0), front = vec4(0.0);
     for (int i = 0; i < TAPS; ++i) {
-        vec2 away_px = radius_limit_px * offsets[i];
+        vec2 away_px = max_radius_px * offsets[i];
         float distance_px = length(away_px);
         vec2 place = (2.0 * gl_FragCoord.xy + away_px * vec2(1.0, pixel_aspect)) / size_px;
         vec4 tap = textureLod(half_image, place, 0.0);

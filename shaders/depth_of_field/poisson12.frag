@@ -16,7 +16,7 @@ uniform sampler2D colour_and_coc;
 uniform sampler2D rotations;
 uniform vec2 offsets[TAPS];
 uniform float pixel_aspect;   // image pixels per unit, vertical / horizontal
-uniform float radius_limit_px;
+uniform float max_radius_px;
 
 out vec4 blurred;
 
@@ -33,7 +33,7 @@ void main() {
         vec2 tap = gl_FragCoord.xy + away_px;
         float q = texelFetch(colour_and_coc, clamp(ivec2(floor(tap)), ivec2(0), last), 0).a;
         // What is nearer counts as far as it is blurred: a sharp foreground does not leak.
-        float weight = q > p.a ? 1.0 : min(abs(q) / max(radius_limit_px, 1e-6), 1.0);
+        float weight = q > p.a ? 1.0 : min(abs(q) / max(max_radius_px, 1e-6), 1.0);
         sum += weight * vec4(textureLod(colour_and_coc, tap / vec2(last + 1), 0.0).rgb, 1.0);
     }
     blurred = vec4(min(sum.rgb / sum.a, 65504.0), 1.0);

@@ -17,7 +17,7 @@ uniform sampler2D colour_and_coc;
 uniform sampler2D near_mean;
 uniform vec2 offsets[TAPS];   // in a disc of radius 0.5
 uniform float pixel_aspect;   // image pixels per unit, vertical / horizontal
-uniform float radius_limit_px;
+uniform float max_radius_px;
 
 out vec4 blurred;
 
@@ -25,7 +25,7 @@ float blur_radius_px(float signed_px) {
     float own = max(-signed_px, 0.0);
     vec2 cells = vec2(textureSize(near_mean, 0));
     float mean = textureLod(near_mean, gl_FragCoord.xy / float(CELL) / cells, 0.0).r;
-    return min(max(2.0 * max(own, mean) - own, signed_px), radius_limit_px);
+    return min(max(2.0 * max(own, mean) - own, signed_px), max_radius_px);
 }
 
 void main() {

@@ -1,18 +1,18 @@
 #version 450 core
 // The depth of what is seen, along columns: after seen_depth_rows.frag, which says what its inputs mean.
 //
-// Input:  rows (x = depth, y = radius in pixels of image width), radius_limit_px (r_max, a RADIUS),
+// Input:  rows (x = depth, y = radius in pixels of image width), max_radius_px (r_max, a RADIUS),
 //         pixel_aspect (vertical over horizontal px per radian). TAPS: of each side, at most.
 // Output: depth, reverse-Z.
 // Twin: tests/oracles/seen_depth.py.
 uniform sampler2D rows;
-uniform float radius_limit_px;
+uniform float max_radius_px;
 uniform float pixel_aspect;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     int size = textureSize(rows, 0).y;
-    int reach = int(ceil(radius_limit_px * pixel_aspect));
+    int reach = int(ceil(max_radius_px * pixel_aspect));
     int step_px = max(1, (reach + TAPS - 1) / TAPS);
     float nearest = 0.0;
     for (int offset = -TAPS * step_px; offset <= TAPS * step_px; offset += step_px) {

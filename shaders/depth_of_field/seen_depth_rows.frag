@@ -15,7 +15,7 @@ out vec2 seen;
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy), size = textureSize(depth, 0);
     // Wide discs are sought in steps: an outline is off by less than a step.
-    int reach = int(ceil(radius_limit_px)), step_px = max(1, (reach + TAPS - 1) / TAPS);
+    int reach = int(ceil(max_radius_px)), step_px = max(1, (reach + TAPS - 1) / TAPS);
     seen = vec2(0.0, 0.0);
     for (int offset = -TAPS * step_px; offset <= TAPS * step_px; offset += step_px) {
         ivec2 place = ivec2(pixel.x + offset, pixel.y);

@@ -19,7 +19,7 @@ float head_depth_slope(vec4 tangents, vec3 head_forward_in_view, vec2 uv) {
 // A focus that is not a number counts as infinity. LAW_DIOPTRE selects the laws whose radius is
 // proportional to |1/f - 1/d| (dioptre, thin_lens, eye) at compile time; without it, |f - d|.
 float unlimited_radius_px(float depth, float near, float focus_m, float offset_m, float infinity_m,
-                          float px_per_defocus, float radius_limit_px) {
+                          float px_per_defocus, float max_radius_px) {
     const float LEAST = 1e-9;  // metres; keeps pixels beside or behind the head in front of it
     float focus = focus_m > 0.0 ? min(focus_m, infinity_m) : infinity_m;
     float z = max(depth, max(near, LEAST) / (infinity_m - offset_m));
@@ -29,16 +29,16 @@ float unlimited_radius_px(float depth, float near, float focus_m, float offset_m
     return defocus / (focus * max(fma(offset_m, z, near), LEAST)) * px_per_defocus;
 #else
     // A far focus keeps a far range sharp.
-    return defocus / z * min(px_per_defocus, radius_limit_px / focus);
+    return defocus / z * min(px_per_defocus, max_radius_px / focus);
 #endif
 }
 
-// The same, within ±radius_limit_px.
+// The same, within ±max_radius_px.
 float signed_radius_px(float depth, float near, float focus_m, float offset_m, float infinity_m,
-                       float px_per_defocus, float radius_limit_px) {
+                       float px_per_defocus, float max_radius_px) {
     float radius = unlimited_radius_px(depth, near, focus_m, offset_m, infinity_m, px_per_defocus,
-                                       radius_limit_px);
-    return clamp(radius, -radius_limit_px, radius_limit_px);
+                                       max_radius_px);
+    return clamp(radius, -max_radius_px, max_radius_px);
 }
 
 // Distance at which a lens of this focal length is focused: never at or inside that length, where
@@ -54,11 +54,11 @@ float lens_focus_m(float focus_m, float focal_length_m, float infinity_m) {
 // wider and changes neither their sign nor their order in depth. cos_angle: between the pixel and
 // the axis that it is centred on; unit_px: radius where 1 / cos_angle - 1 is 1.
 float add_peripheral_px(float radius_px, float cos_angle, float unit_px, float exponent,
-                        float radius_limit_px) {
+                        float max_radius_px) {
     const float LEAST = 1e-3;  // 90 degrees and beyond: the radius is at its limit long before
     // A division may be rounded to less than 1, and the power of a negative number is undefined.
     float more = unit_px * pow(max(1.0 / clamp(cos_angle, LEAST, 1.0) - 1.0, 0.0), exponent);
-    float sum = min(abs(radius_px) + more, radius_limit_px);
+    float sum = min(abs(radius_px) + more, max_radius_px);
     return radius_px < 0.0 ? -sum : sum;
 }
 

@@ -11,7 +11,7 @@ uniform float near_m;
 uniform float offset_m;             // the eye is this far in front of the head centre
 uniform float infinity_m;
 uniform float px_per_defocus;       // radius per metre or per dioptre of defocus
-uniform float radius_limit_px;      // r_max
+uniform float max_radius_px;      // r_max
 #ifdef ALONG_RAY
 uniform vec3 eye_in_view;           // from the head centre, m
 #endif
@@ -54,25 +54,25 @@ float unlimited_radius_at(float z, vec2 uv) {
                              infinity_m + distance_offset_m);
     return unlimited_radius_px(z, near, f_d, offset + distance_offset_m,
                                infinity_m + distance_offset_m,
-                               px_per_defocus * f_d / (f_d - focal_length_m), radius_limit_px);
+                               px_per_defocus * f_d / (f_d - focal_length_m), max_radius_px);
 #else
     return unlimited_radius_px(z, near, focus_m, offset, infinity_m, px_per_defocus,
-                               radius_limit_px);
+                               max_radius_px);
 #endif
 }
 
 // The same within a limit (px), and with peripheral blur.
-float radius_within(float limit_px, float z, vec2 uv) {
-    float radius = clamp(unlimited_radius_at(z, uv), -limit_px, limit_px);
+float radius_within(float max_radius_px, float z, vec2 uv) {
+    float radius = clamp(unlimited_radius_at(z, uv), -max_radius_px, max_radius_px);
 #ifdef PERIPHERAL
     vec2 tangent = mix(tangents.xw, tangents.yz, uv);
     float cos_angle = head_depth_slope(tangents, peripheral_axis_in_view, uv)
                     * inversesqrt(1.0 + dot(tangent, tangent));
-    radius = add_peripheral_px(radius, cos_angle, peripheral_px, peripheral_exponent, limit_px);
+    radius = add_peripheral_px(radius, cos_angle, peripheral_px, peripheral_exponent, max_radius_px);
 #endif
     return radius;
 }
 
 float radius_at(float z, vec2 uv) {
-    return radius_within(radius_limit_px, z, uv);
+    return radius_within(max_radius_px, z, uv);
 }

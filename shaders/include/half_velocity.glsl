@@ -5,7 +5,7 @@
 
 uniform sampler2D velocity;       // px per frame, now minus before, +x right, +y up
 uniform float shutter_fraction;   // of the frame period, times the scale of the frame
-uniform float radius_limit_px;    // no half velocity is longer
+uniform float max_radius_px;    // no half velocity is longer
 
 // What is not a number moves nothing.
 vec2 velocity_at(ivec2 pixel) {
@@ -14,5 +14,5 @@ vec2 velocity_at(ivec2 pixel) {
 }
 
 vec2 half_velocity_at(ivec2 pixel) {
-    return half_velocity_px(velocity_at(pixel), shutter_fraction, radius_limit_px);
+    return half_velocity_px(velocity_at(pixel), shutter_fraction, max_radius_px);
 }

@@ -13,14 +13,14 @@
 // Adds the lens displacement. lens_ndc = u * 2 / size_px (y times the pixel aspect). head_depth_m:
 // the point's distance from the head centre along the head's forward axis.
 vec4 through_lens(vec4 clip, vec2 lens_ndc, float head_depth_m, float focus_m, float infinity_m,
-                  float px_per_defocus, float radius_limit_px) {
+                  float px_per_defocus, float max_radius_px) {
     float focus = focus_m > 0.0 ? min(focus_m, infinity_m) : infinity_m;
     float d = min(head_depth_m, infinity_m);
 #ifdef LAW_DIOPTRE
     float radius_times_w = px_per_defocus * (clip.w / focus - (d > 0.0 ? clip.w / d : 1.0));
 #else
-    float px = min(px_per_defocus, radius_limit_px / focus);
-    float radius = clamp((d - focus) * px, -radius_limit_px, radius_limit_px);
+    float px = min(px_per_defocus, max_radius_px / focus);
+    float radius = clamp((d - focus) * px, -max_radius_px, max_radius_px);
     float radius_times_w = radius * clip.w;
 #endif
     clip.xy += lens_ndc * radius_times_w;

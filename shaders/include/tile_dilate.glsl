@@ -1,4 +1,4 @@
-// How far the discs of a tile reach. TILE: side of a tile (px); LIMIT_PX: no RADIUS is larger.
+// How far the discs of a tile reach. TILE: side of a tile (px); MAX_RADIUS_PX: no RADIUS is larger.
 // r, g of a tile are its least and greatest signed RADIUS, px of image width.
 
 uniform float pixel_aspect;  // image pixels per unit, vertical / horizontal
@@ -28,7 +28,7 @@ uniform sampler2D widest;  // the largest radius (px) in the image, before its l
 #endif
 
 int tiles_around() {
-    float most = LIMIT_PX;
+    float most = MAX_RADIUS_PX;
 #ifdef WIDEST
     most = min(most, texelFetch(widest, ivec2(0), 0).r);
 #endif

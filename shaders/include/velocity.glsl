@@ -20,8 +20,8 @@ vec2 velocity_px(vec4 clip_now, vec4 clip_before, vec2 size_px) {
 }
 
 // How far a point moves from the middle of the shutter's opening to its end.
-vec2 half_velocity_px(vec2 velocity, float shutter_fraction, float radius_limit_px) {
-    return shorten(velocity * (0.5 * shutter_fraction), radius_limit_px);
+vec2 half_velocity_px(vec2 velocity, float shutter_fraction, float max_radius_px) {
+    return shorten(velocity * (0.5 * shutter_fraction), max_radius_px);
 }
 
 // The integral of a tent of half width 1, from far below up to x.

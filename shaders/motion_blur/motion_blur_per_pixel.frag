@@ -13,6 +13,7 @@
 // samples lie around the pixel here, as the shutter is centred on the frame's pose.
 // Rosado 2007, "Motion blur as a post-processing effect", GPU Gems 3, ch. 27; Chapman 2020,
 // "Comfort and motion blur in VR", which builds on it.
+#include "where.glsl"
 #include "velocity.glsl"
 #include "half_velocity.glsl"
 
@@ -27,10 +28,9 @@ out vec4 blurred;
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec2 whole = velocity_at(pixel);
-    vec2 half_velocity = half_velocity_px(whole, shutter_fraction, radius_limit_px);
+    vec2 half_velocity = half_velocity_px(whole, shutter_fraction, max_radius_px);
     float unlimited = 0.5 * shutter_fraction * length(whole);
-    // As a loop it is left at once where nothing is too long.
-    for (bool over = unlimited > radius_limit_px; over; over = false)
+    WHERE (unlimited > max_radius_px)
         atomicMax(longest_bits, floatBitsToUint(unlimited));
     blurred = texelFetch(colour, pixel, 0);
     if (half_velocity == vec2(0.0))

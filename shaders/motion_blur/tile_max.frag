@@ -13,6 +13,7 @@
 //
 // Every second pixel is read, as on a chessboard: no line is so thin that it is missed, only what is
 // a single pixel.
+#include "where.glsl"
 #include "velocity.glsl"
 #include "motion_tile_classes.glsl"
 
@@ -60,12 +61,11 @@ void main() {
     }
     tile_max = 0.5 * shutter_fraction * vec4(longest, sqrt(least), sqrt(steepest));
     crossing = vec2(0.0);
-    // One loop: a software rasteriser leaves it at once where nothing jumps.
-    const int READ = TILE * ROWS / 2;
-    for (int i = tile_max.w > jump_px(tile_max.z) ? 0 : READ; i < READ; ++i) {
-        int y = i / (TILE / 2), x = 2 * (i % (TILE / 2)) + (y & 1);
-        crossing = farther_beside(tile_max.xy, crossing, at(x, y));
-    }
+    WHERE (tile_max.w > jump_px(tile_max.z))
+        for (int i = 0; i < TILE * ROWS / 2; ++i) {
+            int y = i / (TILE / 2), x = 2 * (i % (TILE / 2)) + (y & 1);
+            crossing = farther_beside(tile_max.xy, crossing, at(x, y));
+        }
     crossing *= 0.5 * shutter_fraction;
 }
 #else

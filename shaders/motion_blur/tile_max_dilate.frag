@@ -4,19 +4,20 @@
 //
 // Input:  tile_max, tile_max_crossing (tile_max.frag); frame (frame_streaks.vert), which says how far one
 //         has to look. Drawn in frames in which a tile may be COMPLEX (frame_of_streaks.vert).
-// Output: longest: xy = longest half velocity that reaches this tile, at most radius_limit_px;
+// Output: longest: xy = longest half velocity that reaches this tile, at most max_radius_px;
 //         z = which pass the tile needs (motion_tile_classes.glsl); w = in tiles of class COMPLEX, steepness
 //         of the steepest tile within that reach.
 //         crossing: in tiles of class COMPLEX, of the half velocities that reach the tile the one whose
-//         end lies farthest beside the longest one's line, at most radius_limit_px; 0 where it
+//         end lies farthest beside the longest one's line, at most max_radius_px; 0 where it
 //         does not go clearly another way (motion_tile_classes.glsl, crosses).
+#include "where.glsl"
 #include "velocity.glsl"
 #include "motion_tile_classes.glsl"
 
 uniform sampler2D tile_max;
 uniform sampler2D tile_max_crossing;
 uniform sampler2D frame;
-uniform float radius_limit_px;
+uniform float max_radius_px;
 
 layout(location = 0) out vec4 longest;
 layout(location = 1) out vec2 crossing;
@@ -31,7 +32,7 @@ float gap_px(ivec2 step) {
 
 // How many tiles away a half velocity may begin and come here.
 int rings(float reach_px) {
-    return int(min(reach_px, radius_limit_px)) / TILE + 1;
+    return int(min(reach_px, max_radius_px)) / TILE + 1;
 }
 
 ivec2 place(ivec2 step) {
@@ -44,7 +45,7 @@ vec4 at(ivec2 step) {
 
 // A half velocity of the tile that is `step` away, shortened; 0 where it does not come here.
 vec2 reaching(vec2 half_velocity, ivec2 step) {
-    vec2 s = shorten(half_velocity, radius_limit_px);
+    vec2 s = shorten(half_velocity, max_radius_px);
     return length(s) >= gap_px(step) ? s : vec2(0.0);
 }
 
@@ -63,7 +64,7 @@ void main() {
     float shortest = at(ivec2(0)).z;
     bool is_complex = class_of(around, shortest, steepness) == COMPLEX;
     far = rings(length(around));
-    for (bool asked = false; is_complex && !asked; asked = true) {
+    WHERE (is_complex) {
         steepness = 0.0;
         for (int y = -far; y <= far; ++y)
             for (int x = -far; x <= far; ++x)
@@ -71,7 +72,7 @@ void main() {
     }
     longest = vec4(around, class_of(around, shortest, steepness), steepness);
     crossing = vec2(0.0);
-    for (is_complex = longest.z == COMPLEX; is_complex; is_complex = false)
+    WHERE (longest.z == COMPLEX)
         for (int y = -far; y <= far; ++y)
             for (int x = -far; x <= far; ++x) {
                 ivec2 step = ivec2(x, y);

@@ -5,6 +5,7 @@
 // Output: linear HDR radiance, before exposure; VELOCITY: px per frame, or AS_THE_EYE
 //         (include/velocity.glsl).
 //         ALPHA_MASK: alpha is coverage (the samples of a pixel are switched by it).
+#include "where.glsl"
 #include "view.glsl"
 #include "light.glsl"
 #include "surface.glsl"
@@ -202,8 +203,7 @@ void main() {
     radiance = vec4(finite(sum), coverage);
 #ifdef VELOCITY
     velocity = vec2(AS_THE_EYE, 0.0);
-    // As a loop it is left at once where nothing moves by itself.
-    for (bool again = own_motion > 0.5; again; again = false)
+    WHERE (own_motion > 0.5)
         velocity = own_velocity();
 #endif
 #ifdef ALPHA_MASK

@@ -24,7 +24,7 @@ def lens_radius_px(
     px_per_dioptre: float,
     focus_m: float,
     near_m: float,
-    radius_limit_px: float,
+    max_radius_px: float,
     slope: ArrayLike = 1.0,
     offset_m: float = 0.0,
     infinity_m: float = 30_000.0,
@@ -45,15 +45,15 @@ def lens_radius_px(
     """
     focus = lens_focus_m(min(focus_m, infinity_m) + distance_offset_m, focal_length_m)
     px = px_per_dioptre / (1 - focal_length_m / focus)
-    if px == 0.0 or radius_limit_px == 0.0:
+    if px == 0.0 or max_radius_px == 0.0:
         return np.zeros(np.broadcast(np.asarray(depth), np.asarray(slope)).shape)
     return signed_radius_px(
         depth,
         law="dioptre",
         focus_m=focus,
         near_m=near_m,
-        radius_limit_px=radius_limit_px,
-        full_blur=radius_limit_px / px,
+        max_radius_px=max_radius_px,
+        full_blur=max_radius_px / px,
         slope=slope,
         offset_m=offset_m + distance_offset_m,
         infinity_m=infinity_m + distance_offset_m,
@@ -90,7 +90,7 @@ def with_peripheral_px(
     *,
     unit_px: float,
     exponent: float,
-    radius_limit_px: float,
+    max_radius_px: float,
 ) -> Array:
     """Return (...,) signed radii with peripheral blur on top; signs and their order stay.
 
@@ -108,7 +108,7 @@ def with_peripheral_px(
     """
     radius = np.asarray(radius_px, dtype=np.float64)
     cosine = np.clip(np.asarray(cos_angle, dtype=np.float64), LEAST_COSINE, 1.0)
-    total = np.minimum(np.abs(radius) + unit_px * (1 / cosine - 1) ** exponent, radius_limit_px)
+    total = np.minimum(np.abs(radius) + unit_px * (1 / cosine - 1) ** exponent, max_radius_px)
     return np.where(radius < 0, -total, total)
 
 

@@ -27,14 +27,14 @@ def separable_gaussian(points: ArrayLike, /, *, pixel_aspect: float = 1.0) -> Ar
     return colours
 
 
-def disc(points: ArrayLike, /, *, radius_limit_px: float, pixel_aspect: float = 1.0) -> Array:
+def disc(points: ArrayLike, /, *, max_radius_px: float, pixel_aspect: float = 1.0) -> Array:
     """Return (h, w, 3): 43 samples as far as the widest disc goes, a tent, over the sharp image."""
     image = np.asarray(points, dtype=np.float64)
     half = halved(image, firefly=True)
     behind, front = np.zeros_like(half), np.zeros_like(half)
     margin = 2.0
     for offset in kernels.disc_taps():
-        away_px = radius_limit_px * offset
+        away_px = max_radius_px * offset
         distance_px = np.hypot(*away_px)
         tap = _at(half, away_px * [1.0, pixel_aspect] / 2)
         far_px = np.maximum(np.minimum(half[..., 3], tap[..., 3]), 0)

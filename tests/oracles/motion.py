@@ -63,15 +63,15 @@ def shorten(vector: ArrayLike, limit: float, /) -> Array:
 
 
 def half_velocity_px(
-    velocity: ArrayLike, /, *, shutter_fraction: float, radius_limit_px: float
+    velocity: ArrayLike, /, *, shutter_fraction: float, max_radius_px: float
 ) -> Array:
     """Return (..., 2): how far a point moves from the middle of the shutter's opening to its end.
 
     The shutter is open for `shutter_fraction` of the frame period, centred on the frame's pose, so
-    a streak reaches this far to both sides. Longer ones are shortened to `radius_limit_px`.
+    a streak reaches this far to both sides. Longer ones are shortened to `max_radius_px`.
     """
     reach = np.asarray(velocity, dtype=np.float64) * (shutter_fraction / 2)
-    return shorten(reach, radius_limit_px)
+    return shorten(reach, max_radius_px)
 
 
 def time_over(k: ArrayLike, reach: ArrayLike, /) -> Array:

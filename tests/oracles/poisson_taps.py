@@ -28,7 +28,7 @@ def poisson12(
     points: ArrayLike,
     /,
     *,
-    radius_limit_px: float,
+    max_radius_px: float,
     pixel_aspect: float = 1.0,
     rotate_taps: bool = True,
 ) -> Array:
@@ -49,7 +49,7 @@ def poisson12(
         turned = _turned(turn, x, y)
         away_px = diameter_px[..., None] * turned * [1.0, pixel_aspect]
         radius_px = _nearest(image[..., 3], away_px)
-        blurred = np.minimum(np.abs(radius_px) / max(radius_limit_px, 1e-6), 1.0)
+        blurred = np.minimum(np.abs(radius_px) / max(max_radius_px, 1e-6), 1.0)
         weight = np.where(radius_px > image[..., 3], 1.0, blurred)[..., None]
         colour = _bilinear(image[..., :3], away_px)
         total += weight * np.concatenate([colour, np.ones((height, width, 1))], axis=-1)
@@ -58,12 +58,12 @@ def poisson12(
 
 
 def poisson15_near(
-    points: ArrayLike, /, *, radius_limit_px: float, pixel_aspect: float = 1.0
+    points: ArrayLike, /, *, max_radius_px: float, pixel_aspect: float = 1.0
 ) -> Array:
     """Return (h, w, 3) colours: fifteen taps in circles of :func:`spread_radius_px`."""
     image = np.asarray(points, dtype=np.float64)
     mean = pyramid.magnified(near_mean_px(image[..., 3]), NEAR_LEVEL, image.shape[:2])
-    radius_px = spread_radius_px(image[..., 3], mean, radius_limit_px=radius_limit_px)
+    radius_px = spread_radius_px(image[..., 3], mean, max_radius_px=max_radius_px)
     away_px = 2 * radius_px[..., None, None] * POISSON_15 * [1.0, pixel_aspect]
     taps = [_bilinear(image[..., :3], away_px[..., i, :]) for i in range(len(POISSON_15))]
     colours: Array = np.mean(taps, axis=0)
@@ -77,7 +77,7 @@ def near_mean_px(radius_px: ArrayLike, /) -> Array:
 
 
 def spread_radius_px(
-    radius_px: ArrayLike, near_mean: ArrayLike, /, *, radius_limit_px: float
+    radius_px: ArrayLike, near_mean: ArrayLike, /, *, max_radius_px: float
 ) -> Array:
     """Return the (...,) radius to gather in, from a signed radius and the near mean around.
 
@@ -90,7 +90,7 @@ def spread_radius_px(
     signed = np.asarray(radius_px, dtype=np.float64)
     own = np.maximum(-signed, 0.0)
     near = 2 * np.maximum(own, near_mean) - own
-    radius: Array = np.minimum(np.maximum(near, signed), radius_limit_px)
+    radius: Array = np.minimum(np.maximum(near, signed), max_radius_px)
     return radius
 
 

@@ -61,7 +61,7 @@ def sliced(image: ArrayLike, distance_m: ArrayLike, slices_m: ArrayLike, /) -> A
     return shown
 
 
-def mip(points: ArrayLike, /, *, radius_limit_px: float, slices: bool = False) -> Array:
+def mip(points: ArrayLike, /, *, max_radius_px: float, slices: bool = False) -> Array:
     """Return (h, w, 3) colours from the levels that fit each pixel's radius.
 
     Parameters
@@ -71,7 +71,7 @@ def mip(points: ArrayLike, /, *, radius_limit_px: float, slices: bool = False) -
     """
     image = np.asarray(points, dtype=np.float64)
     shown, radius_px = image[..., :3], np.abs(image[..., 3])
-    for level in range(1, pyramid_levels(radius_limit_px) + 1):
+    for level in range(1, pyramid_levels(max_radius_px) + 1):
         opacity = fade(radius_px, level, slices=slices)[..., None]
         billboard = magnified(mean_level(image[..., :3], level), level, image.shape[:2])
         shown = (1 - opacity) * shown + opacity * billboard

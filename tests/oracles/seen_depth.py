@@ -7,26 +7,26 @@ import math
 import numpy as np
 
 
-def seen_depth(depth, radius_px, limit_px, taps, pixel_aspect=1.0):
+def seen_depth(depth, radius_px, max_radius_px, taps, pixel_aspect=1.0):
     """Return (height, width) depth of what is seen.
 
-    `radius_px`: signed, negative in front of the focus; `limit_px`: the largest there can be.
+    `radius_px`: signed, negative in front of the focus; `max_radius_px`: the largest there can be.
     """
     rows, reach = np.zeros(depth.shape), np.zeros(depth.shape)
-    for offset in offsets(limit_px, taps):
+    for offset in offsets(max_radius_px, taps):
         z, radius = moved(depth, offset, 1), moved(-radius_px, offset, 1)
         taken = (z > rows) & ((radius >= abs(offset)) | (offset == 0))
         rows, reach = np.where(taken, z, rows), np.where(taken, np.maximum(radius, 0), reach)
     seen = np.zeros(depth.shape)
-    for offset in offsets(limit_px * pixel_aspect, taps):
+    for offset in offsets(max_radius_px * pixel_aspect, taps):
         z, radius = moved(rows, offset, 0), moved(reach, offset, 0)
         taken = (radius * pixel_aspect >= abs(offset)) | (offset == 0)
         seen = np.where(taken, np.maximum(seen, z), seen)
     return seen
 
 
-def offsets(limit_px, taps):
-    step = max(1, -(-math.ceil(limit_px) // taps))
+def offsets(max_radius_px, taps):
+    step = max(1, -(-math.ceil(max_radius_px) // taps))
     return range(-taps * step, taps * step + 1, step)
 
 

@@ -18,30 +18,32 @@ class Blurred(NamedTuple):
 
     points: np.ndarray
     rgb: np.ndarray
-    limit_px: float
+    max_radius_px: float
 
 
-def blur(ctx, kernel, rgb, radius_px, *, limit_px, pixel_aspect=1.0, **settings):
+def blur(ctx, kernel, rgb, radius_px, *, max_radius_px, pixel_aspect=1.0, **settings):
     """Blur (h, w, 3) radiance by (h, w) signed radii, as one view of a condition would."""
     height, width, _ = rgb.shape
-    _, coc = defocused(ctx, rgb, radius_px, limit_px=limit_px, **settings)
+    _, coc = defocused(ctx, rgb, radius_px, max_radius_px=max_radius_px, **settings)
     lens = DepthOfField(kernel=kernel, law="dioptre", **settings)
-    wide = lens.model_copy(update={"max_radius_percent": 100 * limit_px / width})
+    wide = lens.model_copy(update={"max_radius_percent": 100 * max_radius_px / width})
     made = make_kernel(ctx, coc, wide)
     made.render(pixel_aspect)
     points = np.frombuffer(coc.colour_and_coc.read(), "f2").reshape(height, width, 4)
-    return Blurred(points.astype(float), rgb_of(made.target), coc.limit_px)
+    return Blurred(points.astype(float), rgb_of(made.target), coc.max_radius_px)
 
 
-def defocused(ctx, rgb, radius_px, *, limit_px, **more):
+def defocused(ctx, rgb, radius_px, *, max_radius_px, **more):
     """Return the texture of (h, w, 3) radiance, and what has found its (h, w) signed radii."""
     height, width, _ = rgb.shape
     # 1 dioptre of defocus is the largest radius; behind the focus, infinity is 1 dioptre away.
-    distance_m = 1 / np.maximum(1 - np.broadcast_to(radius_px, (height, width)) / limit_px, 1e-9)
+    distance_m = 1 / np.maximum(
+        1 - np.broadcast_to(radius_px, (height, width)) / max_radius_px, 1e-9
+    )
     colour, depth = textures(ctx, rgb, distance_m)
     focus = ctx.texture((1, 1), 4, np.full(4, FOCUS_M, "f4").tobytes(), dtype="f4")
     settings = DepthOfField(law="dioptre", full_blur_dioptre=1.0, **more)
-    wide = settings.model_copy(update={"max_radius_percent": 100 * limit_px / width})
+    wide = settings.model_copy(update={"max_radius_percent": 100 * max_radius_px / width})
     size_px = (width, height)
     coc = CocPasses(
         ctx, colour=colour, depth=depth, focus=focus, settings=wide, size_px=size_px, infinity_m=3e4

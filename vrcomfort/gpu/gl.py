@@ -16,8 +16,8 @@ from typing import Any
 import moderngl
 
 from vrcomfort.errors import InputError
+from vrcomfort.gpu import adapters, passes
 from vrcomfort.gpu import memory as gpu_memory
-from vrcomfort.gpu import passes
 
 MINIMUM_VERSION = 450
 """OpenGL 4.5: the first with clip control. The README names it, too."""
@@ -279,6 +279,11 @@ def point_sampled(texture: moderngl.Texture, *, comparison: bool | None = None) 
     if comparison is False:
         texture.compare_func = ""
     return texture
+
+
+def is_software(ctx: moderngl.Context) -> bool:
+    """Return whether a rasteriser without a GPU draws."""
+    return adapters.draws_in_software(str(ctx.info["GL_RENDERER"]))
 
 
 def check_errors(ctx: moderngl.Context) -> None:

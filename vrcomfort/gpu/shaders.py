@@ -16,6 +16,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
+from vrcomfort.gpu.gl import is_software
 from vrcomfort.resources import data_folder
 
 Defines = Mapping[str, int | float | str]
@@ -72,7 +73,8 @@ def program(
     """
     stages = [name for name in (vertex, fragment) if name is not None]
     files = (_with_chosen(source(name), chosen or {}) for name in stages)
-    texts = tuple(_with_defines(text, defines or {}) for text in files)
+    own = {"SOFTWARE_RASTERISER": 1} if is_software(ctx) else {}
+    texts = tuple(_with_defines(text, {**(defines or {}), **own}) for text in files)
     if _counting.get():
         texts = tuple(with_counted_reads(text, _included) for text in texts)
     for text in texts:

@@ -19,10 +19,6 @@ from vrcomfort.gpu import gl
 from vrcomfort.gpu.gl import LATENCY
 from vrcomfort.gpu.passes import Watcher, watched
 
-SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "basic render")
-"""Rasterisers without a GPU, in lower case. Their timer queries say when commands were taken, not
-drawn, and anisotropic filtering costs them more than all other shading (3 × measured)."""
-
 _TIME_ELAPSED, _TIMESTAMP, _QUERY_RESULT = 0x88BF, 0x8E28, 0x8866
 
 
@@ -173,7 +169,7 @@ class Stopwatch:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self.on_gpu = not is_software(ctx)
+        self.on_gpu = not gl.is_software(ctx)
         self._free: list[tuple[int, ...]] = []
         if self.on_gpu:
             self._stamp = gl.function(ctx, "glQueryCounter", ctypes.c_uint, ctypes.c_uint)
@@ -235,12 +231,6 @@ def queries(ctx: moderngl.Context, owner: object, count: int) -> tuple[int, ...]
     return tuple(names)
 
 
-def is_software(ctx: moderngl.Context) -> bool:
-    """Return whether a rasteriser without a GPU draws."""
-    renderer = str(ctx.info["GL_RENDERER"]).lower()
-    return any(name in renderer for name in SOFTWARE)
-
-
 def make_gpu_timer(ctx: moderngl.Context) -> GpuTimer | None:
     """Return a timer, or None where its times would mean nothing."""
-    return None if is_software(ctx) else GpuTimer(ctx)
+    return None if gl.is_software(ctx) else GpuTimer(ctx)

@@ -33,12 +33,12 @@ def exact_px(samples: int) -> float:
     return sqrt(samples / pi)
 
 
-def gather_mips(limit_px: float, samples: int) -> int:
+def gather_mips(max_radius_px: float, samples: int) -> int:
     """Return how many levels there are, for discs of at most this radius."""
     widest = exact_px(samples)
-    if limit_px <= CROSS_FADE_FROM * widest:
+    if max_radius_px <= CROSS_FADE_FROM * widest:
         return 1
-    return min(1 + max(1, ceil(log2(limit_px / widest))), MOST_MIPS)
+    return min(1 + max(1, ceil(log2(max_radius_px / widest))), MOST_MIPS)
 
 
 def coarser_behind(samples: int) -> bool:
@@ -49,9 +49,9 @@ def coarser_behind(samples: int) -> bool:
     return samples // 4 >= LEAST_TEXELS
 
 
-def coarsest_of_one_surface(limit_px: float, samples: int) -> int:
+def coarsest_of_one_surface(max_radius_px: float, samples: int) -> int:
     """Return the coarsest level on which discs of one surface are summed, 1 at least."""
-    halvings = ceil(log2(max(limit_px / 2 / (HALF_WIDER * exact_px(samples)), 1.0)))
+    halvings = ceil(log2(max(max_radius_px / 2 / (HALF_WIDER * exact_px(samples)), 1.0)))
     return min(1 + halvings, MOST_MIPS - 1)
 
 
@@ -120,6 +120,6 @@ MOST_PYRAMID_LEVELS = 9
 """Enough for discs of 512 px radius; with `points` these are ten textures of sixteen."""
 
 
-def pyramid_levels(radius_limit_px: float) -> int:
+def pyramid_levels(max_radius_px: float) -> int:
     """Return how many levels discs up to this radius need: the last is at least as blurred."""
-    return int(np.clip(np.ceil(np.log2(max(radius_limit_px, 2.0))), 1, MOST_PYRAMID_LEVELS))
+    return int(np.clip(np.ceil(np.log2(max(max_radius_px, 2.0))), 1, MOST_PYRAMID_LEVELS))

@@ -24,7 +24,7 @@ CLOSEST_FOCUS = 1.001
 """In focal lengths: no lens focuses at or inside its focal length."""
 
 
-def max_radius_px(percent: float, width_px: int) -> float:
+def radius_of_percent(percent: float, width_px: int) -> float:
     """Return r_max, a percentage of one eye's image width, in pixels (Carnegie & Rhee 2015)."""
     return percent / 100 * width_px
 
@@ -64,13 +64,13 @@ def signed_radius_px(
     law: Law,
     focus_m: float,
     near_m: float,
-    radius_limit_px: float,
+    max_radius_px: float,
     full_blur: float,
     slope: ArrayLike = 1.0,
     offset_m: float = 0.0,
     infinity_m: float = 30_000.0,
 ) -> Array:
-    """Return (...,) signed radii of reverse-Z depths, limited to ±`radius_limit_px`.
+    """Return (...,) signed radii of reverse-Z depths, limited to ±`max_radius_px`.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def signed_radius_px(
         full_blur = max(full_blur, focus)
     else:
         defocus = defocus / (focus * np.maximum(n + offset_m * z, 1e-6 * near_m))
-    return np.clip(defocus * (radius_limit_px / full_blur), -radius_limit_px, radius_limit_px)
+    return np.clip(defocus * (max_radius_px / full_blur), -max_radius_px, max_radius_px)
 
 
 def lens_focus_m(focus_m: float, focal_length_m: float) -> float:

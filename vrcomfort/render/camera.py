@@ -50,7 +50,7 @@ class Lens:
         Distance taken for the sky.
     px_per_defocus
         Radius of the circle of confusion per metre (or dioptre) of defocus.
-    radius_limit_px
+    max_radius_px
         No circle of confusion has a larger radius.
     distance_offset_m
         How far the lens is behind the head centre; `focus_m` and `infinity_m` are from the lens.
@@ -60,7 +60,7 @@ class Lens:
     focus_m: float
     infinity_m: float
     px_per_defocus: float
-    radius_limit_px: float
+    max_radius_px: float
     distance_offset_m: float = 0.0
 
 

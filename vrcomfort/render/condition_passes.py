@@ -201,7 +201,7 @@ class ConditionPasses:
         """Return the largest radius or half streak there can be; None: views have no limit."""
         if self._lens_views is not None:
             return None
-        return max((effect.limit_px for effect in self._effects.values()), default=0.0)
+        return max((effect.max_radius_px for effect in self._effects.values()), default=0.0)
 
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""

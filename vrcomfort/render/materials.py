@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.errors import InputError
 from vrcomfort.gpu import gl, passes, shaders
-from vrcomfort.gpu.timer import is_software
+from vrcomfort.gpu.gl import is_software
 from vrcomfort.scene.data import Image, Material, Scene, UvMap, Wrap
 
 Features: TypeAlias = tuple[str, ...]

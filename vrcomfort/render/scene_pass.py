@@ -333,7 +333,7 @@ def _colours(
 
 VIEW_BINDING, LIGHT_BINDING = 0, 1
 
-PINHOLE = Lens((0.0, 0.0), focus_m=1.0, infinity_m=1.0, px_per_defocus=0.0, radius_limit_px=0.0)
+PINHOLE = Lens((0.0, 0.0), focus_m=1.0, infinity_m=1.0, px_per_defocus=0.0, max_radius_px=0.0)
 """The centre view's lens, after views through other points."""
 
 
@@ -432,7 +432,7 @@ class EyeBlocks:
         offset = np.array(lens.position) * self._ndc_per_px
         view["lens"] = (*offset, 0.0, lens.infinity_m)
         view["lens_focus"][0] = lens.focus_m
-        view["lens_limit"][:2] = lens.px_per_defocus, lens.radius_limit_px
+        view["lens_limit"][:2] = lens.px_per_defocus, lens.max_radius_px
         view["head_forward"] = (*forward, ahead_m + lens.distance_offset_m)
 
 

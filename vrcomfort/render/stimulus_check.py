@@ -147,13 +147,13 @@ class _Walk:
                 circles = 2 * np.abs(np.asarray(read_texture(drawn.target)[..., 3], np.float32))
                 self._circles[each.name].append(circles.ravel())
             if motion is not None:
-                limit_px = motion.max_radius_percent / 50 * self._size_px[0]
+                max_radius_px = motion.max_radius_percent / 50 * self._size_px[0]
                 scale = motion.shutter_fraction * streak_scale(motion, step)
                 velocity = np.zeros((*self._size_px[::-1], 2), np.float32)
                 if images.velocity is not None:
                     velocity = np.asarray(read_texture(images.velocity), np.float32)[..., :2]
                 length = np.hypot(velocity[..., 0], velocity[..., 1]) * np.float32(scale)
-                self._streaks[each.name].append(np.minimum(length, limit_px).ravel())
+                self._streaks[each.name].append(np.minimum(length, max_radius_px).ravel())
 
     def _coc(
         self, condition: Condition, lens: DepthOfField, images: EyeImages

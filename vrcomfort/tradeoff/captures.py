@@ -94,7 +94,7 @@ def radius_px(capture: Capture, condition: Condition) -> Array:
     uv = np.stack([(column + 0.5) / width, (row + 0.5) / height], axis=-1)
     focal_px = focal_length_px(capture.camera.fov, (width, height))[0]
     focus_m = condition.focus.fixed_m
-    limit_px = lens_radius.radius_limit_px(settings, (width, height))
+    max_radius_px = lens_radius.max_radius_of(settings, (width, height))
     px = lens_radius.px_per_dioptre(
         settings, focal_px=focal_px, size_px=(width, height), focus_m=focus_m
     )
@@ -104,8 +104,8 @@ def radius_px(capture: Capture, condition: Condition) -> Array:
         law="dioptre",
         focus_m=focus_m,
         near_m=capture.camera.near_m,
-        radius_limit_px=limit_px,
-        full_blur=limit_px / px,
+        max_radius_px=max_radius_px,
+        full_blur=max_radius_px / px,
         slope=coc.head_depth_slope(capture.camera.fov, uniforms.head_forward_in_view, uv),
         offset_m=uniforms.offset_m,
         infinity_m=condition.focus.infinity_m,

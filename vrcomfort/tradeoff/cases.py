@@ -17,7 +17,7 @@ from typing import Literal
 from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, View
-from vrcomfort.optics.circle_of_confusion import max_radius_px
+from vrcomfort.optics.circle_of_confusion import radius_of_percent
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.tradeoff.methods import EFFECTS, LENSES, Effect, LensName, base_condition
 from vrcomfort.tradeoff.store import scene_and_hash
@@ -279,7 +279,7 @@ def drawn(case: Case, scope: Scope) -> ImageWindow:
     if case.window is None:
         return ImageWindow("whole", 0, 0, *scope.size_px)
     percent = LENSES[case.lens]["max_radius_percent"]
-    reach_px = max_radius_px(percent, scope.size_px[0])
+    reach_px = radius_of_percent(percent, scope.size_px[0])
     return window_of(case).drawn(scope.size_px, reach_px)
 
 

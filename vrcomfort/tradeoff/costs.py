@@ -19,7 +19,8 @@ import numpy as np
 from vrcomfort.frame import EYE_HEIGHT_M, Frame
 from vrcomfort.geometry import Array, Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.gpu import passes, shaders
-from vrcomfort.gpu.timer import Lap, Stopwatch, is_software
+from vrcomfort.gpu.gl import is_software
+from vrcomfort.gpu.timer import Lap, Stopwatch
 from vrcomfort.gpu.traffic import Traffic, TrafficCounter, added_up
 from vrcomfort.headset.playback import default_fovs
 from vrcomfort.protocol.conditions import Condition

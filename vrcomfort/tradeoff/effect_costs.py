@@ -15,8 +15,7 @@ from typing import get_args
 import moderngl
 
 from vrcomfort.errors import InputError
-from vrcomfort.gpu.gl import describe
-from vrcomfort.gpu.timer import is_software
+from vrcomfort.gpu.gl import describe, is_software
 from vrcomfort.protocol.conditions import EFFECTS as REGISTERED
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.quality_levels import Quality, dialled

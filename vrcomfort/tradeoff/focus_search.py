@@ -22,8 +22,7 @@ import numpy as np
 
 from vrcomfort.frame import FocusSample, Frame
 from vrcomfort.geometry import Array
-from vrcomfort.gpu.gl import describe
-from vrcomfort.gpu.timer import is_software
+from vrcomfort.gpu.gl import describe, is_software
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.conditions import Condition, Focus
 from vrcomfort.render.focus.rules import RULES

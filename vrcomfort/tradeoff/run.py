@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from vrcomfort.errors import InputError
-from vrcomfort.gpu.gl import describe
-from vrcomfort.gpu.timer import is_software
+from vrcomfort.gpu.gl import describe, is_software
 from vrcomfort.render.image_error import margin_px, require_flip
 from vrcomfort.tradeoff.captures import context
 from vrcomfort.tradeoff.cases import Case, Scope, cases, eyes_of

@@ -72,7 +72,7 @@ class EffectPass(Protocol):
     target: moderngl.Texture
 
     @property
-    def limit_px(self) -> float:
+    def max_radius_px(self) -> float:
         """Return the largest radius or half streak that it can have."""
 
     def render(self, eye: EyeFrame) -> None:

@@ -94,7 +94,7 @@ class MotionBlurPass:
     Notes
     -----
     The limit on half streaks alters what is seen. :meth:`clamps` says how long those would have
-    been that were shortened to ``limit_px``.
+    been that were shortened to ``max_radius_px``.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class MotionBlurPass:
         size_px: tuple[int, int],
     ) -> None:
         self._settings, self._colour = settings, colour
-        self.limit_px = settings.max_radius_percent / 100 * size_px[0]
+        self.max_radius_px = settings.max_radius_percent / 100 * size_px[0]
         self._method: Reconstruction | PerPixel
         if settings.method == "reconstruction":
             self._method = Reconstruction(
@@ -117,7 +117,7 @@ class MotionBlurPass:
                 depth=depth,
                 velocity=velocity,
                 samples=settings.samples,
-                limit_px=self.limit_px,
+                max_radius_px=self.max_radius_px,
             )
         else:
             self._method = PerPixel(ctx, colour=colour, velocity=velocity, samples=settings.samples)
@@ -141,7 +141,7 @@ class MotionBlurPass:
         self._draw(0.0)
 
     def _draw(self, scale: float) -> None:
-        self._method.render(Shutter(self._settings.shutter_fraction * scale, self.limit_px))
+        self._method.render(Shutter(self._settings.shutter_fraction * scale, self.max_radius_px))
 
     def reset(self) -> None:
         """Do nothing: frames after a cut have no streaks."""
@@ -156,11 +156,11 @@ class MotionBlurPass:
     def clamps(self) -> tuple[str, ...]:
         """Return the limit's effect on the frames so far, in words; waits for the GPU."""
         longest_px = self.longest_half_velocity_px()
-        if longest_px <= self.limit_px:
+        if longest_px <= self.max_radius_px:
             return ()
         return (
             f"motion blur: half streaks of up to {longest_px:.1f} px were shortened to "
-            f"{self.limit_px:.1f} px",
+            f"{self.max_radius_px:.1f} px",
         )
 
 
@@ -172,11 +172,11 @@ class Shutter(NamedTuple):
 
     shutter_fraction: float
     """Of the frame period, times the scale of the frame's streaks."""
-    radius_limit_px: float
+    max_radius_px: float
 
 
 class _Limit(NamedTuple):
-    radius_limit_px: float
+    max_radius_px: float
 
 
 class Reconstruction:
@@ -188,7 +188,7 @@ class Reconstruction:
         Linear HDR RGBA16F, reverse-Z D32F and RG16F (px per frame, +x right, +y up).
     samples
         As in ``MotionBlur.samples``.
-    limit_px
+    max_radius_px
         No half streak is longer.
 
     Notes
@@ -205,12 +205,14 @@ class Reconstruction:
         depth: moderngl.Texture,
         velocity: moderngl.Texture,
         samples: int,
-        limit_px: float,
+        max_radius_px: float,
     ) -> None:
         self._ctx, self._colour, self._velocity = ctx, colour, velocity
         self._sampling = sampling = sampling_of(samples, colour.width)
-        self._tile_max = TileMaxPass(ctx, velocity=velocity, limit_px=limit_px, jump=sampling.jump)
-        self._dilate = _dilation(ctx, self._tile_max, limit_px, sampling.jump)
+        self._tile_max = TileMaxPass(
+            ctx, velocity=velocity, max_radius_px=max_radius_px, jump=sampling.jump
+        )
+        self._dilate = _dilation(ctx, self._tile_max, max_radius_px, sampling.jump)
         self.target = gl.color_texture(ctx, colour.size)
         average = None if sampling.taps == 1 else self._average("streak_average", colour, None)
         in_parts = colour if average is None else average.target
@@ -302,7 +304,7 @@ class Reconstruction:
 
 
 def _dilation(
-    ctx: moderngl.Context, tile_max: TileMaxPass, limit_px: float, jump: float
+    ctx: moderngl.Context, tile_max: TileMaxPass, max_radius_px: float, jump: float
 ) -> FullscreenPass:
     return FullscreenPass(
         ctx,
@@ -314,7 +316,7 @@ def _dilation(
             "frame": tile_max.frame.target,
         },
         more_components=(2,),
-        constants=_Limit(limit_px),
+        constants=_Limit(max_radius_px),
         defines={"TILE": tile_max.tile_px, "JUMP": jump, "PASSING": 1},
         vertex="motion_blur/frame_of_streaks.vert",
     )
@@ -342,7 +344,7 @@ class TileMaxPass:
     ----------
     velocity
         RG16F (px per frame, +x right, +y up).
-    limit_px
+    max_radius_px
         No half velocity counts for more.
     jump
         Part of the shorter half velocity: a larger difference is a velocity discontinuity.
@@ -356,10 +358,15 @@ class TileMaxPass:
     """
 
     def __init__(
-        self, ctx: moderngl.Context, *, velocity: moderngl.Texture, limit_px: float, jump: float
+        self,
+        ctx: moderngl.Context,
+        *,
+        velocity: moderngl.Texture,
+        max_radius_px: float,
+        jump: float,
     ) -> None:
         width, height = velocity.size
-        self.tile_px = max(LEAST_TILE_PX, ROWS * ceil(limit_px / MOST_TILES / ROWS))
+        self.tile_px = max(LEAST_TILE_PX, ROWS * ceil(max_radius_px / MOST_TILES / ROWS))
         at_once = width <= AT_ONCE_PX and self.tile_px == LEAST_TILE_PX
         rows = self.tile_px if at_once else ROWS
         self._strips = FullscreenPass(

@@ -32,7 +32,7 @@ class RelocationBlurPass:
     is exact.
     """
 
-    limit_px = 0.0
+    max_radius_px = 0.0
     """A MIP level has no radius."""
 
     def __init__(

@@ -54,7 +54,7 @@ class SpeedBlurPass:
         self._copy = gl.copier(ctx)
         self.target = self._along.target
 
-    limit_px = 0.0
+    max_radius_px = 0.0
     """A Gaussian has no radius."""
 
     def render(self, eye: EyeFrame) -> None:

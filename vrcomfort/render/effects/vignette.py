@@ -56,7 +56,7 @@ class VignettePass:
     eye that is drawn first.
     """
 
-    limit_px = 0.0
+    max_radius_px = 0.0
     """It blurs nothing."""
 
     def __init__(

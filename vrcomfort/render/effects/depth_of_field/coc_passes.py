@@ -15,9 +15,8 @@ from vrcomfort.optics.circle_of_confusion import CLOSEST_FOCUS
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.camera import EyeCamera
 from vrcomfort.render.effects.depth_of_field.lens_radius import (
+    max_radius_of,
     px_per_dioptre,
-    radius_limit_in_px,
-    radius_limit_px,
     radius_of_arcmin,
 )
 from vrcomfort.render.scene_pass import Radii, ResolvePass
@@ -59,7 +58,7 @@ class _Scale(NamedTuple):
 
 
 class _Limit(NamedTuple):
-    radius_limit_px: float
+    max_radius_px: float
 
 
 class _Infinity(NamedTuple):
@@ -235,11 +234,11 @@ class CocPasses:
         self.size_px = size_px
         self._resolve = resolve
         self._ctx, self._colour, self._settings = ctx, colour, settings
-        self.limit_px = radius_limit_px(settings, size_px)
+        self.max_radius_px = max_radius_of(settings, size_px)
         """No eye's image can have a larger radius."""
-        self.limit_now_px = self.limit_px
+        self.max_radius_now_px = self.max_radius_px
         """Largest radius that the last eye could have: `max_diameter_arcmin` may make it less."""
-        self._least_limit_px = self.limit_px
+        self._least_max_radius_px = self.max_radius_px
         self.depth_to_coc = DepthToCoc(
             depth=depth, focus=focus, settings=settings, infinity_m=infinity_m
         )
@@ -251,7 +250,7 @@ class CocPasses:
         """Side of :attr:`tile_min_max`."""
         self.level_defines = {
             "EXACT_PX": blur_kernels.exact_px(settings.samples),
-            "LEVELS": blur_kernels.gather_mips(self.limit_px, settings.samples),
+            "LEVELS": blur_kernels.gather_mips(self.max_radius_px, settings.samples),
             "FADED": blur_kernels.CROSS_FADE_FROM,
         }
         """Defines of ``include/levels.glsl``."""
@@ -316,8 +315,8 @@ class CocPasses:
         `peripheral_axis`: (3,) that of an `EyeCamera`.
         """
         focal_px = focal_length_px(fov, self.size_px)[0]
-        self.limit_now_px = radius_limit_in_px(self._settings, focal_px, self.size_px)
-        self._least_limit_px = min(self._least_limit_px, self.limit_now_px)
+        self.max_radius_now_px = max_radius_of(self._settings, self.size_px, focal_px)
+        self._least_max_radius_px = min(self._least_max_radius_px, self.max_radius_now_px)
         self.now = self.depth_to_coc.of_place(fov, near_m, head_from_eye, peripheral_axis)
         self._eye, self._is_rendered = (fov, near_m, head_from_eye), True
         if self._beside is not None:
@@ -337,7 +336,7 @@ class CocPasses:
     def reset(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
         self._tile_min_max.reset()
-        self._least_limit_px = self.limit_px
+        self._least_max_radius_px = self.max_radius_px
 
     def largest_radius_px(self) -> float:
         """Return the largest radius of all frames before its limit; waits for the GPU."""
@@ -346,11 +345,11 @@ class CocPasses:
     def clamps(self) -> tuple[str, ...]:
         """Return the limit's effect on the frames so far, in words; waits for the GPU."""
         largest_px = self.largest_radius_px()
-        if largest_px <= self._least_limit_px:
+        if largest_px <= self._least_max_radius_px:
             return ()
         return (
             f"depth of field: circles of confusion of up to {largest_px:.1f} px (radius) were "
-            f"limited to {self._least_limit_px:.1f} px",
+            f"limited to {self._least_max_radius_px:.1f} px",
         )
 
 
@@ -409,9 +408,9 @@ class CocTileMinMax:
 def _limit_and_scale(
     settings: DepthOfField, focal_px: float, size_px: tuple[int, int]
 ) -> tuple[_Limit, _Scale]:
-    limit = _Limit(radius_limit_in_px(settings, focal_px, size_px))
+    limit = _Limit(max_radius_of(settings, size_px, focal_px))
     if settings.law == "linear":
-        return limit, _Scale(limit.radius_limit_px / settings.full_blur_m)
+        return limit, _Scale(limit.max_radius_px / settings.full_blur_m)
     # A thin lens focused at infinity: the shader knows the focus.
     px = px_per_dioptre(settings, focal_px=focal_px, size_px=size_px, focus_m=np.inf)
     return limit, _Scale(px)

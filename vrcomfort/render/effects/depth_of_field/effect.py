@@ -140,11 +140,11 @@ class DepthOfFieldPass:
         """Draw nothing: every frame draws everything."""
 
     @property
-    def limit_px(self) -> float:
+    def max_radius_px(self) -> float:
         """Return the largest radius that the last eye could have."""
         if self._slices_m:
             return 2.0 ** len(self._slices_m)  # of a disc as blurred as the last level
-        return self._coc.limit_now_px
+        return self._coc.max_radius_now_px
 
     def clamps(self) -> tuple[str, ...]:
         """Return how far the largest radius has cut blur off so far; waits for the GPU."""

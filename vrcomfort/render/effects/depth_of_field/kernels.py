@@ -83,7 +83,7 @@ DISC_FADE_PX = 2.0, 4.0
 
 class _TapUniforms(NamedTuple):
     offsets: bytes
-    radius_limit_px: float
+    max_radius_px: float
 
 
 def disc_taps() -> Array:
@@ -120,7 +120,7 @@ class HalfResolutionDiscKernel:
             size_px=half_size(coc.size_px),
             inputs={"half_image": self._half.target},
             filtered={"half_image"},
-            constants=_TapUniforms(offsets.tobytes(), coc.limit_px),
+            constants=_TapUniforms(offsets.tobytes(), coc.max_radius_px),
             defines={"TAPS": len(offsets)},
         )
         self._tent = FullscreenPass(
@@ -307,7 +307,7 @@ class Poisson12Kernel:
             size_px=coc.size_px,
             inputs={"colour_and_coc": coc.colour_and_coc, "rotations": rotations},
             filtered={"colour_and_coc"},
-            constants=_TapUniforms(taps.tobytes(), coc.limit_px),
+            constants=_TapUniforms(taps.tobytes(), coc.max_radius_px),
             defines={"TAPS": len(taps)},
         )
         self.target = self._pass.target
@@ -352,7 +352,7 @@ class Poisson15NearKernel:
             size_px=coc.size_px,
             inputs={"colour_and_coc": coc.colour_and_coc, "near_mean": self._near_mean.target},
             filtered={"near_mean", "colour_and_coc"},
-            constants=_TapUniforms(taps.tobytes(), coc.limit_px),
+            constants=_TapUniforms(taps.tobytes(), coc.max_radius_px),
             defines={"TAPS": len(taps), **cell},
         )
         self.target = self._gather.target
@@ -395,7 +395,7 @@ class MipKernel:
         slices: bool = False,
     ) -> None:
         self._coc, self._slices_m = coc, settings.slices_m if slices else None
-        levels = len(self._slices_m or ()) or blur_kernels.pyramid_levels(coc.limit_px)
+        levels = len(self._slices_m or ()) or blur_kernels.pyramid_levels(coc.max_radius_px)
         self._chain = MipChain(ctx, coc.colour_and_coc, levels, coc.size_px)
         self._shown = FullscreenPass(
             ctx,
@@ -445,7 +445,7 @@ class ScatterKernel:
     A, and a blurred background leaks over a sharp foreground just as much. Sharp pixels never
     spread.
 
-    The cost is the sum of the areas of all discs, each at most that of `CocPasses.limit_px`.
+    The cost is the sum of the areas of all discs, each at most that of `CocPasses.max_radius_px`.
     """
 
     def __init__(
@@ -464,7 +464,7 @@ class ScatterKernel:
         self._cleared = passes.clear([shares])
         self._declared = Pass("depth_of_field/scatter.frag", reads, writes, blends=True)
         # Squares are drawn where the widest disc is larger than the driver's largest point.
-        widest_px = 2 * (TALLEST_PIXEL * (coc.limit_px + 0.5) + 1)
+        widest_px = 2 * (TALLEST_PIXEL * (coc.max_radius_px + 0.5) + 1)
         self._fits_points = widest_px <= ctx.info["GL_POINT_SIZE_RANGE"][1]
         defines = {} if self._fits_points else {"SQUARES": 1}
         program = shaders.program(

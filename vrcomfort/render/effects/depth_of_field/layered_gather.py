@@ -87,7 +87,7 @@ class LayeredGatherKernel:
     def _dilate_pass(self) -> FullscreenPass:
         coc = self._coc
         inputs = {"tiles": coc.tile_min_max}
-        defines = {**self._defines, "TILE": coc.tile_px, "LIMIT_PX": float(coc.limit_px)}
+        defines = {**self._defines, "TILE": coc.tile_px, "MAX_RADIUS_PX": float(coc.max_radius_px)}
         if coc.widest is not None:
             inputs["widest"] = coc.widest
             defines["WIDEST"] = 1
@@ -107,7 +107,7 @@ class LayeredGatherKernel:
 
     def _gather_pass(self, layers: dict[str, moderngl.Texture], samples: int) -> FullscreenPass:
         """Return the pass that sums wide discs, in tiles of that class and beside them."""
-        coarsest = blur_kernels.coarsest_of_one_surface(self._coc.limit_px, samples)
+        coarsest = blur_kernels.coarsest_of_one_surface(self._coc.max_radius_px, samples)
         read = {f"layers_{level}": layers[f"layers_{level}"] for level in range(1, coarsest + 1)}
         return self._pass(
             "gather",

@@ -15,20 +15,20 @@ from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
 from vrcomfort.render.camera import NEAR_M, Lens, LensLaw
 
 
-def radius_limit_px(settings: DepthOfField, size_px: tuple[int, int]) -> float:
+def max_radius_of(
+    settings: DepthOfField, size_px: tuple[int, int], focal_px: float = math.inf
+) -> float:
     """Return the largest circle-of-confusion radius that `settings` allow at this image size.
 
-    `max_diameter_arcmin` may allow less: see :func:`radius_limit_in_px`.
+    Parameters
+    ----------
+    focal_px
+        `max_diameter_arcmin` may allow less at this focal length; without it, an eye's may be any.
     """
-    return coc.max_radius_px(settings.max_radius_percent, size_px[0])
-
-
-def radius_limit_in_px(settings: DepthOfField, focal_px: float, size_px: tuple[int, int]) -> float:
-    """Return the largest radius at a focal length of `focal_px`."""
-    limit_px = radius_limit_px(settings, size_px)
+    of_width_px = coc.radius_of_percent(settings.max_radius_percent, size_px[0])
     if settings.max_diameter_arcmin is None:
-        return limit_px
-    return min(limit_px, radius_of_arcmin(settings.max_diameter_arcmin, focal_px))
+        return of_width_px
+    return min(of_width_px, radius_of_arcmin(settings.max_diameter_arcmin, focal_px))
 
 
 def radius_of_arcmin(diameter_arcmin: float, focal_px: float) -> float:
@@ -64,7 +64,7 @@ def px_per_dioptre(
             focal_px,
             focus_m + settings.distance_offset_m,
         )
-    return radius_limit_in_px(settings, focal_px, size_px) / settings.full_blur_dioptre
+    return max_radius_of(settings, size_px, focal_px) / settings.full_blur_dioptre
 
 
 def lens(
@@ -77,15 +77,17 @@ def lens(
 ) -> Lens:
     """Return a point of the lens that `settings` describe, for views and references."""
     focus_m = min(focus_m, infinity_m)
-    limit_px = radius_limit_in_px(settings, focal_px, size_px)
+    max_radius_px = max_radius_of(settings, size_px, focal_px)
     if settings.law == "linear":
-        return Lens(position, focus_m, infinity_m, limit_px / settings.full_blur_m, limit_px)
+        return Lens(
+            position, focus_m, infinity_m, max_radius_px / settings.full_blur_m, max_radius_px
+        )
     px = px_per_dioptre(settings, focal_px=focal_px, size_px=size_px, focus_m=focus_m)
     if settings.law != "thin_lens":
-        return Lens(position, focus_m, infinity_m, px, limit_px)
+        return Lens(position, focus_m, infinity_m, px, max_radius_px)
     offset_m = settings.distance_offset_m
     focus = coc.lens_focus_m(focus_m + offset_m, settings.focal_length_m)
-    return Lens(position, focus, infinity_m + offset_m, px, limit_px, offset_m)
+    return Lens(position, focus, infinity_m + offset_m, px, max_radius_px, offset_m)
 
 
 # A limit can be put on the radius of each pixel of one image, but not on the mean of views, which
@@ -129,8 +131,8 @@ def limit_dioptre(settings: DepthOfField) -> float:
     """Return the defocus at which the radius reaches its limit; infinity where it never does."""
     size_px = (1000, 1000)  # any: both grow with it
     radius_px = radius_per_dioptre_px(settings, size_px)
-    limit_px = radius_limit_in_px(settings, FOCAL_PER_WIDTH * size_px[0], size_px)
-    return limit_px / radius_px if radius_px else math.inf
+    max_radius_px = max_radius_of(settings, size_px, FOCAL_PER_WIDTH * size_px[0])
+    return max_radius_px / radius_px if radius_px else math.inf
 
 
 def unlimited(condition: Condition) -> Unlimited | None:

@@ -17,14 +17,14 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.camera import EyeCamera
 from vrcomfort.render.effects.depth_of_field.coc_passes import DepthToCoc
-from vrcomfort.render.effects.depth_of_field.lens_radius import radius_limit_in_px
+from vrcomfort.render.effects.depth_of_field.lens_radius import max_radius_of
 
 TAPS = 16
 """On each side of a pixel: discs wider than this are sought in steps."""
 
 
 class _Columns(NamedTuple):
-    radius_limit_px: float
+    max_radius_px: float
     pixel_aspect: float
 
 
@@ -84,6 +84,6 @@ class SeenDepthPass:
     def render(self, camera: EyeCamera) -> None:
         """Spread the present depth of an eye."""
         focal_x, focal_y = focal_length_px(camera.fov, self._size_px)
-        limit_px = radius_limit_in_px(self._settings, focal_x, self._size_px)
+        max_radius_px = max_radius_of(self._settings, self._size_px, focal_x)
         self._rows.render(self._radii.of_camera(camera))
-        self._columns.render(_Columns(limit_px, focal_y / focal_x))
+        self._columns.render(_Columns(max_radius_px, focal_y / focal_x))
