@@ -157,6 +157,32 @@ def test_a_few_minutes_without_a_rest_may_be_meant(noted):
     assert "or `break_s = 0.0` where none is meant" in note
 
 
+RATINGS = """
+[[ratings]]
+instrument = "{}"
+every_s = {}
+timeout_s = {}
+"""
+
+
+def rated(*ratings):
+    """Return a replacement that adds ratings of (instrument, every_s, timeout_s)."""
+    asked = 'timepoint = "post"\nwhen = "after_trial"\n'
+    return asked, asked + "".join(RATINGS.format(*each) for each in ratings)
+
+
+def test_ratings_that_are_asked_less_often_than_they_are_due_are_noted(noted):
+    _, _, (one, other) = noted(rated(("fms", 10.0, 10.0), ("misc", 10.0, 10.0)))
+    assert "the rating `fms` is due 3 times in an exposure of 40 s, and may be asked 2" in one
+    assert "the rating `misc` is due 3 times in an exposure of 40 s, and may be asked 1" in other
+    _, _, (note,) = noted(rated(("fms", 5.0, 15.0)))
+    assert "the rating `fms` is due 5 times" in note
+
+
+def test_ratings_with_time_for_each_are_not(noted):
+    assert noted(rated(("fms", 10.0, 5.0), ("misc", 20.0, 5.0)))[2] == []
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHIPPED)
 def test_shipped_protocols_have_nothing_to_note(run, name):

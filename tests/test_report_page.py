@@ -190,7 +190,7 @@ def test_the_page_of_more_conditions_than_are_compared_in_pairs(tmp_path):
 
 @pytest.mark.parametrize(
     ("low", "high", "beyond"),
-    [(1, 4, False), (-1, 4, True), (1, 9, True), (None, 4, False), (None, 9, True),
+    [(1, 4, False), (-1, 4, True), (1, 9, True), (None, 4, True), (None, 9, True),
      (-1, None, True), (None, None, False)],
 )  # fmt: skip
 def test_an_interval_beyond_the_scores_is_known_with_one_end_or_none(low, high, beyond):

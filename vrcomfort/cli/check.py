@@ -23,6 +23,7 @@ from vrcomfort.cli.terminal import (
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
 from vrcomfort.protocol.load import missing_wording
+from vrcomfort.protocol.questions import asked_at_least
 from vrcomfort.settings import read_toml
 from vrcomfort.tasks import OwnTask
 
@@ -160,6 +161,14 @@ def _notes(protocol: Protocol) -> Iterator[str]:
     for each in (protocol.instrument(name) for name in sorted(asked)):
         if len(each.asked) > 1 and not read_toml(each.text, None).get("scales"):
             yield f"the {each.short} has no [[scales]]: its items are reported one by one"
+    counted = asked_at_least(protocol.ratings, protocol.longest_s)
+    for rated, (due, least) in zip(protocol.ratings, counted, strict=True):
+        if least < due:
+            yield (
+                f"the rating `{rated.instrument}` is due {due} times in an exposure of "
+                f"{protocol.longest_s:g} s, and may be asked {least} of them only: it waits while "
+                "another question is open; shorten `timeout_s`, or lengthen `every_s`"
+            )
     for task in protocol.tasks:
         if isinstance(task, OwnTask):
             yield (

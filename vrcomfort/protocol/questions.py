@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Literal, Protocol, Self, TypeAlias
+from typing import Annotated, Literal, Protocol, Self, TypeAlias
 
+import numpy as np
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
@@ -12,9 +13,6 @@ from vrcomfort.protocol.conditions import Seconds
 from vrcomfort.protocol.order import Covariate
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.settings import KeyPath, Problem, Settings, Word, did_you_mean
-
-if TYPE_CHECKING:
-    import numpy as np
 
 Rest = Annotated[float, Field(ge=0, le=86_400)]
 """Seconds, up to a day."""
@@ -131,6 +129,25 @@ class Ratings(Settings):
             if self.stop_at is None:
                 message = f"`{key}` does nothing without `stop_at`; remove it or add that"
                 yield Problem((key,), message)
+
+
+def asked_at_least(ratings: Sequence[Ratings], duration_s: float) -> list[tuple[int, int]]:
+    """Return how often each question is due in an exposure, and how often it is asked at least.
+
+    A question waits until the one before it is answered. At worst that takes its whole
+    `timeout_s`; what still waits when the exposure ends is never asked.
+    """
+    rng = np.random.default_rng(0)
+    due = [each.due_times(duration_s, rng) for each in ratings]
+    asked, free_s = [0] * len(due), 0.0
+    while waiting := [(times[asked[n]], n) for n, times in enumerate(due) if asked[n] < len(times)]:
+        due_s, n = min(waiting)
+        begins_s = max(due_s, free_s)
+        if begins_s >= duration_s:
+            break
+        asked[n] += 1
+        free_s = begins_s + ratings[n].timeout_s
+    return [(len(times), count) for times, count in zip(due, asked, strict=True)]
 
 
 Asked = Annotated[str, Field(min_length=1, max_length=300)]

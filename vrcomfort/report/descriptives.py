@@ -54,10 +54,11 @@ class DescriptionWithInterval(Description):
 
     @property
     def is_beyond_scores(self) -> bool:
-        """Return whether the interval of the mean goes beyond the range of the values."""
+        """Return whether the interval of the mean goes beyond the range, or has one end alone."""
         low, high = self.mean_low, self.mean_high
-        below = low is not None and low < self.minimum
-        return below or (high is not None and high > self.maximum)
+        if low is None or high is None:
+            return low is not high
+        return low < self.minimum or high > self.maximum
 
 
 @dataclass(frozen=True)
