@@ -148,8 +148,9 @@ def series_of(rows: Iterable[tuple[Key, float, float]]) -> Iterator[RatingSeries
 def _as_text(file: Path) -> ReadRatings:
     series: list[RatingSeries] = []
     for table in CsvTable.parts(file, appended=True, most_rows=_ROWS_AT_ONCE):
-        if table.header and "missed" not in table.header:
-            return ReadRatings((), (f"{file}: not used, because it has no column missed",))
+        missing = [name for name in ("missed", "onset_s") if name not in table.header]
+        if table.header and missing:
+            return ReadRatings((), (f"{file}: not used, because it has no column {missing[0]}",))
         series += series_of(_cells(table))
         notes = table.warnings
     return ReadRatings(joined(series), notes)
