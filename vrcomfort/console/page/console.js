@@ -387,7 +387,10 @@ function askAndSend(action) {
 
 document.addEventListener("click", (event) => {
   const button = event.target.closest("button[data-action]");
-  if (button) askAndSend(button.dataset.action);
+  if (!button) return;
+  // It has been pressed: left there, the next Enter would do it again, whatever is asked by then.
+  if (at("actions").contains(button)) at("actions").focus();
+  askAndSend(button.dataset.action);
 });
 document.addEventListener("keydown", (event) => {
   const typing = /^(INPUT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "checkbox";
