@@ -11,12 +11,12 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.support.made_studies import totals
-from tests.support.page_text import visible_text, word_count
+from tests.support.page_text import sentences, visible_text, word_count
 from tests.support.rated import with_drop_outs
 from tests.support.report import build_report, carnegie_like, foreign
 from vrcomfort.cli.app import app
 
-MOST_WORDS = 1500
+MOST_WORDS, LONGEST_SENTENCE = 1500, 35
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +53,13 @@ def test_the_first_screen_has_question_answer_sample_and_contents(page):
     assert shown.count("Total severity: ") == 1
     assert "Nausea: " not in shown, "other outcomes are asked for"
     assert word_count(shown) <= MOST_WORDS < word_count(re.sub(r"<[^>]+>", " ", page))
+
+
+def test_no_sentence_of_the_page_is_long(page):
+    words = {each: len(re.findall(r"[^\W\d_][\w’'-]*", each)) for each in sentences(page)}
+    assert len(words) > 60
+    assert {each: n for each, n in words.items() if n > LONGEST_SENTENCE} == {}
+    assert sorted(words.values())[len(words) // 2] <= 17
 
 
 def test_every_link_of_the_page_leads_somewhere(folder, page):

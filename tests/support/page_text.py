@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from html import unescape
 from html.parser import HTMLParser
 
 _SILENT = {"script", "style", "title", "svg"}
@@ -44,3 +45,12 @@ def visible_text(page: str) -> str:
 def word_count(text: str) -> int:
     """Return the number of words and numbers."""
     return len(re.findall(r"\w+(?:[.’'-]\w+)*", text))
+
+
+def sentences(page: str) -> list[str]:
+    """Return the sentences of a page's running text, tables and the text for a paper left out."""
+    page = re.sub(r"<(svg|style|script|pre)\b.*?</\1>", "", page, flags=re.DOTALL)
+    page = page.partition('<div class="refs">')[0]
+    found = re.findall(r"<(p|li|dd|figcaption)\b[^>]*>(.*?)</\1>", page, flags=re.DOTALL)
+    texts = (" ".join(unescape(re.sub(r"<[^>]+>", "", text)).split()) for _, text in found)
+    return [each for text in texts for each in re.split(r"(?<=[.!?])\s+(?=[A-Z“])", text)]
