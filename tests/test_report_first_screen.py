@@ -20,6 +20,7 @@ def test_what_changes_the_answer_stands_first(tmp_path, name):
     source, plan = made(tmp_path / "s")
     summary = build_report(source, plan=plan, out=tmp_path / "o")
     assert re.search(flag, first_screen(summary.index.read_text("utf-8")), re.I), name
+    assert "?." not in first_screen(summary.index.read_text("utf-8"))
     said = " ".join([summary.without_primary, *summary.warnings])
     if name != "a planned primary outcome missing":  # the terminal has its own words for it
         assert re.search(flag, said), name

@@ -1,5 +1,6 @@
-"""Questionnaires that a study asked as a short form, confirmed as one in the import."""
+"""Questionnaires that a study asked as a short form: confirmed in the import, or never recorded."""
 
+import csv
 import json
 from pathlib import Path
 from typing import Any
@@ -7,7 +8,8 @@ from typing import Any
 import pytest
 
 from tests.support.layouts import ITEMS, PEOPLE, study, write
-from tests.support.report import answers, build_report
+from tests.support.made_studies import totals
+from tests.support.report import Study, answers, build_report, write_csv
 from tests.test_report_study import report
 from vrcomfort.errors import InputError
 from vrcomfort.importing import MappingFile, parse_mapping, write_study
@@ -58,13 +60,16 @@ def test_a_short_form_is_analysed_and_called_one(tmp_path):
     assert all(not test["not_tested"] and test["n"] == len(PEOPLE) for test in results["tests"])
     (notice,) = (line for line in results["notices"] if "short form" in line)
     assert notice == (
-        "the SSQ is a short form, without vertigo, burping: Nausea (short form), Disorientation "
-        "(short form), Total severity (short form) are of the items that were asked, which "
-        "compares conditions of this study, and not with scores or norms of the whole questionnaire"
+        "the SSQ is a short form, without vertigo, burping: Nausea (short form) goes from 0 to "
+        "171.72, Disorientation (short form) goes from 0 to 250.56, Total severity (short form) "
+        "goes from 0 to 213.18; scores of the items that were asked compare conditions of this "
+        "study, and nothing with scores or norms of the whole questionnaire"
     )
     page = (tmp_path / "o" / "index.html").read_text("utf-8")
     assert "without vertigo, burping, which were not asked" in page
     assert "14 items" in page
+    assert "Total severity (short form) 0.00 to 213.18" in page
+    assert {o["name"]: o["high"] for o in results["outcomes"]}["T"] == pytest.approx(213.18)
     assert not results["quality"]["excluded_questionnaires"]
     assert {row["item"] for row in results["symptoms"]} == set(ITEMS) - {"vertigo", "burping"}
 
@@ -154,3 +159,46 @@ def test_two_tables_of_one_study_may_leave_out_different_items(tmp_path):
     assert results["score_basis"] == "difference_from_baseline"
     assert {test["n"] for test in results["tests"]} == {len(PEOPLE)}
     assert "without vertigo, burping" in "".join(results["notices"])
+
+
+def without(folder: Path, lost: dict[str, set[str]]) -> Path:
+    """Take the rows of items out of the questionnaires of a study, of some people or of all."""
+    for file in folder.rglob("questionnaires.csv"):
+        with file.open(encoding="utf-8", newline="") as stream:
+            rows = list(csv.DictReader(stream))
+        kept = [r for r in rows if r["item"] not in lost.get(r["participant"], lost.get("", set()))]
+        write_csv(file, tuple(rows[0]), kept)
+    return folder
+
+
+def recorded(folder: Path) -> Path:
+    study = Study(folder)
+    study.describe("tiny", a="A", b="B")
+    for place, (name, each) in enumerate(totals(12, seed=7, effect=3).items()):
+        study.session(name, 1, 0, [(c, "x", t) for c, t in each.items()][:: 1 - 2 * (place % 2)])
+        study.person(name, "ab")
+    return folder
+
+
+def test_an_item_that_no_questionnaire_of_a_study_has_makes_a_short_form(tmp_path):
+    folder = without(recorded(tmp_path / "s"), {"": {"burping"}})
+    results = report(folder, tmp_path / "o")
+    assert titles(results)[:2] == ["Total severity (short form)", "Nausea (short form)"]
+    assert all(not test["not_tested"] and test["n"] == 12 for test in results["tests"])
+    assert not results["quality"]["excluded_questionnaires"]
+    (notice,) = (line for line in results["notices"] if "short form" in line)
+    assert "without burping: Nausea (short form) goes from 0 to 171.72" in notice
+
+
+def test_an_item_that_some_people_lack_is_missing(tmp_path):
+    folder = without(recorded(tmp_path / "s"), {"P03": {"burping"}})
+    results = report(folder, tmp_path / "o")
+    assert titles(results)[0] == "Total severity"
+    assert {row["participant"] for row in results["quality"]["excluded_questionnaires"]} == {"P03"}
+
+
+def test_questionnaires_that_were_cut_short_are_no_short_form(tmp_path):
+    cut = {f"P{i + 1:02d}": set(ITEMS[3 + i % 4 :]) for i in range(12)}
+    folder = without(recorded(tmp_path / "s"), cut)
+    results = report(folder, tmp_path / "o")
+    assert not any("short form" in line for line in results["notices"])

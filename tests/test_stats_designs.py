@@ -20,6 +20,7 @@ from vrcomfort.stats.mixed import mixed_model
 from vrcomfort.stats.packages import pingouin
 from vrcomfort.stats.proportions import preference, sign_test
 from vrcomfort.stats.rank_anova import aligned_ranks, kruskal_wallis
+from vrcomfort.stats.ranks import level_of
 from vrcomfort.stats.t_tests import (
     PRIOR_SCALE,
     equivalence_of_groups,
@@ -274,6 +275,16 @@ def test_a_correlation_needs_three_pairs_and_variance(method: str) -> None:
     assert (line.estimate, line.low) == (pytest.approx(1), None)
 
 
+def test_repeated_measures_on_a_line_correlate_by_one_and_no_more() -> None:
+    """Rounding once made it more than 1, which has no arctangent."""
+    random = np.random.default_rng(5)
+    for _ in range(200):
+        x = random.integers(0, 40, 12) * 3.74
+        found = repeated_measures_correlation(x, 2.55 * x, np.repeat([1, 2, 3], 4))
+        assert found.estimate is not None
+        assert abs(found.estimate) <= 1
+
+
 def test_repeated_measures_of_single_values_say_nothing() -> None:
     assert repeated_measures_correlation([1, 2, 3], [1, 2, 3], ["a", "b", "c"]).estimate is None
     assert repeated_measures_correlation([1, 1, 2, 2], [1, 2, 3, 4], list("aabb")).estimate is None
@@ -401,3 +412,25 @@ def test_standardised_effects_say_of_zero_what_their_p_says(variances, alternati
                 assert each.high is None or each.high >= each.estimate
                 seen += not (each.low_closed and each.high_closed)
     assert seen  # some are those that the test has decided
+
+
+def test_an_exact_p_that_is_the_level_rejects() -> None:
+    """1 − .9 is less than .1 in floating point, and the p of three against three is .1."""
+    test = mann_whitney([4, 5, 6], [1, 2, 3], confidence=0.9)
+    assert test.p == pytest.approx(0.1)
+    assert not holds(test.shift, 0.0)
+    assert not holds(test.effect, 0.0)
+    assert level_of(0.9) == 0.1
+
+
+def test_the_agreement_of_means_has_no_end_where_that_of_single_scores_is_at_its_lowest() -> None:
+    """Spearman and Brown's formula changes its sign there: the low end was above the high one."""
+    random = np.random.default_rng(3)
+    for _ in range(60):
+        scores = random.integers(0, 12, (random.integers(2, 9), 2))
+        scores[:, 1] = 12 - scores[:, 0] + random.integers(0, 6, len(scores))
+        for each in intraclass(scores):
+            assert each.low <= each.estimate <= each.high <= 1, each
+            assert each.form.endswith("k") or each.low >= -1, each
+    lowest = {each.form: each for each in intraclass([[0, 9], [8, 1], [1, 9], [9, 0], [5, 4]])}
+    assert (lowest["2,1"].low, lowest["2,k"].low) == (-1, -np.inf)

@@ -14,6 +14,7 @@ from vrcomfort.stats.survival import cox, kaplan_meier, log_rank
 
 DATA = Path(__file__).parent / "data"
 OUTPUT = pd.read_csv(DATA / "survival" / "r_output.csv")
+EXACT = pd.read_csv(DATA / "survival" / "exact_output.csv")
 RELATIVE = 1e-6
 
 
@@ -137,6 +138,12 @@ def test_times_that_differ_by_rounding_are_one_time():
     assert kaplan_meier([0.1 + 0.2, 0.3, 0.4], [1, 1, 0]).times_s.size == 2
 
 
+def test_people_who_all_say_the_same_leave_no_robust_error():
+    """Two people had the event under both conditions at one time: their scores are 0."""
+    with pytest.raises(InputError, match="too few, or too alike, for robust errors"):
+        cox([10, 10, 20, 20], [1, 1, 1, 1], {"b": [0, 1, 0, 1]}, people=[1, 1, 2, 2])
+
+
 def test_an_event_under_one_condition_alone_has_no_hazard_ratio():
     times, events = [3, 5, 9, 9, 9, 9], [1, 1, 0, 0, 0, 0]
     with pytest.raises(InputError, match="the hazard ratio of b has no estimate"):
@@ -220,12 +227,12 @@ def test_of_pairs_it_is_a_sign_test_of_who_left_first():
     assert found.p_exact == pytest.approx(2 * (1 + 9) / 2**9)
 
 
-def test_r_coin_has_the_same_exact_p():
-    """coin::logrank_test(Surv(t, e) ~ g, distribution = "exact") of R 4.2.2 and coin 1.4-2."""
-    times = [4, 7, 11, 15, 16, 21, 3, 5, 6, 8, 12, 13]
-    events = [1, 1, 0, 1, 1, 0, 1, 1, 1, 1, 1, 0]
-    found = log_rank(times, events, ["a"] * 6 + ["b"] * 6)
-    assert found.p_exact == pytest.approx(0.188311688311688)
+@pytest.mark.parametrize("name", EXACT["dataset"].unique())
+def test_r_has_the_same_exact_p(name):
+    """Of every labelling in R, and of coin where that has the test (``exact.R``)."""
+    rows = EXACT[EXACT["dataset"] == name]
+    found = log_rank(rows["time"], rows["event"], rows["group"], strata=rows["stratum"])
+    assert found.p_exact == pytest.approx(rows["p"].iloc[0], rel=1e-9)
 
 
 def test_more_sums_than_can_be_listed_leave_the_asymptotic_test():

@@ -12,26 +12,47 @@ from pathlib import Path
 from typing import Any
 
 from tests.support.report import Study, build_report, foreign, write_csv
+from vrcomfort.records import ParticipantRow, RatingRow
 from vrcomfort.report.families import holds, is_shown
 
 SHOWN = re.compile(r"higher (?:under|in) |lower (?:under|in) |more preferred|more of one went")
 NOT_SHOWN = re.compile(r"no (?:difference|preference|correlation)\b.* (?:was|could be) shown")
-HEADING = 'name = "p"\ntitle = "P"\noutcomes = ["T", "N", "O", "D"]\n'
+HEADING = 'name = "p"\ntitle = "P"\n'
 PAIR = '[[contrasts]]\na = "a"\nb = "b"\n'
 GROUPS = '[[contrasts]]\na = "x"\nb = "y"\nbetween = "group"\n'
+CORRELATED = '[[correlations]]\nx = "T"\ny = "N"\nmethod = "{}"\n'
 DESIGNS = (
     "",
     PAIR,
     f'{PAIR}[[contrasts]]\na = "b"\nb = "a"\ntest = "paired_t"\n',
-    f'{GROUPS}{GROUPS}test = "welch_t"\n[[correlations]]\nx = "T"\ny = "N"\nmethod = "pearson"\n'
-    '[[correlations]]\nx = "N"\ny = "D"\n',
-    f'{PAIR}test = "sign"\n[[correlations]]\nx = "O"\ny = "D"\nmethod = "kendall"\n',
+    f'{GROUPS}{GROUPS}test = "welch_t"\n{GROUPS}test = "student_t"\n',
+    f'{PAIR}test = "sign"\n{PAIR}alternative = "less"\n',
+    f'{PAIR}{PAIR}a_timepoint = "post"\nb_timepoint = "post"\n',
 )
-CHOICES = ("", "", 'zeros = "wilcox"\n', 'alternative = "greater"\n', 'p_value = "asymptotic"\n',
-           "confidence = 0.9\n", 'withdrawals = "available_pairs"\n', 'sums_of_squares = "II"\n',
-           'mixed_model_errors = "model"\n')  # fmt: skip
+MORE = (
+    CORRELATED.format("pearson"),
+    CORRELATED.format("spearman"),
+    CORRELATED.format("kendall"),
+    CORRELATED.format("repeated_measures"),
+    '[[equivalence]]\noutcome = "T"\na = "a"\nb = "b"\nlow = -9.0\nhigh = 9.0\n',
+    '[[preferences]]\nname = "liked"\ncolumn = "liked"\na = "a"\nb = "b"\n',
+    '[[agreement]]\noutcome = "T"\nover = "condition"\n',
+    '[[ordinal]]\noutcome = "nausea"\n',
+    '[[anova]]\nname = "c"\ncolumn = "condition"\n[[anova]]\nname = "g"\ncolumn = "group"\n',
+    '[[exclusions]]\nname = "sick"\nscore = "T"\ntimepoint = "post"\nabove = 150.0\n',
+)
+CHOICES = ("", "", "",
+           'zeros = "wilcox"\n', 'alternative = "greater"\n', 'p_value = "asymptotic"\n',
+           "confidence = 0.9\n", "confidence = 0.99\n", 'withdrawals = "available_pairs"\n',
+           'withdrawals = "worst_rank"\n', 'sums_of_squares = "II"\n', 'scores = "raw"\n',
+           'mixed_model_errors = "model"\n', 'missing_items = "prorate"\n', "participants = 24\n",
+           "aligned_ranks = true\n", "smallest_effect_power = 0.8\n",
+           'z_scores = ["T"]\n')  # fmt: skip
 FAMILIES = ("", '[[families]]\nname = "all"\noutcomes = ["T", "N", "O", "D"]\n',
-            '[[families]]\nname = "parts"\noutcomes = ["N", "O", "D"]\n')  # fmt: skip
+            '[[families]]\nname = "parts"\noutcomes = ["N", "O", "D"]\n',
+            '[[families]]\nname = "T"\noutcomes = ["T"]\nanalyses = ["tests", "anova"]\n',
+            )  # fmt: skip
+RATED = '[ratings]\nsummaries = ["peak", "mean", "last", "area", "slope"]\n'
 
 
 def make(folder: Path, seed: int) -> tuple[Path, Path | None]:
@@ -41,55 +62,108 @@ def make(folder: Path, seed: int) -> tuple[Path, Path | None]:
     people = [f"P{i:02d}" for i in range(chance.choice((1, 2, 3, 5, 6, 8, 12, 20, 40)))]
     values = chance.choice(((0, 0, 0, 1, 5), (0, 1, 2, 5, 11, 30), (4,), (0, 48), range(20)))
     effect = chance.choice((0, 0, 2, 6, 15))
+    kind = chance.choice(("recorded", "recorded", "elsewhere", "between"))
+    missing = chance.choice((0, 0.05, 0.05, 0.3))
     scores = {
         who: {
             name: min(48, chance.choice(values) + effect * place)
             for place, name in enumerate(conditions)
-            if chance.random() > 0.05
+            if chance.random() >= missing
+            and (kind != "between" or conditions[i % len(conditions)] == name)
         }
-        for who in people
+        for i, who in enumerate(people)
     }
-    source = folder / "s"
-    if chance.random() < 0.5:
-        _recorded(source, scores, chance)
+    source, rated = folder / "s", kind == "recorded" and chance.random() < 0.4
+    if kind == "recorded":
+        _recorded(source, scores, chance, rated=rated)
     else:
         _from_elsewhere(source, scores, chance)
     if chance.random() < 1 / 3:
         return source, None
-    design = chance.choice(DESIGNS if len(conditions) > 1 else DESIGNS[:1])
     plan = folder / "plan.toml"
-    text = HEADING + chance.choice(CHOICES) + design
-    plan.write_text(text + (chance.choice(FAMILIES) if "families" not in text else ""), "utf-8")
+    plan.write_text(_plan(chance, len(conditions), between=kind == "between", rated=rated), "utf-8")
     return source, plan
+
+
+def _plan(chance: random.Random, conditions: int, *, between: bool, rated: bool) -> str:
+    """Return the text of a random plan of a study with so many conditions."""
+    outcomes = ["T", "N", "O", "D"]
+    if rated and chance.random() < 0.5:
+        outcomes.insert(chance.choice((0, 4)), chance.choice(("ratings.peak", "ratings.area")))
+    if chance.random() < 0.1:
+        outcomes.insert(0, "vrsq.total")
+    design = chance.choice(DESIGNS if conditions > 1 else DESIGNS[:1])
+    if between and conditions > 1:
+        test = chance.choice(("", 'test = "welch_t"\n'))
+        design = f'{PAIR}between = "condition"\n{test}'
+    wants = chance.sample(MORE if conditions > 1 else MORE[:3], chance.choice((0, 1, 3)))
+    choices = {each.partition(" ")[0]: each for each in chance.choices(CHOICES, k=2)}
+    return "".join([
+        f"{HEADING}outcomes = {json.dumps(outcomes)}\n", *choices.values(), design, *wants,
+        chance.choice(FAMILIES), RATED * rated,
+    ])  # fmt: skip
+
+
+def _person(who: str, chance: random.Random) -> dict[str, object]:
+    status = "excluded" if chance.random() < 0.03 else "completed"
+    return {"participant": who, "status": status, "group": chance.choice("xy"),
+            "liked": chance.choice(("a", "a", "b", "none", ""))}  # fmt: skip
 
 
 def _from_elsewhere(source: Path, scores: dict[str, dict[str, int]], chance: random.Random) -> None:
     foreign(source / "questionnaires.csv", scores)
-    rows = [{"participant": who, "status": "completed", "group": chance.choice("xy")}
-            for who in scores]  # fmt: skip
-    write_csv(source / "participants.csv", ("participant", "status", "group"), rows)
+    rows = [_person(who, chance) for who in scores]
+    write_csv(source / "participants.csv", ("participant", "status", "group", "liked"), rows)
 
 
-def _recorded(source: Path, scores: dict[str, dict[str, int]], chance: random.Random) -> None:
+def _recorded(
+    source: Path, scores: dict[str, dict[str, int]], chance: random.Random, *, rated: bool
+) -> None:
     study, leave = Study(source), chance.choice((0, 0, 0.1, 0.4))
     study.describe("tiny")
-    base = chance.choice((None, 0, 2))
+    base, scenes, gap = chance.choice((None, 0, 2)), chance.choice((1, 1, 2)), chance.random() < 0.3
     for who, each in scores.items():
         order = list(each.items())
         chance.shuffle(order)
-        exposures: list[tuple[str, str, int | None]] = [(c, "x", t) for c, t in order]
+        exposures: list[tuple[str, str, int | None]] = [
+            (c, f"scene {i}", min(48, t + i * chance.choice((0, 1))))
+            for i in range(scenes)
+            for c, t in order
+        ]
         gone = bool(exposures) and chance.random() < leave
         if gone:
             exposures = exposures[: chance.randint(1, len(exposures))]
-            exposures[-1] = (exposures[-1][0], "x", None)
+            exposures[-1] = (exposures[-1][0], exposures[-1][1], None)
         status = "withdrawn" if gone else "completed"
         if exposures:
-            study.session(who, 1, base, exposures, status=status)
+            path = study.session(who, 1, base, exposures, status=status)
+            if rated:
+                _rate(path, who, exposures, chance, gone=gone, gap=gap)
         study.person(who, "s", status)
-    file = source / "participants.csv"
-    lines = file.read_text("utf-8").splitlines()
-    lines = [f"{lines[0]},group", *(f"{line},{chance.choice('xy')}" for line in lines[1:])]
-    file.write_text("\n".join(lines) + "\n", "utf-8")
+    people = [{**each, "group": chance.choice("xy"), "liked": chance.choice("aabb-").strip("-")}
+              for each in study.people]  # fmt: skip
+    write_csv(source / "participants.csv", (*ParticipantRow.columns(), "group", "liked"), people)
+
+
+def _rate(
+    folder: Path, who: str, exposures: list[tuple[str, str, int | None]], chance: random.Random, *,
+    gone: bool, gap: bool,
+) -> None:  # fmt: skip
+    """Write FMS ratings every 10 s: some are missed, some are not there."""
+    rows = []
+    for trial, (condition, _, total) in enumerate(exposures, start=1):
+        highest = (total or 0) // 3
+        last = 40 if gone and trial == len(exposures) else 90
+        silent = (20, 60) if gap and chance.random() < 0.2 else (0, 0)
+        rows += [
+            {"participant": who, "session": 1, "trial": trial, "condition": condition,
+             "onset_s": 100.0 * trial + at, "latency_s": 1.0, "instrument": "fms",
+             "response": "" if missed else min(20, highest + chance.choice((0, 0, 1, at // 20))),
+             "missed": int(missed)}
+            for at in range(10, last, 10) if not silent[0] < at < silent[1]
+            for missed in [chance.random() < 0.05]
+        ]  # fmt: skip
+    write_csv(folder / "ratings.csv", RatingRow.columns(), rows)
 
 
 def faults(folder: Path, seed: int) -> list[str]:
@@ -98,10 +172,15 @@ def faults(folder: Path, seed: int) -> list[str]:
     summary = build_report(source, plan=plan, out=folder / "o")
     results = json.loads(summary.results.read_text("utf-8"))
     page = summary.index.read_text("utf-8")
+    alpha = round(1 - results["plan"]["confidence"], 12)
     return [
         *_contradicting_rows(results),
+        *_contradicting_estimates(results, alpha),
         *_out_of_range(results),
+        *_out_of_scale(results),
         *_contradicting_sentences(page, summary.headlines),
+        *_contradicting_notices(results, summary.headlines),
+        *_contradicting_tables(page, alpha),
         *(f"printed {each}" for each in ("nan", "inf", "None") if f">{each}<" in page),
     ]
 
@@ -118,7 +197,7 @@ class _Ends:
 
 def _contradicting_rows(results: dict[str, Any]) -> Iterator[str]:
     """Yield the tests whose p, level, verdict and intervals differ about no difference."""
-    alpha = 1 - results["plan"]["confidence"]
+    alpha = round(1 - results["plan"]["confidence"], 12)
     for row in (*results["tests"], *results["comparisons"]):
         name = f"{row['outcome']} {row['a']} {row['b']}"
         if row["p"] is None:
@@ -173,6 +252,82 @@ def _out_of_range(found: Any, key: str = "") -> Iterator[str]:
             yield from _out_of_range(value, name)
 
 
+OTHER_NULL = {"share", "equivalence", "ordinal", "cox", "agreement", "preferences"}
+"""Keys of what is compared with something else than 0, or with a p of something else."""
+
+
+def _contradicting_estimates(found: Any, alpha: float, key: str = "") -> Iterator[str]:
+    """Yield the estimates whose own p and interval differ about 0, wherever they stand."""
+    if key in OTHER_NULL or key in {"tests", "comparisons"}:
+        if key == "tests":
+            for row in found:
+                yield from _contradicting_estimates(row.get("t_test"), alpha, "t_test")
+        return
+    if isinstance(found, list):
+        for each in found:
+            yield from _contradicting_estimates(each, alpha, key)
+    elif isinstance(found, dict):
+        p = found.get("p_adjusted", found.get("p"))
+        ends = found.get("low"), found.get("high")
+        known = p is not None and ends != (None, None) and {"low", "high"} <= found.keys()
+        if known and abs(p - alpha) > 1e-9 and holds(_Ends(found), 0.0) == (p <= alpha):
+            yield f"{key}: p {p}, {ends[0]} to {ends[1]}"
+        for name, value in found.items():
+            yield from _contradicting_estimates(value, alpha, name)
+
+
+MOST = {"T": 235.62, "N": 200.34, "O": 159.18, "D": 292.32, "ratings.peak": 20.0, "peak": 20.0,
+        "mean": 20.0, "last": 20.0, "ratings.area": 20 * 80.0, "area": 20 * 80 / 60}  # fmt: skip
+"""Of the SSQ and the FMS, whose ratings come from 10 s to 90 s."""
+
+
+def _out_of_scale(results: dict[str, Any]) -> Iterator[str]:
+    """Yield the bounds that no score, mean, difference or rating can have."""
+    changes = results["score_basis"] == "difference_from_baseline"
+    for row in results["descriptives"]:
+        name, most = row["outcome"], MOST[row["outcome"]]
+        least = -most if changes and not name.startswith("ratings.") else 0.0
+        yield from _beyond(
+            f"mean of {name}", row.get("mean_low"), row.get("mean_high"), least, most
+        )
+    for row in (*results["tests"], *results["comparisons"], *results["equivalence"]):
+        most = MOST[row["outcome"]] * (2 if changes else 1)
+        for found in (row, row.get("simultaneous"), row.get("t_test")):
+            for each in (found and found.get("shift"), found and found.get("difference"),
+                         found if row.get("t_test") is found else None):  # fmt: skip
+                if isinstance(each, dict):
+                    yield from _beyond(
+                        f"difference of {row['outcome']}", each["low"], each["high"], -most, most
+                    )
+    models = [(row["outcome"], row) for row in results["mixed_models"]]
+    models += [(row["summary"], row) for row in (results.get("ratings") or {}).get("models", ())]
+    for name, row in models:
+        most = MOST.get(name, math.inf) * (2 if changes else 1)
+        for each in (row.get("terms") or {}).values():
+            yield from _beyond(f"effect on {name}", each["low"], each["high"], -most, most)
+        for levels in (row.get("means") or {}).values():
+            for each in levels.values():
+                least = -most if changes or most == math.inf else 0.0
+                yield from _beyond(
+                    f"marginal mean of {name}", each["low"], each["high"], least, most
+                )
+    for row in results["agreement"]:
+        for form in row.get("forms") or ():
+            least = -math.inf if form["form"].endswith("k") else -1.0
+            yield from _beyond(f"ICC({form['form']})", form["low"], form["high"], least, 1.0)
+    for point in (results.get("ratings") or {}).get("curves", ()):
+        yield from _beyond("mean curve", point["low"], point["high"], 0.0, 20.0)
+
+
+def _beyond(
+    what: str, low: float | None, high: float | None, least: float, most: float
+) -> Iterator[str]:
+    slack = 1e-6 * most if math.isfinite(most) else 0.0
+    for end in (low, high):
+        if end is not None and not least - slack <= end <= most + slack:
+            yield f"{what}: an end at {end}, which is not from {least} to {most}"
+
+
 INTERVAL = re.compile(
     r"(?P<left>[\[(])(?P<low>[−\d.∞]+),\u00a0(?P<high>[−\d.∞]+)(?P<right>[\])])"
     r"(?P<hole> without 0)?"
@@ -194,10 +349,68 @@ def _contradicting_sentences(page: str, headlines: tuple[str, ...]) -> Iterator[
             before = evidence[max(0, found.start() - 40) : found.start()]
             if "share" in before or "unadjusted" in before:
                 continue
-            low, high = (
-                float(found[end].replace("−", "-").replace("∞", "inf")) for end in ("low", "high")
-            )
-            above = low < 0 or (low == 0 and found["left"] == "[")
-            below = high > 0 or (high == 0 and found["right"] == "]")
-            if (above and below and not found["hole"]) == bool(shown):
+            if _holds_zero(found) == bool(shown):
                 yield f"{claim} | {found[0]}"
+
+
+def _contradicting_notices(results: dict[str, Any], headlines: tuple[str, ...]) -> Iterator[str]:
+    """Yield notices on the primary outcome beside an answer that says another thing."""
+    answers = " ".join(headlines)
+    if results["without_primary"] and "vrsq" in results["plan"]["outcomes"][0]:
+        titles = [each["title"] for each in results["outcomes"]]
+        if any("VRSQ" in title for title in titles):
+            yield "the missing primary outcome is analysed"
+    primary = next((each["title"] for each in results["outcomes"]), "")
+    said = [line.removeprefix("Secondary: ") for line in headlines]
+    mine = [line for line in said if line.startswith(f"{primary}:")]
+    for notice in results["notices"]:
+        if "whatever they answered, no difference" in notice and any(SHOWN.search(x) for x in mine):
+            yield f"{notice} | {answers}"
+        if " is the same under " in notice and not any(
+            "nobody’s score differed" in x for x in mine
+        ):
+            yield f"{notice} | {answers}"
+
+
+NO_ZERO = re.compile(
+    r"preference|odds|equivalence|agreement|intraclass|share|survival|time to|hazard|smallest", re.I
+)  # fmt: skip
+
+
+def _contradicting_tables(page: str, alpha: float) -> Iterator[str]:
+    """Yield the rows of the page's tables whose p and interval differ about 0."""
+    for table in re.findall(r"<table.*?</table>", page, re.S):
+        caption = re.search(r"<caption>(.*?)</caption>", table, re.S)
+        text = html.unescape(re.sub(r"<[^>]+>", "", caption[1] if caption else ""))
+        heads = [
+            html.unescape(re.sub(r"<[^>]+>", "", h))
+            for h in re.findall(r"<th[^>]*>(.*?)</th>", table, re.S)
+        ]
+        ends = [place for place, head in enumerate(heads) if head.endswith("CI")]
+        if NO_ZERO.search(text) or not ends or "p" not in heads:
+            continue
+        for row in re.findall(r"<tr[^>]*>(.*?)</tr>", table, re.S):
+            cells = [
+                html.unescape(re.sub(r"<[^>]+>", "", cell))
+                for cell in re.findall(r"<td[^>]*>(.*?)</td>", row, re.S)
+            ]
+            if len(cells) != len(heads):
+                continue
+            p = cells[heads.index("p Holm")] if "p Holm" in heads else "–"
+            p = cells[heads.index("p")] if p == "–" else p
+            number = re.search(r"\d*\.\d+", p)
+            if not number or ("<" not in p and abs(float(number[0]) - alpha) < 0.002):
+                continue
+            for place in ends:
+                found = INTERVAL.fullmatch(cells[place])
+                shown = float(number[0]) <= alpha
+                other = "share above" in cells[place - 1]  # of which no difference is a half
+                if found and not other and _holds_zero(found) == shown:
+                    yield f"{text}: {' | '.join(cells)}"
+
+
+def _holds_zero(found: re.Match[str]) -> bool:
+    low, high = (float(found[end].replace("−", "-").replace("∞", "inf")) for end in ("low", "high"))
+    above = low < 0 or (low == 0 and found["left"] == "[")
+    below = high > 0 or (high == 0 and found["right"] == "]")
+    return above and below and not found["hole"]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from vrcomfort.report.families import holds, is_shown
 from vrcomfort.report.words import interval, p_equals, p_value
 from vrcomfort.stats.mixed import MOST_LEVELS
+from vrcomfort.stats.ranks import level_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -37,22 +38,22 @@ def decision_notices(
     alike = [*_no_difference_at_all(mine, primary.title, pair)]
     many = [*_many_conditions(mine, scored, plan, primary.title)]
     return [
-        *(alike or _not_possible(mine, primary.title)),
+        *(alike or _not_possible(mine, primary.title, level_of(plan.confidence))),
         *(many or _changed_by_the_family(mine, plan, primary.title, pair)),
     ]
 
 
-def _not_possible(tests: Sequence[Tested], outcome: str) -> Iterator[str]:
+def _not_possible(tests: Sequence[Tested], outcome: str, level: float) -> Iterator[str]:
     """Yield that no answers of so few people could have shown a difference."""
     smallest = [t.decision.smallest_p for t in tests if t.decision.smallest_p is not None]
     if tests and smallest and all(t.decision.verdict == "not_possible" for t in tests):
         most = max(len(test.participants) for test in tests)
         alike = min(getattr(test.found, "zeros", None) or 0 for test in tests)
         people = f"{most} people, {most - alike} of whom differ," if alike else f"{most} people"
-        of = "for so many tests " if min(smallest) <= 0.05 else ""
+        these = "so many" if min(smallest) <= level else "these"
         yield (
             f"with {people} no p below {_exactly(min(smallest))} exists: whatever they "
-            f"answered, no difference of {outcome} could be shown {of}by these tests"
+            f"answered, no difference of {outcome} could be shown by {these} tests"
         )
 
 
@@ -75,7 +76,7 @@ def _changed_by_the_family(
     tests: Sequence[Tested], plan: Plan, outcome: str, pair: _Pair
 ) -> Iterator[str]:
     """Yield the tests that would have shown a difference alone, but not among so many."""
-    level = 1 - plan.confidence
+    level = level_of(plan.confidence)
     lost = [
         t
         for t in tests
@@ -101,7 +102,7 @@ def _many_conditions(
     """Yield what comparing all pairs of many conditions costs, where the plan names none."""
     conditions = scored.table["condition"].nunique()
     if conditions > MOST_LEVELS and len(tests) > conditions:
-        level = (1 - plan.confidence) / len(tests)
+        level = (level_of(plan.confidence)) / len(tests)
         yield (
             f"{conditions} conditions make {len(tests)} comparisons of {outcome}: the smallest p "
             f"has to be at most {level:.2g} to show a difference; name the contrasts that matter "

@@ -9,6 +9,7 @@ from vrcomfort.report.analyses import ANALYSES, with_intervals
 from vrcomfort.report.analyses.anova import ANOVA
 from vrcomfort.report.families import Decision, decided
 from vrcomfort.stats.multiplicity import holm
+from vrcomfort.stats.ranks import level_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -58,7 +59,7 @@ def adjust(
     plan: Plan, compared: Sequence[SignedRankRow | ComparisonRow], anovas: Sequence[AnovaRow]
 ) -> tuple[list[AdjustedFamily], list[Decision[Any]], list[AnovaRow]]:
     """Decide every test, and adjust p of those, and of ANOVA effects, that are in a family."""
-    level, found, adjusted_rows = 1 - plan.confidence, [], list(anovas)
+    level, found, adjusted_rows = level_of(plan.confidence), [], list(anovas)
     decisions = [_decided(test.p, test.decision, level, [test.p], 0) for test in compared]
     for family in plan.families:
         of_tests = "tests" in family.analyses

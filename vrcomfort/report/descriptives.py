@@ -10,6 +10,7 @@ import numpy as np
 from vrcomfort.records.names import natural
 from vrcomfort.report.asked import timepoints_of
 from vrcomfort.report.pairs import in_a_test
+from vrcomfort.report.possible import limited
 from vrcomfort.report.rows import INLINE
 from vrcomfort.stats.means import MeanInterval, mean_interval
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.pairs import Tested
     from vrcomfort.report.plan import Plan
+    from vrcomfort.report.possible import Possible
 
 PRIMARY, ALL, TIMEPOINT = "primary", "all", "timepoint"
 
@@ -104,10 +106,16 @@ def describe(values: NDArray[np.floating[Any]]) -> Description:
 
 
 def describe_with_interval(
-    values: NDArray[np.floating[Any]], confidence: float
+    values: NDArray[np.floating[Any]], confidence: float, possible: Possible
 ) -> DescriptionWithInterval:
     """Return a description with the interval of the mean."""
     found = mean_interval(values, confidence=confidence)
+    if (found.low is None) != (found.high is None):  # on one side, the scale alone sets a bound
+        low, high = possible
+        found = MeanInterval(
+            low if found.low is None else found.low, high if found.high is None else found.high
+        )
+    found = limited(found, possible)
     return DescriptionWithInterval(
         **vars(describe(values)), mean_low=found.low, mean_high=found.high
     )
@@ -143,7 +151,9 @@ def _primary(
         part = of_the_tested(scored.table, tests, condition, outcome).dropna(subset=[outcome])
         if len(part):
             means = part.groupby("participant")[outcome].mean() * scored.units[outcome]
-            described = describe_with_interval(means.to_numpy(dtype=float), plan.confidence)
+            described = describe_with_interval(
+                means.to_numpy(dtype=float), plan.confidence, scored.possible_scores(outcome)
+            )
             found.append((PRIMARY, "", condition, described))
     return found
 

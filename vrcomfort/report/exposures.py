@@ -21,15 +21,17 @@ from vrcomfort.report.asked import (
 )
 from vrcomfort.report.baselines import Baselines, Values
 from vrcomfort.report.facts import SAME_EXPOSURE, Facts, Row, RowKey
-from vrcomfort.report.measures import Measure
+from vrcomfort.report.measures import Measure, possible_values
 from vrcomfort.report.measuring import Beside, exposure_of, measured, unmeasured
 from vrcomfort.report.outcomes import Outcome, items_of, known_outcomes, outcome_of_plan
 from vrcomfort.report.planned import planned_exposures
+from vrcomfort.report.possible import Possible
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from vrcomfort.questionnaire import Instrument, Sheet
+    from vrcomfort.report.pairs import Side
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
 
@@ -57,6 +59,8 @@ class Exposures:
         Outcome → points per integer step of its column.
     bases
         Outcome → what its scores are.
+    possible
+        Outcome → the values that it can have at one moment, in points.
     items
         Column of an item that scores are made of → its instrument, and its name.
     table
@@ -83,6 +87,7 @@ class Exposures:
     without_primary: str
     units: dict[str, float]
     bases: dict[str, Basis]
+    possible: dict[str, Possible]
     items: dict[str, tuple[str, str]]
     table: pd.DataFrame
     recovery: pd.DataFrame
@@ -99,6 +104,16 @@ class Exposures:
             self.found[key] = look()
         there: Found = self.found[key]
         return there
+
+    def possible_scores(self, outcome: str) -> Possible:
+        """Return the values that the scores of an outcome can have, changes where they are some."""
+        raw = self.possible[outcome]
+        return raw.difference if self.bases[outcome] == "difference_from_baseline" else raw
+
+    def possible_difference(self, outcome: str, *sides: Side) -> Possible:
+        """Return the range of the difference of two sides; of moments, that of raw scores."""
+        raw = all(side.timepoint for side in sides)
+        return (self.possible[outcome] if raw else self.possible_scores(outcome)).difference
 
     @property
     def titles(self) -> dict[str, str]:
@@ -306,6 +321,13 @@ class _Work:
             without_primary=without_primary,
             units={o.name: o.unit / steps[o.name] for o in self._outcomes if o.name in names},
             bases={name: self._bases[name] for name in names},
+            possible={
+                o.name: possible_values(self._study, o)
+                if isinstance(o, Measure)
+                else Possible(float(o.scale.low), float(o.scale.high))
+                for o in self._outcomes
+                if o.name in names
+            },
             items=dict(self._items),
             table=table[posts].reset_index(drop=True),
             recovery=table[~posts].reset_index(drop=True),

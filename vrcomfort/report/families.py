@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 from vrcomfort.report.words import number, p_equals, p_value
 from vrcomfort.stats.multiplicity import holm_levels
+from vrcomfort.stats.ranks import level_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -70,7 +71,7 @@ def verdict_alone(
     """Return the verdict of a test that is in no family; None where there is no p."""
     if p is None:
         return None
-    return decided(p, smallest_p, 1 - confidence, [p], 0, higher=higher)[1]
+    return decided(p, smallest_p, level_of(confidence), [p], 0, higher=higher)[1]
 
 
 def is_shown(verdict: Verdict | None) -> bool:
@@ -115,7 +116,7 @@ def difference_in_words(decision: Decision[Any], a: str, b: str, within: str, fe
 
 def too_few_in_words(decision: Decision[Any], confidence: float, zeros: int | None = None) -> str:
     """Return the shortage of data that keeps a test from showing a difference."""
-    if decision.smallest_p is not None and decision.smallest_p <= 1 - confidence:
+    if decision.smallest_p is not None and decision.smallest_p <= level_of(confidence):
         return "so few people for so many tests"
     return "so few people whose scores differ" if zeros else "so few people"
 

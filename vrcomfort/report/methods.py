@@ -133,8 +133,8 @@ def _describing() -> MethodsParagraph:
         "Descriptives",
         "The confidence interval of a condition’s mean is the wider, at each end, of the t and the "
         f"bootstrap-t interval ({RESAMPLES} resamples of n − 1, seed {SEED}; Efron & Tibshirani, "
-        "1993; Rao & Wu, 1988). That of a mean difference is from the paired t test. Standard "
-        "deviations use n − 1; quantiles follow definition 7 of Hyndman & Fan (1996).",
+        "1993; Rao & Wu, 1988), within the range of the score. Standard deviations use n − 1; "
+        "quantiles follow definition 7 of Hyndman & Fan (1996).",
         ("efron_1993", "rao_1988", "hyndman_1996"),
     )
 

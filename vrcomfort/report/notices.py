@@ -117,12 +117,17 @@ def _short_forms(study: StudyData) -> list[str]:
     found = []
     for instrument in short_forms(study):
         titles = {each.name: each.title for each in instrument.scales}
-        said = f"the {instrument.short} is a short form, without {', '.join(instrument.not_asked)}"
+        lost = ", ".join(name.replace("_", " ") for name in instrument.not_asked)
+        said = f"the {instrument.short} is a short form, without {lost}"
         if instrument.shortened:
-            made = ", ".join(titles[name] for name in instrument.shortened)
+            made = ", ".join(
+                f"{each.title} goes from {float(each.low):g} to {float(each.high):g}"
+                for each in instrument.scales
+                if each.name in instrument.shortened
+            )
             said += (
-                f": {made} are of the items that were asked, which compares conditions "
-                "of this study, and not with scores or norms of the whole questionnaire"
+                f": {made}; scores of the items that were asked compare conditions of this study, "
+                "and nothing with scores or norms of the whole questionnaire"
             )
         said += "".join(
             f"; {titles[name]} cannot be scored: {why}" for name, why in instrument.unscored.items()

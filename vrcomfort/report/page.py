@@ -108,6 +108,7 @@ def render_page(
             basis=methods.basis_sentence(results),
             has_baseline=methods.has_baseline(results),
             described=_described(results),
+            possible=_possible(results, vocabulary),
             moments=_moments(results),
             sections=[each.analysis for each in sections if each.is_on_page],
             **section_names(),
@@ -266,6 +267,15 @@ def _described(results: Results) -> list[DescribedRow]:
             if test.found
         ]
     return sorted(rows, key=lambda row: order.index(row.outcome))
+
+
+def _possible(results: Results, vocabulary: Vocabulary) -> str:
+    """Return the range of each score that is described."""
+    return ", ".join(
+        f"{vocabulary.outcome(each.name)} {words.number(each.low)} to {words.number(each.high)}"
+        for each in results.outcomes
+        if each.basis != "measured" and each.high is not None
+    )
 
 
 def _moments(results: Results) -> list[DescribedRow]:

@@ -259,6 +259,8 @@ def with_every_score(
         Cell (a level, or a tuple of them) → scores that a participant is to have in it; the most
         frequent number in each cell without it.
     """
+    if rows.empty:
+        return rows
     by = ["participant", *cells]
     counts = rows.groupby(by).size()
     needed = (

@@ -32,6 +32,7 @@ from vrcomfort.stats.power import (
     power_of,
     t_test_power,
 )
+from vrcomfort.stats.ranks import level_of
 
 if TYPE_CHECKING:
     from vrcomfort.report.plan import Plan
@@ -184,7 +185,9 @@ def question_of(
         plan = load_plan(find_plan(plan_name))
     first = plan.contrasts[0] if plan.contrasts else None
     alternative = (first.alternative if first else None) or plan.alternative
-    test = PairedTest(_test_of(plan), alternative, 1 - plan.confidence, plan.zeros, plan.p_value)
+    test = PairedTest(
+        _test_of(plan), alternative, level_of(plan.confidence), plan.zeros, plan.p_value
+    )
     generator, words, effect_sd = _generator(effect, sd, found)
     return Question(
         outcome=plan.outcomes[0] if plan.outcomes else "the primary score",

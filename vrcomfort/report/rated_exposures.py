@@ -18,6 +18,7 @@ from vrcomfort.recordings import GAP
 from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.names import natural
 from vrcomfort.records.recording import Memory
+from vrcomfort.report.possible import Possible
 from vrcomfort.report.study_data import length_s, seen_s, trial_s, undone_attempts
 from vrcomfort.seen_time import (
     FRAME_COLUMNS,
@@ -31,7 +32,7 @@ from vrcomfort.seen_time import (
 from vrcomfort.stats.rating_courses import RatingCourse
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Mapping
+    from collections.abc import Container, Iterable, Mapping
 
     from numpy.typing import NDArray
 
@@ -290,6 +291,20 @@ def rated_exposures(
         series = _Series.of(rated[key], usual_s)
         found.append(_exposure(key, position, series, trial, clock, may_have_left=gone))
     return found
+
+
+def possible_area(exposures: Iterable[RatedExposure], scale: Possible) -> Possible:
+    """Return the range of areas under ratings on a scale, in points × s.
+
+    They lie between that of the lowest rating throughout the shortest course and that of the
+    highest throughout the longest.
+    """
+    whole = [e.course.answered.times_s for e in exposures if e.course.area() is not None]
+    spans_s = [float(np.ptp(times_s)) for times_s in whole]
+    if not spans_s or scale.low is None or scale.high is None:
+        return Possible()
+    ends = [r * each for r in (scale.low, scale.high) for each in (min(spans_s), max(spans_s))]
+    return Possible(min(ends), max(ends))
 
 
 def _key(row: Mapping[str, str]) -> Key:

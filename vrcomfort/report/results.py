@@ -355,6 +355,8 @@ def _outcomes(scored: Exposures) -> tuple[ReportedOutcome, ...]:
             unit_label=each.unit_label,
             better=each.better,
             definition=definition_of(each) if isinstance(each, Measure) else "",
+            low=scored.possible[each.name].low,
+            high=scored.possible[each.name].high,
         )
         for each in scored.outcomes
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypedDict
 from vrcomfort.report.pairs import pair_up
 from vrcomfort.report.withdrawals import lost_signs
 from vrcomfort.stats.power import PairedTest, smallest_effect
+from vrcomfort.stats.ranks import level_of
 from vrcomfort.stats.signed_rank import signed_rank, worst_rank
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def smallest_effects(plan: Plan, tests: Sequence[SignedRankRow]) -> list[Smalles
 
 def _smallest_effect(plan: Plan, power: float, test: SignedRankRow) -> SmallestEffectRow:
     tested = PairedTest(
-        "signed_rank", test.alternative, 1 - plan.confidence, plan.zeros, plan.p_value
+        "signed_rank", test.alternative, level_of(plan.confidence), plan.zeros, plan.p_value
     )
     found = smallest_effect(tested, test.n, power=power, studies=STUDIES, seed=SEED)
     sd = test.found.difference.sd if test.found else None

@@ -76,6 +76,8 @@ _NUMBERS = (
 )  # fmt: skip
 
 
+FEWEST_WHOLE = 2
+"""People with an answer to every other item, from whom on a missing item is a design."""
 _CUT_SHORT = frozenset(["withdrawn", "stopped", "skipped", "aborted"])
 _WHOLE = frozenset(["", "task", "adjustment"])
 """What may have ended an exposure that was done."""
@@ -214,6 +216,7 @@ def read_study(
         for table in _tables(folder, QuestionnaireRow, warnings)
         for sheet in _sheets(table, source, known, only, warnings)
     ]
+    known = _as_asked(known, _never_asked(sheets, known))
     if not sheets and only is not None:
         raise InputError(f"no {only.short} is answered in this table", file=source)
     instead = (_table(folder, each, []) for each in (TaskRow, DialRow))
@@ -513,6 +516,29 @@ def _as_asked(
         name: short_form(each, not_asked[name]) if name in not_asked else each
         for name, each in known.items()
     }
+
+
+def _never_asked(sheets: Iterable[Sheet], known: Mapping[str, Instrument]) -> dict[str, list[str]]:
+    """Return the items of each instrument that no questionnaire has, where that is its design.
+
+    It is one where all questionnaires lack the same few items, and most have an answer to every
+    other one: what a session that was cut short lacks is missing.
+    """
+    by_name: dict[str, list[Sheet]] = defaultdict(list)
+    for sheet in sheets:
+        by_name[sheet.keys["instrument"]].append(sheet)
+    found = {}
+    for name, mine in by_name.items():
+        there = {item for sheet in mine for item in sheet.answers}
+        needed = [item.name for item in known[name].asked]
+        asked = [item for item in needed if item in there]
+        whole = [s for s in mine if all(s.answers.get(item) is not None for item in asked)]
+        several = len({sheet.participant for sheet in whole}) >= FEWEST_WHOLE
+        most = len(whole) > len(mine) / 2 and 2 * len(asked) >= len(needed)
+        if len(asked) < len(needed) and several and most:
+            lost = [item for item in needed if item not in there]
+            found[name] = [*known[name].not_asked, *lost]
+    return found
 
 
 def _sheets(

@@ -35,6 +35,9 @@ class ReportedOutcome:
     unit_label: str
     better: str
     definition: str
+    low: float | None
+    high: float | None
+    """The lowest and the highest value that it can have at one moment; None: not known."""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from scipy.stats import t as t_distribution
 
 from vrcomfort.errors import InputError
 from vrcomfort.stats.effects import EffectSize, decided_at_zero
-from vrcomfort.stats.ranks import doubled_midranks, tied_count
+from vrcomfort.stats.ranks import doubled_midranks, level_of, tied_count
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -105,7 +105,7 @@ def _decided(found: Correlation) -> Correlation:
     if found.estimate is None or found.p is None:
         return found
     ends = EffectSize(found.estimate, found.low, found.high, found.confidence)
-    ends = decided_at_zero(ends, rejected=found.p <= 1 - found.confidence)
+    ends = decided_at_zero(ends, rejected=found.p <= level_of(found.confidence))
     return replace(found, **{key: value for key, value in vars(ends).items() if key in ENDS})
 
 
@@ -160,7 +160,7 @@ def repeated_measures_correlation(
     if df < 1 or any(flat):
         return Correlation("repeated_measures", n, k, None, None, None, None, confidence, None,
                            None)  # fmt: skip
-    r = float(one @ two / math.sqrt((one @ one) * (two @ two)))
+    r = _cosine(one, two)
     ends = _fisher(r, 1 / math.sqrt(df - 1) if df > 1 else None, confidence)
     p = _t_p(r, df)
     return _decided(Correlation("repeated_measures", n, k, df, r, *ends, confidence, p, "t"))
@@ -174,7 +174,11 @@ def _within(values: Floats, groups: NDArray[np.intp]) -> Floats:
 
 
 def _pearson(x: Floats, y: Floats) -> float:
-    one, two = x - x.mean(), y - y.mean()
+    return _cosine(x - x.mean(), y - y.mean())
+
+
+def _cosine(one: Floats, two: Floats) -> float:
+    """Return the correlation of centred values, which no rounding takes beyond ±1."""
     r = float(one @ two / math.sqrt((one @ one) * (two @ two)))
     return max(-1.0, min(1.0, r))
 
@@ -297,7 +301,8 @@ def _agreement(squares: _MeanSquares, *, mean: bool, confidence: float) -> Intra
     n, k, tail = squares.n, squares.k, (1 - confidence) / 2
     people, occasions, error = squares.people, squares.occasions, squares.error
     df_error = (n - 1) * (k - 1)
-    icc = (people - error) / (people + (k - 1) * error + k * (occasions - error) / n)
+    least = -1 / (k - 1)  # the answers of one person cannot be more unlike
+    icc = max((people - error) / (people + (k - 1) * error + k * (occasions - error) / n), least)
     a, b = k * icc / (n * (1 - icc)), 1 + k * icc * (n - 1) / (n * (1 - icc))
     mixed = a * occasions + b * error
     df = mixed**2 / ((a * occasions) ** 2 / (k - 1) + (b * error) ** 2 / df_error)
@@ -308,6 +313,14 @@ def _agreement(squares: _MeanSquares, *, mean: bool, confidence: float) -> Intra
     high = n * (below * people - error) / (rest + n * below * people)
     f = people / error
     p = float(f_distribution.sf(f, n - 1, df_error))
-    found = [k * each / (1 + (k - 1) * each) if mean else each for each in (icc, low, high)]
+    low = max(low, least) if np.isfinite(low) else least
+    high = max(high, icc) if np.isfinite(high) else 1.0
+    if mean:
+        icc, low, high = (_of_the_mean(each, k) for each in (icc, low, high))
     name = f"2,{'k' if mean else '1'}"
-    return Intraclass(name, found[0], found[1], found[2], f, n - 1, df_error, p, confidence)
+    return Intraclass(name, icc, low, high, f, n - 1, df_error, p, confidence)
+
+
+def _of_the_mean(icc: float, k: int) -> float:
+    """Return the correlation of the mean of k (Spearman–Brown); that of −1/(k − 1) has no end."""
+    return k * icc / (1 + (k - 1) * icc) if icc > -1 / (k - 1) else -np.inf

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.stats import norm
 
 from vrcomfort.stats.effects import EffectSize, decided_at_zero
-from vrcomfort.stats.ranks import ExactOrAsymptotic, doubled_midranks, tied_count
+from vrcomfort.stats.ranks import ExactOrAsymptotic, doubled_midranks, level_of, tied_count
 from vrcomfort.stats.shift import Shift
 
 if TYPE_CHECKING:
@@ -87,9 +87,10 @@ def mann_whitney(
     Returns
     -------
     MannWhitney or None
-        None where a group is empty. The interval of the shift holds the shifts that this very
-        test, ranked anew, does not reject; that of the effect is Newcombe's (2006, method 5),
-        which has a width with complete separation as well, and says of 0 what p says.
+        None where a group is empty. The interval of the shift is the closed hull of the shifts that
+        this very test, ranked anew, does not reject (without 0 where it rejects that); that of the
+        effect is Newcombe's (2006, method 5), which has a width with complete separation as well,
+        and says of 0 what p says.
 
     Examples
     --------
@@ -118,7 +119,7 @@ def mann_whitney(
         return test
     shift = _shift(first, second, unit, test, confidence)
     effect = superiority_interval(sums.u, first.size, second.size, alternative, confidence)
-    effect = decided_at_zero(effect, rejected=test.p <= 1 - confidence)
+    effect = decided_at_zero(effect, rejected=test.p <= level_of(confidence))
     return replace(test, shift=shift, effect=effect)
 
 
@@ -230,7 +231,7 @@ def _shift(
     a: Integers, b: Integers, unit: float, test: MannWhitney, confidence: float
 ) -> Shift | None:
     """Return the median difference with the hull of the shifts that the test does not reject."""
-    exact, level = test.p_exact is not None, 1 - confidence
+    exact, level = test.p_exact is not None, level_of(confidence)
 
     def accepts(side: Alternative) -> Callable[[Integers, Integers, bool], bool]:
         def accepted(first: Integers, second: Integers, far: bool) -> bool:
@@ -252,8 +253,10 @@ def _shift(
         estimate=float(np.median(np.subtract.outer(a, b))) * unit,
         low=None if low is None else low[0] * unit,
         high=None if end is None else (end + 0.0) * unit,
-        low_closed=low is not None and low[1],
-        high_closed=high is not None and high[1],
+        # On a grid of scores the median difference lies on the grid, and there, with ties, the test
+        # asks for something else: an end is left out alone where it is 0, of which p has decided.
+        low_closed=low is not None and (low[1] or low[0] != 0),
+        high_closed=high is not None and (high[1] or high[0] != 0),
         confidence=confidence,
         coverage=None,
         n=test.n_a + test.n_b,

@@ -11,6 +11,7 @@ from scipy.stats import beta, binom, norm
 from scipy.stats import fisher_exact as scipy_fisher_exact
 
 from vrcomfort.stats.effects import EffectSize
+from vrcomfort.stats.ranks import level_of
 from vrcomfort.stats.shift import Shift
 
 if TYPE_CHECKING:
@@ -109,7 +110,7 @@ def _median(
         if end is None:
             return False
         above, below = int((values > end).sum()), int((values < end).sum())
-        return _binomial_p(above, above + below, alternative) > 1 - confidence
+        return _binomial_p(above, above + below, alternative) > level_of(confidence)
 
     return Shift(
         float(np.median(ordered)) * unit,

@@ -81,6 +81,14 @@ def tied_count(values: ArrayLike) -> int:
     return int(sizes[sizes > 1].sum())
 
 
+def level_of(confidence: float) -> float:
+    """Return 1 − confidence, without the rounding by which 1 − .9 is less than .1.
+
+    Exact p values can be the level itself: that of three people against three others is .1.
+    """
+    return round(1 - confidence, 12)
+
+
 def fewest_for_interval(confidence: float, sides: Literal[1, 2] = 2) -> int:
     """Return the fewest differences that allow an interval: six at 95 %, five of one side.
 

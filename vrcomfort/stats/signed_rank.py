@@ -23,6 +23,7 @@ from vrcomfort.stats.ranks import (
     Alternative,
     ExactOrAsymptotic,
     doubled_midranks,
+    level_of,
     sign_flip_lower_tail,
     tied_count,
 )
@@ -171,7 +172,7 @@ def signed_rank(
         confidence=confidence,
     )
     if effect is not None and effect_interval == "normal_shift":
-        effect = decided_at_zero(effect, rejected=test.p <= 1 - confidence)
+        effect = decided_at_zero(effect, rejected=test.p <= level_of(confidence))
     return replace(test, shift=shift, effect=effect)
 
 
@@ -212,7 +213,7 @@ def _inverted(values: Integers, unit: float, test: SignedRank, confidence: float
         return None
     rough = partial(_asymptotic, zeros=test.zero_method, alternative=test.alternative)
     exact = partial(_exact, zeros=test.zero_method, alternative=test.alternative)
-    level = 1 - confidence
+    level = level_of(confidence)
     hull = invert(values, rough if test.p_exact is None else exact, rough, level=level)
     return with_hull(
         values,

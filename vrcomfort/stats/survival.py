@@ -424,6 +424,10 @@ class Cox:
     """Of `wald`."""
 
 
+NO_ERROR = 1e-9
+"""Share of a coefficient's own standard error below which the robust one is rounding."""
+
+
 @dataclass(frozen=True)
 class _Risk:
     """The risk set at one time of events: Efron's denominators."""
@@ -472,8 +476,8 @@ def cox(
     Raises
     ------
     InputError
-        If there is no event, a covariate says nothing of its own, or the hazard ratio is 0 or
-        infinite because all events, or none, lie on one side of it.
+        If there is no event, a covariate says nothing of its own, no robust error is left, or the
+        hazard ratio is 0 or infinite because all events, or none, lie on one side of it.
     """
     times = one_time(np.asarray(times_s, dtype=np.float64))
     had = np.asarray(events, dtype=np.float64) > 0
@@ -499,6 +503,8 @@ def cox(
     wald = float(coefficients @ np.linalg.pinv(covariance, hermitian=True) @ coefficients)
     half = float(norm.isf((1 - confidence) / 2))
     errors, plain = np.sqrt(np.diag(covariance)), np.sqrt(np.diag(naive))
+    if (errors <= NO_ERROR * plain).any():
+        raise InputError("the people are too few, or too alike, for robust errors")
     return Cox(
         n=times.size,
         events=int(had.sum()),

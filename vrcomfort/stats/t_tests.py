@@ -14,6 +14,7 @@ from scipy.stats import chi2
 from scipy.stats import t as t_distribution
 
 from vrcomfort.stats.effects import EffectSize, decided_at_zero
+from vrcomfort.stats.ranks import level_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -151,7 +152,7 @@ def _decided(found: TTest) -> TTest:
 
     Welch's p is not that of the pooled deviation that they are in units of.
     """
-    rejected = found.p <= 1 - found.confidence
+    rejected = found.p <= level_of(found.confidence)
     d, g = (decided_at_zero(e, rejected=rejected) for e in (found.cohen_d_interval, found.hedges_g))
     return replace(found, cohen_d_interval=d, hedges_g=g)
 

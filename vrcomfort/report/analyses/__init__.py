@@ -28,6 +28,7 @@ from vrcomfort.report.analyses.contract import (
     Section,
     Sentence,
 )
+from vrcomfort.stats.ranks import level_of
 
 if TYPE_CHECKING:
     from vrcomfort.report.rows import Cells
@@ -81,7 +82,7 @@ def _data_of(analysis: Analysis[Any], data: AnalysisData) -> AnalysisData:
 def with_intervals(data: AnalysisData, analysis: Analysis[Any], row: Any) -> Any:
     """Return a row with the intervals of the level at which it decides, where that is stricter."""
     level = row.decision.level
-    if level is None or level >= 1 - data.plan.confidence:
+    if level is None or level >= level_of(data.plan.confidence):
         return row
     found = analysis.intervals(_data_of(analysis, data), row, level)
     return replace(row, decision=replace(row.decision, simultaneous=found)) if found else row

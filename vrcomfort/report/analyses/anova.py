@@ -31,7 +31,7 @@ from vrcomfort.report.analyses.contract import (
 from vrcomfort.report.factors import is_between, level_of, points
 from vrcomfort.report.pairs import with_every_score
 from vrcomfort.report.rows import INLINE
-from vrcomfort.report.words import NONE, degrees, fraction, interval, number, p_value
+from vrcomfort.report.words import NONE, degrees, fraction, number, p_value
 from vrcomfort.stats.anova import AnovaEffect, anova
 from vrcomfort.stats.rank_anova import aligned_ranks
 
@@ -181,9 +181,9 @@ def _methods(rows: Sequence[AnovaRow], report: ReportContext) -> Iterator[Method
             f"The ANOVA uses type {report.plan.sums_of_squares} sums of squares (Maxwell et al., "
             "2018) and participants with every planned score in every cell. Sphericity: Mauchly’s "
             "(1940) test, and ε after Greenhouse & Geisser (1959, GG) and Huynh & Feldt (1976, "
-            "HF). Effect sizes: generalised η² (Olejnik & Algina, 2003) and partial η² with its "
-            "90 % interval from the noncentral F distribution (Steiger, 2004). Residuals were "
-            f"tested after Shapiro & Wilk (1965){plotted}.",
+            "HF). Effect sizes: generalised η² (Olejnik & Algina, 2003) and partial η², whose "
+            "interval, in the tables, is that of the noncentral F distribution (Steiger, 2004). "
+            f"Residuals were tested after Shapiro & Wilk (1965){plotted}.",
             ("maxwell_2018", "mauchly_1940", "greenhouse_1959", "huynh_1976", "olejnik_2003",
              "steiger_2004", "shapiro_1965", *(("blom_1958",) if report.drawn else ())),
         )  # fmt: skip
@@ -286,9 +286,9 @@ def _outcome_of(
 def _note(_: Sequence[AnovaRow], report: ReportContext) -> str:
     return html(
         "Type {} sums of squares. Effects with one degree of freedom need no sphericity "
-        "correction. Intervals of η²<sub>p</sub> belong to the first <i>p</i> and assume normal "
-        "scores: with heavy tails they cover the true value in less than 90 % of studies (.79 with "
-        "n = 40).",
+        "correction. The 90 % intervals of η²<sub>p</sub> are in <code>tables/anova.csv</code> "
+        "alone: they belong to the uncorrected <i>p</i> and assume normal scores; with heavy tails "
+        "they cover the true value in as few as .79 of studies.",
         report.plan.sums_of_squares,
     )
 
@@ -337,7 +337,6 @@ _TABLE: AnalysisTable[AnovaRow, AnovaEffect] = AnalysisTable(
             Markup("η²<sub>G</sub>"), lambda effect, _: fraction(effect.generalised_eta_squared, 3)
         ),
         _Column(Markup("η²<sub>p</sub>"), _eta(lambda eta: fraction(eta.estimate, 3))),
-        _Column("90 % CI", _eta(lambda eta: interval(eta, bounded=True))),
     ),
     lines=_effects,
     group=_title,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -25,6 +25,7 @@ from vrcomfort.report.analyses.contract import (
     estimate_columns,
 )
 from vrcomfort.report.factors import points
+from vrcomfort.report.possible import limited
 from vrcomfort.report.rows import INLINE
 from vrcomfort.stats.mixed import Crossover, Estimate, crossover
 
@@ -90,7 +91,10 @@ def _fit(data: AnalysisData, a: str, b: str, outcome: str) -> CrossoverFit:
     a_first = (place[a] < place[b]).to_numpy()
     first = np.where(a_first, score[a], score[b])
     second = np.where(a_first, score[b], score[a])
-    found = crossover(first, second, a_first)
+    found = crossover(first, second, a_first, confidence=data.plan.confidence)
+    apart = data.scored.possible_scores(outcome).difference
+    names = ("condition", "period", "sequence")
+    found = replace(found, **{name: limited(getattr(found, name), apart) for name in names})
     return CrossoverFit(found, tuple(left_out), {a: planned[a], b: planned[b]})
 
 

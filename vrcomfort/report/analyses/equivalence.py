@@ -35,9 +35,11 @@ from vrcomfort.report.pairs import (
     too_few,
 )
 from vrcomfort.report.plan import Entry
+from vrcomfort.report.possible import limited
 from vrcomfort.report.rows import INLINE, cells
 from vrcomfort.report.words import degrees, interval, number, p_equals, p_value
 from vrcomfort.settings import Problem
+from vrcomfort.stats.ranks import level_of
 from vrcomfort.stats.t_tests import equivalence_of_groups, equivalence_of_pairs
 
 if TYPE_CHECKING:
@@ -113,9 +115,10 @@ def _compute(data: AnalysisData, asked: Sequence[Equivalent]) -> list[Equivalenc
 
 def _row(data: AnalysisData, asked: Equivalent) -> EquivalenceRow:
     samples = _samples(data, asked)
-    level = 1 - data.plan.confidence
+    level = level_of(data.plan.confidence)
     problem = too_few(samples)
     test = None if problem else _test(samples, asked, level)
+    test = limited(test, data.scored.possible_scores(asked.outcome).difference)
     if isinstance(samples, Pairs):
         n, people = len(samples.participants), (samples.participants, samples.participants)
     else:

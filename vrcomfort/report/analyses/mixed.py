@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import pandas as pd
@@ -31,11 +31,13 @@ from vrcomfort.report.analyses.contract import (
 )
 from vrcomfort.report.exposures import column_of
 from vrcomfort.report.factors import points
+from vrcomfort.report.possible import all_limited, limited
 from vrcomfort.report.rows import INLINE
 from vrcomfort.report.words import NONE, degrees, interval, number, p_value
 from vrcomfort.stats.mixed import MOST_LEVELS, Estimate, MixedModel, Pairwise, mixed_model
 
 if TYPE_CHECKING:
+    from vrcomfort.report.possible import Possible
     from vrcomfort.report.rows import Cells
     from vrcomfort.report.vocabulary import Vocabulary
     from vrcomfort.stats.random_intercept import FTest
@@ -115,8 +117,26 @@ def _fit(data: AnalysisData, outcome: str) -> MixedFit:
             # covariates. `left_out` has them in the order of the plan.
             left_out.insert(0, (covariates if len(factors) < 2 else factors).pop())
             continue
-        return MixedFit(model, tuple(left_out))
+        possible = scored.possible_scores(outcome)
+        return MixedFit(within_possible(model, possible, covariates), tuple(left_out))
     raise InputError("no effect has two levels in the data")
+
+
+def within_possible(
+    model: MixedModel, possible: Possible, covariates: Collection[str] = ()
+) -> MixedModel:
+    """Return a model whose intervals of means and differences end within what is possible."""
+    apart = possible.difference
+    return replace(
+        model,
+        intercept=limited(model.intercept, possible),
+        terms={
+            name: each if name in covariates else limited(each, apart)
+            for name, each in model.terms.items()
+        },
+        means={name: all_limited(each, possible) for name, each in model.means.items()},
+        pairwise={name: all_limited(each, apart) for name, each in model.pairwise.items()},
+    )
 
 
 def _methods(rows: Sequence[MixedRow], report: ReportContext) -> Iterator[MethodsParagraph]:

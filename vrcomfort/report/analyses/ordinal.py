@@ -33,6 +33,7 @@ from vrcomfort.report.rows import INLINE
 from vrcomfort.report.words import NONE, degrees, interval, number, p_equals, p_value
 from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.ordinal import OrdinalModel, ordinal_model
+from vrcomfort.stats.ranks import level_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -158,7 +159,7 @@ def _sentences(row: OrdinalRow, words: Vocabulary) -> Iterator[Sentence]:
     model = "Cumulative logit model"
     model += " with a random intercept" if fit.participant_sd is not None else ""
     for term, odds in fit.terms.items():
-        shown = odds.p <= 1 - confidence
+        shown = odds.p <= level_of(confidence)
         said = ("higher" if odds.estimate > 0 else "lower") if shown else "no difference shown"
         ends = interval(_Ends(odds.odds_low, odds.odds_high), null=1.0)
         yield Sentence(

@@ -10,6 +10,7 @@ from vrcomfort.report.measures.sources import (
     definition_of,
     fault_of,
     measure_of,
+    possible_values,
     values_of,
 )
 
@@ -22,5 +23,6 @@ __all__ = [
     "definition_of",
     "fault_of",
     "measure_of",
+    "possible_values",
     "values_of",
 ]

@@ -20,7 +20,8 @@ from vrcomfort.report.measures.model import (
     in_steps,
     number_of,
 )
-from vrcomfort.report.rated_exposures import FINISHED, LiveClock, rated_exposures
+from vrcomfort.report.possible import Possible
+from vrcomfort.report.rated_exposures import FINISHED, LiveClock, possible_area, rated_exposures
 from vrcomfort.report.study_data import cut_short, length_s, seen_s
 from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.rating_courses import RatingCourse
@@ -358,6 +359,28 @@ def measure_of(name: str, said: MeasureSettings | None = None) -> Measure:
         instrument=said.instrument,
         threshold=said.threshold,
     )
+
+
+def possible_values(study: StudyData, measure: Measure) -> Possible:
+    """Return the range of the values that a measure can have.
+
+    Of ratings, the scale limits it. The other quantities with a name of their own are times,
+    lengths, numbers and shares, which have no sign. Of what a lab calls by its own name, nothing is
+    known.
+    """
+    if measure.source == "ratings" and measure.quantity != "time_to":
+        name = _rated_with(study, measure.instrument)
+        known = study.instruments.get(name)
+        if known is None or measure.quantity == "slope":
+            return Possible()
+        scale = Possible(float(known.low), float(known.high))
+        if measure.quantity != "area":
+            return scale
+        return possible_area(rated_exposures(study, name, clock=LiveClock(study)), scale)
+    quantity = SOURCES[measure.source].quantities.get(measure.quantity)
+    if quantity is None:
+        return Possible()
+    return Possible(0.0, 100.0 if quantity.unit == "%" else None)
 
 
 def definition_of(measure: Measure) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import MethodsParagraph
+from vrcomfort.report.possible import Possible
 from vrcomfort.report.rated_exposures import (
     ALL,
     COMPLETERS,
@@ -44,6 +45,7 @@ from vrcomfort.report.ratings.time_courses import (
     exposure_lines,
     models,
     planned_s,
+    possible_summaries,
     sensitivity,
     time_course_paragraph,
 )
@@ -54,6 +56,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.report.analyses.contract import SectionData
     from vrcomfort.report.ratings.settings import RatingAnalysis
+    from vrcomfort.report.study_data import StudyData
     from vrcomfort.stats.means import MeanCurves
 
 
@@ -129,6 +132,8 @@ class TimeCourseAnalysis:
     ----------
     conditions
         Those with a rating or an exposure, in the order of the report.
+    scale
+        The ratings that there can be.
     carried
         Curves with last observations carried forward (LOCF); None without withdrawals.
     ratings, leaving
@@ -137,6 +142,7 @@ class TimeCourseAnalysis:
 
     exposures: list[RatedExposure]
     conditions: list[str]
+    scale: Possible
     confidence: float
     curves: MeanCurves | None
     carried: MeanCurves | None
@@ -163,18 +169,18 @@ def analyse_time_courses(data: SectionData, asked: RatingAnalysis) -> TimeCourse
     conditions = _conditions(exposures, list(data.labels))
     exposures = [e for e in exposures if e.condition in conditions]
     answered = [e for e in exposures if e.course.answered.ratings.size]
-    curves = carried = None
+    scale, curves, carried = scale_of(study, instrument), None, None
     if answered:
         curves = condition_curves(answered, conditions, plan.confidence)
         if any(e.left for e in answered):
             carried = condition_curves(answered, conditions, plan.confidence, carried=True)
     ratings = None
     if any(e.course.times_s.size for e in exposures):
-        points = curve_points(curves, carried, conditions)
+        points = curve_points(curves, carried, conditions, scale)
         ratings = _ratings(data, asked, exposures, conditions, instrument, points)
     leaving = _leaving(data, exposures, conditions)
     return TimeCourseAnalysis(
-        exposures, conditions, plan.confidence, curves, carried, ratings, leaving
+        exposures, conditions, scale, plan.confidence, curves, carried, ratings, leaving
     )
 
 
@@ -217,6 +223,7 @@ def _ratings(
     low, high = (known.low, known.high) if known else (0.0, _highest(rated))
     threshold = _threshold(data, asked, instrument, (low + high) / 2)
     reference = reference_of(data, conditions)
+    ranges = possible_summaries(answered, scale_of(data.study, instrument))
     modelled = asked.symptom_model == "fast_slow"
     return RatingTimeCourses(
         instrument=instrument,
@@ -226,13 +233,14 @@ def _ratings(
         conditions=conditions,
         counts=_counts(rated),
         summaries=[row for s in asked.summaries for row in describe(answered, s, conditions)],
-        models=models(answered, asked.summaries, reference, plan),
+        models=models(answered, asked.summaries, reference, plan, ranges),
         sensitivity=sensitivity(
             [e for e in exposures if e.course.answered.ratings.size or e.left],
             asked.summaries,
             reference,
             float(high),
             plan,
+            ranges,
         ),
         threshold_rule=threshold,
         reached=_reached(data, answered, conditions, threshold, asked.times_s),
@@ -241,6 +249,12 @@ def _ratings(
         else None,
         curves=points,
     )
+
+
+def scale_of(study: StudyData, instrument: str) -> Possible:
+    """Return the range of an instrument's ratings; that of an unknown one is not known."""
+    known = study.instruments.get(instrument)
+    return Possible(float(known.low), float(known.high)) if known else Possible()
 
 
 def _threshold(

@@ -136,7 +136,7 @@ def _draw_together(
         place, shift = words.place(condition), row * every // max(len(courses.conditions), 1)
         x = curves.times_s / scale
         if bands:
-            _band(axes, x, curves.mean[row], curves.half[row], colour_of(place))
+            _band(axes, x, courses, row, colour_of(place))
         axes.plot(x, curves.mean[row], "-", color=colour_of(place), lw=1.8,
                   marker=marker_of(place), markevery=(shift, every), ms=5, mec=PAPER, mew=0.6,
                   label=lines(words.condition(condition), LEGEND))  # fmt: skip
@@ -153,9 +153,13 @@ def _draw_together(
     axes.legend(frameon=False, ncols=3, loc="lower left", bbox_to_anchor=(0, 1), fontsize=8)
 
 
-def _band(axes: Axes, x: Floats, mean: Floats, half: Floats, colour: str) -> None:
-    known = ~np.isnan(half)
-    axes.fill_between(x, mean - half, mean + half, where=known.tolist(), color=colour, alpha=0.16,
+def _band(axes: Axes, x: Floats, courses: TimeCourseAnalysis, row: int, colour: str) -> None:
+    curves = courses.curves
+    if curves is None:
+        return
+    mean, half = curves.mean[row], curves.half[row]
+    low, high = (np.clip(ends, *courses.scale) for ends in (mean - half, mean + half))
+    axes.fill_between(x, low, high, where=(~np.isnan(half)).tolist(), color=colour, alpha=0.16,
                       lw=0)  # fmt: skip
 
 
@@ -174,7 +178,7 @@ def _draw_condition(
     alone = np.flatnonzero((~np.isnan(values)).sum(axis=1) == 1)
     for one in alone:  # a line of one point is not seen
         dots(axes, x, values[one], colour, size=3.0, alpha=0.5)
-    _band(axes, x, curves.mean[row], curves.half[row], colour)
+    _band(axes, x, courses, row, colour)
     axes.plot(x, curves.mean[row], color=colour, lw=2.2)
     _mark(axes, shown, scale)
     people = len({e.participant for e in met})

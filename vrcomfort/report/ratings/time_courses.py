@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import pandas as pd
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.analyses.contract import MethodsParagraph
-from vrcomfort.report.analyses.mixed import CITED, ERRORS
-from vrcomfort.report.rated_exposures import ALL, CARRIED, COMPLETERS, WORST
+from vrcomfort.report.analyses.mixed import CITED, ERRORS, within_possible
+from vrcomfort.report.possible import Possible
+from vrcomfort.report.rated_exposures import ALL, CARRIED, COMPLETERS, WORST, possible_area
 from vrcomfort.report.rows import INLINE, Cells
 from vrcomfort.stats.means import MeanCurves, mean_curves
 from vrcomfort.stats.mixed import Errors, Estimate, MixedModel, Pairwise, mixed_model
 from vrcomfort.stats.random_intercept import FTest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
 
     from numpy.typing import NDArray
 
@@ -176,7 +177,19 @@ def describe(
     return rows if len(conditions) > 1 else rows[:-1]
 
 
-def model_of(table: pd.DataFrame, summary: Course, reference: str, plan: Plan) -> SummaryModel:
+Ranges: TypeAlias = "Mapping[Course, Possible]"
+"""Summary → the values that it can have."""
+
+
+def possible_summaries(exposures: Iterable[RatedExposure], scale: Possible) -> Ranges:
+    """Return the range of each summary of ratings on a scale."""
+    area = Possible(*(None if end is None else end / 60 for end in possible_area(exposures, scale)))
+    return {"peak": scale, "mean": scale, "last": scale, "area": area, "slope": Possible()}
+
+
+def model_of(
+    table: pd.DataFrame, summary: Course, reference: str, plan: Plan, ranges: Ranges
+) -> SummaryModel:
     """Fit ``summary ~ condition + (1 | participant)``; or return the reason for no model."""
     try:
         model = mixed_model(
@@ -190,19 +203,24 @@ def model_of(table: pd.DataFrame, summary: Course, reference: str, plan: Plan) -
         )
     except InputError as error:
         return SummaryModel(summary, error.message)
+    model = within_possible(model, ranges[summary])
     square = model.residual_sd**2 if plan.mixed_model_errors == "model" else None
     return SummaryModel(summary, None, SummaryEstimates.of(model, reference, square))
 
 
 def models(
-    exposures: list[RatedExposure], summaries: Iterable[Course], reference: str, plan: Plan
+    exposures: list[RatedExposure],
+    summaries: Iterable[Course],
+    reference: str,
+    plan: Plan,
+    ranges: Ranges,
 ) -> list[SummaryModel]:
     """Return the model of each summary, of all available data."""
 
     def table(name: Course) -> pd.DataFrame:
         return summary_table(exposures, name, lambda e: SUMMARIES[name](e.course))
 
-    return [model_of(table(name), name, reference, plan) for name in summaries]
+    return [model_of(table(name), name, reference, plan, ranges) for name in summaries]
 
 
 def sensitivity(
@@ -211,6 +229,7 @@ def sensitivity(
     reference: str,
     highest: float,
     plan: Plan,
+    ranges: Ranges,
 ) -> list[DropoutSensitivity]:
     """Return the effects of each model under other assumptions about withdrawals.
 
@@ -223,7 +242,7 @@ def sensitivity(
     for name in summaries:
         for how, of in _assumptions(name, planned, highest).items():
             kept = [e for e in exposures if how != COMPLETERS or e.ending == "completed"]
-            model = model_of(summary_table(kept, name, of), name, reference, plan)
+            model = model_of(summary_table(kept, name, of), name, reference, plan, ranges)
             if model.found is None:
                 rows.append(DropoutSensitivity(name, how, None, model.not_fitted))
                 continue
@@ -361,7 +380,10 @@ def condition_curves(
 
 
 def curve_points(
-    curves: MeanCurves | None, carried: MeanCurves | None, conditions: list[str]
+    curves: MeanCurves | None,
+    carried: MeanCurves | None,
+    conditions: list[str],
+    scale: Possible,
 ) -> list[CurvePoint]:
     """Return the means of each condition at the times at which it has an exposure."""
     if curves is None:
@@ -379,8 +401,8 @@ def curve_points(
                     time_s=float(time),
                     n=int(curves.n[row, place]),
                     mean=mean,
-                    low=mean - half if known else None,
-                    high=mean + half if known else None,
+                    low=scale.held(mean - half) if known else None,
+                    high=scale.held(mean + half) if known else None,
                     carried_forward=None if carried is None else float(carried.mean[row, place]),
                 )
             )

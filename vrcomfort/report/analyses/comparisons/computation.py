@@ -17,7 +17,8 @@ from vrcomfort.report.families import (
     Decision,
 )
 from vrcomfort.report.pairs import NO_VARIANCE, Groups, Pairs, Side, groups_of, pair_up, too_few
-from vrcomfort.report.rows import INLINE
+from vrcomfort.report.possible import limited
+from vrcomfort.report.rows import HIDDEN, INLINE
 from vrcomfort.stats.mann_whitney import mann_whitney
 from vrcomfort.stats.proportions import sign_test
 from vrcomfort.stats.t_tests import TTest, Variances, paired_t, two_sample_t
@@ -98,6 +99,8 @@ class ComparisonRow:
     not_tested: str | None
     decision: Decision[ComparisonIntervals] = field(metadata=INLINE)
     found: ComparisonFound | None = field(metadata=INLINE)
+    largest_difference: float | None = field(metadata=HIDDEN)
+    """That two such scores can have; None where it is not known."""
 
     @property
     def reported(self) -> ComparisonIntervals | ComparisonNumbers | None:
@@ -140,16 +143,29 @@ def _row(data: AnalysisData, contrast: Compared, outcome: str) -> ComparisonRow:
     row = ComparisonRow(
         a.name, b.name, outcome, contrast.test, design, (a, b), contrast.alternative,
         samples.a.size, samples.b.size, people, None, too_few(samples), Decision(), None,
+        data.scored.possible_difference(outcome, a, b).high,
     )  # fmt: skip
     if row.not_tested:
         return row
-    test = _TESTS[row.test](samples, plan, row.alternative, plan.confidence)
+    test = _tested(data, row, samples, plan.confidence)
     if test is None:
         return replace(row, not_tested=NO_VARIANCE)
     sides = {"a": describe(samples.a * samples.unit), "b": describe(samples.b * samples.unit)}
     smallest = _SMALLEST_P.get(row.test, _any_p)(samples, plan, row.alternative)
     decision: Decision[ComparisonIntervals] = Decision(smallest_p=smallest, higher=test.higher)
     return replace(row, p=test.p, decision=decision, found=ComparisonFound(sides, test.numbers))
+
+
+def _tested(
+    data: AnalysisData, row: ComparisonRow, samples: Pairs | Groups, confidence: float
+) -> _Test | None:
+    """Test two sides; the interval of their difference ends within what is possible."""
+    test = _TESTS[row.test](samples, data.plan, row.alternative, confidence)
+    if test is None or test.numbers.difference is None:
+        return test
+    possible = data.scored.possible_difference(row.outcome, *row.sides)
+    difference = replace(test.numbers.difference, of=limited(test.numbers.difference.of, possible))
+    return replace(test, numbers=replace(test.numbers, difference=difference))
 
 
 def _samples(data: AnalysisData, design: str, outcome: str, a: Side, b: Side) -> Pairs | Groups:
@@ -160,7 +176,7 @@ def _samples(data: AnalysisData, design: str, outcome: str, a: Side, b: Side) ->
 def intervals(data: AnalysisData, row: ComparisonRow, level: float) -> ComparisonIntervals | None:
     """Return the estimates with the intervals of a level; None without a test."""
     samples = _samples(data, row.design, row.outcome, *row.sides)
-    test = _TESTS[row.test](samples, data.plan, row.alternative, 1 - level)
+    test = _tested(data, row, samples, 1 - level)
     if test is None:
         return None
     return ComparisonIntervals(test.numbers.difference, test.numbers.effect)

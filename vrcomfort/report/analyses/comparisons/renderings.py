@@ -200,7 +200,11 @@ def _csv(row: ComparisonRow) -> Iterator[Cells]:
             f"{part}_holm_high": holm and holm.of.high,
         }
     difference = numbers.difference if numbers else None
-    yield {**cells, "confidence": difference and difference.of.confidence}
+    yield {
+        **cells,
+        "confidence": difference and difference.of.confidence,
+        "largest_difference": row.largest_difference,
+    }
 
 
 def _adjusted(row: ComparisonRow, name: str) -> NamedEstimate | None:
@@ -346,8 +350,11 @@ compare_means <- function(line, a, b) {
   compare(line, "p", line$p, test$p.value)
   in_family(line, test$p.value)
   compare(line, "difference", line$difference_estimate, mean, size = 1e-6)
-  compare(line, "interval, low", line$difference_low, test$conf.int[1], size = 1e-6)
-  compare(line, "interval, high", line$difference_high, test$conf.int[2], size = 1e-6)
+  # No interval goes beyond the largest difference that there can be.
+  most <- as.numeric(line$largest_difference); most <- if (is.na(most)) Inf else most
+  held <- pmin(pmax(test$conf.int, -most), most)
+  compare(line, "interval, low", line$difference_low, held[1], size = 1e-6)
+  compare(line, "interval, high", line$difference_high, held[2], size = 1e-6)
   if (df > 1) {
     compare(line, "Hedges' g", line$effect_estimate, mean / sqrt(within) * unbiased(df), size = 1e-6)
   }

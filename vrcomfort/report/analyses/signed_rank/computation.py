@@ -9,24 +9,29 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vrcomfort.report.analyses.contract import AnalysisData
-from vrcomfort.report.descriptives import Description, DescriptionWithInterval, describe
+from vrcomfort.report.descriptives import Description, describe
 from vrcomfort.report.families import Decision
 from vrcomfort.report.orders import OneOrder, one_order
 from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up
+from vrcomfort.report.possible import limited
 from vrcomfort.report.rows import HIDDEN, INLINE
 from vrcomfort.report.withdrawals import lost_signs
 from vrcomfort.stats.signed_rank import SignedRank, signed_rank, worst_rank
 from vrcomfort.stats.t_tests import paired_t
 
 if TYPE_CHECKING:
+    from typing import TypeVar
+
     from vrcomfort.report.contrasts import Compared
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
+    from vrcomfort.report.possible import Possible
     from vrcomfort.stats.effects import EffectSize
     from vrcomfort.stats.ranks import Alternative
     from vrcomfort.stats.shift import Shift
     from vrcomfort.stats.signed_rank import Zeros
 
+    Estimate = TypeVar("Estimate", Shift, EffectSize)
 
 FEWEST_PAIRS = 2
 """One pair can be tested exactly, but a single sign is no result."""
@@ -173,10 +178,13 @@ def _row(data: AnalysisData, contrast: Compared, outcome: str) -> SignedRankRow:
     )  # fmt: skip
     if len(pairs.participants) < FEWEST_PAIRS:
         return replace(row, not_tested=_too_few(scored, outcome, contrast, len(pairs.participants)))
-    return _tested(row, pairs, plan, list(signs.values()))
+    possible = scored.possible_difference(outcome, a, b)
+    return _tested(row, pairs, plan, list(signs.values()), possible)
 
 
-def _tested(row: SignedRankRow, pairs: Pairs, plan: Plan, signs: list[int]) -> SignedRankRow:
+def _tested(
+    row: SignedRankRow, pairs: Pairs, plan: Plan, signs: list[int], possible: Possible
+) -> SignedRankRow:
     """Return a row with its test; shift and r leave out withdrawals that are ranked as worst."""
     test = _signed_rank(pairs, plan, row.alternative, plan.confidence)
     ranked = test
@@ -185,13 +193,14 @@ def _tested(row: SignedRankRow, pairs: Pairs, plan: Plan, signs: list[int]) -> S
             pairs.differences, signs, zeros=plan.zeros, alternative=row.alternative,
             p_value=plan.p_value,
         )  # fmt: skip
-    # Whoever left has a rank beyond all others, but no score: shift, effect and means are of those
-    # who stayed.
-    t_test = _t_test(pairs, plan, row.alternative)
+        # Whoever left has a rank beyond all others, but no score: shift, effect and means are of
+        # those who stayed, and their intervals would be those of another test.
+        test = replace(test, shift=_without_ends(test.shift), effect=_without_ends(test.effect))
+    t_test = limited(_t_test(pairs, plan, row.alternative), possible)
     found = SignedRankFound(
         ranked.zeros, ranked.ties, test.zero_method, ranked.w_plus, ranked.w_minus, ranked.z,
         ranked.p_exact, ranked.p_asymptotic, test.shift, test.effect, ranked.method,
-        describe_pairs(pairs, (row.a, row.b), t_test),
+        describe_pairs(pairs, (row.a, row.b)),
         _other_zeros(pairs, plan, row.alternative), t_test,
     )  # fmt: skip
     decision: Decision[SignedRankIntervals] = Decision(
@@ -205,7 +214,14 @@ def intervals(data: AnalysisData, row: SignedRankRow, level: float) -> SignedRan
     """Return the estimates with the intervals of a level."""
     pairs = pair_up(data.scored, row.outcome, *row.sides, complete=data.complete)
     test = _signed_rank(pairs, data.plan, row.alternative, 1 - level)
+    if row.ranked_worst:
+        return SignedRankIntervals(_without_ends(test.shift), _without_ends(test.effect))
     return SignedRankIntervals(test.shift, test.effect)
+
+
+def _without_ends(found: Estimate | None) -> Estimate | None:
+    """Return an estimate without its interval."""
+    return None if found is None else replace(found, low=None, high=None)
 
 
 def _too_few(scored: Exposures, outcome: str, contrast: Compared, n: int) -> str:
@@ -286,18 +302,14 @@ def _t_test(pairs: Pairs, plan: Plan, alternative: Alternative) -> PairedTTest |
     )  # fmt: skip
 
 
-def describe_pairs(
-    pairs: Pairs, names: tuple[str, str], t_test: PairedTTest | None
-) -> dict[str, Description]:
+def describe_pairs(pairs: Pairs, names: tuple[str, str]) -> dict[str, Description]:
     """Return mean, spread and quartiles of both conditions and of the differences, in points.
 
-    The interval of the mean difference is that of its t test: a report has no other.
+    The interval of a mean difference stands beside its t test alone: beside the verdict of a test
+    of ranks, at its family's level, it could say another thing.
     """
-    low, high = (t_test.low, t_test.high) if t_test else (None, None)
     return {
         names[0]: describe(pairs.a * pairs.unit),
         names[1]: describe(pairs.b * pairs.unit),
-        _DIFFERENCE: DescriptionWithInterval(
-            **vars(describe(pairs.differences * pairs.unit)), mean_low=low, mean_high=high
-        ),
+        _DIFFERENCE: describe(pairs.differences * pairs.unit),
     }

@@ -145,7 +145,7 @@ def _effect_paragraph(plan: Plan) -> MethodsParagraph:
             "2 P(D₁ + D₂ > 0) − 1 that the observed r does not reject for normal non-zero "
             "differences D of any mean. The other is that of arcsin r with the standard error of "
             "its pairs (Sen, 1960), which needs no normal differences. Both drop zeros, which the "
-            "test may rank, so interval and test may disagree about 0; the p value decides."
+            "test may rank; on 0, p decides: the interval is widened to it, or ends before it."
         )
         return MethodsParagraph("Effect sizes", f"{what} {how}", ("kerby_2014", "sen_1960"))
     n = (

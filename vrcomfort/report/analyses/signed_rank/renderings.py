@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from vrcomfort.stats.shift import Shift
 
 
-_DESCRIBED = ("mean", "mean_low", "mean_high", "sd", "median", "q1", "q3")
+_DESCRIBED = ("mean", "sd", "median", "q1", "q3")
 
 
 def sentences(row: SignedRankRow, words: Vocabulary) -> Iterator[Sentence]:
@@ -94,7 +94,8 @@ def _shift(row: SignedRankRow, words: Vocabulary) -> str:
     estimate = number(shift.estimate if shift else None)
     of = f"the median difference{whose} was {estimate} {words.unit(row.outcome)}".rstrip()
     if found == NONE:
-        return f"{of} (no {percent}: too few differences)"
+        why = "the test is of ranks" if row.ranked_worst else "too few differences"
+        return f"{of} (no {percent}: {why})"
     return f"{of}, {percent} {found}{disagreement(row.decision.verdict, shift)}"
 
 
@@ -105,6 +106,8 @@ def _rank_biserial(row: SignedRankRow, words: Vocabulary) -> str:
     r = fraction(effect.estimate)
     if effect.low is not None:
         return f"{r} {interval(effect, bounded=True)}{disagreement(row.decision.verdict, effect)}"
+    if row.ranked_worst:
+        return r
     few = row.n - (row.found.zeros if row.found else 0) < fewest_for_interval(effect.confidence)
     a = words.condition(row.a)
     reason = "too few differences other than 0" if few else f"{a} has no score but 0"
@@ -134,11 +137,7 @@ def _csv(row: SignedRankRow) -> Iterator[Cells]:
         **_ends("rank_biserial_holm", holm.effect if holm else None),
     }  # fmt: skip
     for name, described in (found.descriptives if found else {}).items():
-        cells |= {
-            f"{stat}_{name}": getattr(described, stat)
-            for stat in _DESCRIBED
-            if hasattr(described, stat)
-        }
+        cells |= {f"{stat}_{name}": getattr(described, stat) for stat in _DESCRIBED}
     yield {
         **cells,
         "planned_a": row.needed[0],
