@@ -102,7 +102,7 @@ def _error(share: float, studies: int) -> float:
 def _missed(kind: str, what: str, share: float, doubt: float, *, certain: bool) -> bool:
     generator, _, effect = kind.split()
     spared = ASSUMES_SPHERICITY if generator == "unequal" else set()
-    if generator not in LEAST or what in spared:
+    if generator not in LEAST or what in spared or "has no" in what:
         return False
     if "against" in what:
         return share > 0
