@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from vrcomfort.questionnaire import Instrument, Sheet
-    from vrcomfort.report.pairs import Side
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
 
@@ -109,11 +108,6 @@ class Exposures:
         """Return the values that the scores of an outcome can have, changes where they are some."""
         raw = self.possible[outcome]
         return raw.difference if self.bases[outcome] == "difference_from_baseline" else raw
-
-    def possible_difference(self, outcome: str, *sides: Side) -> Possible:
-        """Return the range of the difference of two sides; of moments, that of raw scores."""
-        raw = all(side.timepoint for side in sides)
-        return (self.possible[outcome] if raw else self.possible_scores(outcome)).difference
 
     @property
     def titles(self) -> dict[str, str]:

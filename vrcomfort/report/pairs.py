@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.possible import Possible
 
     Integers = NDArray[np.int64]
 
@@ -51,6 +52,12 @@ class Side:
         if self.column:
             table = table[(column_of(scored, table, self.column) == self.level).fillna(False)]
         return table[table["condition"] == self.condition] if self.condition else table
+
+
+def possible_difference(scored: Exposures, outcome: str, *sides: Side) -> Possible:
+    """Return the range of the difference of two sides; of moments, that of raw scores."""
+    raw = all(side.timepoint for side in sides)
+    return (scored.possible[outcome] if raw else scored.possible_scores(outcome)).difference
 
 
 def sides_of(between: str, a: str, b: str, condition: str) -> tuple[Side, Side]:

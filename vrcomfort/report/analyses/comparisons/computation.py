@@ -16,7 +16,16 @@ from vrcomfort.report.descriptives import Description, describe
 from vrcomfort.report.families import (
     Decision,
 )
-from vrcomfort.report.pairs import NO_VARIANCE, Groups, Pairs, Side, groups_of, pair_up, too_few
+from vrcomfort.report.pairs import (
+    NO_VARIANCE,
+    Groups,
+    Pairs,
+    Side,
+    groups_of,
+    pair_up,
+    possible_difference,
+    too_few,
+)
 from vrcomfort.report.possible import limited
 from vrcomfort.report.rows import HIDDEN, INLINE
 from vrcomfort.stats.mann_whitney import mann_whitney
@@ -143,7 +152,7 @@ def _row(data: AnalysisData, contrast: Compared, outcome: str) -> ComparisonRow:
     row = ComparisonRow(
         a.name, b.name, outcome, contrast.test, design, (a, b), contrast.alternative,
         samples.a.size, samples.b.size, people, None, too_few(samples), Decision(), None,
-        data.scored.possible_difference(outcome, a, b).high,
+        possible_difference(data.scored, outcome, a, b).high,
     )  # fmt: skip
     if row.not_tested:
         return row
@@ -163,7 +172,7 @@ def _tested(
     test = _TESTS[row.test](samples, data.plan, row.alternative, confidence)
     if test is None or test.numbers.difference is None:
         return test
-    possible = data.scored.possible_difference(row.outcome, *row.sides)
+    possible = possible_difference(data.scored, row.outcome, *row.sides)
     difference = replace(test.numbers.difference, of=limited(test.numbers.difference.of, possible))
     return replace(test, numbers=replace(test.numbers, difference=difference))
 

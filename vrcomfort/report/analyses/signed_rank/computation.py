@@ -12,7 +12,7 @@ from vrcomfort.report.analyses.contract import AnalysisData
 from vrcomfort.report.descriptives import Description, describe
 from vrcomfort.report.families import Decision
 from vrcomfort.report.orders import OneOrder, one_order
-from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up
+from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up, possible_difference
 from vrcomfort.report.possible import limited
 from vrcomfort.report.rows import HIDDEN, INLINE
 from vrcomfort.report.withdrawals import lost_signs
@@ -178,7 +178,7 @@ def _row(data: AnalysisData, contrast: Compared, outcome: str) -> SignedRankRow:
     )  # fmt: skip
     if len(pairs.participants) < FEWEST_PAIRS:
         return replace(row, not_tested=_too_few(scored, outcome, contrast, len(pairs.participants)))
-    possible = scored.possible_difference(outcome, a, b)
+    possible = possible_difference(scored, outcome, a, b)
     return _tested(row, pairs, plan, list(signs.values()), possible)
 
 
