@@ -110,7 +110,7 @@ def test_no_text_changes_under_one_version(tmp_path):
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        (Given("v1", "yesterday"), "is no day; write it as 2026-03-01"),
+        (Given("v1", "yesterday"), "is not a date; write it as 2026-03-01"),
         (Given("v1", "2999-01-01"), "is in the future"),
         (Given("v0"), "in version `v1`, not `v0`"),
     ],

@@ -174,7 +174,10 @@ def test_groups_with_orders_of_their_own(rule):
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ({"sex": "male", "age": "20"}, "`susceptibility` has to be known .* low|middle|high"),
+        (
+            {"sex": "male", "age": "20"},
+            "needs the covariate `susceptibility`; add .*=low|middle|high",
+        ),
         ({"sex": "m", "age": "20", "susceptibility": "low"}, "must be one of female, male, got"),
         ({"sex": "male", "age": "17", "susceptibility": "low"}, "a number from 18 to 70, got `17`"),
         ({"sex": "male", "age": "٣٠", "susceptibility": "low"}, "a number from 18 to 70"),

@@ -161,9 +161,9 @@ def test_orders_that_cannot_be_are_told(rule, extra, says):
         (f'{GROUPS}{COVARIATES.replace("cuts = [30, 50]", "")}[allocation]\nby = ["age"]\n',
          "`age` is a number without `cuts`"),
         (COVARIATES.replace("[30, 50]", "[50, 30]"), "`cuts`: must rise"),
-        (COVARIATES.replace("[30, 50]", "[10, 50]"), "nobody is on one side of 10"),
+        (COVARIATES.replace("[30, 50]", "[10, 50]"), "the cut 10 is outside of the range"),
         (COVARIATES.replace('"sex"', '"sequence"'), "a column of participants.csv already"),
-        (COVARIATES.replace('["female", "male"]', '["female"]'), "one level tells nobody apart"),
+        (COVARIATES.replace('["female", "male"]', '["female"]'), "needs at least two levels"),
         (COVARIATES.replace('["female", "male"]', '["x", "y"]\ncuts = [1]'), "divide numbers"),
         (COVARIATES.replace("low = 18", "low = 80"), "`low` must be less than `high`"),
     ],
@@ -178,7 +178,7 @@ def test_groups_and_covariates_that_cannot_be_are_told(tables, says):
 def test_explicit_sequences_name_their_groups(tmp_path):
     groups = '[[groups]]\nname = "x"\n[[groups]]\nname = "y"\n'
     x_alone = '[[groups]]\nname = "x"\n'
-    with pytest.raises(InputError, match="is of no group: with") as caught:
+    with pytest.raises(InputError, match="has no group; with") as caught:
         tiny_protocol(tmp_path, PROTOCOL + x_alone)
     assert "2 more problems" in str(caught.value)
     with pytest.raises(InputError, match="no group `x`"):

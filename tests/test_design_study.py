@@ -166,7 +166,7 @@ def test_design_of_a_study_on_the_command_line(tmp_path, run):
     assert names[0] in json.loads(out)["next_orders"]
     code, _, err = run("design", protocol, "--study", tmp_path)
     assert code == 2
-    assert "this is no study folder" in err
+    assert "this is not a study folder" in err
     code, _, err = run("run", protocol, "--participant", "P9", "--out", tmp_path / "S", "--covariate", "age")  # fmt: skip  # noqa: E501
     assert code == 2
     assert "write NAME=VALUE" in err

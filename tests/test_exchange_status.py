@@ -106,9 +106,9 @@ def test_the_command_answers_people_and_programs(study: Path, run) -> None:
 
 
 def test_what_is_no_study_is_refused_in_a_sentence(run, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="this is no study folder"):
+    with pytest.raises(InputError, match="this is not a study folder"):
         status_of(tmp_path)
     (tmp_path / "import.json").write_text("{}")
     code, _, err = run("status", tmp_path)
     assert (code, err.count("\n")) == (2, 1)
-    assert "this is an import, in which nobody is run" in err
+    assert "this is an import, which has no sessions" in err

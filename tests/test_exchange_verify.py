@@ -208,7 +208,7 @@ DAMAGES: dict[str, tuple[Damage, str]] = {
     ),
     "unknown person": (
         lambda study: (study / "sub-P01").rename(study / "sub-P07"),
-        "sub-P07: participants.csv has nobody of this name",
+        "sub-P07: participants.csv does not list this participant",
     ),
     "half a participant": (
         lambda study: edit(study / "participants.csv", 2, lambda line: line[:-5]),
@@ -331,12 +331,12 @@ def test_an_import_is_checked_for_its_own_files(run, tmp_path: Path) -> None:
         f"mapping.toml: {again}",
         f"questionnaires.csv: {again}",
         "mapping.toml: is not the mapping that import.json names; restore it, or import again",
-        "questionnaires.csv, line 2: participants.csv has nobody called P9; import again",
+        "questionnaires.csv, line 2: participants.csv does not list P9; import again",
     ]
 
 
 def test_another_folder_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="this is no study folder"):
+    with pytest.raises(InputError, match="this is not a study folder"):
         verify_study(tmp_path)
 
 
@@ -460,7 +460,7 @@ def test_a_study_of_an_older_version_gets_its_list_with_the_first_change(study: 
     (study / CHECKSUMS).write_text("x\n")
     add_note(study, "P01", "later")
     (fault,) = told(study)
-    assert fault.startswith(f"{CHECKSUMS}, line 1: this is no checksum")
+    assert fault.startswith(f"{CHECKSUMS}, line 1: this is not a checksum")
 
 
 @pytest.mark.skipif(shutil.which("sha256sum") is None, reason="sha256sum is not here")

@@ -215,7 +215,11 @@ def test_scores_alone_are_reported(tmp_path: Path) -> None:
 
 
 BAD: dict[str, tuple[str, list[list[object]], str]] = {
-    "word": ("", [["a", "b", "much"]], "row 2, column 'General discomfort': 'much' is no answer"),
+    "word": (
+        "",
+        [["a", "b", "much"]],
+        "row 2, column 'General discomfort': 'much' is not an answer",
+    ),
     "high": ("", [["a", "b", 4]], "row 2, column 'General discomfort': '4' is out of range"),
     "part": ("", [["a", "b", 1.5]], "row 2, column 'General discomfort': '1.5' is no whole number"),
     "twice": ("", [["a", "b", 1], ["a", "b", 1]], "row 3.*answered a second time.*x.csv, row 2"),
@@ -249,7 +253,7 @@ def test_what_cannot_be_is_refused_with_row_and_column(tmp_path: Path, name: str
 
 MISSAID = {
     'heading = "{condition}_x"': "needs {item}",
-    'heading = "{thing}_{item}"': "`thing` is no fact",
+    'heading = "{thing}_{item}"': "`thing` is not a fact",
     "pattern = '(?P<item>'": "no regular expression",
     'item_column = "a"': "go together",
     'instrumnt = "ssq"': "did you mean",
@@ -355,11 +359,11 @@ def long_file(tmp_path: Path) -> Path:
 MISSPELT = {
     "an item of the mapping": (
         "Fatigue", "Fatigue", ("fatigue =", "fatige ="),
-        r"map\.toml, line \d+, column 1: `fatige` is no item of ssq; did you mean `fatigue`\?",
+        r"map\.toml, line \d+, column 1: `fatige` is not an item of ssq; did you mean `fatigue`\?",
     ),
     "an item that was not asked": (
         "Fatigue", "Fatigue", ("\n[tables.q", '\nnot_asked = ["fatige"]\n[tables.q'),
-        r"map\.toml, line 11, column 14: `fatige` is no item of ssq; did you mean `fatigue`\?",
+        r"map\.toml, line 11, column 14: `fatige` is not an item of ssq; did you mean `fatigue`\?",
     ),
     "a text of the mapping": (
         "Fatigue", "Fatigue", ('"Fatigue"', '"Fatige"'),
@@ -370,7 +374,7 @@ MISSPELT = {
     ),
     "a text of some rows": (
         "a,b,Fatigue,1", "a,b,Fatigue,1\nc,b,Fatige,1", ("", ""),
-        r"x\.csv, row 4, column 'item': 'Fatige' is no item; is it 'Fatigue'\? Give it under",
+        r"x\.csv, row 4, column 'item': 'Fatige' is not an item; is it 'Fatigue'\? Give it under",
     ),
     "rows that count": (
         "Fatigue", "Fatigue", ("\n[tables.q", '\nwhere = { what = "bb" }\n[tables.q'),
@@ -418,7 +422,7 @@ def test_rows_count_where_a_column_is_blank(long_file: Path) -> None:
 
 def test_a_scale_that_an_instrument_does_not_have_is_refused_with_its_place() -> None:
     scores = '[[tables.scores]]\ninstrument = "ssq"\nscales = { Totl = "x" }\n'
-    with pytest.raises(InputError, match=r"map\.toml, line 6, column 12: `Totl` is no scale of"):
+    with pytest.raises(InputError, match=r"map\.toml, line 6, column 12: `Totl` is not a scale of"):
         parse_mapping(f"{TOP}{scores}", Path("map.toml"))
 
 

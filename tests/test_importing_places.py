@@ -66,7 +66,7 @@ def test_an_order_of_items_says_which_were_asked(tmp_path: Path) -> None:
         ('item_order = ["nausea"]', "needs first_columns"),
         ('first_columns = ["column 2"]\nitem_order = ["nausae"]', "did you mean `nausea`"),
         ('first_columns = ["column 2"]\nheading = "x{item}"', "leave out heading"),
-        ('beside = { mood = "column 1" }', "`mood` is no fact"),
+        ('beside = { mood = "column 1" }', "`mood` is not a fact"),
         ('first_columns = ["column 2"]\nbeside = { trial = ["a", "b"] }', "name one for each"),
     ],
 )
@@ -182,5 +182,5 @@ def test_leaving_times_of_several_conditions_stand_side_by_side(tmp_path: Path) 
 def test_a_text_that_is_no_leaving_time_is_refused(tmp_path: Path) -> None:
     rows: list[list[object]] = [["ID", "left"], ["P1", "early"]]
     keys = 'participant = { column = "ID" }\nleft_at = { heading = "left", planned_s = 600 }\n'
-    with pytest.raises(InputError, match="row 2, column 'left': 'early' is no time at which"):
+    with pytest.raises(InputError, match="row 2, column 'left': 'early' is not a time"):
         imported(tmp_path, rows, keys)

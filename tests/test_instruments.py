@@ -202,7 +202,7 @@ def test_answers_in_decimal_steps_are_exact():
         ("high = 5", "high = 1", 6, "the lowest answer, 1, is not below the highest, 1"),
         ("high = 5", "high = 5\nstep = 3", 7, "steps of 3 do not lead from 1 to 5"),
         ("high = 5", 'high = 5\nlabels = ["a", "b", "c"]', 7, "3 labels for 5 answers"),
-        ("high = 5", "high = 5\nasked_step = 0.5", 7, "an answer on the form is none of the"),
+        ("high = 5", "high = 5\nasked_step = 0.5", 7, "the form's answers are not all possible"),
         ('name = "ill"', 'name = "calm"', 13, "`calm` is there twice"),
         ('name = "ill"', 'name = "condition"', 14, "cannot be called `condition`"),
         ('"I felt ill"', '"I felt calm"', 13, "`I felt calm` means item calm and item ill"),

@@ -373,7 +373,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], str]] = {
     "no video": (("--video", "seen.avi"), "a video's name ends in .mp4"),
     "no condition": (("--beside", "nobody", "--out", "o"), "it has: streaks, blur, plain"),
     "no trial": (("--trial", "7", "--out", "o"), "there are: trial 1 ("),
-    "no number": (("--trial", "one", "--out", "o"), "is no number of a trial"),
+    "no number": (("--trial", "one", "--out", "o"), "is not a trial"),
     "no time": (("--from-s", "1e6", "--out", "o"), "no recorded frame is among what"),
     "no thing": (("--show", "pulse", "--out", "o"), "there are: gaze, ratings"),
     "no eye": (("--eye", "third", "--out", "o"), "write left, right or both"),

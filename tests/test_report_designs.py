@@ -189,7 +189,7 @@ def test_three_groups_have_a_kruskal_wallis_test(tmp_path: Path) -> None:
         ('[[correlations]]\nx = "T"\ny = "age"', "`age` is not among the outcomes"),
         ('[[correlations]]\nx = "T"\ny = "T"', "correlated with itself"),
         ('[[equivalence]]\noutcome = "T"\na = "x"\nb = "y"\nlow = 1\nhigh = -1', "is not below"),
-        ('[[preferences]]\nname = "p"\ncolumn = "likd"\na = "x"\nb = "y"', "is no column"),
+        ('[[preferences]]\nname = "p"\ncolumn = "likd"\na = "x"\nb = "y"', "is not a column"),
         ('[[preferences]]\nname = "p"\ncolumn = "group"\na = "x"\nb = "y"', "is neither"),
     ],
 )  # fmt: skip

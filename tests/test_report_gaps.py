@@ -47,7 +47,7 @@ def test_a_whole_study_lacks_nothing(study: Path) -> None:
 @pytest.mark.parametrize(
     ("lost", "says"),
     [
-        ("participants.csv", "participants.csv is missing, or nobody is in it: who withdrew, or"),
+        ("participants.csv", "participants.csv is missing or empty: withdrawals and"),
         ("dataset_description.json", "dataset_description.json is missing or not used: condit"),
         (
             "sub-P01/ses-1/manifest.json",
@@ -140,11 +140,11 @@ def test_folders_that_cannot_be_read_are_told_and_a_whole_is_refused(
 def test_an_empty_file_is_told_as_such(run, tmp_path: Path) -> None:
     file = tmp_path / "answers.csv"
     file.touch()
-    with pytest.raises(InputError, match="there is nothing in this file"):
+    with pytest.raises(InputError, match="this file is empty"):
         read_study(file)
     code, _, err = run("score", file)
     assert (code, err.count("\n")) == (2, 1)
-    assert "there is nothing in this file" in err
+    assert "this file is empty" in err
 
 
 def test_a_folder_is_no_file_of_answers(run, study: Path) -> None:

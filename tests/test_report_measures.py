@@ -251,10 +251,10 @@ def test_a_name_that_is_no_measure_is_told_with_the_nearest(name: str, said: str
     ("lines", "said"),
     [
         ('outcomes = ["ratings.time_to"]', "needs a threshold"),
-        ('outcomes = ["tasks.time_s"]', "the study has no tasks.csv"),
-        ('outcomes = ["trials.lenght"]', "`lenght` is no column of trials.csv"),
+        ('outcomes = ["tasks.time_s"]', "needs tasks.csv, which the study does not have"),
+        ('outcomes = ["trials.lenght"]', "trials.csv has no column `lenght`"),
         ('outcomes = ["participants.status"]', "which is no number"),
-        ('outcomes = ["frames.head_path_m"]', "the study has no frames.csv"),
+        ('outcomes = ["frames.head_path_m"]', "needs frames.csv, which the study does not have"),
         ('[[measures]]\nname = "T"\nmeasure = "ratings.peak"', "is a score of an instrument"),
         ('[[measures]]\nname = "x"\nmeasure = "ratings.peak"\nthreshold = 3', "has a threshold"),
     ],

@@ -98,7 +98,7 @@ def test_a_group_is_a_factor_and_everybody_answers_once(tmp_path):
     ("right", "wrong", "said"),
     [
         ('"nausea"', '"nauseous"', r"line 7, column 1: `nauseous` is neither .*`nausea`"),
-        ('"scene"]', '"sceen"]', r"line 8.*`sceen` is no column .*`scene`"),
+        ('"scene"]', '"sceen"]', r"line 8.*`sceen` is not a column .*`scene`"),
     ],
 )
 def test_what_a_plan_may_not_name_is_told_with_its_place(tmp_path, right, wrong, said):

@@ -299,7 +299,7 @@ def test_covariates_are_in_the_mixed_model(grouped):
 
 def test_columns_that_are_not_there_have_a_near_one(grouped):
     for text, words in (
-        ('mixed_model = ["condition", "skil"]', "`skil` is no column .* did you mean `skill`"),
+        ('mixed_model = ["condition", "skil"]', "`skil` is not a column .* did you mean `skill`"),
         ('covariates = ["skill"]', "covariate `skill` of participant P0 is `novice`"),
     ):
         with pytest.raises(InputError, match=words):

@@ -268,7 +268,7 @@ def test_a_condition_that_nobody_finished_is_said_and_not_tested(tmp_path):
         study.person(name, "off")
     results = report(study.folder, tmp_path / "o")
     assert {t["not_tested"] for t in results["tests"]} == {"0 complete pairs: too few for a test"}
-    assert results["crossover"][0]["not_tested"] == "nobody finished both conditions"
+    assert results["crossover"][0]["not_tested"] == "no participant finished both conditions"
     assert "too few for a test" in (tmp_path / "o" / "index.html").read_text("utf-8")
 
 

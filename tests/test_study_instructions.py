@@ -263,7 +263,7 @@ def test_files_that_cannot_be_used_are_found_before_anybody_comes(tmp_path):
     media(tmp_path)
     assert faults(tmp_path) == ""
     (tmp_path / "way.png").write_bytes(b"\x89PNG\r\n\x1a\n")
-    assert "way.png: this is no picture that can be shown" in faults(tmp_path)
+    assert "way.png: this picture cannot be shown" in faults(tmp_path)
     Image.new("RGB", (200, 900)).save(tmp_path / "way.png")
     assert "200 x 900 pixels, and the panel has room for 944 x" in faults(tmp_path)
     large = bytearray((tmp_path / "way.png").read_bytes())
@@ -277,8 +277,8 @@ def test_files_that_cannot_be_used_are_found_before_anybody_comes(tmp_path):
     whole = (tmp_path / "welcome.wav").read_bytes()
     for broken, says in (
         (whole[:-200], "cut off"),
-        (b"", "no sound that can be played"),
-        (b"RIFF" + bytes(40), "no sound that can be played"),
+        (b"", "this sound cannot be played"),
+        (b"RIFF" + bytes(40), "this sound cannot be played"),
     ):
         (tmp_path / "welcome.wav").write_bytes(broken)
         assert says in faults(tmp_path)

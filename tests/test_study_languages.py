@@ -167,7 +167,7 @@ def test_a_new_language_comes_from_a_file_outside_the_package(tmp_path):
         ),
         (dutch().replace('"trois", ', ""), "3 labels, and the SSQ has 4", "labels"),
         (dutch().replace("burping =", "burp ="), "there is no item `burp`", "burp"),
-        (dutch().replace("text.nl", "text.it"), "nobody is asked in `it`", "[text.it]"),
+        (dutch().replace("text.nl", "text.it"), "`it` is not among `languages`", "[text.it]"),
     ],
 )
 def test_a_language_that_lacks_something_is_refused_with_place(tmp_path, more, told, line):

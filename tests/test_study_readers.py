@@ -104,7 +104,7 @@ def test_ids_that_differ_only_in_case_are_refused_before_a_folder_is_made(tmp_pa
     study = tmp_path / "S"
     open_study(study, protocol)
     enrol(study, build_design(protocol), "P01")
-    says = "`p01` differs from `P01`, who is enrolled, only in case; write P01"
+    says = "`p01` differs only in case from the enrolled `P01`; write P01"
     with pytest.raises(InputError, match=says):
         enrol(study, build_design(protocol), "p01")
     with pytest.raises(InputError, match=says), only_run(study, "p01"):

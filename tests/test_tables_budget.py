@@ -144,7 +144,7 @@ def test_stored_json(tmp_path, text, says):
     ("text", "says"),
     [
         (",".join(f"a{n}" for n in range(20_000)) + "\n", "this row has 20,000 columns"),
-        ("a" * (2**24 + 2**16), "a line has more than 16,777,216 bytes: this is no table"),
+        ("a" * (2**24 + 2**16), "a line has more than 16,777,216 bytes: this is not a table"),
         ("a\n" + "1\n" * 101, "line 102: a table of 1 columns may have 100 rows to here"),
     ],
     ids=["columns", "a line", "rows"],

@@ -316,7 +316,7 @@ def _check_text(file: Path, *, appended: bool) -> bool:
                 end = block.rfind(b"\n")
                 in_line = len(block) - end - 1 if end >= 0 else in_line + len(block)
                 if in_line > MOST_LINE_BYTES:
-                    message = f"a line has more than {MOST_LINE_BYTES:,} bytes: this is no table"
+                    message = f"a line has more than {MOST_LINE_BYTES:,} bytes: this is not a table"
                     raise InputError(message, file=file)
                 first = 0 if cut else block.find(b"\0")
                 cut = first >= 0

@@ -53,7 +53,7 @@ SHORTER = (
     (r"(vrcomfort power .*)", r"\1 --studies 100"),
     (r"(vrcomfort preflight .*)", r"\1 --headset playback --seconds 0.1 --size 16x20"),
     (r"(vrcomfort play .*)", r"\1 --size 16x20"),
-    (r"--from 65 --to 70", "--from 0 --to 300"),
+    (r"--from-s 65 --to-s 70", "--from-s 0 --to-s 300"),
 )
 """What shortens a command, or puts the playback headset in the place of a real one."""
 

@@ -258,8 +258,8 @@ def _require_trust(code: TaskCode, given: str | None, ask: AskForCode | None) ->
     elif code.files and not is_trusted(code):
         if ask is None or not ask(code):
             files = ", ".join(sorted(code.files))
-            message = f"this protocol runs Python files of its own ({files}), which can do whatever"
-            message = f"{message} you can; nobody has consented to them as they are now; read them"
+            message = f"this protocol runs its own Python files ({files}), which can do anything"
+            message = f"{message} you can, and you have not consented to these versions; read them"
             raise InputError(f"{message}, then: --trust {code.sha256}", file=code.folder)
         trust(code)
 

@@ -91,7 +91,7 @@ def _of_study(protocol: Protocol, study: Path, seed: int | None, as_json: bool) 
     from vrcomfort.records.study import DESCRIPTION
 
     if not (study / DESCRIPTION).is_file():
-        raise InputError(f"this is no study folder: it has no {DESCRIPTION}", file=study)
+        raise InputError(f"this is not a study folder: it has no {DESCRIPTION}", file=study)
     scheme = build_design(protocol, seed=open_study(study, protocol, seed=seed))
     found = audit_study(scheme, administered_orders(study))
     if as_json:

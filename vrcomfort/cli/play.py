@@ -367,5 +367,5 @@ def _trial_number(text: str | None) -> int | None:
     if text is None:
         return None
     if not text.isdecimal():
-        raise InputError(f"--trial {text!r} is no number of a trial; write 1, 2, … or 0 (training)")
+        raise InputError(f"--trial {text!r} is not a trial; write 1, 2, … or 0 (training)")
     return int(text)

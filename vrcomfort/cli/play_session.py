@@ -59,7 +59,7 @@ class ReplayOptions:
         if eye == "both":
             return "left", "right"
         if eye not in {"left", "right"}:
-            raise InputError(f"--eye {eye!r} is no eye; write left, right or both")
+            raise InputError(f"--eye {eye!r} is not an eye; write left, right or both")
         return ("left",) if eye == "left" else ("right",)
 
 
@@ -173,8 +173,8 @@ def _drawn(
         source = session.scene(name)
         if source.endswith((".glb", ".gltf")):
             if protocol is None or protocol.file is None:
-                message = f"scene {source} is a file beside the protocol"
-                raise InputError(f"{message}, whose place is not recorded; give --protocol FILE")
+                message = f"scene {source} is a file beside the protocol, at an unknown place"
+                raise InputError(f"{message}; give --protocol FILE")
             source = str(protocol.file.parent / source)
         return load_scene(source)
 

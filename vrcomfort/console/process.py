@@ -94,7 +94,7 @@ class ServerProcess:
         self._start()
         if not self._there.wait(START_S):
             self.close()
-            raise InputError(f"the console's server was not there after {START_S:g} s")
+            raise InputError(f"the console's server did not start within {START_S:g} s")
         if self._process is None:
             raise InputError("the console's server cannot be started; run without --console")
         self._writing = threading.Thread(target=self._write, name="console writer", daemon=True)

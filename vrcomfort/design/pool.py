@@ -169,7 +169,7 @@ class Design:
         for name, each in declared.items():
             if name not in covariates:
                 choice = "|".join(each.levels) or "NUMBER"
-                message = f"`{name}` has to be known of everybody who is enrolled"
+                message = f"every participant needs the covariate `{name}`"
                 raise InputError(f"{message}; add --covariate {name}={choice}")
             if (fault := each.fault(covariates[name])) is not None:
                 raise InputError(f"covariate `{name}` {fault}, got `{covariates[name]}`")

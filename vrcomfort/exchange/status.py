@@ -122,10 +122,10 @@ def status_of(study: Path) -> StudyState:
         If this is no study folder, an import, or its description or participants are damaged.
     """
     if is_import(study):
-        message = "this is an import, in which nobody is run; vrcomfort report says who is in it"
+        message = "this is an import, which has no sessions; vrcomfort report describes it"
         raise InputError(message, file=study)
     if not (study / DESCRIPTION).is_file():
-        raise InputError(f"this is no study folder: it has no {DESCRIPTION}", file=study)
+        raise InputError(f"this is not a study folder: it has no {DESCRIPTION}", file=study)
     description = read_description(study)
     recorded = Study(study)
     rows = read_participants(study)

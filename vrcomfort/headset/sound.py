@@ -58,7 +58,7 @@ def read_sound(file: Path) -> Sound:
         message = f"this sound cannot be read: {error.strerror or error}"
         raise InputError(message, file=file) from error
     except (wave.Error, EOFError) as error:
-        message = f"this is no sound that can be played ({error}); save it as WAV with 16-bit PCM"
+        message = f"this sound cannot be played ({error}); save it as WAV with 16-bit PCM"
         raise InputError(message, file=file) from error
     if there < frames or not frames or not rate_hz:
         message = "this WAV file is cut off or empty; save it again"

@@ -106,7 +106,7 @@ class AnswerReader:
     def _no_answer(self, text: str) -> str:
         near = get_close_matches(text, self._words, n=1)
         hint = f"; is it `{near[0]}`?" if near else ""
-        message = f"{text!r} is no answer to {self._item}{hint}"
+        message = f"{text!r} is not an answer to {self._item}{hint}"
         return f"{message}; give the word under answers, or under missing, in the mapping"
 
     def _out_of_range(self, text: str, answer: Answer) -> str:

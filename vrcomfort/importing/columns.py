@@ -146,7 +146,7 @@ class Columns:
         matches = ((i, pattern.fullmatch(h)) for i, h in enumerate(self._table.headings))
         found = {index: match.groupdict() for index, match in matches if match is not None}
         if not found:
-            message = f"no heading is made as the mapping's left_at, {leaving.heading!r}"
+            message = f"no heading matches the mapping's left_at, {leaving.heading!r}"
             raise self._table.fault(message)
         for index in found:
             self._take(index, "left_at")

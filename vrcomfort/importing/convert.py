@@ -248,8 +248,8 @@ class TableImport:
         value = number(text, self._table.reading.decimal or ".")
         in_words_s = time_in_words_s(text)
         if in_words_s is None and (value is None or value < 0):
-            message = f"{text!r} is no time at which somebody left; texts for those who stayed go"
-            raise self._table.fault(f"{message} under missing of left_at", row, column)
+            message = f"{text!r} is not a time; write texts for participants who stayed"
+            raise self._table.fault(f"{message} into `missing` of left_at", row, column)
         end_s = (value or 0.0) * (60 if leaving.unit == "min" else 1)
         end_s = end_s if in_words_s is None else in_words_s
         return ExposureEnd(
@@ -304,7 +304,7 @@ class TableImport:
         if not facts.get("participant"):
             columns = self._columns.facts.get("participant")
             message = (
-                "there is no participant; name the row under leave_out if it is no participant's"
+                "there is no participant; name the row under leave_out unless it is a participant's"
             )
             raise self._table.fault(message, row, columns[0] if columns else None)
         return administration_of({"timepoint": TIMEPOINT, **facts})
@@ -460,7 +460,7 @@ class TableImport:
         if not participant:
             columns = self._columns.facts.get("participant")
             message = (
-                "there is no participant; name the row under leave_out if it is no participant's"
+                "there is no participant; name the row under leave_out unless it is a participant's"
             )
             raise self._table.fault(message, row, columns[0] if columns else None)
         known = self._imported.participants.setdefault(participant, {})
@@ -470,7 +470,7 @@ class TableImport:
                 message = f"{name} of {participant} is {known[name]!r} elsewhere, {text!r} here"
                 raise self._table.fault(f"{message}; a participant has one", row, column)
             if name == "status" and text not in {"", *STATUSES}:
-                message = f"{text!r} is no status; there are {', '.join(STATUSES)}"
+                message = f"{text!r} is not a status; there are {', '.join(STATUSES)}"
                 raise self._table.fault(message, row, column)
             known[name] = text or known.get(name, "")
 
@@ -502,8 +502,8 @@ class TableImport:
             if plain(text) in known:
                 continue  # of another questionnaire
             if near := get_close_matches(plain(text), known, n=1, cutoff=ALMOST):
-                message = f"{text!r} is no item; is it {known[near[0]]!r}? Give it under items, or"
-                raise self._table.fault(f"{message} under leave_out, in the mapping", *cells[0])
+                message = f"{text!r} is not an item; is it {known[near[0]]!r}? Give it under"
+                raise self._table.fault(f"{message} items or leave_out in the mapping", *cells[0])
             if item := self._not_asked_item(text):
                 message = f"{text!r} looks like {item}, which was not asked, as the mapping says"
                 yield f"{self._table.name}: {message}; {len(cells)} rows of it were left out"

@@ -340,7 +340,7 @@ def _unknown_scales(scores: Scores, instrument: Instrument, path: KeyPath) -> It
     for name in scores.scales:
         if scale_named(instrument, name) is None:
             hint = did_you_mean(name, [each.name for each in instrument.scales])
-            yield Problem((*path, name), f"`{name}` is no scale of {instrument.name}; {hint}")
+            yield Problem((*path, name), f"`{name}` is not a scale of {instrument.name}; {hint}")
 
 
 def _unknown_items(each: Questionnaire, instrument: Instrument, path: KeyPath) -> Iterator[Problem]:
@@ -350,7 +350,7 @@ def _unknown_items(each: Questionnaire, instrument: Instrument, path: KeyPath) -
             if item not in names and item:
                 near = instrument.nearest(item)
                 hint = f"did you mean `{near}`?" if near else did_you_mean(item, names)
-                message = f"`{item}` is no item of {instrument.name}; {hint}"
+                message = f"`{item}` is not an item of {instrument.name}; {hint}"
                 yield Problem(
                     (*path, key, index if key in {"not_asked", "item_order"} else item), message
                 )
@@ -371,7 +371,7 @@ def _problems(mapping: LabMapping) -> Iterator[Problem]:
             yield Problem((*here, "participants", "participant"), message)
         left_at = placeholders(table.left_at.heading) if table.left_at else []
         for unknown in sorted({*left_at} - {*FACTS, "*"}):
-            message = f"`{unknown}` is no fact; there are {', '.join(FACTS)}"
+            message = f"`{unknown}` is not a fact; there are {', '.join(FACTS)}"
             yield Problem((*here, "left_at", "heading"), message)
         if not (table.questionnaires or table.scores or table.participants or table.left_at):
             message = "this table gives nothing: no questionnaires, scores or participants"
@@ -424,12 +424,12 @@ def _pattern_problems(each: _Columns, here: tuple[str | int, ...]) -> Iterator[P
             yield Problem((*here, "beside", fact), f"{message}; name one for each")
         if fact not in FACTS or fact == "participant":
             known = ", ".join(name for name in FACTS if name != "participant")
-            yield Problem((*here, "beside", fact), f"`{fact}` is no fact; there are {known}")
+            yield Problem((*here, "beside", fact), f"`{fact}` is not a fact; there are {known}")
     if each.pattern:
         try:
             names = set(re.compile(each.pattern).groupindex)
         except re.error as error:
-            message = f"`pattern` is no regular expression: {error}"
+            message = f"`pattern` is not a regular expression: {error}"
             yield Problem((*here, "pattern"), message)
             return
     else:
@@ -440,18 +440,18 @@ def _pattern_problems(each: _Columns, here: tuple[str | int, ...]) -> Iterator[P
         yield Problem((*here, key), f"`{key}` needs {wanted}")
     for unknown in sorted(names - {*FACTS, *TIMES, "item", "*"}):
         known = ", ".join(FACTS)
-        yield Problem(here, f"`{unknown}` is no fact; there are item, {known}")
+        yield Problem(here, f"`{unknown}` is not a fact; there are item, {known}")
 
 
 def _expression(text: str, path: tuple[str | int, ...], known: Set[str]) -> Iterator[Problem]:
-    """Yield the problem of a text that is no regular expression with these groups."""
+    """Yield the problem of a text that is not a regular expression with these groups."""
     try:
         names = {*re.compile(text).groupindex}
     except re.error as error:
-        yield Problem(path, f"`{path[-1]}` is no regular expression: {error}")
+        yield Problem(path, f"`{path[-1]}` is not a regular expression: {error}")
         return
     for unknown in sorted(names - known):
-        yield Problem(path, f"`{unknown}` is no fact; there are {', '.join(sorted(known))}")
+        yield Problem(path, f"`{unknown}` is not a fact; there are {', '.join(sorted(known))}")
 
 
 def scale_named(instrument: Instrument, name: str) -> Scale | None:

@@ -80,7 +80,7 @@ def _require_room(folder: Path) -> None:
         raise InputError("is a file; the output needs a folder", file=folder)
     there = {each.name for each in folder.iterdir()} if folder.exists() else set()
     if there and PROVENANCE not in there:
-        message = "holds files that are no import; choose another output folder, a new one"
+        message = "holds files other than an import; choose a new output folder"
         raise InputError(message, file=folder)
     others = sorted(there - _ALL - {FOLDER, CHECKSUMS})
     if others:

@@ -97,7 +97,7 @@ def decode(content: bytes, encoding: str, file: Path) -> str:
     try:
         text = content.decode(encoding)
     except LookupError:
-        message = f"encoding {encoding!r} is none; write utf-8, utf-16 or windows-1252"
+        message = f"encoding {encoding!r} is unknown; write utf-8, utf-16 or windows-1252"
         raise InputError(message, file=file) from None
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1

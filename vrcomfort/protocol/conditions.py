@@ -493,7 +493,7 @@ def _with_installed(shipped: type[EffectTables]) -> type[EffectTables]:
     for found in installed(EFFECT_GROUP):
         model = load(found)
         if not (isinstance(model, type) and issubclass(model, Settings)):
-            raise InputError(f"the entry point {place_of(found)} is no model of settings")
+            raise InputError(f"the entry point {place_of(found)} is not a model of settings")
         if found.name in shipped.model_fields or found.name in fields:
             raise InputError(f"another effect is called `{found.name}` too ({place_of(found)})")
         text = f"Of the package {package_of(found)}; none without it."

@@ -309,8 +309,8 @@ def _of_sliders(protocol: Protocol, instruments: Mapping[str, Instrument]) -> It
             message = f"the {found.short} has {len(found.asked)} items; a slider is one question"
             yield Problem(path, f"{message}: ask it in [[questionnaires]]")
         elif called.count(found.name) > 1:
-            message = f"the {found.short} is rated twice during exposure, and nobody could tell"
-            yield Problem(path, f"{message} the two apart; keep one")
+            message = f"the {found.short} is rated twice during exposure, and the ratings could"
+            yield Problem(path, f"{message} not be told apart; keep one")
 
 
 def _of_ratings(protocol: Protocol, instruments: Mapping[str, Instrument]) -> Iterator[Problem]:

@@ -73,7 +73,7 @@ def _explicit(protocol: Protocol) -> Iterator[Problem]:
 def _group_of_sequence(protocol: Protocol, path: KeyPath, group: str | None) -> Iterator[Problem]:
     names = [each.name for each in protocol.groups]
     if group is None and names:
-        message = "this sequence is of no group: with [[groups]], each names its `group`"
+        message = "this sequence has no group; with [[groups]], name its `group`"
         yield Problem(path, message)
     elif group is not None:
         yield from unknown_name(path, "group", group, names)
@@ -190,13 +190,13 @@ def _covariates(protocol: Protocol) -> Iterator[Problem]:
         if each.levels and each.cuts:
             yield Problem((*path, "cuts"), "`cuts` divide numbers; this has `levels`: remove one")
         if len(each.levels) == 1:
-            yield Problem((*path, "levels"), "one level tells nobody apart; add others")
+            yield Problem((*path, "levels"), "a covariate needs at least two levels; add others")
         yield from repeated((*path, "levels"), each.levels)
         if each.low >= each.high:
             yield Problem((*path, "low"), "`low` must be less than `high`; swap them")
         outside = [cut for cut in each.cuts if not each.low < cut < each.high]
         if outside:
-            message = f"nobody is on one side of {outside[0]:g}"
+            message = f"the cut {outside[0]:g} is outside of the range"
             hint = f"choose cuts between {each.low:g} and {each.high:g}"
             yield Problem((*path, "cuts"), f"{message}; {hint}")
 
@@ -215,15 +215,15 @@ def _allocation(protocol: Protocol) -> Iterator[Problem]:
             yield Problem(path, problem.message)
         found = covariates.get(name)
         if found and len(found.bands) < 2:
-            message = f"`{name}` is a number without `cuts`: everybody would be in one band"
+            message = f"`{name}` is a number without `cuts`: everyone would be in one stratum"
             yield Problem(path, f"{message}; give it cuts")
     strata = prod(len(covariates[name].bands) for name in allocation.by if name in covariates)
     if allocation.method == "permuted_blocks" and strata > MOST_STRATA:
-        message = f"{strata} strata, of which most stay empty; choose minimisation, or fewer"
+        message = f"{strata} strata would mostly stay empty; choose minimisation, or fewer strata"
         yield Problem(("allocation", "by"), message)
     yield from repeated(("allocation", "by"), allocation.by)
     if allocation.method == "minimisation" and not allocation.by:
-        message = "minimisation needs covariates whose margins it makes alike"
+        message = "minimisation needs covariates to balance"
         yield Problem(("allocation", "method"), f"{message}; name them in `by`")
     if allocation.method == "simple" and allocation.by:
         yield Problem(("allocation", "by"), "`by` does nothing with `simple`; remove it")
@@ -260,7 +260,7 @@ def part_problems(protocol: Protocol) -> Iterator[Problem]:
             yield Problem(("order", "rule"), message)
         return
     if not protocol.parts:
-        message = "`parts` takes the orders of [[parts]], and there are none; add them"
+        message = "`parts` needs [[parts]] with their orders; add them"
         yield Problem(("order", "rule"), message)
         return
     yield from repeated(("parts",), [part.name for part in protocol.parts])
@@ -360,7 +360,7 @@ def _whose(protocol: Protocol, part: Part, path: KeyPath) -> Iterator[Problem]:
             others = [t.condition for t in order.trials if t.condition not in group.conditions]
             if others:
                 message = f"group `{group.name}` does not meet condition `{others[0]}`"
-                yield Problem((*here, "trials"), f"{message}; say whose order this is: `group`")
+                yield Problem((*here, "trials"), f"{message}; name the order's `group`")
 
 
 def practice_problems(protocol: Protocol) -> Iterator[Problem]:

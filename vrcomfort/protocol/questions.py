@@ -187,7 +187,7 @@ def free_text_problems(
     for index, each in enumerate(questions):
         if not each.text.strip():
             path: KeyPath = ("free_texts", index, "text")
-            yield Problem(path, f"`{each.name}` asks nothing but blanks; write the question")
+            yield Problem(path, f"`{each.name}` has an empty question; write its `text`")
     for language in languages[1:]:
         for index, name in enumerate(names):
             if name not in wordings.get(language, {}):
@@ -227,7 +227,7 @@ class Screening(Settings):
             message = "needs an `instrument` or a `covariate`, one of the two"
             raise PydanticCustomError("screening_what", message)
         if self.above is None and self.below is None:
-            message = "needs `above` or `below`: from where on it is told"
+            message = "needs a bound; give `above` or `below`"
             raise PydanticCustomError("screening_bounds", message)
         if self.above is not None and self.below is not None and self.below > self.above:
             message = "every number is above the one or below the other; swap `above` and `below`"

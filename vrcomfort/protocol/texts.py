@@ -195,7 +195,7 @@ def _of_nothing(
 ) -> list[Problem]:
     path: KeyPath = ("text", language)
     if language not in languages:
-        message = f"nobody is asked in `{language}`; add it to `languages`, or remove this"
+        message = f"`{language}` is not among `languages`; add it there, or remove this"
         return [Problem(path, message)]
     found = []
     for key, text in table.words.items():

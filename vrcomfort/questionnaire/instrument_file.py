@@ -338,7 +338,7 @@ def _range_problems(path: KeyPath, answers: AnswersTable) -> Iterator[Problem]:
             yield Problem((*path, name), f"{message}; give a step that does")
             return
     if (asked / step).denominator != 1:
-        message = "an answer on the form is none of the answers; give a multiple of `step`"
+        message = "the form's answers are not all possible answers; give a multiple of `step`"
         yield Problem((*path, "asked_step"), message)
     count = int((high - low) / asked) + 1
     if len(answers.labels) not in {0, 2, count}:

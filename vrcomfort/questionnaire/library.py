@@ -167,7 +167,7 @@ def guess_for_file(file: Path) -> Instrument:
     """
     table = CsvTable.read(file)
     if not table.header:
-        raise InputError("there is nothing in this file", file=file)
+        raise InputError("this file is empty", file=file)
     known = shipped_instruments()
     headings = {heading.lower() for heading in table.header}
     if {"item", "response"} <= headings:

@@ -105,7 +105,7 @@ def _validity(path: KeyPath, table: ScaleTable, kind: str) -> Iterator[Problem]:
     elif table.min_valid > len(table.items):
         yield Problem(place, f"this is more than the {len(table.items)} items of the scale")
     elif len(loadings) > 1 and table.min_valid < len(table.items):
-        message = "the items count differently, so that none can stand for another"
+        message = "items with different weights cannot stand for each other"
         yield Problem(place, f"{message}; leave `min_valid` out")
 
 

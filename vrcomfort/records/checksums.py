@@ -191,7 +191,7 @@ def read_checksums(folder: Path) -> dict[str, Checksum]:
     for number, line in enumerate(lines, start=1):
         parts = _LINE.fullmatch(line) or _COMMENT.fullmatch(line)
         if parts is None:
-            message = "this is no checksum and file name; restore the file from a copy"
+            message = "this is not a checksum and file name; restore the file from a copy"
             raise InputError(message, file=file, line=number)
         if parts[2] != _BELOW:
             old = found.get(parts[2])

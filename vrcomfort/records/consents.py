@@ -99,7 +99,7 @@ def _entered(
     try:
         day = date.fromisoformat(on)
     except ValueError:
-        raise InputError(f"--consented-on {on!r} is no day; write it as 2026-03-01") from None
+        raise InputError(f"--consented-on {on!r} is not a date; write it as 2026-03-01") from None
     if day > datetime.now(UTC).date():
         raise InputError(f"--consented-on {on} is in the future; write the day it was given")
     if of_this:

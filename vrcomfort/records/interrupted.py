@@ -117,7 +117,7 @@ def _whole_rows(file: Path, columns: tuple[str, ...]) -> tuple[int, int]:
     with open_file(file) as stream:
         for line in stream:
             if broken:
-                raise InputError("this row is broken; mend it first", file=file, line=lines + 1)
+                raise InputError("this row is damaged; repair it first", file=file, line=lines + 1)
             cells = _cells(line)
             broken = cells is None or (lines > 0 and len(cells) != len(columns))
             if not broken and not lines and cells != list(columns):

@@ -38,7 +38,7 @@ def check_case(name: str, others: Iterable[str]) -> None:
     """
     for other in others:
         if other != name and same_file(other, name):
-            message = f"participant `{name}` differs from `{other}`, who is enrolled, only in case"
+            message = f"participant `{name}` differs only in case from the enrolled `{other}`"
             raise InputError(f"{message}; write {other}, or choose another name")
 
 

@@ -90,7 +90,7 @@ class Memory:
             "autoload_known_extensions": False,
         }
         if not is_utf8(folder):
-            message = "temporary files cannot be in a folder whose name is no UTF-8; set TMPDIR"
+            message = "the folder for temporary files has a name that is not UTF-8; set TMPDIR"
             raise InputError(message, file=escape_unprintable(folder))
         connection = duckdb.connect(config=settings)
         connection.execute("SET enable_progress_bar = false")

@@ -51,7 +51,7 @@ def require_given_hash(code: TaskCode, given: str) -> None:
         If it is none, or that of other files.
     """
     if not re.fullmatch("[0-9a-f]{64}", given):
-        raise InputError(f"--trust {given[:80]!r} is no hash: it has 64 digits, 0 to 9 and a to f")
+        raise InputError(f"--trust {given[:80]!r} is not a hash of 64 digits, 0 to 9 and a to f")
     if not code.files:
         raise InputError("this protocol runs no Python files of its own; leave --trust out")
     if given != code.sha256:

@@ -120,7 +120,7 @@ def check_group(
     columns = {*said, "group", "sequence", "condition"} - {"status", "note", "enrolled_at"}
     if between not in columns:
         hint = did_you_mean(between, columns)
-        message = f"`{between}` is no column that groups participants; {hint}"
+        message = f"`{between}` is not a column with groups of participants; {hint}"
         raise plan.fault(message, *path, "between")
     there = set(column_of(scored, scored.table, between).dropna().astype(str))
     for side, level in (("a", a), ("b", b)):

@@ -99,7 +99,7 @@ def _check(rule: Exclusion, index: int, scored: Exposures, study: StudyData, pla
         raise plan.fault(message, "exclusions", index, "score")
     columns = {name for person in study.participants for name in person}
     if rule.column and rule.column not in columns:
-        message = f"`{rule.column}` is no column of participants.csv"
+        message = f"`{rule.column}` is not a column of participants.csv"
         raise plan.fault(f"{message}; {did_you_mean(rule.column, columns)}", "exclusions", index)
 
 

@@ -61,7 +61,7 @@ def check_column(plan: Plan, scored: Exposures, column: str, *path: str | int) -
     there = {*COLUMNS, *said} - {"number", "early", "participant", "status", "note", "enrolled_at"}
     if column not in there:
         raise plan.fault(
-            f"`{column}` is no column of the questionnaires or of participants.csv; "
+            f"`{column}` is not a column of the questionnaires or of participants.csv; "
             f"{did_you_mean(column, there)}",
             *path,
         )

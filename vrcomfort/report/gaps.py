@@ -67,8 +67,8 @@ def gaps(
         message = "conditions are called as in the protocol"
         found.append(f"dataset_description.json is missing or not used: {message}; {_RESTORE}")
     if not participants:
-        message = "who withdrew, or is excluded, is not known"
-        found.append(f"participants.csv is missing, or nobody is in it: {message}; {_RESTORE}")
+        message = "withdrawals and exclusions are unknown"
+        found.append(f"participants.csv is missing or empty: {message}; {_RESTORE}")
     left_out = {each.folder(source) for each in without}
     used = {f"sub-{each.participant}/ses-{each.session}" for each in manifests}
     for folder in sessions:

@@ -128,7 +128,7 @@ def parse_participants(text: str) -> tuple[int, ...]:
     """
     parts = text.split(":")
     if not (1 <= len(parts) <= 3 and all(part.strip().isdecimal() for part in parts)):
-        raise InputError(f"--participants {text!r} is no range; write 8:60, 8:60:4 or 20")
+        raise InputError(f"--participants {text!r} is not a range; write 8:60, 8:60:4 or 20")
     first, last = int(parts[0]), int(parts[1] if len(parts) > 1 else parts[0])
     step = int(parts[2]) if len(parts) > 2 else max(1, (last - first) // 13)
     if not (2 <= first <= last <= MOST_PARTICIPANTS and step):
@@ -157,7 +157,8 @@ def read_pilot(study: Path, plan_name: str) -> tuple[Plan, Pilot]:
     differences = tuple(pairs.differences.tolist())
     if len(differences) < 4 or len(set(differences)) == 1:
         message = f"{len(differences)} people have a pair of {first.a.name} and {first.b.name}"
-        raise InputError(f"{message}; a pilot needs four whose differences vary", file=study)
+        message += "; a pilot needs at least four, with differences that vary"
+        raise InputError(message, file=study)
     return plan, Pilot(differences, pairs.unit)
 
 
@@ -231,7 +232,7 @@ def _generator(
         generator = ResampledDifferences(pilot.differences, points / pilot.unit)
         return generator, f"{people}, moved to {points:.4g} points", points / pilot.sd_points
     if effect is None:
-        raise InputError("give --effect, or --pilot with a study whose own effect is meant")
+        raise InputError("give --effect, or --pilot to use the effect of a pilot study")
     if effect.standardised:
         return NormalDifferences(effect.size), "normal", effect.size
     if sd is None or not sd > 0:

@@ -203,7 +203,7 @@ def read_study(
     if not files and not any(map(folder.files, _INSTEAD)):
         raise InputError("there is no questionnaires.csv in this folder", file=source)
     if source.is_file() and not source.stat().st_size:
-        raise InputError("there is nothing in this file", file=source)
+        raise InputError("this file is empty", file=source)
     description = _description(source, warnings)
     known = _known_instruments(source)
     only = None if instrument is None else find_instrument(instrument, known=known)
@@ -218,10 +218,10 @@ def read_study(
     ]
     known = _as_asked(known, _never_asked(sheets, known))
     if not sheets and only is not None:
-        raise InputError(f"no {only.short} is answered in this table", file=source)
+        raise InputError(f"this table has no answers to the {only.short}", file=source)
     instead = (_table(folder, each, []) for each in (TaskRow, DialRow))
     if files and not sheets and not any(instead):
-        raise InputError("no known questionnaire is answered in this table", file=source)
+        raise InputError("this table has no answers to a known questionnaire", file=source)
     participants = _table(folder, ParticipantRow, warnings)
     manifests = _manifests(folder, warnings)
     warnings += gaps(source, description, participants, manifests, without)

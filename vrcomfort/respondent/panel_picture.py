@@ -340,7 +340,7 @@ def _opened(file: Path, look: Callable[[Image.Image], Found]) -> Found:
         message = "this picture is far larger than the panel; make it smaller"
         raise InputError(message, file=file) from error
     except (OSError, SyntaxError, ValueError) as error:
-        message = "this is no picture that can be shown, or it is damaged; save it as PNG or JPEG"
+        message = "this picture cannot be shown or is damaged; save it as PNG or JPEG"
         raise InputError(message, file=file) from error
 
 

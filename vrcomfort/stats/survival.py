@@ -239,7 +239,7 @@ def log_rank(
     if names.size < 2:
         raise InputError("there is one group only, so nothing is compared")
     if not had.any():
-        raise InputError("nobody had the event, so times are not compared")
+        raise InputError("there were no events, so times are not compared")
     expected, covariance = np.zeros(names.size), np.zeros((names.size, names.size))
     for layer in range(layers.max() + 1):
         here = layers == layer
@@ -485,7 +485,7 @@ def cox(
     raw = np.column_stack([np.asarray(covariates[name], dtype=np.float64) for name in names])
     design = raw - raw.mean(axis=0)
     if not had.any():
-        raise InputError("nobody had the event, so there are no hazards to compare")
+        raise InputError("there were no events, so hazards are not compared")
     if np.linalg.matrix_rank(design) < design.shape[1]:
         raise InputError(f"{' and '.join(names)} cannot be told apart in these data")
     risks = _risk_sets(times, had)

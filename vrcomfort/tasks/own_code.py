@@ -126,7 +126,7 @@ def run_installed_task(found: EntryPoint) -> tuple[type[TaskSettings], str]:
     """
     task = load(found)
     if not (isinstance(task, type) and issubclass(task, TaskSettings)):
-        message = f"the entry point {place_of(found)} is no settings class of a task"
+        message = f"the entry point {place_of(found)} is not a settings class of a task"
         raise InputError(f"{message} (docs/tasks.md)")
     return task, package_of(found)
 

@@ -178,7 +178,7 @@ FOVS = (fov_columns("left"), fov_columns("right"))
 def require_trace(table: TraceTable) -> None:
     """Raise InputError if a required column is missing: perhaps this is another program's log."""
     if TIME not in table.header and not {*HEAD} & {*table.header}:
-        message = f"this is no trace, which has {TIME} and {HEAD[0]} … {HEAD[-1]}; logs of other"
+        message = f"this is not a trace, which has {TIME} and {HEAD[0]} … {HEAD[-1]}; logs of other"
         raise table.fault(f"{message} programs: `vrcomfort import-trace FILE --out TRACE.csv`", 1)
     table.require(REQUIRED)
 

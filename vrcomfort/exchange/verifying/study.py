@@ -63,7 +63,7 @@ def verify_study(
     """
     imported = is_import(study)
     if not imported and not any((study / name).exists() for name in (DESCRIPTION, "sub-P01")):
-        raise InputError(f"this is no study folder: it has no {DESCRIPTION}", file=study)
+        raise InputError(f"this is not a study folder: it has no {DESCRIPTION}", file=study)
     found = Verified(study)
     check_listed(study, found)
     seed = _description(study, found, imported=imported)
@@ -215,7 +215,7 @@ def _homeless(folder: Path, people: Path, found: Verified) -> None:
         who = folder.name.removeprefix("sub-")
         found.fault(people, f"lacks {who}, who has sessions; restore the row")
     else:
-        message = f"{people.name} has nobody of this name"
+        message = f"{people.name} does not list this participant"
         found.fault(folder, f"{message}; restore that file, or move the folder away")
 
 
@@ -379,10 +379,10 @@ def _unlisted(study: Path, name: str, line: int, who: str, found: Verified) -> N
     """Tell of a row of somebody who is not in the list of participants."""
     people = study / ParticipantRow.FILE
     if found.suspect(study / name, people) == people:
-        message = f"has nobody called {who}, of whom {name}, line {line}, is"
+        message = f"does not list {who} of {name}, line {line}"
         found.fault(people, f"{message}; restore the row, or import again")
     else:
-        message = f"{people.name} has nobody called {who}"
+        message = f"{people.name} does not list {who}"
         found.fault(study / name, f"{message}; import again", line)
 
 

@@ -303,7 +303,7 @@ def _labels(file: VocabularyFile) -> Iterator[tuple[str, KeyPath, str]]:
 def _problems(file: VocabularyFile) -> Iterator[Problem]:
     for name in file.covariates:
         if name in FactLabels.model_fields or name == IGNORED:
-            yield Problem(("covariates", name), f"`{name}` is no covariate; write another name")
+            yield Problem(("covariates", name), f"`{name}` is not a covariate; write another name")
     seen: dict[str, str] = {}
     for role, path, key in reversed([*_labels(file)]):
         if not key:

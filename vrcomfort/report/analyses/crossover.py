@@ -76,7 +76,7 @@ def _fit(data: AnalysisData, a: str, b: str, outcome: str) -> CrossoverFit:
         planned = dict.fromkeys(planned, 1)
     pair = table[table["condition"].isin([a, b])]
     if pair["condition"].nunique() < 2:
-        raise InputError("nobody finished both conditions")
+        raise InputError("no participant finished both conditions")
     if (pair["position"] == 0).any():
         raise InputError("the data do not say in which order the conditions came")
     left_out = _without_one_place(pair)

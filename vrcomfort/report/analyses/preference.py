@@ -124,7 +124,7 @@ def _in_column(data: AnalysisData, asked: Preferred, place: int) -> list[tuple[s
     columns = {name for person in people for name in person}
     if asked.column not in columns:
         hint = did_you_mean(asked.column, columns)
-        message = f"`{asked.column}` is no column of participants.csv; {hint}"
+        message = f"`{asked.column}` is not a column of participants.csv; {hint}"
         raise data.plan.fault(message, "preferences", place, "column")
     return [
         (person["participant"], person.get(asked.column, "").strip())

@@ -129,9 +129,9 @@ def participant_values(study: StudyData, measure: Measure) -> Iterator[MeasuredV
 def _check_column(rows: tuple[dict[str, str], ...], column: str, file: str) -> None:
     there = {name for row in rows for name in row}
     if not there:
-        raise InputError(f"the study has no {file}, of which column `{column}` is an outcome")
+        raise InputError(f"the outcome `{column}` needs {file}, which the study does not have")
     if column not in there:
-        raise InputError(f"`{column}` is no column of {file}; {did_you_mean(column, there)}")
+        raise InputError(f"{file} has no column `{column}`; {did_you_mean(column, there)}")
 
 
 def _cell(row: dict[str, str], column: str, file: str) -> Fraction | None:
@@ -247,10 +247,11 @@ def dial_values(study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
     """Yield the confirmed value of each exposure that had the dial of that name."""
     names = {row["dial"] for row in study.dials}
     if not names:
-        raise InputError(f"the study has no dials.csv, of which `{measure.quantity}` is a dial")
+        message = f"the dial `{measure.quantity}` needs dials.csv"
+        raise InputError(f"{message}, which the study does not have")
     if measure.quantity not in names:
         hint = did_you_mean(measure.quantity, names)
-        raise InputError(f"no dial of dials.csv is called `{measure.quantity}`; {hint}")
+        raise InputError(f"dials.csv has no dial `{measure.quantity}`; {hint}")
     found: dict[tuple[str, ...], dict[str, str] | None] = {}
     for row in study.dials:
         if row["dial"] == measure.quantity:
@@ -299,7 +300,7 @@ FRAME_QUANTITIES = {
 def frame_values(study: StudyData, measure: Measure) -> Iterator[MeasuredValue]:
     """Yield the value of each exposure with frames, as `study_data.with_frames` has summed them."""
     if not study.frames:
-        raise InputError(f"the study has no frames.csv, of which {measure.name} is measured")
+        raise InputError(f"{measure.name} needs frames.csv, which the study does not have")
     found = {
         (each.participant, each.session, str(each.trial), each.attempt): each
         for each in study.frames
