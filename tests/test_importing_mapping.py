@@ -254,7 +254,7 @@ def test_what_cannot_be_is_refused_with_row_and_column(tmp_path: Path, name: str
 MISSAID = {
     'heading = "{condition}_x"': "needs {item}",
     'heading = "{thing}_{item}"': "`thing` is not a fact",
-    "pattern = '(?P<item>'": "no regular expression",
+    "pattern = '(?P<item>'": "not a regular expression",
     'item_column = "a"': "go together",
     'instrumnt = "ssq"': "did you mean",
 }
