@@ -7,6 +7,7 @@ same trace gives the same frames every time.
 from __future__ import annotations
 
 import time
+from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -19,7 +20,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M, Frame, HeadsetEvent
 from vrcomfort.geometry import Fov, Pose, View, heading
 from vrcomfort.rotations import slerp_numbers
-from vrcomfort.traces.pose_track import PoseTrack, Times
+from vrcomfort.traces.pose_track import PoseTrack
 from vrcomfort.traces.trace import Trace
 
 if TYPE_CHECKING:
@@ -199,9 +200,9 @@ class PlaybackHeadset:
     def _resampled_piece(self, first: int, end: int) -> Iterator[_Sample]:
         """Yield the display times between two cuts or snap turns: never a pose across one."""
         assert self._rate is not None  # noqa: S101 - tells mypy what `_schedule` knows
-        times = self._trace.time_ns[first:end]
+        times: list[int] = self._trace.time_ns[first:end].tolist()
         count = 0
-        first_ns, last_ns = int(times[0]), int(times[-1])
+        first_ns, last_ns = times[0], times[-1]
         while (time_ns := first_ns + _periods_ns(count, self._rate)) <= last_ns + 1:
             before, fraction = _place(times, time_ns)
             cut = count == 0 and bool(self._trace.cuts[first])
@@ -284,17 +285,17 @@ def world_from_stage(head: PoseTrack, spawn: Pose) -> Pose:
     return spawn @ Pose(np.array([x, 0.0, z]), heading(head.pose(0))).inverse()
 
 
-def _place(times: Times, time_ns: int) -> tuple[int, float]:
+def _place(times: list[int], time_ns: int) -> tuple[int, float]:
     """Return the sample at or before a time, and how far on the way to the next one it is.
 
     A sample within 1 ns counts as being there: recorded times are whole nanoseconds, and a
     recording that is played at its own rate must give its own poses.
     """
-    before = int(times.searchsorted(time_ns + 1, side="right")) - 1
-    elapsed = time_ns - int(times[before])
+    before = bisect_right(times, time_ns + 1) - 1
+    elapsed = time_ns - times[before]
     if elapsed <= 1:
         return before, 0.0
-    return before, elapsed / int(times[before + 1] - times[before])
+    return before, elapsed / (times[before + 1] - times[before])
 
 
 def _hand_at(track: PoseTrack | None, sample: _Sample) -> Pose | None:

@@ -10,14 +10,17 @@ shader's twin of skinning is ``shaders/include/skin.glsl``.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.geometry import Array, normalize, slerp
+from vrcomfort.geometry import Array, normalize
+from vrcomfort.rotations import slerp_numbers
 
 ChannelPath = Literal["translation", "rotation", "scale"]
 Interpolation = Literal["STEP", "LINEAR", "CUBICSPLINE"]
@@ -36,6 +39,12 @@ class Channel:
     values: Array
     interpolation: Interpolation
 
+    @cached_property
+    def times(self) -> list[float]:
+        """Return the times as numbers: looking among few is faster so."""
+        found: list[float] = self.times_s.tolist()
+        return found
+
 
 @dataclass(frozen=True)
 class Animation:
@@ -48,19 +57,21 @@ class Animation:
 
 def sample(channel: Channel, time_s: float) -> Array:
     """Return the channel's (3,) or (4,) value at `time_s`, clamped to its first and last key."""
-    times = channel.times_s
+    times = channel.times
     last = max(len(times) - 2, 0)
-    key = min(max(int(times.searchsorted(time_s, side="right")) - 1, 0), last)
+    key = min(max(bisect_right(times, time_s) - 1, 0), last)
     after = min(key + 1, len(times) - 1)
-    span_s = float(times[after] - times[key])
-    t = 0.0 if span_s <= 0 else min(max((time_s - float(times[key])) / span_s, 0.0), 1.0)
+    span_s = times[after] - times[key]
+    t = 0.0 if span_s <= 0 else min(max((time_s - times[key]) / span_s, 0.0), 1.0)
     if channel.interpolation == "CUBICSPLINE":
         value = _hermite(channel.values[key], channel.values[after], t, span_s)
         return normalize(value) if channel.path == "rotation" else value
     a, b = channel.values[key], channel.values[after]
     if channel.interpolation == "STEP":
         return np.asarray(b if t >= 1.0 else a)
-    return slerp(a, b, t) if channel.path == "rotation" else np.asarray(a + (b - a) * t)
+    if channel.path == "rotation":
+        return np.array(slerp_numbers(a.tolist(), b.tolist(), t))
+    return np.asarray(a + (b - a) * t)
 
 
 def _hermite(a: Array, b: Array, t: float, span_s: float) -> Array:
