@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from operator import mul
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +17,8 @@ from vrcomfort.scene.node_poses import NodePoses
 _PARALLEL = 1e-12
 _FLAT = 1e-12
 """Smaller volumes are those of a node that is scaled to nothing."""
+_ROUNDED = 1 + 1e-6
+"""Factor that keeps rounding inside of a sphere."""
 _CELL = 32
 """Triangles that lie near each other and share a box."""
 _BLOCK = 32
@@ -116,6 +120,40 @@ class _Triangles(NamedTuple):
         return away_m, int(self.node[met].ravel()[first]) if away_m < np.inf else -1
 
 
+class _Ball(NamedTuple):
+    """A sphere in the world."""
+
+    middle_m: tuple[float, ...]
+    radius_m: float
+
+    def meets(self, ray: Pose) -> bool:
+        """Return whether the sphere is around, or ahead on, a ray."""
+        away = [m - o for m, o in zip(self.middle_m, ray.numbers, strict=False)]
+        along = ray.forward.tolist()
+        ahead = max(sum(map(mul, away, along)), 0.0)
+        return math.dist(away, [ahead * each for each in along]) <= self.radius_m
+
+
+def _ball_of_turns(scene: Scene, index: int, world: Array) -> _Ball | None:
+    """Return a sphere that holds a node at all times; None of one that does more than turn."""
+    node = scene.nodes[index]
+    paths = {
+        channel.path
+        for animation in scene.animations
+        for channel in animation.channels
+        if channel.node == index
+    }
+    carried = node.parent >= 0 and scene.nodes[node.parent].moving
+    if carried or node.matrix is not None or paths != {"rotation"}:
+        return None
+    place = world[node.parent] if node.parent >= 0 else np.eye(4)
+    middle = place[:3, :3] @ node.translation + place[:3, 3]
+    parts = [scene.primitives[k].positions * node.scale for k in node.mesh]
+    reach = max(float(np.linalg.norm(each, axis=1).max()) for each in parts)
+    widest = float(np.linalg.norm(place[:3, :3], 2))
+    return _Ball(tuple(middle.tolist()), reach * widest * _ROUNDED)
+
+
 class RayCaster:
     """Casts rays into a scene. Nodes on the head or a hand are invisible to it.
 
@@ -139,6 +177,7 @@ class RayCaster:
         moving = [index for index in solid if scene.nodes[index].moving]
         self._moving = {k: _Triangles.of(*_surface(scene, k, np.eye(4))) for k in moving}
         self._boxes = {k: _box(each) for k, each in self._moving.items()}
+        self._turning = {k: _ball_of_turns(scene, k, world) for k in moving}
 
     def cast(self, ray: Pose, time_s: float = 0.0) -> RayHit:
         """Return the first hit along −Z of world-from-ray at a time of the scene."""
@@ -146,9 +185,11 @@ class RayCaster:
         found = np.inf, -1
         if self._still is not None:
             found = self._still.nearest(origin, along)
-        if self._moving:
+        near = [k for k, ball in self._turning.items() if ball is None or ball.meets(ray)]
+        if near:
             world = self._poses.world_from_node(time_s, Pose())
-            for index, triangles in self._moving.items():
+            for index in near:
+                triangles = self._moving[index]
                 if not _passes_near(*self._boxes[index], world[index], origin, along):
                     continue
                 # Distances along a ray are the same in a node's own frame, where nothing moves.
