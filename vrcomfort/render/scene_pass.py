@@ -178,14 +178,14 @@ class ScenePass:
         if view is None or self._placed != (time_s, before.time_s, camera.head):
             self.update(time_s, camera.head, before.time_s, [camera])
             view = 0
-        self._place(view, camera, before)
+        self._bind_blocks(view, camera, before)
         self._draw(view, camera)
         self.triangles += self._shadow_triangles
         self._shadow_triangles = 0  # the next eye reads the same map
         if resolve:
             self.resolve.render(camera)
 
-    def _place(self, view: int, camera: EyeCamera, before: PreviousCamera) -> None:
+    def _bind_blocks(self, view: int, camera: EyeCamera, before: PreviousCamera) -> None:
         """Bind the blocks of an eye; they are there where `update` knew all of it."""
         if camera.lens is None and self._previous and self._previous[view] == before:
             self._blocks.bind(view)
