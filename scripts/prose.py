@@ -73,9 +73,10 @@ def starts(lines: list[str]) -> list[tuple[str | int, str]]:
         elif line.startswith("#"):
             marked.append(("#", line))
         else:
-            if not line.strip() or ITEM.match(line) or (marked and marked[-1][0] in ("#", "|")):
+            item = ITEM.match(line)
+            if not line.strip() or item or (marked and marked[-1][0] in ("#", "|")):
                 block += 1
-            marked.append((block, ITEM.sub("", line) if ITEM.match(line) else line.lstrip("> ")))
+            marked.append((block, line[item.end() :] if item else line.lstrip("> ")))
     return marked
 
 

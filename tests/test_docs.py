@@ -106,7 +106,7 @@ def test_the_documentation_is_short() -> None:
     assert {name: count for name, count in words.items() if count > 1500} == {}
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "CONVENTIONS.md"], ids=lambda page: page.name)
 def test_sentences_are_short(page: Path) -> None:
     if page.name in GENERATED:
         return
