@@ -524,9 +524,22 @@ def test_leaving_times_in_words_become_ends_of_exposures(tmp_path: Path) -> None
 
 def test_words_in_front_are_the_condition_where_nothing_tells_people_apart(tmp_path: Path) -> None:
     rows: list[list[object]] = [
-        ["song", "mental", "physical", "temporal", "performance", "effort", "frustration"]
+        [
+            "$created",
+            "song",
+            "mental",
+            "physical",
+            "temporal",
+            "performance",
+            "effort",
+            "frustration",
+        ]
     ]
-    rows += [[song, *((n + k) % 9 + 1 for k in range(6))] for song in "ABC" for n in range(5)]
+    rows += [
+        [f"0{n % 2 + 6}.05.2025", song, *((n + k) % 9 + 1 for k in range(6))]
+        for song in "ABC"
+        for n in range(5)
+    ]
     imported, _ = suggested_import([write(tmp_path / "nasatlx.csv", rows)], tmp_path)
     assert {m.condition for _, m in imported.responses} == {"A", "B", "C"}
     assert len(imported.responses) == 15

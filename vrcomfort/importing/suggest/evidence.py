@@ -358,10 +358,11 @@ def _words_within_people(context: Context, column: int) -> bool:
 
 
 def _measures(table: SourceTable, column: int) -> bool:
-    """Return whether a column holds decimal numbers or sentences, as no condition does."""
+    """Return whether a column holds decimal numbers, dates or sentences, as no condition does."""
     words = texts(table, column)
     decimals = all(map(is_number, words)) and any("." in word or "," in word for word in words)
-    return decimals or any(len(word) > LONGEST_CONDITION for word in words)
+    dates = bool(words) and all(map(_DATE.match, words))
+    return decimals or dates or any(len(word) > LONGEST_CONDITION for word in words)
 
 
 def _few_scenes(context: Context, column: int) -> bool:
