@@ -35,12 +35,12 @@ SEED = 20150323
 PARTS = {
     "reading": "read_study",
     "analysing": "analyse",
-    "describing": "records",
     "residuals": "residuals_of",
     "drawing": "draw_figures",
     "figure files": "_figure_files",
     "page": "render_page",
     "tables": "all_tables",
+    "results": "results_json",
 }
 """Part of a report → the function in `vrcomfort.report.build` that makes it."""
 SHARES = (16, 4, 1)

@@ -8,7 +8,14 @@ from pathlib import Path
 
 import pytest
 
+from bench.many_answers import PARTS
+from vrcomfort.report import build
+
 ROOT = Path(__file__).resolve().parent.parent
+
+
+def test_the_parts_of_a_report_that_are_timed_are_functions():
+    assert all(callable(getattr(build, name)) for name in PARTS.values())
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ from typing import Any
 
 from vrcomfort.csv_table import A_ROW, MOST_CELLS, require_few_columns
 from vrcomfort.errors import InputError
-from vrcomfort.files import MOST_TEXT_BYTES, read_bytes
+from vrcomfort.files import MOST_TEXT_BYTES, open_file, read_bytes
 from vrcomfort.importing.source import (
     Grid,
     Reading,
@@ -65,8 +65,8 @@ def read_text_table(file: Path, reading: Reading) -> Grid:
     )
 
 
-def content_of(file: Path) -> bytes:
-    """Return the content of a file.
+def content_of(file: Path, *, first: int | None = None) -> bytes:
+    """Return the content of a file, or its first bytes.
 
     Raises
     ------
@@ -74,7 +74,11 @@ def content_of(file: Path) -> bytes:
         If it cannot be read, or is empty.
     """
     try:
-        content = read_bytes(file, most=MOST_TEXT_BYTES)
+        if first is None:
+            content = read_bytes(file, most=MOST_TEXT_BYTES)
+        else:
+            with open_file(file) as stream:
+                content = stream.read(first)
     except FileNotFoundError:
         raise InputError("there is no such file", file=file) from None
     except IsADirectoryError:

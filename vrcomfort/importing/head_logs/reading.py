@@ -16,7 +16,13 @@ from vrcomfort.files import open_file
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.head_logs.mapping import LogRead
 from vrcomfort.importing.source import unique
-from vrcomfort.importing.text_files import decimal_of, declared, encoding_of, separator_of
+from vrcomfort.importing.text_files import (
+    content_of,
+    decimal_of,
+    declared,
+    encoding_of,
+    separator_of,
+)
 from vrcomfort.settings import did_you_mean
 
 SAMPLE_BYTES = 2**18
@@ -55,7 +61,7 @@ def sample_of(file: Path, read: LogRead) -> LogSample:
     InputError
         If the file cannot be read, or holds no table.
     """
-    content = first_bytes(file)
+    content = content_of(file, first=SAMPLE_BYTES)
     encoding = read.encoding or encoding_of(content)
     text = content.decode(encoding, errors="replace").removeprefix("\ufeff")
     separator, text = declared(text)
@@ -74,28 +80,6 @@ def sample_of(file: Path, read: LogRead) -> LogSample:
     headings = headings_of(rows, heading_row, file)
     body = [_flat(cells, decimal) for cells in rows[heading_row:]]
     return LogSample(file, headings, [c for c in body if len(c) == len(headings)], found)
-
-
-def first_bytes(file: Path) -> bytes:
-    """Return the start of a log.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or is empty.
-    """
-    try:
-        with open_file(file) as stream:
-            content = stream.read(SAMPLE_BYTES)
-    except FileNotFoundError:
-        raise InputError("there is no such file", file=file) from None
-    except IsADirectoryError:
-        raise InputError("this is a folder; give the log in it", file=file) from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=file) from None
-    if not content.strip(b"\0 \t\r\n"):
-        raise InputError("this file is empty; a log has a row for each sample", file=file)
-    return content
 
 
 def _separator(text: str) -> str:

@@ -35,9 +35,10 @@ from vrcomfort.importing.head_logs.mapping import (
     TimeUnit,
     parse_log_mapping,
 )
-from vrcomfort.importing.head_logs.reading import LogSample, first_bytes, sample_of
+from vrcomfort.importing.head_logs.reading import SAMPLE_BYTES, LogSample, sample_of
 from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft, write_doubts
 from vrcomfort.importing.suggest.vocabulary import tokens
+from vrcomfort.importing.text_files import content_of
 from vrcomfort.json_text import escape_surrogates
 from vrcomfort.rotations import Array, rotate
 from vrcomfort.traces.table import TIME
@@ -206,7 +207,8 @@ class _LogDraft:
 
     def _first_lines(self) -> list[str]:
         encoding = self._sample.read.encoding or "utf-8"
-        return first_bytes(self._file).decode(encoding, errors="replace").splitlines()[:20]
+        content = content_of(self._file, first=SAMPLE_BYTES)
+        return content.decode(encoding, errors="replace").splitlines()[:20]
 
     def _take(self, *names: str) -> list[str]:
         self._used += names
