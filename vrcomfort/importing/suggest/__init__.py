@@ -19,7 +19,7 @@ from vrcomfort.importing.suggest.draft import (
     TomlDraft,
     write_doubts,
 )
-from vrcomfort.importing.suggest.layouts import stands_on_its_side
+from vrcomfort.importing.suggest.long_tables import stands_on_its_side
 from vrcomfort.importing.suggest.table_draft import TableDraft, pattern_of
 from vrcomfort.importing.suggest.vocabulary import (
     Known,

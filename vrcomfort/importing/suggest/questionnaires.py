@@ -26,7 +26,9 @@ from vrcomfort.importing.suggest.draft import (
 )
 from vrcomfort.importing.suggest.evidence import Roles, texts
 from vrcomfort.importing.suggest.items import Found, Named, mentions
-from vrcomfort.importing.suggest.layouts import FoundCourse, FoundRating, Long, parts_of
+from vrcomfort.importing.suggest.long_tables import Long
+from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating
+from vrcomfort.importing.suggest.scores import parts_of
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary
 from vrcomfort.questionnaire import Instrument, never_zero, plain, shipped_instruments
 

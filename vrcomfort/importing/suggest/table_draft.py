@@ -41,19 +41,12 @@ from vrcomfort.importing.suggest.evidence import (
     texts,
     total_rows,
 )
-from vrcomfort.importing.suggest.facts import AnswersFound, DraftedFacts, draft_facts
+from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
+from vrcomfort.importing.suggest.facts import draft_facts
 from vrcomfort.importing.suggest.heading_facts import heading_facts, template_of
 from vrcomfort.importing.suggest.items import FoundAnswers, find_blocks
-from vrcomfort.importing.suggest.layouts import (
-    FoundScores,
-    by_kind,
-    find_courses,
-    find_leaving,
-    find_long,
-    find_ratings,
-    find_scores,
-    rise_from_first,
-)
+from vrcomfort.importing.suggest.leaving import find_leaving
+from vrcomfort.importing.suggest.long_tables import find_long
 from vrcomfort.importing.suggest.questionnaires import (
     Drafted,
     draft_block,
@@ -62,6 +55,13 @@ from vrcomfort.importing.suggest.questionnaires import (
     draft_rating,
     leftovers,
     sum_of,
+)
+from vrcomfort.importing.suggest.ratings import find_courses, find_ratings
+from vrcomfort.importing.suggest.scores import (
+    FoundScores,
+    by_kind,
+    find_scores,
+    rise_from_first,
 )
 from vrcomfort.importing.suggest.vocabulary import Known, words_of
 from vrcomfort.settings import toml_value

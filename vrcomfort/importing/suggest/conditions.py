@@ -1,0 +1,198 @@
+"""Drafts where the condition comes from, and what tells repetitions of one apart."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from difflib import SequenceMatcher
+from itertools import combinations
+
+from vrcomfort.importing.suggest.draft import CONDITIONS, ORDER, SAME_CONDITION
+from vrcomfort.importing.suggest.evidence import (
+    COUNTS_EXPOSURES,
+    GROUPS_PEOPLE,
+    MOST_CONDITIONS,
+    candidates,
+    texts,
+    varies_within,
+)
+from vrcomfort.importing.suggest.fact_draft import FactDraft
+from vrcomfort.questionnaire import plain
+from vrcomfort.settings import toml_value
+
+MOST_NAMED = 5
+LONG_WORD, NEAR, RARER = 6, 0.85, 2
+"""Letters in which a misspelling shows, how alike the two words are, and how much rarer one is."""
+
+
+class Conditions(FactDraft):
+    """Finds the condition, or asks."""
+
+    def draft(self) -> None:
+        """Draft where the condition comes from, and number repetitions."""
+        self._condition()
+        self._alike()
+        self._repetitions()
+
+    def _condition(self) -> None:
+        if "condition" in self._answers.said or "condition" in self._context.columns:
+            return
+        columns = self._roles.facts.get("condition", [])
+        columns = [c for c in columns if texts(self._table, c)]
+        if "condition" in self._named and not columns:
+            return
+        if len(columns) == 1:
+            self.use("condition", columns[0])
+            if len(texts(self._table, columns[0])) == 1:
+                self.found.draft.note("one condition alone", "condition")
+        elif columns:
+            self._several_conditions(columns)
+        else:
+            self._guess_condition()
+
+    def _several_conditions(self, columns: list[int]) -> None:
+        names = ", ".join(repr(self.heading(c)) for c in columns)
+        within = [c for c in columns if varies_within(self._table, c, self._context.participant)]
+        chosen = within or columns[:1]
+        if len(chosen) == 1:
+            self.use("condition", chosen[0])
+            chosen_one = repr(self.heading(chosen[0]))
+            self.doubt(f"Which of {names} is the condition?", chosen_one, CONDITIONS)
+        else:
+            self._join_condition(chosen)
+            self.doubt(
+                f"Are conditions made of {names} together?", "they are, joined by _", CONDITIONS
+            )
+
+    def _join_condition(self, columns: Sequence[int]) -> None:
+        self._context.used |= set(columns)
+        self._context.columns["condition"] = tuple(columns)
+        names = [self.heading(c) for c in columns]
+        joined = ["_".join(row[c] for c in columns) for row in self._table.rows]
+        values = {text: text for text in dict.fromkeys(joined) if all(text.split("_"))}
+        self.found.draft.put("condition", {"columns": names, "values": values})
+
+    def _guess_condition(self) -> None:
+        """Take the column with the heaviest evidence for the condition, and ask."""
+        context = self._context
+        decided = [c for columns in context.columns.values() for c in columns]
+        decided += context.covariates.values()
+        columns = (*self._roles.unknown, *self._roles.facts["scene"], *decided)
+        found = candidates("condition", columns, context)
+        if not found:
+            self.found.draft.put("condition", {"constant": "all"})
+            question = "No column says the condition: was there but one?"
+            self.doubt(question, "one, called `all`", CONDITIONS)
+        elif found[0].evidence is COUNTS_EXPOSURES and found[-1].evidence is GROUPS_PEOPLE:
+            self._crossover(found[-1].column, found[0].column)
+        elif found[0].column in decided:  # it keeps the role that it has
+            self.found.draft.put("condition", {"column": self.heading(found[0].column)})
+            self.doubt_of(found[0])
+        else:
+            self.use("condition", found[0].column)
+            if found[0].column in self._roles.unknown:
+                self._roles.unknown.remove(found[0].column)
+            self.doubt_of(found[0])
+
+    def _crossover(self, group: int, number: int) -> None:
+        """Take group and number of the exposure together for the condition."""
+        self._join_condition([group, number])
+        self._context.covariates.setdefault("sequence", group)
+        if not self._letters(group, number):
+            a, b = self.heading(group), self.heading(number)
+            question = f"Which condition did each {a} have in each {b} (a crossover)?"
+            assumed = "each combination is a condition of its own; under values, give those that"
+            self.doubt(question, f"{assumed} are one condition one name", CONDITIONS)
+
+    def _letters(self, sequence: int, number: int) -> bool:
+        """Take letters of sequences such as AB for the conditions, in their order."""
+        orders, numbers = texts(self._table, sequence), sorted(texts(self._table, number))
+        alike = {tuple(sorted(order)) for order in orders}
+        if len(alike) != 1 or any(len(order) != len(numbers) > 1 for order in orders):
+            return False
+        if len(numbers) < 2:
+            return False
+        values = {f"{o}_{n}": letter for o in orders for n, letter in zip(numbers, o, strict=True)}
+        names = [self.heading(sequence), self.heading(number)]
+        self.found.draft.put("condition", {"columns": names, "values": values})
+        a, b = names
+        question = f"Does {a!r} name the conditions in the order of {b!r}?"
+        shown = ", ".join(f"{key} is {value}" for key, value in values.items())
+        self.doubt(question, shown, CONDITIONS)
+        return True
+
+    def _repetitions(self) -> None:
+        """Draft a count of exposures where a participant has a condition at a timepoint twice."""
+        if "trial" in self._context.columns:
+            return
+        if runs := candidates("trial", self._roles.unknown, self._context):
+            self.use("trial", runs[0].column, count=True)
+            self.doubt_of(runs[0])
+        if self._context.participant is None or self._context.time is not None:
+            return  # ratings of one exposure are many rows of one condition
+        keys = [self._context.participant, *self._answers.row_keys]
+        keys += [c for columns in self._context.columns.values() for c in columns]
+        seen: dict[tuple[str, ...], tuple[int, tuple[str, ...]]] = {}
+        again: dict[str, list[str]] = {}
+        for table in self._answers.tables:
+            for number, row in zip(table.numbers, table.rows, strict=True):
+                if not any(row[column] for column in self._answers.taken):
+                    continue
+                key = (table.file.name, table.sheet, *(row[c] for c in dict.fromkeys(keys)))
+                who = row[self._context.participant]
+                if key in seen and who:
+                    first, cells = seen[key]
+                    same = [f"row {number} is the same as row {first}"] if cells == row else []
+                    again.setdefault(who, []).extend(same)
+                seen.setdefault(key, (number, row))
+        if again:
+            self._count_exposures(again)
+
+    def _count_exposures(self, again: Mapping[str, Sequence[str]]) -> None:
+        """Draft a count of exposures, and ask; `again`: participants with several → equal rows."""
+        self.found.draft.put("trial", {"count": True}, "exposures in the order of the rows")
+        people = ", ".join([*again][:MOST_NAMED])
+        more = f" and {len(again) - MOST_NAMED} more" if len(again) > MOST_NAMED else ""
+        columns = " (and conditions in a row)" if "condition" in self._answers.said else ""
+        question = f"One condition more than once: {people}{more}. Do rows{columns} stand in the "
+        assumed = "they do; exposures are numbered so"
+        same = [each for found in again.values() for each in found]
+        if same:
+            assumed += f" (but {same[0]}: leave it out of the file if it was saved twice)"
+        self.doubt(f"{question}order of time?", assumed, ORDER)
+
+    def _alike(self) -> None:
+        """Ask whether words for conditions that are nearly the same are one."""
+        column = self._context.columns.get("condition", ())
+        cells = self._table.column(column[0]) if len(column) == 1 else ()
+        counts = Counter(filter(None, cells))
+        few = len(counts) <= MOST_CONDITIONS
+        pairs = [
+            sorted(pair, key=lambda word: -counts[word])
+            for pair in (combinations(counts, 2) if few else ())
+            if _are_alike(counts, *pair)
+        ]
+        if pairs:
+            shown = "; ".join(f"{usual!r} and {rare!r}" for usual, rare in pairs)
+            one = {word: word for word in counts} | {rare: usual for usual, rare in pairs}
+            said = "they are not; `values` of condition make them one: "
+            question = f"Is each of these one condition, typed differently: {shown}?"
+            self.doubt(question, f"{said}values = {toml_value(one)}", SAME_CONDITION)
+
+
+def _are_alike(counts: Mapping[str, int], a: str, b: str) -> bool:
+    """Return whether two words are the same but for signs and case, or one is misspelt."""
+    rare, usual = sorted((counts[a], counts[b]))
+    return plain(a) == plain(b) or (RARER * rare <= usual and _near(a, b))
+
+
+def _near(a: str, b: str) -> bool:
+    """Return whether two words differ in a letter or two of many, and not in numbers or un-."""
+    short, long = sorted((plain(a), plain(b)), key=len)
+    if len(short) < LONG_WORD or long.endswith(short) or _digits(short) != _digits(long):
+        return False
+    return SequenceMatcher(None, short, long, autojunk=False).ratio() >= NEAR
+
+
+def _digits(text: str) -> list[str]:
+    return [letter for letter in text if letter.isdecimal()]

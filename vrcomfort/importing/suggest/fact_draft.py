@@ -1,0 +1,97 @@
+"""Writes down where the facts of a table come from, and the doubts that are left."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.draft import (
+    CONDITIONS,
+    ORDER,
+    PEOPLE,
+    TIMEPOINTS,
+    OpenDoubt,
+    Stake,
+    TomlDraft,
+)
+from vrcomfort.importing.suggest.evidence import Candidate, Context
+
+_STAKES = {"participant": PEOPLE, "condition": CONDITIONS, "timepoint": TIMEPOINTS, "trial": ORDER}
+
+
+@dataclass
+class DraftedFacts:
+    """Where the facts come from.
+
+    Parameters
+    ----------
+    context
+        The decisions on columns.
+    unused
+        Columns with a heading for a fact that were not taken.
+    """
+
+    context: Context
+    draft: TomlDraft = field(default_factory=TomlDraft)
+    doubts: list[OpenDoubt] = field(default_factory=list)
+    unused: list[int] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class AnswersFound:
+    """The answers of a table, as far as its facts depend on them.
+
+    Parameters
+    ----------
+    tables
+        The single tables, of which the drafted one is made.
+    said
+        Facts that the headings of the answers say.
+    taken
+        Columns of answers.
+    row_keys
+        Columns that tell the rows of one questionnaire apart.
+    answered
+        Whether there are any.
+    """
+
+    tables: Sequence[SourceTable]
+    said: set[str]
+    taken: set[int]
+    row_keys: Sequence[int]
+    answered: bool
+
+
+class FactDraft:
+    """Writes down where facts come from; several of them write into one draft."""
+
+    def __init__(
+        self, answers: AnswersFound, found: DraftedFacts, named: dict[str, list[str]]
+    ) -> None:
+        self._answers = answers
+        self._context = found.context
+        self._table = found.context.table
+        self._roles = found.context.roles
+        self._vocabulary = found.context.vocabulary
+        self._named = named
+        self.found = found
+
+    def heading(self, column: int) -> str:
+        """Return the heading of a column."""
+        return self._table.headings[column]
+
+    def use(self, fact: str, column: int, comment: str = "", **more: object) -> None:
+        """Let a fact come from a column."""
+        self._context.used.add(column)
+        self._context.columns[fact] = (column,)
+        self.found.draft.put(fact, {"column": self.heading(column), **more}, comment)
+
+    def doubt(self, question: str, assumed: str, stake: Stake) -> None:
+        """Add a question that the files leave open."""
+        self.found.doubts.append(OpenDoubt(question, assumed, *stake))
+
+    def doubt_of(self, found: Candidate) -> None:
+        """Add the question that a piece of evidence leaves open."""
+        question = found.evidence.question.format(heading=self.heading(found.column))
+        self.doubt(question, found.evidence.assumed, _STAKES[found.evidence.role])

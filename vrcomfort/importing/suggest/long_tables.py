@@ -1,0 +1,216 @@
+"""Finds questionnaires in tables with a row for each answer, or on their side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from vrcomfort.importing.files import is_number
+from vrcomfort.importing.source import Grid, SourceTable
+from vrcomfort.importing.suggest.evidence import texts
+from vrcomfort.importing.suggest.items import FoundAnswers, How, mentions, named_item
+from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
+from vrcomfort.questionnaire import Instrument, plain
+
+
+@dataclass(frozen=True)
+class Long(FoundAnswers):
+    """A table with a row for each answer.
+
+    Parameters
+    ----------
+    items
+        Item → text in the item column.
+    hows
+        Item → how it was found.
+    others
+        Texts of the item column that are no item.
+    instrument_column
+        Where the questionnaire is named, and the text there.
+    """
+
+    item_column: int
+    response_column: int
+    items: dict[str, str]
+    hows: dict[str, How]
+    others: list[str]
+    instrument_column: tuple[int, str] | None
+
+    @property
+    def row_keys(self) -> list[int]:
+        """Return the columns that tell the answers of one questionnaire apart."""
+        named = [self.instrument_column[0]] if self.instrument_column else []
+        return [self.item_column, *named]
+
+    @property
+    def columns(self) -> list[int]:
+        """Return the indices of the columns."""
+        return [*self.row_keys, self.response_column]
+
+
+def find_long(table: SourceTable, columns: Sequence[int], known: Known) -> list[Long]:
+    """Return the questionnaires of a long table; none where it is not one."""
+    found: list[Long] = []
+    for column in columns:
+        words = texts(table, column)
+        # Fewer items make no questionnaire; more texts are ids or comments.
+        if not (4 <= len(words) <= 200) or len(table.rows) < len(words):
+            continue
+        response = _response_column(table, column, known.vocabulary)
+        if response is None:
+            continue
+        for instrument in known.instruments:
+            named = _named_in_rows(table, column, words, instrument, known)
+            if named is not None:
+                items, hows = named
+                others = [word for word in words if word not in items.values()]
+                where = _instrument_column(table, instrument, column)
+                long = Long(instrument, (), column, response, items, hows, others, where)
+                found.append(long)
+        if found:
+            return _best_long(found)
+    return []
+
+
+def stands_on_its_side(grid: Grid, known: Known) -> bool:
+    """Return whether items stand one below the other, and participants side by side."""
+    width = max(map(len, grid.rows))
+    responses = known.vocabulary.response_labels
+    if grid.named or width < 3 or any(plain(cell) in responses for cell in grid.rows[0]):
+        return False
+    first = [row[0] for row in grid.rows if row[0]]
+    others = {cell for row in grid.rows[1:] for cell in row[1:] if cell}
+    if len(set(first)) < len(first) or len(others) > 30:
+        return False
+    for instrument in known.instruments:
+        spellings = known.vocabulary.spellings(instrument)
+        named = {spellings[plain(text)] for text in first if plain(text) in spellings}
+        if len(named) >= 4 and len(named) * 2 >= len(first):
+            return True
+    return False
+
+
+def _best_long(found: list[Long]) -> list[Long]:
+    """Keep questionnaires that are named in a column of their own, or else those that fit.
+
+    Several can fit, one after the other: each of the others has all its items among the texts that
+    are no item of those before.
+    """
+    named = [long for long in found if long.instrument_column is not None]
+    if named:
+        return named
+    ranked = sorted(found, key=lambda each: (-_share(each), len(each.others)))
+    kept = ranked[:1]
+    for long in ranked[1:]:
+        taken = {text for each in kept for text in each.items.values()}
+        if _share(long) == 1 and not taken & {*long.items.values()}:
+            kept.append(long)
+    taken = {text for each in kept for text in each.items.values()}
+    return [
+        replace(each, others=[text for text in each.others if text not in taken]) for each in kept
+    ]
+
+
+def _share(long: Long) -> float:
+    return len(long.items) / len(long.instrument.asked)
+
+
+def _named_in_rows(
+    table: SourceTable,
+    column: int,
+    words: list[str],
+    instrument: Instrument,
+    known: Known,
+) -> tuple[dict[str, str], dict[str, How]] | None:
+    items: dict[str, str] = {}
+    hows: dict[str, How] = {}
+    for word in words:
+        found = named_item(column, word, "", instrument, known.vocabulary)
+        if found is not None and (
+            found.item not in items or found.how == "name" != hows[found.item]
+        ):
+            items[found.item] = word
+            hows[found.item] = found.how
+    sure = sum(how == "name" for how in hows.values())
+    if sure >= min(4, len(instrument.asked)) and len(instrument.asked) > 1:
+        return items, hows
+    return _numbered_in_rows(table, column, words, instrument, known)
+
+
+def _numbered_in_rows(
+    table: SourceTable,
+    column: int,
+    words: list[str],
+    instrument: Instrument,
+    known: Known,
+) -> tuple[dict[str, str], dict[str, How]] | None:
+    """Find items by numbers, ``1`` … ``16`` or ``SSQ1`` …, in a column that is called item."""
+    heading = plain(table.headings[column])
+    named = mentions(" ".join(words[:3]), known.instruments)
+    if heading not in known.vocabulary.item_labels and not named:
+        return None
+    numbers: dict[int, str] = {}
+    for word in words:
+        digits = [token for token in tokens(word) if token.isdecimal()]
+        named = mentions(word, known.instruments)
+        if len(digits) == 1 and (not named or instrument.name in named):
+            numbers.setdefault(int(digits[0]), word)
+    count = len(instrument.asked)
+    first = min(numbers, default=9)
+    if first > 1 or sorted(numbers) != list(range(first, first + count)) or count < 4:
+        return None
+    items = {item.name: numbers[n] for n, item in enumerate(instrument.asked, start=first)}
+    return items, dict.fromkeys(items, "number")
+
+
+def _response_column(table: SourceTable, item_column: int, vocabulary: LabVocabulary) -> int | None:
+    candidates = [
+        column
+        for column, heading in enumerate(table.headings)
+        if column != item_column and _is_response(table, column, heading, vocabulary)
+    ]
+    named = [c for c in candidates if _last_word(table.headings[c]) in vocabulary.response_labels]
+    if not named and not table.reading.heading_rows:
+        # Without headings, answers are small numbers or words of severity: times and dates are not.
+        named = [c for c in candidates if _are_few_and_short(texts(table, c))]
+        named = named if len(named) == 1 else []
+    return named[0] if named else None
+
+
+def _are_few_and_short(words: Sequence[str]) -> bool:
+    digits = (word for word in words if is_number(word))
+    return len(words) <= _FEW_ANSWERS and all(len(each) <= _DIGITS for each in digits)
+
+
+_FEW_ANSWERS, _DIGITS = 11, 3
+
+
+def _last_word(heading: str) -> str:
+    """Return a heading, or the inner one of ``outer.inner``."""
+    return plain(heading.rsplit(".", 1)[-1])
+
+
+def _is_response(table: SourceTable, column: int, heading: str, vocabulary: LabVocabulary) -> bool:
+    words = texts(table, column)
+    labelled = _last_word(heading) in vocabulary.response_labels
+    if not words or (len(words) > 110 and not labelled):
+        return False
+    known = sum(is_number(word) or plain(word) in vocabulary.severity for word in words)
+    return known * 2 >= len(words) or labelled
+
+
+def _instrument_column(
+    table: SourceTable, instrument: Instrument, item_column: int
+) -> tuple[int, str] | None:
+    for column in range(len(table.headings)):
+        if column != item_column:
+            words = texts(table, column)
+            if len(words) <= 8:
+                for word in words:
+                    if plain(word) in {
+                        plain(instrument.name),
+                        plain(instrument.short),
+                        plain(instrument.title),
+                    }:
+                        return column, word
+    return None

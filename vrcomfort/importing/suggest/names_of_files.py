@@ -1,0 +1,120 @@
+"""Finds the facts in names of files and sheets: what differs between them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from vrcomfort.importing.suggest.vocabulary import LabVocabulary
+
+_PART = re.compile(r"([_\-\s.]+)")
+
+
+@dataclass(frozen=True)
+class NameParts:
+    """How names are made.
+
+    Parameters
+    ----------
+    template
+        With ``{condition}`` and the like where they differ, or a regular expression.
+    texts
+        Fact → the different texts that stand for it; ``""`` where names lack a word.
+    expression
+        Whether it is a regular expression.
+    """
+
+    template: str
+    texts: dict[str, list[str]]
+    expression: bool = False
+
+
+def parts_of_names(
+    names: Sequence[str], wanted: Sequence[str], vocabulary: LabVocabulary
+) -> NameParts | None:
+    """Return the parts that differ between names, as facts; None where none differs.
+
+    Timepoints are known by their words, sessions by theirs; of the rest, what differs most is
+    the participant, where that is wanted.
+    """
+    split = [_PART.split(name) for name in names]
+    if len(set(names)) < 2 or not wanted:
+        return None
+    if len({tuple(parts[1::2]) for parts in split}) > 1:  # made in different ways
+        return _optional(names, wanted, vocabulary) or _whole(names, wanted)
+    columns = list(zip(*split, strict=True))
+    differing = [i for i in range(0, len(columns), 2) if len(set(columns[i])) > 1]
+    left = list(wanted)
+    roles: dict[int, str] = {}
+    for i in differing:
+        if "timepoint" in left and all(vocabulary.timepoint(text) for text in columns[i]):
+            roles[i] = "timepoint"
+            left.remove("timepoint")
+    for i in differing:
+        session = all(re.fullmatch(r"(?i)(ses(sion)?|s|day|visit)\d+", t) for t in columns[i])
+        if i not in roles and session and "session" in left and len(differing) > 1:
+            roles[i] = "session"
+            left.remove("session")
+    rest = [i for i in differing if i not in roles]
+    if "participant" in left and rest:
+        most = max(rest, key=lambda i: len(set(columns[i])))
+        roles[most] = "participant"
+        left.remove("participant")
+        rest.remove(most)
+    if "condition" in left and rest:
+        roles[rest[0]] = "condition"
+        rest = rest[1:]
+    return _made(columns, roles)
+
+
+def _optional(
+    names: Sequence[str], wanted: Sequence[str], vocabulary: LabVocabulary
+) -> NameParts | None:
+    """Return how names are made of which some have a word that others lack: ``P01_SSQ[_PRE]``.
+
+    Words that all names share are anchors; before the first one stands the participant, and after
+    the last one words for the timepoint and for the condition.
+    """
+    split = [_PART.split(name)[::2] for name in names]
+    anchors = [word for word in split[0] if all(words.count(word) == 1 for words in split)]
+    if not anchors or {"participant", "condition", "timepoint"} - {*wanted}:
+        return None
+    first = [words.index(anchors[0]) for words in split]
+    ends = [words[words.index(anchors[-1]) + 1 :] for words in split]
+    middle = {tuple(w[w.index(anchors[0]) : w.index(anchors[-1]) + 1]) for w in split}
+    if {*first} != {1} or len(middle) > 1 or max(map(len, ends)) > 2:
+        return None
+    rest = list(dict.fromkeys(word for words in ends for word in words))
+    when = [word for word in rest if vocabulary.timepoint(word)]
+    what = [word for word in rest if word not in when]
+    texts: dict[str, list[str]] = {"participant": list(dict.fromkeys(w[0] for w in split))}
+    slots = [("timepoint", when), ("condition", what)]
+    if any(len(words) == 2 and words[0] in what for words in ends):
+        slots.reverse()
+    sign = r"[_\-\s.]+"
+    pattern = rf"(?P<participant>[^_\-\s.]+){sign}" + sign.join(map(re.escape, min(middle)))
+    for fact, words in slots:
+        if words:
+            pattern += rf"(?:{sign}(?P<{fact}>{'|'.join(map(re.escape, words))}))?"
+            blank = [""] if any(not {*words} & {*each} for each in ends) else []
+            texts[fact] = [*blank, *words]
+    if not all(re.fullmatch(pattern, name) for name in names):
+        return None
+    return NameParts(pattern, texts, expression=True)
+
+
+def _whole(names: Sequence[str], wanted: Sequence[str]) -> NameParts | None:
+    fact = "condition" if "condition" in wanted else wanted[0]
+    return NameParts(f"{{{fact}}}", {fact: list(dict.fromkeys(names))})
+
+
+def _made(columns: Sequence[Sequence[str]], roles: dict[int, str]) -> NameParts | None:
+    if not roles:
+        return None
+    parts = [
+        f"{{{roles[i]}}}" if i in roles else column[0] if len(set(column)) == 1 else "{*}"
+        for i, column in enumerate(columns)
+    ]
+    texts = {fact: list(dict.fromkeys(columns[i])) for i, fact in roles.items()}
+    return NameParts("".join(parts), texts)

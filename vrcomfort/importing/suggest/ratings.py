@@ -1,0 +1,174 @@
+"""Finds ratings during exposure: a column of them, or one for each time; and their times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence, Set
+from dataclasses import dataclass
+
+import numpy as np
+
+from vrcomfort.importing.answers import number
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.block_conditions import (
+    fitting,
+    number_in_words,
+    numbered_conditions,
+)
+from vrcomfort.importing.suggest.items import FoundAnswers, mentions
+from vrcomfort.importing.suggest.scores import find_scores, values_of
+from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
+from vrcomfort.questionnaire import Instrument, plain
+
+
+@dataclass(frozen=True)
+class FoundRating(FoundAnswers):
+    """A column of ratings, and that of the seconds at which they were given."""
+
+    column: int
+    time: int | None
+
+    @property
+    def columns(self) -> list[int]:
+        """Return the index of the column of ratings."""
+        return [self.column]
+
+
+@dataclass(frozen=True)
+class FoundCourse(FoundAnswers):
+    """Columns of a rating time course, one for each time."""
+
+    ratings: tuple[FoundRating, ...]
+
+    @property
+    def columns(self) -> list[int]:
+        """Return the indices of the columns, in the order of the file."""
+        return [rating.column for rating in self.ratings]
+
+
+def find_ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
+    """Return the columns of ratings that are in no time course."""
+    ratings = _ratings(table, columns, known)
+    courses = _times_of(table, ratings, known.vocabulary)
+    in_courses = [rating for course in courses for rating in course]
+    return [rating for rating in ratings if rating not in in_courses]
+
+
+def find_courses(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundCourse]:
+    """Return the rating time courses that have a column for each time."""
+    units = known.vocabulary.units
+    found = []
+    for course in _times_of(table, _ratings(table, columns, known), known.vocabulary):
+        first = course[0].context
+        time = _time_in(first, units)
+        context = (w for n, w in enumerate(first) if n != time and w not in units)
+        found.append(FoundCourse(course[0].instrument, tuple(context), tuple(course)))
+    return found
+
+
+def _time_in(context: Sequence[str], units: Set[str]) -> int | None:
+    """Return the place of the one number that is a time: before a unit, where there are others."""
+    numbers = [n for n, word in enumerate(context) if word.isdecimal()]
+    if len(numbers) > 1:
+        numbers = [n for n in numbers if {*context[n + 1 : n + 2]} & units]
+    return numbers[0] if len(numbers) == 1 else None
+
+
+def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
+    """Return the columns that are called by the name of a scale of one item."""
+    totals = {c for each in find_scores(table, columns, known) for c in each.columns}
+    time = _time_column(table, [c for c in columns if c not in totals], known.vocabulary)
+    if not table.reading.heading_rows:
+        return _beside_their_time(table, columns, time, known)
+    found = []
+    for instrument in known.instruments:
+        if len(instrument.asked) == 1:
+            named = [c for c in columns if _is_rating(table, c, instrument)]
+            own = {plain(instrument.name), "score", "rating", *map(plain, instrument.title.split())}
+            for column in named:
+                rest = tuple(w for w in tokens(table.headings[column]) if w not in own)
+                found.append(FoundRating(instrument, rest, column, time))
+    return found
+
+
+def _time_column(
+    table: SourceTable, columns: Sequence[int], vocabulary: LabVocabulary
+) -> int | None:
+    """Return the column of the seconds of ratings: by its heading, or one of times that rise."""
+    named = [c for c in columns if plain(table.headings[c]) in vocabulary.seconds]
+    if named:
+        return named[0]
+    headed = bool(table.reading.heading_rows)
+    rising = [
+        c
+        for c in columns
+        if (not headed or {*tokens(table.headings[c])} & vocabulary.time_words) and _rises(table, c)
+    ]
+    return rising[0] if len(rising) == 1 or (rising and not headed) else None
+
+
+def _rises(table: SourceTable, column: int) -> bool:
+    """Return whether numbers rise from row to row, but where another exposure begins."""
+    values = values_of(table, column)
+    whole = len(values) == len(table.rows) > _FEWEST_RISING
+    steps = np.diff(values) if whole else np.zeros(1)
+    return bool((steps > 0).mean() >= _RISING)
+
+
+_FEWEST_RISING, _RISING = 5, 0.8
+"""Rows, and the share of steps upwards, of a column of times."""
+
+
+def _beside_their_time(
+    table: SourceTable, columns: Sequence[int], time: int | None, known: Known
+) -> list[FoundRating]:
+    """Return the ratings of a log without headings, whose file names the scale: time and rating."""
+    said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
+    scales = [i for i in known.instruments if i.name in said and len(i.asked) == 1]
+    others = [c for c in columns if c != time]
+    if time is None or len(scales) != 1 or len(others) != 1:
+        return []
+    (scale,), (column,) = scales, others
+    inside = all(map(scale.answers.has, values_of(table, column)))
+    return [FoundRating(scale, (), column, time)] if inside else []
+
+
+def _is_rating(table: SourceTable, column: int, instrument: Instrument) -> bool:
+    words = tokens(table.headings[column])
+    keys = {plain(instrument.name), plain(instrument.title)}
+    named = plain(table.headings[column]) in keys or (
+        plain(instrument.name) in words and len(words) <= 5
+    )
+    if not named:
+        return False
+    cells = [cell.replace(",", ".") for cell in table.column(column) if cell]
+    values = [number(cell, ".") for cell in cells]
+    inside = [v for v in values if v is not None and instrument.low <= v <= instrument.high]
+    # Means of ratings stand under the scale's name, too, and most are no answers of it.
+    return bool(inside) and sum(map(instrument.answers.has, inside)) * 10 >= len(inside) * 7
+
+
+FEWEST_TIMES = 3
+"""Columns of one scale that differ in a number alone and are a time course of ratings."""
+
+
+def _times_of(
+    table: SourceTable, ratings: Sequence[FoundRating], vocabulary: LabVocabulary
+) -> list[list[FoundRating]]:
+    """Return the time courses, but for ratings whose numbers are those of conditions beside."""
+    numbered = numbered_conditions(table, vocabulary)
+    return [
+        course
+        for course in _courses_of(ratings, vocabulary.units)
+        if not fitting([number_in_words(each.context) for each in course], numbered)
+    ]
+
+
+def _courses_of(ratings: Sequence[FoundRating], units: Set[str]) -> list[list[FoundRating]]:
+    """Group ratings by headings that differ in one number alone, such as ``FMS_1 min``."""
+    groups: dict[tuple[str, ...], list[FoundRating]] = {}
+    for rating in ratings:
+        place = _time_in(rating.context, units)
+        if rating.time is None and place is not None:
+            rest = tuple("#" if n == place else word for n, word in enumerate(rating.context))
+            groups.setdefault((rating.instrument.name, *rest), []).append(rating)
+    return [group for group in groups.values() if len(group) >= FEWEST_TIMES]

@@ -1,0 +1,242 @@
+"""Finds columns of scores whose answers may not be there, and sums of others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vrcomfort.importing.answers import number
+from vrcomfort.importing.made_instruments import on_scale
+from vrcomfort.importing.mapping import ScoreKind, scale_named
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.items import FoundAnswers, mentions
+from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
+from vrcomfort.questionnaire import Instrument, plain
+
+
+@dataclass(frozen=True)
+class FoundScores(FoundAnswers):
+    """Columns that hold scores of one administration.
+
+    Parameters
+    ----------
+    scales
+        Scale → index of its column.
+    """
+
+    scales: dict[str, int]
+
+    @property
+    def columns(self) -> list[int]:
+        """Return the indices of the columns."""
+        return [*self.scales.values()]
+
+
+def find_scores(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundScores]:
+    """Return the columns of scores by the scales in their headings: a total, or at least two."""
+    found: list[FoundScores] = []
+    left = list(columns)
+    named = mentions(
+        f"{table.file.stem} {table.sheet} {' '.join(table.headings)}", known.instruments
+    )
+    for instrument in sorted(
+        known.instruments, key=lambda each: (each.name not in named, each.name != "ssq")
+    ):
+        if len(instrument.asked) > 1:
+            own = _of_instrument(table, left, instrument, known.vocabulary)
+            left = [c for c in left if all(c not in each.scales.values() for each in own)]
+            found += own
+    return found
+
+
+def _of_instrument(
+    table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: LabVocabulary
+) -> list[FoundScores]:
+    words = _scale_words(instrument, vocabulary)
+    fillers = vocabulary.scale_fillers
+    groups: dict[tuple[str, ...], dict[str, int]] = {}
+    for column in columns:
+        named = _scale(table.headings[column], instrument, words, fillers)
+        named = named or _bare_total(table, column, instrument)
+        measured = {*tokens(table.headings[column])} & vocabulary.measures
+        if named is not None and not measured and _numeric(table, column):
+            scale, context = named
+            groups.setdefault(context, {}).setdefault(scale, column)
+    most = max(map(len, groups.values()), default=0)
+    return [
+        FoundScores(instrument, context, scales)
+        for context, scales in groups.items()
+        if _is_sure(table, instrument, scales) and _is_like(table, instrument, scales, most)
+    ]
+
+
+def _is_like(
+    table: SourceTable, instrument: Instrument, scales: Mapping[str, int], most: int
+) -> bool:
+    """Return whether a group has the scales of the largest one, or names the instrument itself.
+
+    Beside N, O, D and T, a single column called ``Overall …`` is something else.
+    """
+    names = " ".join(table.headings[column] for column in scales.values())
+    return most < _WHOLE or len(scales) > 1 or instrument.name in mentions(names, [instrument])
+
+
+_WHOLE = 3
+
+
+def _scale_words(instrument: Instrument, vocabulary: LabVocabulary) -> dict[str, str]:
+    """Return word → scale: its name, title and column, and the vocabulary's words for it."""
+    words = {
+        plain(word): scale.name
+        for scale in instrument.scales
+        if not scale.alone
+        for word in (scale.name, scale.title, scale.column)
+    }
+    return {**vocabulary.scales.get(instrument.name, {}), **words}
+
+
+def _scale(
+    heading: str, instrument: Instrument, words: Mapping[str, str], fillers: Set[str]
+) -> tuple[str, tuple[str, ...]] | None:
+    """Return the scale that a heading names, and its other words."""
+    own = {plain(instrument.name), *tokens(instrument.short)}
+    rest = [word for word in tokens(heading) if word not in fillers and word not in own]
+    if not rest:
+        said = set(tokens(heading))
+        return (instrument.primary, ()) if said & own and said & {*fillers, "total"} else None
+    for word in sorted(rest, key=len, reverse=True):
+        if word in words:
+            others = list(rest)
+            others.remove(word)
+            return words[word], tuple(w for w in others if w != "total")
+    return None
+
+
+def _bare_total(
+    table: SourceTable, column: int, instrument: Instrument
+) -> tuple[str, tuple[str, ...]] | None:
+    """Return the primary scale for ``SSQ 2`` or ``SSQ post`` whose values are scores of it."""
+    words = tokens(table.headings[column])
+    own = {plain(instrument.name), *tokens(instrument.short)}
+    scale = scale_named(instrument, instrument.primary)
+    if words[:1] != [plain(instrument.name)] or len(words) > _MOST_WORDS or scale is None:
+        return None
+    values = values_of(table, column)
+    steps = [on_scale(value, scale, "score") is not None for value in values]
+    above = any(value > instrument.high and not value.is_integer() for value in values)
+    if not above or not all(steps):
+        return None
+    return instrument.primary, tuple(word for word in words if word not in own)
+
+
+_MOST_WORDS = 3
+"""Of a heading that names an instrument and no scale."""
+
+
+def _is_sure(table: SourceTable, instrument: Instrument, scales: Mapping[str, int]) -> bool:
+    """Return whether these are scores, and not columns that happen to be called N or O."""
+    names = [table.headings[column] for column in scales.values()]
+    places = (*names, table.file.stem, table.sheet)
+    said = any(instrument.name in mentions(name, [instrument]) for name in places)
+    single = all(len("".join(tokens(name))) < 3 for name in names)
+    if single:
+        return len(scales) >= 3
+    return said or len(scales) >= 2
+
+
+def rise_from_first(table: SourceTable, found: Sequence[FoundScores]) -> bool:
+    """Return whether scores of the first administration are half of the later ones, or less.
+
+    So they are before exposure: the numbers in such headings are timepoints, no conditions.
+    """
+    numbered = sorted(found, key=lambda each: [int(w) for w in each.context if w.isdecimal()])
+    values = [[v for c in each.columns for v in values_of(table, c)] for each in numbered]
+    if len(values) < 2 or not all(values):
+        return False
+    first, *later = (float(np.mean(each)) for each in values)
+    return 2 * first <= max(later)
+
+
+def _numeric(table: SourceTable, column: int) -> bool:
+    cells = [cell for cell in table.column(column) if cell]
+    values = [number(cell, table.reading.decimal or ".") for cell in cells]
+    return sum(value is not None for value in values) * 10 >= len(values) * 8 > 0
+
+
+def by_kind(table: SourceTable, found: FoundScores) -> dict[ScoreKind, FoundScores]:
+    """Return the kind of scores: ``score``, ``raw_sum``, both in two parts, or else ``other``.
+
+    Labs write raw sums of the subscales beside a weighted total.
+    """
+    whole = kind_of(table, found)
+    if whole != "other":
+        return {whole: found}
+    kinds: dict[ScoreKind, dict[str, int]] = {}
+    for scale, column in found.scales.items():
+        kinds.setdefault(_likelier(table, found, scale), {})[scale] = column
+    if "other" in kinds:
+        return {whole: found}
+    return {kind: replace(found, scales=scales) for kind, scales in kinds.items()}
+
+
+def _likelier(table: SourceTable, found: FoundScores, scale: str) -> ScoreKind:
+    return kind_of(table, replace(found, scales={scale: found.scales[scale]}))
+
+
+def kind_of(table: SourceTable, found: FoundScores) -> ScoreKind:
+    """Return ``score`` or ``raw_sum`` where all values can be that, else ``other``."""
+    for kind in _KINDS:
+        if all(
+            on_scale(value, scale, kind) is not None
+            for name, column in found.scales.items()
+            if (scale := scale_named(found.instrument, name)) is not None
+            for value in values_of(table, column)
+        ):
+            return kind
+    return "other"
+
+
+_KINDS: tuple[ScoreKind, ...] = ("score", "raw_sum")
+
+
+def values_of(table: SourceTable, column: int) -> list[float]:
+    """Return the numbers of a column; other cells are passed over."""
+    read = [number(cell, table.reading.decimal or ".") for cell in table.column(column) if cell]
+    return [value for value in read if value is not None]
+
+
+def parts_of(
+    values: Sequence[float | None], columns: Mapping[str, Sequence[float | None]]
+) -> list[str] | None:
+    """Return the columns of which another is exactly the (weighted) sum, None where it is none.
+
+    Each part counts once or twice, times one weight for all. Rows with a blank are left out. The
+    answer is None, too, where there are too few different rows to tell.
+    """
+    names = list(columns)
+    rows = [
+        (value, [columns[name][place] for name in names])
+        for place, value in enumerate(values)
+        if value is not None and all(columns[name][place] is not None for name in names)
+    ]
+    if len(rows) < 3 or not names:
+        return None
+    target = np.array([value for value, _ in rows], dtype=float)
+    parts = np.array([cells for _, cells in rows], dtype=float)
+    whole = parts.sum(axis=1)
+    if len(names) > 2 and whole.any() and np.allclose(whole, target, atol=1e-6):
+        return names
+    used = [i for i in range(len(names)) if np.ptp(parts[:, i]) > 0]
+    if len(used) < 2 or not target.any() or np.linalg.matrix_rank(parts[:, used]) < len(used):
+        return None
+    found, *_ = np.linalg.lstsq(parts[:, used], target, rcond=None)
+    counted = found[np.abs(found) > 1e-6]
+    if len(counted) < 2 or not np.allclose(parts[:, used] @ found, target, atol=0.02):
+        return None
+    # Raw sums count an item once or twice, in two subscales; other weights are chance fits.
+    steps = counted / counted.min() if counted.min() > 0 else np.array([0.5])
+    if not np.allclose(steps, np.round(steps), atol=0.02) or steps.max() > 2.1:
+        return None
+    return [names[used[i]] for i, each in enumerate(found) if abs(each) > 1e-6]
