@@ -70,6 +70,7 @@ def test_a_short_form_is_analysed_and_called_one(tmp_path):
     assert "14 items" in page
     assert "Total severity (short form) 0.00 to 213.18" in page
     assert {o["name"]: o["high"] for o in results["outcomes"]}["T"] == pytest.approx(213.18)
+    assert {stage["stage"]: stage["n"] for stage in results["flow"]}["Completed"] == len(PEOPLE)
     assert not results["quality"]["excluded_questionnaires"]
     assert {row["item"] for row in results["symptoms"]} == set(ITEMS) - {"vertigo", "burping"}
 

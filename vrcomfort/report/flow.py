@@ -65,16 +65,16 @@ def participant_flow(
     `again` counts them.
     """
     enrolled = everybody(study)
-    met = {t["participant"] for t in study.trials}
+    recorded = {t["participant"] for t in study.trials}
+    met = recorded | {*scored.table["participant"], *analysed}
     met |= {s.participant for s in study.sheets if s.timepoint == plan.exposure_timepoint}
-    met |= {*scored.table["participant"], *analysed}
     status = {p["participant"]: p["status"] for p in study.participants}
     left = {w.participant: _how(w) for w in found}
     left |= dict.fromkeys(screened_out(study), SCREENED)
     for name, state in status.items():
         if state == "excluded":
             left[name] = EXCLUDED
-        elif state == "enrolled" and name in met:
+        elif state == "enrolled" and name in recorded:  # of an import, nothing says more
             left.setdefault(name, UNFINISHED)
     exposed = [name for name in enrolled if name in met]
     completed = [name for name in exposed if name not in left]
