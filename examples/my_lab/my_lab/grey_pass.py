@@ -32,7 +32,7 @@ def plan(_: Scene, condition: Condition) -> PlannedPass:
 class GreyPass:
     """Mixes `colour` (linear HDR) with its luminance; the result is `target`."""
 
-    limit_px = 0.0
+    max_radius_px = 0.0
     """It blurs nothing."""
 
     def __init__(
