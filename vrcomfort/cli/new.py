@@ -152,6 +152,20 @@ def new(
     protocol = parse_protocol(draft.toml(), file=file)
     side_car = None if from_ is None else _side_car(from_)
     _write(file, protocol.toml)
+    _tell_changes(draft, wanted)
+    facts = {
+        "file": str(file),
+        "participants": draft.participants,
+        "conditions": [each.name for each in protocol.conditions],
+        "side_car": None if side_car is None else str(side_car),
+    }
+    also = "" if side_car is None else f" The side-car of the scene is {side_car}."
+    sentence = f"{file} is written; look into it, then: vrcomfort check {file}{also}"
+    conclude(sentence, facts, quiet=quiet, as_json=as_json)
+
+
+def _tell_changes(draft: ProtocolDraft, wanted: int) -> None:
+    """Warn where the draft is not what was asked for; `wanted` is the number of participants."""
     if draft.rating and not draft.has_time_for_ratings:
         needed_s = sum(draft.rating_times_s)
         warn(
@@ -164,15 +178,6 @@ def new(
     if not draft.divides:
         pairs = f"{draft.exposures} exposures do not divide over {draft.sessions} sessions"
         warn(f"{pairs}; each session shows all of them")
-    facts = {
-        "file": str(file),
-        "participants": draft.participants,
-        "conditions": [each.name for each in protocol.conditions],
-        "side_car": None if side_car is None else str(side_car),
-    }
-    also = "" if side_car is None else f" The side-car of the scene is {side_car}."
-    sentence = f"{file} is written; look into it, then: vrcomfort check {file}{also}"
-    conclude(sentence, facts, quiet=quiet, as_json=as_json)
 
 
 def _conditions(texts: list[str]) -> tuple[DraftCondition, ...]:

@@ -293,7 +293,7 @@ function showRatings() {
     const often = each.in_a_row > 1 ? `, ${each.in_a_row} in a row` : "";
     return [
       shape("line", { class: "stop", x1: 30, y1: y(each.stop_at), x2: 390, y2: y(each.stop_at) }),
-      shape("text", { class: "stop-words", x: 34, y: y(each.stop_at) - 4 }, `${each.instrument} stops at ${each.stop_at}${often}`),
+      shape("text", { class: "stop-words", x: 390, y: y(each.stop_at) - 4, "text-anchor": "end" }, `${each.instrument} stops at ${each.stop_at}${often}`),
     ];
   });
   const curves = names.flatMap((name) => {
