@@ -10,13 +10,16 @@ rms, edges      RMS error·10³ of display values, and where near things' discs 
 seams           pixels of wide blur that are off their 5×5 median by more than 2/255
 cuts            pixels beside which the error steps by more than 2/255 along most of 24 pixels of a
                 row or column: heads are rolled, so that few things in a scene do
+flicker         99.9th percentile of the change of the error, of 255, while the head moves 3.3 mm
+rivalry         mean difference·10³ of the errors at matching points of both eyes
 """
 
 from __future__ import annotations
 
 import secrets
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -37,7 +40,15 @@ from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
 from vrcomfort.tradeoff.captures import Capture, capture_views, context, radius_px
 from vrcomfort.tradeoff.cases import HEADSET_PX, ImageWindow, of_part, sub_frustum
-from vrcomfort.tradeoff.error_measures import PinholeView, off_median, regions
+from vrcomfort.tradeoff.error_measures import (
+    EyeDepth,
+    PinholeView,
+    binocular_error,
+    correspondence,
+    flicker,
+    off_median,
+    regions,
+)
 from vrcomfort.tradeoff.methods import BlurMethod, methods, no_blur
 
 WINDOW_PX = 448
@@ -46,6 +57,8 @@ PERIOD_NS = 11_111_111
 LONG_PX = 24
 """Of a row or column, along which the error of a cut is a step."""
 STEP = 2 / 255
+IPD_M, STEP_M = 0.063, 0.0033
+"""To the right: the other eye, and a head a frame later (0.3 m/s)."""
 MOST = 0.75
 """Of these pixels."""
 
@@ -174,40 +187,69 @@ def cuts(error: Array) -> int:
     return found
 
 
+class _Seen(NamedTuple):
+    """What an eye sees of a case: its truth, and the errors of images of it."""
+
+    found: Case
+    true: Array
+    depth: EyeDepth
+
+    @property
+    def exposure(self) -> float:
+        return self.found.scene.environment.exposure
+
+    def draw(self, method: BlurMethod) -> Array:
+        """Return the (h, w, 3) radiance that a method draws of the judged window."""
+        blurred = drawn_with(self.found, method).blurred
+        return np.asarray(blurred[self.found.window.within(self.found.drawn)], dtype=np.float64)
+
+    def error(self, linear: Array) -> Array:
+        """Return the error of display values."""
+        return _shown(linear, self.exposure) - _shown(self.true, self.exposure)
+
+
+def _seen(found: Case, right_m: float, samples: int) -> _Seen:
+    """Look from an eye that is so far to the right."""
+    view = replace(found.view, head=found.view.head @ Pose((right_m, 0.0, 0.0)))
+    there = found._replace(view=view)
+    sharp = drawn_with(there, no_blur("depth_of_field"))
+    fov = sub_frustum(view.fov, found.window, found.whole_px)
+    depth = sharp.depth[found.window.within(found.drawn)]
+    eye = EyeDepth(view.head, fov, depth, sharp.camera.near_m)
+    return _Seen(there, through_the_lens(there, samples), eye)
+
+
 def errors(found: Case, *, samples: int, tried: Sequence[BlurMethod]) -> list[dict[str, Any]]:
-    """Return a row for each method, and one for the reference's own grain."""
-    halves = [through_the_lens(found, samples // 2, seed=half) for half in (0, 1)]
-    exposure = found.scene.environment.exposure
-    true = (halves[0] + halves[1]) / 2
-    truth = _shown(true, exposure)
+    """Return a row for each method, and one for a reference of half as many views."""
+    here, later, right = (_seen(found, at, samples) for at in (0.0, STEP_M, IPD_M))
     judged = found.window.within(found.drawn)
     sharp = drawn_with(found, no_blur("depth_of_field"))
-    condition = of_part(found.view.condition(), found.part)
-    radius = radius_px(sharp, condition)
-    seen = PinholeView(sharp.depth, radius, sharp.sharp * exposure, found.whole_px[0])
-    edges = regions(seen)["near_rims"][judged]
+    radius = radius_px(sharp, of_part(found.view.condition(), found.part))
+    pinhole = PinholeView(sharp.depth, radius, sharp.sharp * here.exposure, found.whole_px[0])
+    edges = regions(pinhole)["near_rims"][judged]
+    pairs = correspondence(here.depth, right.depth, margin_px=2)
     ppd = pixels_per_degree(found.view.fov, found.whole_px)
 
-    def row(name: str, shown: Array, linear: Array | None) -> dict[str, Any]:
-        error = shown - truth
-        flip = 0.0 if linear is None else hdr_flip(
-            linear * exposure, true * exposure, pixels_per_degree=ppd
-        )  # fmt: skip
+    def row(name: str, draw: Callable[[_Seen], Array]) -> dict[str, Any]:
+        linear = draw(here)
+        error = here.error(linear)
+        change = flicker(error, later.error(draw(later))) @ LUMINANCE
+        flip = hdr_flip(linear * here.exposure, here.true * here.exposure, pixels_per_degree=ppd)
         return {
             "seed": found.seed,
             "method": name,
             "rms": _rms(error),
             "edges": _rms(error[edges]),
             "flip": flip,
-            "seams": off_median(shown, radius[judged]).over_2,
+            "seams": off_median(_shown(linear, here.exposure), radius[judged]).over_2,
             "cuts": cuts(error @ LUMINANCE),
+            "flicker": float(np.percentile(np.abs(change), 99.9) * 255),
+            "rivalry": binocular_error(pairs, error, right.error(draw(right))).rivalry * 1e3,
         }
 
-    rows = [row("reference, half of its views", _shown(halves[0], exposure), None)]
-    for method in tried:
-        linear = drawn_with(found, method).blurred[judged]
-        rows.append(row(method.name, _shown(linear, exposure), linear))
-    return rows
+    half = f"reference of {samples // 2}"
+    rows = [row(half, lambda eye: through_the_lens(eye.found, samples // 2, seed=1))]
+    return rows + [row(each.name, lambda eye, each=each: eye.draw(each)) for each in tried]
 
 
 def _shown(linear: Array, exposure: float) -> Array:

@@ -109,7 +109,7 @@ def build(seed: int, out: Path) -> UnseenView:
 
 
 def _view(rng: np.random.Generator, targets: Array) -> UnseenView:
-    roll = rng.choice([-1, 1]) * rng.uniform(5, 15)
+    roll = rng.choice([-1, 1]) * rng.uniform(10, 20)
     turn = yaw_pitch_roll(*np.radians([rng.uniform(-8, 8), rng.uniform(-8, 4), roll]))
     focus_m = float(rng.choice([0.6, 1.0, 1.5, 2.5, 5.0]))
     return UnseenView(
