@@ -67,8 +67,8 @@ class OperatorPage:
         return wait_for(wanted, self.seen)
 
     def until_step(self, words: str) -> None:
-        """Wait for a step whose name begins so."""
-        self.until(lambda: words in self.text("step"))
+        """Wait for a step with these words in its name, which begins with a capital."""
+        self.until(lambda: words.lower() in self.text("step").lower())
 
     def seen(self) -> str:
         """Return what the page says, for the message of a test that fails."""

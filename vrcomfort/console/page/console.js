@@ -108,7 +108,7 @@ let asksHere = false; // whether questions come to this page in an exposure: the
 function showStep() {
   const paused = state.paused ? " — paused" : "";
   const words = state.ended ? `The session has ended: ${state.ended}` : state.step.words + paused;
-  put(at("step"), `Step ${state.step.number}: ${words}`);
+  put(at("step"), words.charAt(0).toUpperCase() + words.slice(1));
   const timed = ["training", "exposure", "rest"].includes(state.step.kind) && state.total > 0;
   at("progress").max = state.total || 1;
   at("progress").value = state.done || 0;

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence, Set
 from typing import Literal, NamedTuple, TypeAlias
 
+from vrcomfort.csv_table import plain_digits
 from vrcomfort.importing.columns import conditions_in
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
@@ -36,8 +37,13 @@ def numbered_conditions(table: SourceTable, vocabulary: LabVocabulary) -> dict[i
 
 def number_in_words(words: Sequence[str]) -> int | None:
     """Return the only number among words."""
-    numbers = [int(word) for word in words if word.isdecimal()]
+    numbers = numbers_in_words(words)
     return numbers[0] if len(numbers) == 1 else None
+
+
+def numbers_in_words(words: Sequence[str]) -> list[int]:
+    """Return the numbers among words."""
+    return [int(plain_digits(word)) for word in words if word.isascii() and word.isdecimal()]
 
 
 def fitting(

@@ -11,6 +11,7 @@ from vrcomfort.importing.answers import number
 from vrcomfort.importing.made_instruments import on_scale
 from vrcomfort.importing.mapping import ScoreKind, scale_named
 from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.block_conditions import numbers_in_words
 from vrcomfort.importing.suggest.items import FoundAnswers, mentions
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
@@ -151,7 +152,7 @@ def rise_from_first(table: SourceTable, found: Sequence[FoundScores]) -> bool:
 
     So they are before exposure: the numbers in such headings are timepoints, no conditions.
     """
-    numbered = sorted(found, key=lambda each: [int(w) for w in each.context if w.isdecimal()])
+    numbered = sorted(found, key=lambda each: numbers_in_words(each.context))
     values = [[v for c in each.columns for v in values_of(table, c)] for each in numbered]
     if len(values) < 2 or not all(values):
         return False
