@@ -176,3 +176,13 @@ def test_people_who_differ_as_residuals_do_leave_all_degrees_of_freedom():
     assert model.participant_sd == 0
     assert [term.df for term in model.terms.values()] == pytest.approx([38, 38])
     assert model.terms["condition: c − a"].p == pytest.approx(0.06602701, abs=1e-8)
+
+
+def test_a_crossover_of_equal_scores_has_no_test_of_rounding():
+    """Everybody has 16.83 in the mean, but not in floating point: once p was .036."""
+    first = np.array([9, 5, 4, 9, 3, 7, 2, 8, 6, 1, 5, 4, 9, 3, 7]) * 3.74
+    second = 33.66 - first
+    for scale in (1.0, 1e-6, 1e6):
+        found = crossover(scale * first, scale * second, np.arange(15) % 2 == 0)
+        assert (found.sequence.estimate, found.sequence.p, found.sequence.low) == (0.0, None, None)
+        assert found.condition.p is not None

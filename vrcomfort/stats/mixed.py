@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Literal
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 
 Errors = Literal["cluster_robust", "model"]
 """Of a mixed model: robust to its assumptions about people (CR2), or its own."""
+
+ROUNDING = 1e-12
+"""Share of the largest score below which a difference, or its spread, is rounding."""
 
 # The two-period crossover: condition, period and sequence (carry-over) effects.
 #
@@ -87,21 +91,25 @@ def crossover(
     if ab.size < 3:
         raise InputError("a crossover analysis needs at least three participants")
     half, mean = (one - two) / 2, (one + two) / 2
+    rounding = ROUNDING * float(np.abs([one, two]).max())
     return Crossover(
         n_ab=int(ab.sum()),
         n_ba=int((~ab).sum()),
-        condition=_difference(half[ab], half[~ab], confidence),
-        period=_difference(-half[ab], half[~ab], confidence),
-        sequence=_difference(mean[~ab], mean[ab], confidence),
+        condition=_difference(half[ab], half[~ab], confidence, rounding),
+        period=_difference(-half[ab], half[~ab], confidence, rounding),
+        sequence=_difference(mean[~ab], mean[ab], confidence, rounding),
     )
 
 
-def _difference(x: NDArray[np.float64], y: NDArray[np.float64], confidence: float) -> Estimate:
-    """Estimate mean(x) − mean(y) with the pooled variance."""
+def _difference(
+    x: NDArray[np.float64], y: NDArray[np.float64], confidence: float, rounding: float
+) -> Estimate:
+    """Estimate mean(x) − mean(y) with the pooled variance; what is less than rounding is 0."""
     df = x.size + y.size - 2
-    squares = np.sum((x - x.mean()) ** 2) + np.sum((y - y.mean()) ** 2)
-    error = float(np.sqrt(squares / df * (1 / x.size + 1 / y.size)))
-    return t_estimate(float(x.mean() - y.mean()), error, df, confidence)
+    spread = float(np.sqrt((np.sum((x - x.mean()) ** 2) + np.sum((y - y.mean()) ** 2)) / df))
+    error = spread * math.sqrt(1 / x.size + 1 / y.size) if spread > rounding else 0.0
+    difference = float(x.mean() - y.mean())
+    return t_estimate(difference if abs(difference) > rounding else 0.0, error, df, confidence)
 
 
 def t_estimate(estimate: float, error: float, df: float, confidence: float) -> Estimate:
