@@ -124,6 +124,8 @@ def test_the_end_of_an_interval_beyond_a_limit_is_the_limit() -> None:
     assert limited(wide, Possible(1485.0, None)) == MeanInterval(1485.0, 2000.0)
     assert limited(MeanInterval(None, 3.0), Possible(0.0, 2.0)) == MeanInterval(None, 2.0)
     assert limited(wide, Possible()) is wide
+    assert limited(MeanInterval(-0.9, -0.1), Possible(0.0, 9.0)) == MeanInterval(None, None)
+    assert limited(MeanInterval(0.0, 0.0), Possible(0.0, 9.0)) == MeanInterval(0.0, 0.0)
     assert limited(None, Possible(0.0, 1.0)) is None
     assert Possible(1.0, 4.0).difference == Possible(-3.0, 3.0)
     assert Possible(0.0, None).difference == Possible()

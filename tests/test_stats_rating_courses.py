@@ -66,3 +66,9 @@ def test_refuses_what_is_no_course() -> None:
         RatingCourse.of([1, 2], [3])
     with pytest.raises(InputError, match="a time of a rating is missing"):
         RatingCourse.of([1, NAN], [3, 4])
+
+
+def test_a_level_course_has_no_slope_of_rounding():
+    """A model of such slopes once had a p of .035."""
+    times = 10.0 * np.arange(1, 9) + 0.1
+    assert {RatingCourse.of(times, np.full(8, level)).slope_per_min() for level in range(21)} == {0}

@@ -33,10 +33,16 @@ class Possible(NamedTuple):
 
 
 def limited(found: Found, possible: Possible, ends: tuple[str, str] = ("low", "high")) -> Found:
-    """Return an estimate whose interval ends within what is possible; of None, None."""
+    """Return an estimate whose interval ends within what is possible; of None, None.
+
+    One that lies beyond it altogether (of a model that misses the scale) has no interval.
+    """
     if found is None or possible == (None, None):
         return found
-    held = {name: possible.held(getattr(found, name)) for name in ends}
+    low, high = (getattr(found, name) for name in ends)
+    held = dict(zip(ends, (possible.held(low), possible.held(high)), strict=True))
+    if low != high and held[ends[0]] == held[ends[1]]:
+        held = dict.fromkeys(ends)
     of: Any = found
     changed: Found = replace(of, **held)
     return changed

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 
 SECONDS_PER_MINUTE = 60.0
+ROUNDING = 1e-12
+"""Share of what a slope is summed from below which the sum is rounding."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,9 @@ class RatingCourse:
             return None
         minutes = here.times_s / SECONDS_PER_MINUTE
         minutes = minutes - minutes.mean()
-        return float(minutes @ here.ratings / (minutes @ minutes))
+        products = minutes * here.ratings
+        slope = float(products.sum() / (minutes @ minutes))
+        return slope if abs(products.sum()) > ROUNDING * np.abs(products).sum() else 0.0
 
     def time_to(
         self, threshold: float, *, in_a_row: int = 1, ended_s: float | None = None
