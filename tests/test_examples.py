@@ -91,3 +91,23 @@ def test_a_package_in_the_present_folder_is_not_installed(
     for kind, name in {"effects": "grey", "tasks": "nods", "instruments": "room_quality"}.items():
         assert name in vrcomfort(installation, tmp_path, "list", kind)
         assert name not in vrcomfort(None, here, "list", kind)
+
+
+def test_a_package_that_cannot_be_read_is_named_in_one_sentence(tmp_path: Path) -> None:
+    (tmp_path / "bad.py").write_text("raise ValueError('oops')")
+    described = tmp_path / "bad_lab-1.0.dist-info"
+    described.mkdir()
+    (described / "METADATA").write_text("Metadata-Version: 2.1\nName: bad-lab\nVersion: 1.0\n")
+    (described / "entry_points.txt").write_text("[vrcomfort.effects]\nodd = bad:Odd\n")
+    done = subprocess.run(
+        [sys.executable, "-m", "vrcomfort", "list", "effects"],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr == (
+        "error: the package bad-lab 1.0 cannot be read: ValueError: oops "
+        "(entry point vrcomfort.effects: odd = bad:Odd)\n"
+    )
