@@ -173,7 +173,7 @@ def test_answers_of_somebody_who_is_not_in_the_list_are_exported_where_that_is_a
     people = study / "participants.csv"
     people.write_text("".join(people.read_text().splitlines(keepends=True)[:3]))
     accepted = Choice(accept_flagged=True)
-    with pytest.raises(InputError, match="nobody called vp1"):
+    with pytest.raises(InputError, match="does not list vp1"):
         export_bids(study, tmp_path / "refused")
     assert export_bids(study, tmp_path / "bids", accepted) == []
     rows = {row["participant"]: row["age"] for row in table(tmp_path / "bids/participants.tsv")}
