@@ -147,7 +147,7 @@ class RecordingForm:
     Parameters
     ----------
     kinds
-        Column → DuckDB type of the declared columns.
+        Returns column → DuckDB type of the declared columns.
     needed
         Columns without which a file is no recording.
     filled
@@ -158,19 +158,28 @@ class RecordingForm:
         Whether NA, NaN and n/a stand for blank cells of numbers, as other programs write them.
     """
 
-    kinds: Mapping[str, Kind]
+    kinds: Callable[[], Mapping[str, Kind]]
     needed: tuple[str, ...]
     filled: frozenset[str]
     rising: str = ""
     words: bool = False
 
 
+def _kinds_of_frames() -> dict[str, Kind]:
+    """Return those of frames and gaze: a file of either may have the other's columns."""
+    return {each.name: _KINDS[each.type] for each in (*declared(FrameRow), *declared(GazeRow))}
+
+
+def _kinds_of_ratings() -> dict[str, Kind]:
+    """Return numbers alone: sessions, trials and codes may be words in tables of other origin."""
+    return {"onset_s": "DOUBLE", "latency_s": "DOUBLE", "response": "DOUBLE"}
+
+
 def _of_frames(row_type: type[Row], *needed: str) -> RecordingForm:
     known = {each.name: each for each in declared(row_type)}
     filled = (known[name] for name in needed)
     return RecordingForm(
-        # Gaze repeats columns of frames, and a file of either may have the other's.
-        {each.name: _KINDS[each.type] for each in (*declared(FrameRow), *declared(GazeRow))},
+        _kinds_of_frames,
         needed,
         frozenset(each.name for each in filled if not each.blank and not each.needs),
         rising=TIME,
@@ -183,9 +192,8 @@ FORMS: Mapping[str, RecordingForm] = {
         "head_x_m", "head_y_m", "head_z_m", "head_qx", "head_qy", "head_qz", "head_qw",
     ),
     GazeRow.FILE: _of_frames(GazeRow, "session_s", "xr_time_ns", "valid", *gaze_columns()),
-    # Sessions, trials and codes of missed ratings are words in tables of other origin.
     RatingRow.FILE: RecordingForm(
-        dict.fromkeys(("onset_s", "latency_s", "response"), "DOUBLE"),
+        _kinds_of_ratings,
         ("participant", "onset_s", "response", "missed"),
         frozenset(["onset_s"]),
         words=True,
@@ -196,7 +204,7 @@ FORMS: Mapping[str, RecordingForm] = {
 
 def kinds(header: Iterable[str], file: str = FrameRow.FILE) -> dict[str, Kind]:
     """Return column → DuckDB type; columns that are not declared are text."""
-    known = FORMS[file].kinds
+    known = FORMS[file].kinds()
     return {name: known.get(name, "VARCHAR") for name in header}
 
 
