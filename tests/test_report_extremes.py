@@ -103,7 +103,7 @@ def test_very_few_people(tmp_path, n):
 def test_nobody(tmp_path):
     file = tmp_path / "questionnaires.csv"
     file.write_text("participant,condition,item,response\n")
-    with pytest.raises(InputError, match="answered"):
+    with pytest.raises(InputError, match="no answers to a known questionnaire"):
         report(file, tmp_path)
 
 
