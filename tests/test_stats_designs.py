@@ -432,5 +432,7 @@ def test_the_agreement_of_means_has_no_end_where_that_of_single_scores_is_at_its
         for each in intraclass(scores):
             assert each.low <= each.estimate <= each.high <= 1, each
             assert each.form.endswith("k") or each.low >= -1, each
+    two_people = [[8, 9, 23, 24, 33, 50, 51, 57], [0, 14, 15, 24, 41, 50, 52, 57]]
+    assert all(each.low <= each.estimate <= each.high for each in intraclass(two_people))
     lowest = {each.form: each for each in intraclass([[0, 9], [8, 1], [1, 9], [9, 0], [5, 4]])}
     assert (lowest["2,1"].low, lowest["2,k"].low) == (-1, -np.inf)

@@ -313,7 +313,8 @@ def _agreement(squares: _MeanSquares, *, mean: bool, confidence: float) -> Intra
     high = n * (below * people - error) / (rest + n * below * people)
     f = people / error
     p = float(f_distribution.sf(f, n - 1, df_error))
-    low = max(low, least) if np.isfinite(low) else least
+    # The approximate df can be so few that the ends change their places.
+    low = min(max(low, least), icc) if np.isfinite(low) else least
     high = max(high, icc) if np.isfinite(high) else 1.0
     if mean:
         icc, low, high = (_of_the_mean(each, k) for each in (icc, low, high))
