@@ -163,8 +163,8 @@ def _read_answers(path: Path) -> list[int]:
 # The OpenXR bindings.
 
 
-REQUIREMENT = "pyopenxr>=1.1.5301,<1.1.6302"
-"""As in pyproject.toml: from 1.1.6302 on, the Windows libraries need a debug C runtime."""
+REQUIREMENT = "pyopenxr>=1.1.6301,<1.1.6302"
+"""As in pyproject.toml: eye trackers fail with 1.1.5301; later ones need a debug C runtime."""
 _DEBUG_SINCE = (1, 1, 6302)
 _REDISTRIBUTABLE = "https://aka.ms/vs/17/release/vc_redist.x64.exe"
 
