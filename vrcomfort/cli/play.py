@@ -280,7 +280,7 @@ def play(
     - `vrcomfort play my_study/sub-P01/ses-1 --beside dof_off --show gaze,ratings --video both.mp4`
     - `vrcomfort play my_study/sub-P01/ses-1 --from-s 65 --to-s 70 --out pictures`
     - `vrcomfort play walk.csv --scene temple --frames 300 --size 320x400 --out played`
-    - `vrcomfort play scenes/depths_walk.csv --scene depths --protocol motion_blur_2020_hands
+    - `vrcomfort play hands.csv --scene depths --protocol motion_blur_2020_hands
       --condition in_world --beside with_head --video hands.mp4`
     """
     of_traces = {

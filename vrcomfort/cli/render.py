@@ -59,7 +59,6 @@ def render(
     at_s: Annotated[
         float | None,
         typer.Option(
-            "--at",
             metavar="S",
             help="Time in the trace and in the scene's animations, in s. Without it, "
             "nothing moves but the head.",
@@ -97,7 +96,7 @@ def render(
     - `vrcomfort render --scene temple --out picture`
     - `vrcomfort render --scene mountain --pose 0,1.6,0,30,-5,0 --reference 256 --out picture`
     - `vrcomfort render --scene temple --set motion_blur=none --set vignette.open_deg=60 --out v`
-    - `vrcomfort render --scene depths --trace scenes/depths_walk.csv --at 20 --out hands`
+    - `vrcomfort render --scene depths --trace hands.csv --at-s 20 --out hands`
     """
     study, shown = pick_condition(protocol, condition)
     shown = changed(shown, "--set", settings or ())

@@ -203,7 +203,7 @@ def score(
     """Score questionnaires: a CSV (or JSON) of scores on standard output.
 
     Items are found by their names, in any order; other columns are kept. Instruments are shipped
-    ones (ssq, vrsq, csq_vr, nasa_tlx, sus, …) or a lab's own file, see docs/instruments.md.
+    ones (ssq, vrsq, csq_vr, nasa_tlx, sus, …) or a lab's own file: `vrcomfort docs instruments`.
 
     - `vrcomfort score answers.csv > scores.csv`
     - `vrcomfort score answers.csv --instrument vrsq > scores.csv`

@@ -303,8 +303,8 @@ def find_service() -> str:
     service = shutil.which(SERVICE)
     if service is None:
         raise InputError(
-            f"{SERVICE} is not installed here; run the same command through scripts/in_runtime.sh, "
-            "which finds or makes a system that has it"
+            f"{SERVICE} is not installed here; install Monado, or run the same command "
+            "through scripts/in_runtime.sh of the repository, which makes a system that has it"
         )
     return service
 

@@ -17,9 +17,9 @@ BLURS = ("depth_of_field", "motion_blur")
 _HEAD = """\
 # {title}
 #
-# Written by `vrcomfort new`. Change what you like: every key is in docs/protocol_reference.md, and
-# `vrcomfort check {file}` tells what is wrong, how long a session takes, and
-# whether the blur can be seen.
+# Written by `vrcomfort new`. Change what you like. Every key: `vrcomfort docs protocol_reference`.
+# `vrcomfort check {file}` tells what is wrong, how long a session takes, and whether the blur can
+# be seen.
 
 name = {name}
 title = {title_text}
@@ -56,29 +56,29 @@ label = {label}
 _ON = {
     "depth_of_field": """\
 [conditions.focus]
-method = "nine_ray"    # what is sharp lies where the head points: docs/focus.md
+method = "nine_ray"    # what is sharp lies where the head points: `vrcomfort docs focus`
 law = "linear_dioptre" # how focus moves to something new
 [conditions.depth_of_field]
-law = "dioptre"        # blur grows with the defocus in dioptres: docs/depth_of_field.md
+law = "dioptre"        # blur grows with the defocus in dioptres: `vrcomfort docs depth_of_field`
 """,
     "motion_blur": """\
 [conditions.motion_blur]
-mode = "rotation_cancelled"   # turning the head blurs nothing: docs/motion_blur.md
+mode = "rotation_cancelled"   # turning the head blurs nothing: `vrcomfort docs motion_blur`
 """,
     "vignette": """\
-[conditions.vignette]          # a field of view that closes with speed: docs/effects.md
+[conditions.vignette]          # a field of view that closes with speed: `vrcomfort docs effects`
 speed_of = "avatar"            # locomotion alone; "head" or "both" as well
 turning = { from_deg_s = 10.0, to_deg_s = 60.0 }
 moving = { from_m_s = 0.2, to_m_s = 1.5 }
 """,
     "speed_blur": """\
-[conditions.speed_blur]        # blur of the whole image that grows with speed: docs/effects.md
+[conditions.speed_blur]        # blur of the image that grows with speed: `vrcomfort docs effects`
 speed_of = "avatar"            # locomotion alone; "head" or "both" as well
 turning = { from_deg_s = 10.0, to_deg_s = 60.0 }
 moving = { from_m_s = 0.2, to_m_s = 1.5 }
 """,
     "relocation_blur": """\
-[conditions.relocation_blur]   # blur at cuts that sharpens with time: docs/effects.md
+[conditions.relocation_blur]   # blur at cuts that sharpens with time: `vrcomfort docs effects`
 snap_turns = true
 """,
 }
@@ -94,10 +94,10 @@ name = "sharp"
 [[factors.levels]]
 name = "dof"
 [factors.levels.focus]
-method = "nine_ray"    # what is sharp lies where the head points: docs/focus.md
+method = "nine_ray"    # what is sharp lies where the head points: `vrcomfort docs focus`
 law = "linear_dioptre" # how focus moves to something new
 [factors.levels.depth_of_field]
-law = "dioptre"        # blur grows with the defocus in dioptres: docs/depth_of_field.md
+law = "dioptre"        # blur grows with the defocus in dioptres: `vrcomfort docs depth_of_field`
 
 [[factors]]
 name = "motion_blur"
@@ -106,13 +106,13 @@ name = "still"
 [[factors.levels]]
 name = "moving"
 [factors.levels.motion_blur]
-mode = "rotation_cancelled"   # turning the head blurs nothing: docs/motion_blur.md
+mode = "rotation_cancelled"   # turning the head blurs nothing: `vrcomfort docs motion_blur`
 """
 
 _ORDER = """\
 
 # Who meets what in which order: each condition at each position, and after each other, equally
-# often (docs/design.md). `vrcomfort design {file}` prints the table.
+# often (`vrcomfort docs design`). `vrcomfort design {file}` prints the table.
 [order]
 rule = "williams"
 sessions = {sessions}
@@ -121,8 +121,8 @@ sessions = {sessions}
 _ORDER_OF_DAYS = """\
 
 # Who meets what in which order: in each session each condition at each position, and after each
-# other, equally often (docs/design.md). Exposures do not divide over the sessions: each shows all,
-# in orders of its own. `vrcomfort design {file}` prints the table.
+# other, equally often (`vrcomfort docs design`). Exposures do not divide over the sessions: each
+# shows all, in orders of its own. `vrcomfort design {file}` prints the table.
 [order]
 rule = "parts"
 """

@@ -201,7 +201,9 @@ def _header_of_version(
         what = f"lacks {', '.join(lacking)}" if lacking else f"has {', '.join(others)} besides"
         what = what if lacking or others else "has its columns in another order"
         message = f"the header {what}, and schema version {version} wants the columns in "
-        raise InputError(f"{message}docs/data_dictionary.md; {_RESTORE}", file=file, line=1)
+        raise InputError(
+            f"{message}`vrcomfort docs data_dictionary`; {_RESTORE}", file=file, line=1
+        )
     return there
 
 

@@ -30,14 +30,14 @@ def _registered() -> dict[EffectName, RegisteredEffect]:
     for entry in installed(ENTRY_POINTS):
         effect = load(entry)
         if not isinstance(effect, RegisteredEffect) or effect.name != entry.name:
-            message = f"is no RegisteredEffect called `{entry.name}` (docs/own_effect.md)"
+            message = f"is no RegisteredEffect called `{entry.name}` (vrcomfort docs own_effect)"
             raise InputError(f"the entry point {place_of(entry)} {message}")
         found[entry.name] = effect
     missing, unknown = set(NAMES) - set(found), set(found) - set(NAMES)
     if missing or unknown:
         raise InputError(
-            "an effect needs a table of settings and a pass (docs/own_effect.md); one of both is "
-            f"missing for {', '.join(sorted(missing | unknown))}"
+            "an effect needs a table of settings and a pass (vrcomfort docs own_effect); one of "
+            f"both is missing for {', '.join(sorted(missing | unknown))}"
         )
     return {name: found[name] for name in NAMES}
 

@@ -373,7 +373,8 @@ def _changed(node: Node, entry: NodeSettings, stand_ins: dict[str, tuple[int, ..
 
 
 _DRAFT = """\
-# Side-car of {name}: what glTF cannot say. Every key: vrcomfort schema side-car, docs/scenes.md.
+# Side-car of {name}: what glTF cannot say. Every key: `vrcomfort schema side-car` and
+# `vrcomfort docs scenes`.
 title = {title}
 exposure = {exposure:g}     # factor on radiance before the tone curve
 

@@ -127,7 +127,7 @@ def run_installed_task(found: EntryPoint) -> tuple[type[TaskSettings], str]:
     task = load(found)
     if not (isinstance(task, type) and issubclass(task, TaskSettings)):
         message = f"the entry point {place_of(found)} is not a settings class of a task"
-        raise InputError(f"{message} (docs/tasks.md)")
+        raise InputError(f"{message} (vrcomfort docs tasks)")
     return task, package_of(found)
 
 
@@ -135,7 +135,7 @@ def _task_of(module: ModuleType, file: Path) -> type[TaskSettings]:
     found = getattr(module, "TASK", None)
     if not (isinstance(found, type) and issubclass(found, TaskSettings)):
         message = "this file has no `TASK = …`: the settings class of a task"
-        raise InputError(f"{message} (docs/tasks.md)", file=file)
+        raise InputError(f"{message} (vrcomfort docs tasks)", file=file)
     return found
 
 

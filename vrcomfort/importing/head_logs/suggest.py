@@ -48,7 +48,7 @@ FORWARD = (0.0, 0.0, -1.0)
 _TOP = (
     "How to read this log as head poses, as `vrcomfort import-trace --suggest` understood it.",
     "Read it, mend what is wrong, and write an answer in each [[doubts]] below: while one is",
-    "open, the import is refused. Every key: docs/import_traces.md.",
+    "open, the import is refused. Every key: `vrcomfort docs import_traces`.",
 )
 _UNIT_WORDS: dict[str, TimeUnit] = {
     "ns": "ns", "us": "us", "µs": "us", "ms": "ms", "msec": "ms", "milliseconds": "ms", "s": "s",

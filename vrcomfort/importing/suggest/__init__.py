@@ -34,7 +34,7 @@ _REFUSAL = "As it stands, the import refuses the files; mend this:"
 _TOP = (
     "What the columns of these files mean, as `vrcomfort import --suggest` understood them.",
     "Read it, mend what is wrong, and write an answer in each [[doubts]] below: while one is",
-    "open, the import is refused. Every key: docs/import_mapping.md.",
+    "open, the import is refused. Every key: `vrcomfort docs import_mapping`.",
 )
 
 
