@@ -80,7 +80,7 @@ def steered(tmp_path_factory: pytest.TempPathFactory, browser: str) -> RunningSe
         first.until_step("exposure 2 of 2, attempt 1")
         first.press_button("Withdraw")
         second.until(lambda: second.shows("withdrawing"))
-        second.press_button("No, go on")
+        second.press_button("No, continue")
         first.until(lambda: not first.shows("withdrawing"))
         first.press_button("Withdraw")
         first.until(lambda: first.shows("withdrawing"))

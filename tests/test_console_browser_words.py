@@ -62,7 +62,7 @@ def test_an_operator_decides_and_types_what_the_participant_says(
         page.press_button("Start")
         page.until_step("screening")
         assert page.item() == "age is 70, above 65. Go on with this participant?"
-        page.press_button("1 go on")
+        page.press_button("1 continue")
         page.until_step("free text expects")
         page.until(lambda: page.focused() == "What do you expect?")
         page.press("p", "a", "n", Keys.ENTER, "ü")  # none of them is a shortcut here

@@ -221,7 +221,7 @@ def test_it_is_exported_and_left_out_of_what_is_shared(tmp_path):
     [
         ('name = "anything"', 'name = "noticed"', "noticed"),
         ('text = "Anything else?"', 'text = ""', "at least 1"),
-        ('text = "Anything else?"', 'text = "  "', "write the question"),
+        ('text = "Anything else?"', 'text = "  "', "has an empty question; write its `text`"),
         ('text = "Anything else?"', f'text = "{"why " * 500}"', "why why …"),
         ('anything = "Noch etwas?"\n', "", "`anything` is not worded in `de`"),
         ("[simulation]", '[text.en.free_texts]\nanythink = "x"\n[simulation]', "did you mean `any"),

@@ -100,7 +100,7 @@ def test_one_instrument_of_a_study_is_reported_alone(study, tmp_path):
     build_report(study, out=tmp_path, instrument="vrsq")
     results = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
     assert [each["instrument"] for each in results["outcomes"]] == ["vrsq"] * 3
-    with pytest.raises(InputError, match="no SSQ is answered"):
+    with pytest.raises(InputError, match="has no answers to the SSQ"):
         build_report(study, out=tmp_path, instrument="ssq")
 
 

@@ -226,7 +226,7 @@ def test_the_console_has_two_buttons():
     assert VerbalRespondent(desk, operators).decide("Go on?") is False
     assert desk.replies[-1][1] == ""
     assert "go on (1) or stop (0)" in desk.replies[0][1]
-    assert desk.questions[0]["items"][0]["labels"] == ["go on", "stop"]
+    assert desk.questions[0]["items"][0]["labels"] == ["continue", "stop"]
 
 
 @pytest.mark.slow
@@ -267,7 +267,7 @@ def test_a_bound_is_the_last_number_within():
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("above = 30.0", "", "needs `above` or `below`"),
+        ("above = 30.0", "", "needs a bound; give `above` or `below`"),
         ("above = 30.0", "above = 30.0\nbelow = 40.0", "swap `above` and `below`"),
         ('instrument = "ssq"', 'instrument = "ssq"\ncovariate = "age"', "one of the two"),
         ('instrument = "ssq"\nabove', 'instrument = "vrsq"\nabove', "not asked at session_start"),

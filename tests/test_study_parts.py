@@ -252,7 +252,7 @@ def test_hillaires_parts_are_those_of_the_paper():
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        (TEXT, "there are none; add them"),
+        (TEXT, "needs [[parts]] with their orders; add them"),
         (PROTOCOL + PARTS, '[[parts]] do nothing with rule = "explicit"'),
         (TEXT + PARTS.replace(', condition = "blur"', ', condition = "blurr"', 1), "blurr"),
         (TEXT + PARTS.replace("in_turn", "single"), "`single` is there twice"),

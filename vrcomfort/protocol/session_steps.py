@@ -67,7 +67,7 @@ class Instruction(Settings):
     min_s: Annotated[float, Field(ge=0, le=3600)] = 0.0
     """The participant cannot go on sooner, nor before the sound is over."""
     max_s: Annotated[float, Field(gt=0, le=3600)] | None = None
-    """It goes on by itself then; without it, when the participant goes on."""
+    """The session continues by itself then; without it, when the participant continues."""
 
     def is_due(self, when: str, session: int, trial: int | None) -> bool:
         """Return whether it is told at a moment."""

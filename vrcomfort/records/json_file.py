@@ -10,7 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
 
 from vrcomfort.errors import InputError
@@ -170,6 +170,10 @@ class _Ask(_Part):
     trials: list[int] = []
 
 
+def _each(found: object) -> object:
+    return [found] if isinstance(found, dict) else found
+
+
 class StopRuleOfRatings(_Part):
     """The ratings of an instrument, and the rule by which they end an exposure."""
 
@@ -199,7 +203,8 @@ class SettingsShape(_Part):
     practice: list[_Named] = []
     adjustments: list[_Adjustment] = []
     questionnaires: list[_Ask] = []
-    ratings: list[StopRuleOfRatings] = []
+    ratings: Annotated[list[StopRuleOfRatings], BeforeValidator(_each)] = []
+    """The first schema has a single table."""
     consent: _Consent | None = None
     photodiode: dict[str, Any] | None = None
     flag_above_percent: dict[str, float] = {}

@@ -11,7 +11,7 @@ YES = "y"
 NO = "n"
 
 HELP = f"{DECLINE} = rather not say, {BACK} = back, {STOP} = withdraw"
-SURE = f"Stop the study for this participant? {YES} = yes, {NO} = go on"
+SURE = f"Stop the study for this participant? {YES} = yes, {NO} = no, continue"
 
 
 def waiting_line() -> str | None:

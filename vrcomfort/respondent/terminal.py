@@ -178,7 +178,7 @@ class TerminalRespondent:
         if asked and line in {keyboard.YES, "yes"}:
             raise Withdrew(note)
         if asked:
-            self._console.print("It goes on.")
+            self._console.print("The session continues.")
         return asked and line in {keyboard.NO, "no"}
 
     def _finish_asking_whether_to_stop(self) -> None:

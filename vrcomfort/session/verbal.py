@@ -139,7 +139,7 @@ class VerbalRespondent:
     def decide(self, question: str) -> bool:
         """Have the operators decide whether it goes on."""
         self._operators.entry_fault = _fault_of_decision
-        item = {**_open(question), "values": [1, 0], "labels": ["go on", "stop"]}
+        item = {**_open(question), "values": [1, 0], "labels": ["continue", "stop"]}
         shown = {"action": "decide", "title": "To be decided", "instruction": "", "current": 0}
         self._interface.ask({**shown, "items": [item]})
         try:
