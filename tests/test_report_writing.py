@@ -30,7 +30,7 @@ def test_no_file_of_an_earlier_report_stays(tmp_path):
     assert contents(tmp_path / "again") == contents(tmp_path / "alone")
     assert {path.name for path in {*first.tables} - {*again.tables}} >= {"withdrawals.csv"}
     assert sorted(p.name for p in (tmp_path / "again").iterdir()) == [
-        "index.html", "plan.toml", "reproduce.R", "results.json", "tables",
+        "index.html", "paper.txt", "plan.toml", "reproduce.R", "results.json", "tables",
     ]  # fmt: skip
 
 

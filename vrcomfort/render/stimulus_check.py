@@ -417,7 +417,9 @@ def turning_left(
             left_px, full_px, rest_px = (
                 _median_streak_px(found[name]) for name in (condition.name, *twins)
             )
-            if left_px >= max(LEAST_PX, ALMOST * full_px) and rest_px <= BY_TURNING * left_px:
+            # Head and path may turn against each other: then `full` shows less, and says nothing.
+            is_almost_full = min(left_px, full_px) >= LEAST_PX and left_px >= ALMOST * full_px
+            if is_almost_full and rest_px <= BY_TURNING * left_px:
                 yield (
                     f"`{condition.name}` leaves streaks of {left_px:.1f} px in {scene} (median), "
                     f"and {full_px:.1f} px with nothing cancelled: it keeps turns by stick or "
