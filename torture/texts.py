@@ -35,6 +35,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.operator_interface import Command, NoOperator, OperatorStep
 from vrcomfort.protocol import load_protocol
 from vrcomfort.questionnaire import shipped_instruments
+from vrcomfort.resources import data_folder
 from vrcomfort.respondent import Form, Heard, SimulatedRespondent, TerminalRespondent
 from vrcomfort.respondent.base import Written
 from vrcomfort.scene.load import load_scene
@@ -180,7 +181,9 @@ class _Elements(HTMLParser):
 
 
 def _not_inert(out: Path, *, runs: bool) -> Iterator[str]:
-    yield from _Elements((out / "index.html").read_text("utf-8")).wrong
+    own = f"<script>{(data_folder('analysis') / 'report' / 'page.js').read_text('utf-8')}</script>"
+    before, there, after = (out / "index.html").read_text("utf-8").partition(own)
+    yield from _Elements(before + after).wrong if there else ("the page's own script is not there",)
     for file in out.rglob("*.csv"):
         for row in csv.reader(io.StringIO(file.read_bytes().decode(), newline="")):
             for cell in row:
