@@ -294,9 +294,9 @@ def test_people_who_left_under_one_condition_are_told_first(tmp_path, left, plan
     file = tmp_path / "plan.toml"
     file.write_text(f'name = "p"\ntitle = "P"\noutcomes = ["T"]\nwithdrawals = "{plan}"\n')
     summary = build_report(tmp_path / "s", plan=file, out=tmp_path / "o")
-    found = [line for line in summary.warnings if "who left, left under" in line]
+    found = [line for line in summary.warnings if "who left did so under" in line]
     share, _, of_whom = told.partition(" ; ")
-    told = f"{share} participants who left, left under b: {of_whom}"
+    told = f"{share} participants who left did so under b: {of_whom}"
     assert [line.partition(";")[0] for line in found] == ([told] if share else [])
     assert all("time to leaving: log-rank within people p" in line for line in found)
     ranked = [line for line in found if "with those who left ranked as worst p" in line]

@@ -185,7 +185,7 @@ MADE: dict[str, tuple[Callable[[Path], tuple[Path, Path | None]], str]] = {
     ),
     "all drop-outs under one condition": (
         left_under_one,
-        "left under Blur: .*log-rank within people p.* ranked as worst p",
+        "left did so under Blur: .*log-rank within people p.* ranked as worst p",
     ),
     "fourteen conditions": (many_conditions, "14 conditions make 91 comparisons"),
     "an effect of exactly zero": (no_effect_at_all, "is the same under a and b for every"),

@@ -224,11 +224,13 @@ def _left_under_one(
     condition, count = under.most_common(1)[0]
     if count < ONE_SIDED * len(left):
         return []
-    share = f"all {count}" if count == len(left) else f"{count} of {len(left)}"
+    share = f"{count} of {len(left)}"
+    if count == len(left):
+        share = "both" if count == 2 else f"all {count}"
     label = study.labels.get(condition, condition)
     ranked = any(test.ranked_worst for test in tests)
     of_whom = "they are ranked as worst" if ranked else "the comparison is of those who stayed"
-    said = f"{share} participants who left, left under {label}: {of_whom}"
+    said = f"{share} participants who left did so under {label}: {of_whom}"
     times = _leaving_in_words(study)
     worst = next((each for each in repeated if each.analysis == WORST_RANK), None)
     stayed = next((test.p for test in tests if test.p is not None), None)
