@@ -12,9 +12,6 @@ import argparse
 import csv
 import json
 import math
-import os
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -25,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from bench.apart import in_a_program
 from bench.clocked import replaced
 from bench.table import Result
 from vrcomfort.questionnaire import shipped_instruments
@@ -74,7 +72,8 @@ def write_study(file: Path, people: int) -> int:
 
 def measure(people: int) -> Result:
     """Report a study of `people`, and smaller ones; return the cost of each part."""
-    rows = [_in_a_program(max(people // share, 2)) for share in SHARES]
+    sizes = (max(people // share, 2) for share in SHARES)
+    rows = [in_a_program("bench.many_answers", "--people", size, one_thread=True) for size in sizes]
     for row in rows:
         row["all s"] = sum(value for name, value in row.items() if name.endswith(" s"))
         row["slope"] = float("nan")
@@ -87,14 +86,6 @@ def measure(people: int) -> Result:
         "Slope of log time over log answers, from the row before: 1 is linear.",
     ]
     return Result("A report of many answers", rows, notes)
-
-
-def _in_a_program(people: int) -> dict[str, Any]:
-    command = [sys.executable, "-m", "bench.many_answers", "--once", "--people", str(people)]
-    alone = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-    shown = subprocess.run(command, env=alone, capture_output=True, text=True, check=True)
-    parts: dict[str, Any] = json.loads(shown.stdout)
-    return parts
 
 
 def once(people: int) -> dict[str, Any]:

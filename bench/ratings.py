@@ -8,10 +8,7 @@ makes the whole report. Ratios are those of processor time in one run.
 
 from __future__ import annotations
 
-import argparse
 import csv
-import json
-import os
 import subprocess
 import sys
 import tempfile
@@ -19,6 +16,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from bench.apart import in_a_program, main_of_ways
 from bench.recordings import peak_mb
 from bench.table import Result
 from vrcomfort.records.recording import Memory, parquet_of
@@ -122,7 +120,8 @@ def measure(rows: int, *, rounds: int = 3) -> Result:
             runs: dict[str, list[dict[str, float]]] = {way: [] for way in _WAYS}
             for _ in range(rounds):
                 for way in _WAYS:  # in turns: what else the machine does meets all of them
-                    runs[way].append(_apart(way, file))
+                    asked = (way, "--file", file)
+                    runs[way].append(in_a_program("bench.ratings", *asked, one_thread=True))
             table.append(_row(rows // part, file, runs))
     return Result("Ratings during exposure", table, _NOTES)
 
@@ -155,28 +154,9 @@ def _row(rows: int, file: Path, runs: dict[str, list[dict[str, float]]]) -> dict
     }
 
 
-def _apart(way: str, file: Path) -> dict[str, float]:
-    command = [sys.executable, "-m", "bench.ratings", "--once", way, "--file", str(file)]
-    alone = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-    done = subprocess.run(command, env=alone, capture_output=True, text=True, check=True)
-    found: dict[str, float] = json.loads(done.stdout)
-    return found
-
-
 def main() -> None:
     """Read the command line, make the studies and read them."""
-    parser = argparse.ArgumentParser(prog="python -m bench.ratings", description=__doc__)
-    parser.add_argument("--rows", type=int, default=10_000_000)
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--once", choices=_WAYS, help="one way alone, as JSON")
-    parser.add_argument("--file", type=Path, help="its ratings.csv")
-    options = parser.parse_args()
-    if options.once:
-        print(json.dumps(once(options.once, options.file)))
-        return
-    for row in measure(options.rows, rounds=options.rounds).rows:
-        cells = (f"{k} {v:.4g}" if isinstance(v, float) else f"{k} {v}" for k, v in row.items())
-        print(", ".join(cells))
+    main_of_ways("bench.ratings", __doc__, "ratings.csv", _WAYS, once, measure)
 
 
 if __name__ == "__main__":

@@ -9,9 +9,7 @@ logarithm of time over that of rows: 1 is linear.
 
 from __future__ import annotations
 
-import argparse
 import csv
-import json
 import math
 import subprocess
 import sys
@@ -23,6 +21,7 @@ from typing import Any
 
 import duckdb
 
+from bench.apart import in_a_program, main_of_ways
 from bench.table import Result
 from vrcomfort.recordings import frame_measures
 from vrcomfort.records.recording import Fingerprint, Memory, parquet_of
@@ -138,7 +137,7 @@ def measure(rows: int, *, rounds: int = 3) -> Result:
             runs: dict[str, list[dict[str, float]]] = {way: [] for way in WAYS}
             for _ in range(rounds):
                 for way in WAYS:  # in turns: what else the machine does meets all of them
-                    runs[way].append(_apart(way, file))
+                    runs[way].append(in_a_program("bench.recordings", way, "--file", file))
             table.append(_row(rows // part, file, runs))
     for before, now in pairwise(table):
         ratio = now["ours, s of CPU"] / before["ours, s of CPU"]
@@ -171,30 +170,9 @@ def _row(rows: int, file: Path, runs: dict[str, list[dict[str, float]]]) -> dict
     }
 
 
-def _apart(way: str, file: Path) -> dict[str, float]:
-    command = [sys.executable, "-m", "bench.recordings", "--once", way, "--file", str(file)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    found: dict[str, float] = json.loads(done.stdout)
-    return found
-
-
 def main() -> None:
     """Read the command line, make the recordings and sum them."""
-    parser = argparse.ArgumentParser(prog="python -m bench.recordings", description=__doc__)
-    parser.add_argument("--rows", type=int, default=10_000_000)
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--once", choices=WAYS, help="one way alone, as JSON")
-    parser.add_argument("--file", type=Path, help="its frames.csv")
-    options = parser.parse_args()
-    if options.once:
-        print(json.dumps(once(options.once, options.file)))
-        return
-    for row in measure(options.rows, rounds=options.rounds).rows:
-        print(
-            ", ".join(
-                f"{k} {v:.4g}" if isinstance(v, float) else f"{k} {v}" for k, v in row.items()
-            )
-        )
+    main_of_ways("bench.recordings", __doc__, "frames.csv", WAYS, once, measure)
 
 
 if __name__ == "__main__":

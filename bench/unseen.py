@@ -53,7 +53,7 @@ from vrcomfort.tradeoff.methods import BlurMethod, methods, no_blur
 
 WINDOW_PX = 448
 TIME_S = 1.0
-PERIOD_NS = 11_111_111
+FRAME, PERIOD_NS = 90, 11_111_111
 LONG_PX = 24
 """Of a row or column, along which the error of a cut is a step."""
 STEP = 2 / 255
@@ -101,35 +101,24 @@ def case(
 def drawn_with(found: Case, method: BlurMethod) -> Capture:
     """Draw the case's window with a method."""
     lens = method.condition.depth_of_field
-    settings = {} if lens is None else {"kernel": lens.kernel} | _steps(method)
-    condition = found.view.condition(**settings)
     if lens is None:
-        condition = condition.model_copy(update={"depth_of_field": None})
+        condition = found.view.condition().model_copy(update={"depth_of_field": None})
+    else:
+        steps = {"kernel": lens.kernel, "samples": lens.samples, "views": lens.views}
+        condition = found.view.condition(**steps)
     eye = View(found.view.head, sub_frustum(found.view.fov, found.drawn, found.whole_px))
-    frames = [
-        Frame(
-            index=index,
-            predicted_display_time_ns=index * PERIOD_NS,
-            period_ns=PERIOD_NS,
-            head_pose=found.view.head,
-            views=(eye, eye),
-            avatar_pose=Pose(),
-            discontinuity=True,
-        )
-        for index in (89, 90)
-    ]
-    return capture_views(
-        found.scene,
-        of_part(condition, found.part),
-        (frames[0], frames[1]),
-        found.drawn.size_px,
-        eyes=1,
-    )[0]
-
-
-def _steps(method: BlurMethod) -> dict[str, object]:
-    lens = method.condition.depth_of_field
-    return {} if lens is None else {"samples": lens.samples, "views": lens.views}
+    frame = Frame(
+        index=FRAME,
+        predicted_display_time_ns=FRAME * PERIOD_NS,
+        period_ns=PERIOD_NS,
+        head_pose=found.view.head,
+        views=(eye, eye),
+        avatar_pose=Pose(),
+        discontinuity=True,
+    )
+    condition = of_part(condition, found.part)
+    # Without motion blur the frame before is not drawn.
+    return capture_views(found.scene, condition, (frame, frame), found.drawn.size_px, eyes=1)[0]
 
 
 def through_the_lens(found: Case, samples: int, *, seed: int = 0) -> Array:
@@ -163,8 +152,7 @@ def _sheared(fov: Fov, x: float, y: float) -> Fov:
 
 def _disc(samples: int, seed: int) -> Array:
     """Return (n, 2) points of the unit disc: scrambled Sobol points, equal areas."""
-    with np.errstate(all="ignore"):
-        turn, area = qmc.Sobol(2, seed=seed).random(samples).T
+    turn, area = qmc.Sobol(2, seed=seed).random(samples).T
     radius = np.sqrt(area)
     return np.column_stack([radius * np.cos(2 * np.pi * turn), radius * np.sin(2 * np.pi * turn)])
 
@@ -192,6 +180,7 @@ class _Seen(NamedTuple):
 
     found: Case
     true: Array
+    sharp: Capture
     depth: EyeDepth
 
     @property
@@ -216,14 +205,14 @@ def _seen(found: Case, right_m: float, samples: int) -> _Seen:
     fov = sub_frustum(view.fov, found.window, found.whole_px)
     depth = sharp.depth[found.window.within(found.drawn)]
     eye = EyeDepth(view.head, fov, depth, sharp.camera.near_m)
-    return _Seen(there, through_the_lens(there, samples), eye)
+    return _Seen(there, through_the_lens(there, samples), sharp, eye)
 
 
 def errors(found: Case, *, samples: int, tried: Sequence[BlurMethod]) -> list[dict[str, Any]]:
     """Return a row for each method, and one for a reference of half as many views."""
     here, later, right = (_seen(found, at, samples) for at in (0.0, STEP_M, IPD_M))
     judged = found.window.within(found.drawn)
-    sharp = drawn_with(found, no_blur("depth_of_field"))
+    sharp = here.sharp
     radius = radius_px(sharp, of_part(found.view.condition(), found.part))
     pinhole = PinholeView(sharp.depth, radius, sharp.sharp * here.exposure, found.whole_px[0])
     edges = regions(pinhole)["near_rims"][judged]

@@ -41,7 +41,7 @@ class Cost(NamedTuple):
 
 
 def shown_trials(protocol: Protocol) -> list[Trial]:
-    """Return each pair of condition and scene that somebody is shown."""
+    """Return each pair of condition and scene that a session can show."""
     order = protocol.order
     if order.rule == "explicit":
         sessions = (session for each in order.sequences for session in each.sessions)

@@ -202,7 +202,7 @@ def _show_frames(
 def _content(
     flight: Preflight, options: PreflightOptions, measured: dict[str, Any], found: list[Diagnosis]
 ) -> dict[str, Any]:
-    """Return what ``preflight.json`` has."""
+    """Return the content of ``preflight.json``."""
     from vrcomfort.records.study import now
 
     protocol, outcomes = flight.protocol, {each.outcome for each in found}

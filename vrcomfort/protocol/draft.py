@@ -53,6 +53,12 @@ name = {name}
 label = {label}
 """
 
+_RAMPS = """\
+speed_of = "avatar"            # locomotion alone; "head" or "both" as well
+turning = { from_deg_s = 10.0, to_deg_s = 60.0 }
+moving = { from_m_s = 0.2, to_m_s = 1.5 }
+"""
+
 _ON = {
     "depth_of_field": """\
 [conditions.focus]
@@ -67,16 +73,12 @@ mode = "rotation_cancelled"   # turning the head blurs nothing: `vrcomfort docs 
 """,
     "vignette": """\
 [conditions.vignette]          # a field of view that closes with speed: `vrcomfort docs effects`
-speed_of = "avatar"            # locomotion alone; "head" or "both" as well
-turning = { from_deg_s = 10.0, to_deg_s = 60.0 }
-moving = { from_m_s = 0.2, to_m_s = 1.5 }
-""",
+"""
+    + _RAMPS,
     "speed_blur": """\
 [conditions.speed_blur]        # blur of the image that grows with speed: `vrcomfort docs effects`
-speed_of = "avatar"            # locomotion alone; "head" or "both" as well
-turning = { from_deg_s = 10.0, to_deg_s = 60.0 }
-moving = { from_m_s = 0.2, to_m_s = 1.5 }
-""",
+"""
+    + _RAMPS,
     "relocation_blur": """\
 [conditions.relocation_blur]   # blur at cuts that sharpens with time: `vrcomfort docs effects`
 snap_turns = true
@@ -84,7 +86,13 @@ snap_turns = true
 }
 """Effect → the settings that a new condition begins with."""
 
-_BOTH = """\
+
+def _as_level(effect: str) -> str:
+    """Return the settings of an effect as those of a factor's level."""
+    return _ON[effect].replace("[conditions.", "[factors.levels.")
+
+
+_BOTH = f"""\
 
 # What is compared: two factors, crossed. They make the conditions sharp_still, sharp_moving, …
 [[factors]]
@@ -93,21 +101,14 @@ name = "depth_of_field"
 name = "sharp"
 [[factors.levels]]
 name = "dof"
-[factors.levels.focus]
-method = "nine_ray"    # what is sharp lies where the head points: `vrcomfort docs focus`
-law = "linear_dioptre" # how focus moves to something new
-[factors.levels.depth_of_field]
-law = "dioptre"        # blur grows with the defocus in dioptres: `vrcomfort docs depth_of_field`
-
+{_as_level("depth_of_field")}
 [[factors]]
 name = "motion_blur"
 [[factors.levels]]
 name = "still"
 [[factors.levels]]
 name = "moving"
-[factors.levels.motion_blur]
-mode = "rotation_cancelled"   # turning the head blurs nothing: `vrcomfort docs motion_blur`
-"""
+{_as_level("motion_blur")}"""
 
 _ORDER = """\
 

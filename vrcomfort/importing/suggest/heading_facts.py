@@ -131,7 +131,7 @@ def _names_of_times(facts: Sequence[dict[str, str]], said: Sequence[str]) -> str
 
 
 def _name_times(facts: Sequence[dict[str, str]], doubts: list[OpenDoubt]) -> None:
-    """Take numbers for timepoints, and ask that in place of what they stand for."""
+    """Take numbers for timepoints, and ask that in place of their meaning."""
     said = sorted({each["timepoint"] for each in facts}, key=lambda text: (len(text), text))
     shown = _names_of_times(facts, said)
     doubts[-1] = OpenDoubt(doubts[-1].question, f"timepoints: {shown}", *TIMEPOINTS)
