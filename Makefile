@@ -44,8 +44,8 @@ test-smoke:
 test-slow:
 	@scripts/setup.sh --tests --browser
 	@$(BIN)/pytest -q -n 2 --dist loadfile -m "slow and not monado and not needs_reference_data"
-	@$(BIN)/pytest -q -n 2 --dist worksteal --draw -k "not hundred_thousand" tests/test_report_extremes.py \
-		tests/test_report_notices.py tests/test_report_plan.py tests/test_instruments_study.py
+	@$(BIN)/pytest -q -n 2 --dist worksteal --draw -k "not hundred_thousand" tests/report/test_extremes.py \
+		tests/report/test_notices.py tests/report/test_plan.py tests/questionnaire/test_instruments_study.py
 
 test-bare:
 	@failed=0; for suite in bookworm trixie; do \
@@ -57,7 +57,7 @@ test-local:
 
 random-reports:
 	@scripts/setup.sh --tests
-	@VRCOMFORT_RANDOM_REPORTS=2000 $(BIN)/pytest -q -n 2 tests/test_report_random.py
+	@VRCOMFORT_RANDOM_REPORTS=2000 $(BIN)/pytest -q -n 2 tests/report/test_random.py
 
 explore:
 	@scripts/setup.sh --tests
@@ -70,7 +70,7 @@ test-openxr:
 	@scripts/in_runtime.sh pytest -q -n 2 --dist loadfile -m monado
 
 test-windows:
-	@scripts/windows.sh pytest -q -p no:cacheprovider -m windows $$(grep -l mark.windows tests/*.py)
+	@scripts/windows.sh pytest -q -p no:cacheprovider -m windows $$(grep -rl --include='test_*.py' mark.windows tests)
 
 check: setup
 	@$(BIN)/ruff check .
@@ -94,7 +94,7 @@ bench: setup
 torture: setup
 	@failed=0; $(BIN)/python -m torture --out $(OUT)/torture || failed=1; \
 	scripts/in_runtime.sh python -m torture --only runtime --out $(OUT)/torture/runtime || failed=1; \
-	$(BIN)/pytest -q --exposures 100 tests/test_openxr_runtime_faults.py tests/test_openxr_runtime_cli.py || failed=1; \
+	$(BIN)/pytest -q --exposures 100 tests/headset/openxr/test_runtime_faults.py tests/headset/openxr/test_runtime_cli.py || failed=1; \
 	exit $$failed
 
 torture-short: setup

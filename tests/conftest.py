@@ -67,7 +67,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     if _may_not_skip() and (skipped := terminalreporter.getreports("skipped")):
         terminalreporter.write_line(f"failed: {len(skipped)} skipped; here nothing may be missing")
     passed = terminalreporter.getreports("passed")
-    if oracles := sum("test_stats_oracles.py" in report.nodeid for report in passed):
+    if oracles := sum("stats/test_oracles.py" in report.nodeid for report in passed):
         terminalreporter.write_line(f"oracles: {oracles} tests against R and NIST passed")
     tried = {
         report.nodeid.rpartition("::")[2]: dict(report.user_properties)["cases"]

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from tests.support.places import ROOT
 from tests.support.waiting import SESSION_S, WAIT_S
 
 OPTIONS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage")
 """Of a browser in a container, which may have little shared memory: its pages would crash."""
-SCRIPT = Path(__file__).parents[2] / "scripts" / "browser.sh"
+SCRIPT = ROOT / "scripts" / "browser.sh"
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.support.places import ROOT
+
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 FENCED = re.compile(r"^( *)```(\w*)\n(.*?)^\1```", re.MULTILINE | re.DOTALL)
 
@@ -59,14 +59,14 @@ SHORTER = (
 
 ELSEWHERE = {
     r"make ": "the gate runs them",
-    r"pip install ": "tests/test_installation.py compares the names with pyproject.toml",
-    r".* --cluster ": "tests/test_recordings.py, with a cluster of its own",
-    r"Rscript ": "tests/test_report_reproduce.py",
-    r".* --console": "tests/test_console_cli.py; it waits for an operator",
-    r"scripts/in_runtime.sh ": "tests/test_openxr_monado.py, in a runtime",
-    r"python -m bench": "minutes; tests/test_bench.py",
-    r".venv/bin/python -m torture": "an hour; tests/test_torture.py",
-    r"vrcomfort tradeoff ": "minutes to hours; tests/test_tradeoff_command.py",
+    r"pip install ": "tests/project/test_installation.py compares the names with pyproject.toml",
+    r".* --cluster ": "tests/recordings/test_recordings.py, with a cluster of its own",
+    r"Rscript ": "tests/report/test_reproduce.py",
+    r".* --console": "tests/console/test_cli.py; it waits for an operator",
+    r"scripts/in_runtime.sh ": "tests/headset/openxr/test_monado.py, in a runtime",
+    r"python -m bench": "minutes; tests/project/test_bench.py",
+    r".venv/bin/python -m torture": "an hour; tests/project/test_torture.py",
+    r"vrcomfort tradeoff ": "minutes to hours; tests/tradeoff/test_command.py",
 }
 """Commands that other tests run, or that nothing can shorten."""
 

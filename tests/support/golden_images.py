@@ -7,13 +7,14 @@ amplified, are left in the test's temporary folder.
 from __future__ import annotations
 
 import hashlib
-from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
-FOLDER = Path(__file__).parent.parent / "golden"
+from tests.support.places import ROOT
+
+FOLDER = ROOT / "tests/golden"
 DRIVER = FOLDER / "driver.txt"
 VERSIONS = FOLDER / "stimulus_versions.txt"
 

@@ -20,10 +20,11 @@ from typing import Self
 
 import pytest
 
+from tests.support.places import ROOT
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.monado import RemoteHand, RemoteState, active_environment
 
-SOURCES = Path(__file__).parent.parent / "openxr_runtime"
+SOURCES = ROOT / "tests/openxr_runtime"
 NAME = "openxr_runtime.dll" if sys.platform == "win32" else "libopenxr_runtime.so"
 BUILT_VARIABLE = "VRCOMFORT_TEST_RUNTIME"
 """Names the library where it was built elsewhere: there is no compiler in the Windows test bed."""

@@ -4,11 +4,11 @@ import csv
 import re
 from functools import cache
 from math import isnan
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from tests.support.places import ROOT
 from vrcomfort.stats.anova import anova
 from vrcomfort.stats.effects import rank_biserial
 from vrcomfort.stats.mixed import crossover, mixed_model
@@ -20,7 +20,7 @@ from vrcomfort.stats.shift import hodges_lehmann
 from vrcomfort.stats.signed_rank import signed_rank, worst_rank
 from vrcomfort.stats.t_tests import paired_t
 
-DATA = Path(__file__).parents[1] / "data" / "oracles"
+DATA = ROOT / "tests/data/oracles"
 SECOND_AUTHORITY = re.compile(r"[ _]of_(lmer|anova\.mlm|wilcox\.test|exactRankTests)")
 """Ours is one number; R has it from more than one function."""
 

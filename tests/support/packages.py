@@ -1,6 +1,6 @@
 """What packages say of data whose answer is known: done by them where right, by us where not.
 
-`python -m tests.support.packages` writes docs/statistics_checks.md; `test_stats_packages.py`
+`python -m tests.support.packages` writes docs/statistics_checks.md; `stats/test_packages.py`
 makes a test of each line.
 """
 

@@ -1,6 +1,6 @@
 """The papers' printed statistics, and what follows from what else is printed.
 
-`python -m tests.support.printed` writes docs/statistics_checks.md; `test_printed_numbers.py`
+`python -m tests.support.printed` writes docs/statistics_checks.md; `stats/test_printed_numbers.py`
 makes a test of each line. The data of none of these studies are published, so a number can at most
 be computed again from other printed numbers.
 """

@@ -3,17 +3,17 @@
 import csv
 import re
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from tests.support.places import ROOT
 from vrcomfort.stats.anova import Anova, anova
 from vrcomfort.stats.ranks import as_integers
 from vrcomfort.stats.signed_rank import signed_rank
 from vrcomfort.stats.t_tests import paired_t
 
-DATA = Path(__file__).parents[1] / "data"
+DATA = ROOT / "tests/data"
 Values = dict[str, float | None]
 
 NIST_TOLERANCES = {

@@ -1,8 +1,8 @@
 """Reference numbers of docs/statistics_checks.md: `python -m tests.support.reference_table`.
 
 One row per test and convention: of all data sets it shows the one in which ours is farthest from
-what is expected. Every single number is a test in `tests/test_stats_oracles.py` or
-`tests/test_reference_table.py`.
+what is expected. Every single number is a test in `tests/stats/test_oracles.py` or
+`tests/stats/test_reference_table.py`.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 from tests.support import oracles, published
+from tests.support.places import ROOT
 
-PAGE = Path(__file__).parents[2] / "docs" / "statistics_checks.md"
+PAGE = ROOT / "docs" / "statistics_checks.md"
 BEGIN, END = "<!-- reference table: begin -->", "<!-- reference table: end -->"
 COMMAND = "python -m tests.support.reference_table"
 

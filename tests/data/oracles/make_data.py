@@ -4,12 +4,12 @@ Nothing here is anybody's answer. Scores are like those of the Simulator Sicknes
 sums of ratings from 0 to 3, with many zeros, many ties and a long tail.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
-HERE = Path(__file__).parent
+from tests.support.places import ROOT
+
+HERE = ROOT / "tests"
 SEED = 20150323
 UNITS = {"N": 9.54, "O": 7.58, "D": 13.92, "T": 3.74}
 """Points per raw sum (Kennedy et al. 1993)."""

@@ -28,7 +28,7 @@ class SceneBudget:
     """The most that one scene may have, all files of it together.
 
     The defaults hold more than a headset can draw in time. Of the small files that ask for much
-    (tests/test_scenes_budget.py), none took more than 1.1 GiB until it was refused.
+    (tests/scene/test_budget.py), none took more than 1.1 GiB until it was refused.
 
     Parameters
     ----------

@@ -1,0 +1,67 @@
+"""On which level a disc is drawn, and what a texel keeps of two surfaces."""
+
+import numpy as np
+import pytest
+
+from tests.oracles.levels import level_part
+from tests.render.effects.test_optics import evaluate
+from tests.support.effects import depth_of_field
+from vrcomfort.optics import blur_kernels
+
+SAMPLES = 9 * np.pi
+
+
+def test_levels_share_every_disc_and_hand_over_gradually():
+    radius = np.linspace(0, 100, 5001)
+    parts = np.stack([level_part(level, radius, samples=36, count=4) for level in range(4)])
+    np.testing.assert_allclose(parts.sum(axis=0), 1, atol=1e-12)
+    assert np.abs(np.diff(parts, axis=1)).max() < 0.05
+    assert ((parts > 0).sum(axis=0) <= 2).all()
+
+
+@pytest.mark.parametrize("samples", [16, 36, 128])
+@pytest.mark.parametrize("max_radius_px", [1.0, 5.0, 22.4, 64.0])
+def test_no_disc_is_wider_than_its_level_allows(samples, max_radius_px):
+    count = blur_kernels.gather_mips(max_radius_px, samples)
+    widest = blur_kernels.exact_px(samples) * 2 ** (count - 1)
+    assert max_radius_px <= widest or count == blur_kernels.MOST_MIPS
+
+
+def test_the_shader_shares_discs_as_its_twin(ctx):
+    x = np.zeros((200, 4), "f4")
+    x[:, 0] = np.linspace(0, 40, 200)
+    call = "vec4(level_part(0, x.x), level_part(1, x.x), level_part(3, x.x), float(levels_of(x.x)))"
+    *found, bits = evaluate(ctx, "levels.glsl", call, x).T
+    parts = [level_part(level, x[:, 0], samples=SAMPLES, count=4) for level in range(4)]
+    for level, part in zip((0, 1, 3), found, strict=True):
+        np.testing.assert_allclose(part, parts[level], atol=1e-5)
+    drawn = sum((part > 1e-5) * 2**level for level, part in enumerate(parts))
+    np.testing.assert_array_equal(bits, np.where(x[:, 0] > 0.5, drawn, 0))
+
+
+def test_a_texel_keeps_two_surfaces_apart(ctx):
+    x = np.random.default_rng(1).uniform(0, 9, (50, 4)).astype("f4")
+    make = "unpack_layers(pack_layers(Layers(vec4(x.xyz, -x.w), x, 0.75)))"
+    front = evaluate(ctx, "coc.glsl layers.glsl", f"{make}.front", x)
+    back = evaluate(ctx, "coc.glsl layers.glsl", f"{make}.back", x)
+    np.testing.assert_allclose(front[:, :3], x[:, :3], rtol=2e-3)
+    np.testing.assert_allclose(front[:, 3], -x[:, 3], rtol=2e-2)
+    np.testing.assert_allclose(back, x, rtol=2e-3)
+    part = evaluate(ctx, "coc.glsl layers.glsl", f"vec4({make}.coverage)", x)
+    np.testing.assert_array_equal(part, 0.75)
+
+
+@pytest.mark.parametrize("samples", [16, 36, 128])
+def test_a_lamp_far_out_of_focus_is_a_disc_without_beads(ctx, samples):
+    """Radius 20 px, before a wall that is as far away, with an edge beside it or without."""
+    rgb = np.full((96, 128, 3), 0.1)
+    rgb[47:49, 63:65] = 500.0
+    y, x = np.mgrid[-47.5:48, -63.5:64]
+    for distance in (np.inf, np.where(x < -50, 1.0, np.inf)):
+        lens = {"law": "dioptre", "full_blur_dioptre": 1.0, "max_radius_percent": 10.0}
+        lens["max_diameter_arcmin"] = None
+        lit = depth_of_field(ctx, rgb, distance, 1.0, samples=samples, **lens)
+        away = np.hypot(x, y)
+        inside = lit.astype(float)[..., 0][away < 9] - 0.1
+        assert inside.std() <= 0.1 * inside.mean()
+        assert inside.mean() == pytest.approx(4 * 500 / (np.pi * 12.8**2), rel=0.1)
