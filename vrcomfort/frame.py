@@ -17,7 +17,7 @@ MEAN_IPD_M = 0.063
 EYE_HEIGHT_M = 1.6
 """Of somebody who stands; where a picture is taken from if nothing else is said."""
 
-STIMULUS_VERSION = 1
+STIMULUS_VERSION = 2
 """Of the pixels that conditions give: whoever changes a picture hash, however little, raises it.
 Manifests have it; `run` goes on with a study of another one only if told."""
 

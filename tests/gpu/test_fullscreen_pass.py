@@ -6,7 +6,7 @@ import numpy as np
 
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass, UniformGroup
-from vrcomfort.render.display import TONE_CURVE
+from vrcomfort.render.display import TONE_CURVE, noise_texture
 from vrcomfort.render.output import read_texture
 
 SIZE = (2, 2)
@@ -28,7 +28,8 @@ def gray(ctx, level):
 
 def encoder(ctx, radiance):
     return FullscreenPass(
-        ctx, "display/tone_map.frag", size_px=SIZE, inputs={"radiance": radiance},
+        ctx, "display/tone_map.frag", size_px=SIZE,
+        inputs={"radiance": radiance, "blue_noise": noise_texture(ctx)},
         defines=TONE_CURVE, dtype="f1",
     )  # fmt: skip
 

@@ -74,7 +74,8 @@ def test_a_study_of_another_stimulus_goes_on_only_if_told(tmp_path: Path) -> Non
     second = json.loads((tmp_path / "S/sub-P02/ses-1/manifest.json").read_text("utf-8"))
     assert second["stimulus_version"] == STIMULUS_VERSION
     (found,) = differences_in(tmp_path / "S")
-    assert found.startswith("sessions differ in the version of the stimulus: 99 in P01/ses-1; 1 in")
+    versions = f"99 in P01/ses-1; {STIMULUS_VERSION} in P02/ses-1"
+    assert found.startswith(f"sessions differ in the version of the stimulus: {versions}")
 
 
 def test_a_study_without_sessions_or_versions_goes_on(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.camera import PreviousCamera
-from vrcomfort.render.display import ToneMapPass
+from vrcomfort.render.display import ToneMapPass, noise_texture
 from vrcomfort.render.output import read_rgb8, read_texture, side_by_side
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.scene_pass import ScenePass
@@ -41,7 +41,13 @@ def test_golden_pixels_change_with_the_stimulus_version_alone():
 def test_still_life(ctx, request, tmp_path):
     """Sun, shadow, lamp, fog, clouds, metal, normal map, mask, blend and velocity in one view."""
     scene_pass = ScenePass(ctx, still_life(), SIZE, velocity=True)
-    tone_map = ToneMapPass(ctx, radiance=scene_pass.colour, size_px=SIZE, exposure=0.9)
+    tone_map = ToneMapPass(
+        ctx,
+        radiance=scene_pass.colour,
+        blue_noise=noise_texture(ctx),
+        size_px=SIZE,
+        exposure=0.9,
+    )
     camera = eye((0.1, 1.1, 0.2), yaw_pitch_roll(0.05, -0.1, 0.02))
     before = Pose((0.0, 1.1, 0.25), yaw_pitch_roll(0.0, -0.1, 0.0))
     scene_pass.render(camera, 0.0, PreviousCamera(before, 0.0))

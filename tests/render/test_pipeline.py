@@ -96,8 +96,8 @@ def test_disabled_effects_own_nothing_on_the_gpu(ctx, count_objects):
         counts[condition.name] = {kind: after[kind] - before[kind] for kind in after}
         del renderer
     plain = counts["plain"]
-    # Colour and depth, many samples and one; two tone-mapped images; shadow map; two image arrays.
-    assert plain["Texture"] == 4 + 2 + 1 + 2
+    # Colour and depth, many samples and one; noise, two tone-mapped images; shadow map; two arrays.
+    assert plain["Texture"] == 4 + 3 + 1 + 2
     for kind in ("Texture", "Framebuffer", "Program"):
         assert counts["dof"][kind] > plain[kind]
         assert counts["mb"][kind] > plain[kind]

@@ -20,6 +20,7 @@ from vrcomfort.api.rendering import make_renderer
 from vrcomfort.errors import InputError
 from vrcomfort.frame import EYE_HEIGHT_M, MEAN_IPD_M
 from vrcomfort.geometry import FARTHEST_M, Pose, View, yaw_pitch_roll
+from vrcomfort.optics.dither import dithered
 from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
 
@@ -430,7 +431,7 @@ def _reference(
         image = rendered.image[::-1].astype(np.float32)
         encoded = tone_mapped(image, exposure=scene.environment.exposure)
         eye.reference["linear"] = image
-        eye.reference["rgb"] = np.round(encoded * 255).astype(np.uint8)
+        eye.reference["rgb"] = dithered(encoded)
         errors[name] = {**found._asdict(), "counts": found.counts and samples > 1}
         if not math.isfinite(found.psnr_db):
             errors[name]["psnr_db"] = None  # JSON has no infinity

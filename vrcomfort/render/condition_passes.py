@@ -16,7 +16,7 @@ from vrcomfort.optics.focus import Centre, GazeFollower
 from vrcomfort.protocol.conditions import CentredEffect, Condition
 from vrcomfort.protocol.viewing import DepthMode
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
-from vrcomfort.render.display import ToneMapPass
+from vrcomfort.render.display import ToneMapPass, noise_texture
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass, LensViews
 from vrcomfort.render.effects.depth_of_field.seen_depth import SeenDepthPass
 from vrcomfort.render.effects.effect import (
@@ -142,9 +142,15 @@ class ConditionPasses:
                 infinity_m=condition.focus.infinity_m,
             )
         # A target for each eye: both images of a frame are valid until the next frame.
-        exposure = scene.environment.exposure
+        exposure, blue_noise = scene.environment.exposure, noise_texture(ctx)
         self.tone_maps = tuple(
-            ToneMapPass(ctx, radiance=self.colour, size_px=size_px, exposure=exposure)
+            ToneMapPass(
+                ctx,
+                radiance=self.colour,
+                blue_noise=blue_noise,
+                size_px=size_px,
+                exposure=exposure,
+            )
             for _ in range(eyes)
         )
 

@@ -1,4 +1,4 @@
-"""Passes after the effects: tone map to 8 bits, photodiode patch, hash of the images.
+"""Passes after the effects: tone map to 8 bits with dither, photodiode patch, hash of the images.
 
 The patch is drawn after tone mapping: full black or full white in every condition.
 """
@@ -18,11 +18,18 @@ from vrcomfort.frame import ImageHash
 from vrcomfort.geometry import Fov
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.optics import tone
+from vrcomfort.optics import dither, tone
 from vrcomfort.protocol.viewing import Photodiode
 
 TONE_CURVE = {"COMPRESSION_START": tone.COMPRESSION_START, "DESATURATION": tone.DESATURATION}
 """Defines of ``include/tone.glsl``."""
+
+
+def noise_texture(ctx: moderngl.Context) -> moderngl.Texture:
+    """Return the thresholds of :func:`dither.blue_noise`."""
+    texture = gl.color_texture(ctx, (dither.SIDE, dither.SIDE), components=1, dtype="f4")
+    texture.write(dither.blue_noise().astype(np.float32).tobytes())
+    return texture
 
 
 class _Exposure(NamedTuple):
@@ -30,13 +37,20 @@ class _Exposure(NamedTuple):
 
 
 class ToneMapPass:
-    """Encodes `radiance` (linear RGBA16F) into `target` (RGBA8, sRGB-encoded, alpha 1)."""
+    """Encodes `radiance` (linear RGBA16F) into `target` (RGBA8, sRGB-encoded, dithered).
+
+    Parameters
+    ----------
+    blue_noise
+        That of :func:`noise_texture`.
+    """
 
     def __init__(
         self,
         ctx: moderngl.Context,
         *,
         radiance: moderngl.Texture,
+        blue_noise: moderngl.Texture,
         size_px: tuple[int, int],
         exposure: float,
     ) -> None:
@@ -44,7 +58,7 @@ class ToneMapPass:
             ctx,
             "display/tone_map.frag",
             size_px=size_px,
-            inputs={"radiance": radiance},
+            inputs={"radiance": radiance, "blue_noise": blue_noise},
             constants=_Exposure(exposure),
             defines=TONE_CURVE,
             dtype="f1",

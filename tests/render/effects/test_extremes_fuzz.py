@@ -39,7 +39,7 @@ from vrcomfort.protocol.conditions import (
     MotionBlur,
     RefocusLawName,
 )
-from vrcomfort.render.display import TONE_CURVE
+from vrcomfort.render.display import TONE_CURVE, noise_texture
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.effects.motion_blur import MotionBlurPass
 from vrcomfort.render.output import read_texture
@@ -197,7 +197,7 @@ def test_tone_map(ctx, cases):
             "display/tone_map.frag",
             defines=TONE_CURVE,
             size_px=(width, height),
-            inputs={"radiance": colour},
+            inputs={"radiance": colour, "blue_noise": noise_texture(ctx)},
             constants=Exposure(float(10.0 ** rng.uniform(-4, 4))),
             dtype="f4",
         )

@@ -57,7 +57,7 @@ def test_every_shared_formula_has_a_test():
 
     A NumPy twin's name comes after a dot.
     """
-    texts = [file.read_text(encoding="utf-8") for file in ROOT / "tests".rglob("test_*.py")]
+    texts = [file.read_text(encoding="utf-8") for file in (ROOT / "tests").rglob("test_*.py")]
     bodies = dict(shared_functions())
     called = {name: re.compile(rf"(?<![\w.]){name}\(") for name in bodies}
     tried = {name for name in bodies if any(called[name].search(text) for text in texts)}
