@@ -255,7 +255,7 @@ void gather_texels_behind(usampler2D layers, int level, int for_level, float wid
 }
 
 float widest_of(int level) {
-    return level < LEVELS - 1 ? EXACT_PX * float(1 << level) : 1e4;
+    return level < LEVELS - 1 ? widest_on(level) : 1e4;
 }
 
 // The widest foreground disc of a level that may come here, 0 for none.

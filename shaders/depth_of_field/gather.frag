@@ -6,21 +6,19 @@
 //
 // A disc is summed on the level on which it has not too many texels; two levels share the discs
 // between them. Texels blur by themselves: the discs are narrower by that variance.
-// HALF_EXACT: radius of the widest disc on a level, in its texels; COARSEST: the last level, which takes
-// all that are wider.
 #include "coc.glsl"
 #include "discs.glsl"
 #include "levels.glsl"
 #include "layers.glsl"
 
 uniform usampler2D layers_1;
-#if COARSEST > 1
+#if LEVELS > 2
 uniform usampler2D layers_2;
 #endif
-#if COARSEST > 2
+#if LEVELS > 3
 uniform usampler2D layers_3;
 #endif
-#if COARSEST > 3
+#if LEVELS > 4
 uniform usampler2D layers_4;
 #endif
 
@@ -46,18 +44,12 @@ float centred_on_texel(float texels) {
     return texels - 0.16 * max(1.0 - about * about, 0.0);
 }
 
-// Part of a disc that is drawn on a level or on coarser ones.
-float part_from(int level, float half_radius) {
-    float widest = HALF_EXACT * float(1 << max(level - 2, 0));
-    return level == 1 ? 1.0 : level > COARSEST ? 0.0
-         : clamp((half_radius / widest - FADED) / (1.0 - FADED), 0.0, 1.0);
-}
-
 float radius_px = abs(mean_of(unpack_layers(texelFetch(layers_1, ivec2(gl_FragCoord.xy), 0))).a);
 bool wanted = radius_px >= 0.9 * FADED * EXACT_PX;
 
 void gather(usampler2D layers, int level) {
-    float part = part_from(level, 0.5 * radius_px) - part_from(level + 1, 0.5 * radius_px);
+    // What is shared with the pixels counts in full: fast.frag mixes.
+    float part = level > 1 ? level_part(level, radius_px) : 1.0 - coarser_part(1, radius_px);
     float texel_px = float(1 << level);
     float texels = disc_texels(sqrt(max(radius_px * radius_px - ENLARGED_PX2, 0.0)), texel_px);
     texels = level == 1 ? centred_on_texel(texels) : texels;
@@ -69,13 +61,13 @@ void gather(usampler2D layers, int level) {
 void main() {
     gathered = vec4(0.0, 0.0, 0.0, 1.0);
     gather(layers_1, 1);
-#if COARSEST > 1
+#if LEVELS > 2
     gather(layers_2, 2);
 #endif
-#if COARSEST > 2
+#if LEVELS > 3
     gather(layers_3, 3);
 #endif
-#if COARSEST > 3
+#if LEVELS > 4
     gather(layers_4, 4);
 #endif
 }

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrcomfort.geometry import Array
-from vrcomfort.optics.blur_kernels import CROSS_FADE_FROM, exact_px
+from vrcomfort.optics.blur_kernels import CROSS_FADE_FROM, WIDER, exact_px
 
 
 def level_part(level: int, radius_px: ArrayLike, *, samples: int, count: int) -> Array:
@@ -19,6 +19,6 @@ def level_part(level: int, radius_px: ArrayLike, *, samples: int, count: int) ->
 def _coarser_part(level: int, radius_px: Array, samples: int, count: int) -> Array:
     if level >= count - 1:
         return np.zeros_like(radius_px)
-    filled = radius_px / (exact_px(samples) * 2**level)
+    filled = radius_px / (exact_px(samples) * (WIDER * 2**level if level else 1))
     part: Array = np.clip((filled - CROSS_FADE_FROM) / (1 - CROSS_FADE_FROM), 0.0, 1.0)
     return part

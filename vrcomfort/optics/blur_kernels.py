@@ -19,9 +19,9 @@ MOST_MIPS = 5
 CROSS_FADE_FROM = 0.85
 """Part of its widest disc from which a level shares with the next."""
 
-HALF_WIDER = 1.5
-"""At half resolution, where there are a quarter of the pixels, a disc of one surface is summed on a
-level up to this many times the radius, in texels."""
+WIDER = 1.5
+"""From half resolution on, where there are a quarter of the pixels, a disc is summed on a level up
+to this many times the radius, in texels."""
 
 
 LEAST_TEXELS = 16
@@ -38,7 +38,7 @@ def gather_mips(max_radius_px: float, samples: int) -> int:
     widest = exact_px(samples)
     if max_radius_px <= CROSS_FADE_FROM * widest:
         return 1
-    return min(1 + max(1, ceil(log2(max_radius_px / widest))), MOST_MIPS)
+    return min(1 + max(1, ceil(log2(max_radius_px / (WIDER * widest)))), MOST_MIPS)
 
 
 def coarser_behind(samples: int) -> bool:
@@ -47,12 +47,6 @@ def coarser_behind(samples: int) -> bool:
     It fills only a part of a pixel; a disc has a quarter of the texels there.
     """
     return samples // 4 >= LEAST_TEXELS
-
-
-def coarsest_of_one_surface(max_radius_px: float, samples: int) -> int:
-    """Return the coarsest level on which discs of one surface are summed, 1 at least."""
-    halvings = ceil(log2(max(max_radius_px / 2 / (HALF_WIDER * exact_px(samples)), 1.0)))
-    return min(1 + halvings, MOST_MIPS - 1)
 
 
 # Poisson taps in a pixel's own circle of confusion, for ``depth_of_field/poisson12.frag`` (Hillaire

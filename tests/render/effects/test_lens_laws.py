@@ -26,7 +26,7 @@ NEAR_M = 0.02
 LEFT_EYE = Fov(*np.arctan([-1.2, 0.9, 1.0, -1.1]).tolist())
 distances = st.floats(0.05, 2e4)
 
-LEVELS = {"EXACT_PX": 3.0, "LEVELS": 1, "FADED": 0.85}
+LEVELS = {"EXACT_PX": 3.0, "WIDER": 1.5, "LEVELS": 1, "FADED": 0.85}
 """What tiles are told of levels that nothing here reads."""
 
 

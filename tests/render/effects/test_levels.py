@@ -23,7 +23,7 @@ def test_levels_share_every_disc_and_hand_over_gradually():
 @pytest.mark.parametrize("max_radius_px", [1.0, 5.0, 22.4, 64.0])
 def test_no_disc_is_wider_than_its_level_allows(samples, max_radius_px):
     count = blur_kernels.gather_mips(max_radius_px, samples)
-    widest = blur_kernels.exact_px(samples) * 2 ** (count - 1)
+    widest = blur_kernels.exact_px(samples) * blur_kernels.WIDER * 2 ** (count - 1)
     assert max_radius_px <= widest or count == blur_kernels.MOST_MIPS
 
 
@@ -65,3 +65,52 @@ def test_a_lamp_far_out_of_focus_is_a_disc_without_beads(ctx, samples):
         inside = lit.astype(float)[..., 0][away < 9] - 0.1
         assert inside.std() <= 0.1 * inside.mean()
         assert inside.mean() == pytest.approx(4 * 500 / (np.pi * 12.8**2), rel=0.1)
+
+
+LAMP_AT = ((100.3, 80.1), (101.6, 82.2), (103.5, 85.1), (106.2, 87.4))
+"""Where it passes from one tile to the next."""
+
+
+def _lamp(at):
+    """Return (160, 400) how much of each pixel a square lamp covers, 2 px wide."""
+    x, y = (
+        np.clip(1.5 - np.abs(np.arange(size) + 0.5 - middle), 0, 1)
+        for size, middle in zip((400, 160), at, strict=True)
+    )
+    return y[:, None] * x
+
+
+def _lit_by_lamp(ctx, at, radius_px, samples, bar=slice(0)):
+    """Return (160, 400) radiance in parts of the mean of a lamp's disc; `bar` is in focus."""
+    distance = np.full((160, 400), np.inf)
+    distance[:, bar] = 1.0
+    rgb = np.repeat(_lamp(at)[..., None] * 300, 3, axis=-1)
+    lens = {"law": "dioptre", "max_radius_percent": 10, "max_diameter_arcmin": None}
+    lit = depth_of_field(
+        ctx, rgb, distance, 1.0, samples=samples, full_blur_dioptre=40 / radius_px, **lens
+    )
+    return lit[..., 0].astype(float) * np.pi * radius_px**2 / rgb[..., 0].sum()
+
+
+@pytest.mark.parametrize("samples", [16, 36, 96])
+@pytest.mark.parametrize("radius_px", [9.0, 17.4, 28.0])
+def test_a_lamp_keeps_its_light_and_its_disc_is_cut_nowhere(ctx, samples, radius_px):
+    """With something in focus beside it, its disc lies in tiles of two classes."""
+    for at in LAMP_AT:
+        alone = _lit_by_lamp(ctx, at, radius_px, samples)
+        assert alone.sum() / (np.pi * radius_px**2) == pytest.approx(1, abs=0.01)
+        bar = slice(int(100 - 1.25 * radius_px) - 14, int(100 - 1.25 * radius_px) - 6)
+        assert np.abs(_lit_by_lamp(ctx, at, radius_px, samples, bar) - alone).max() < 0.2
+
+
+@pytest.mark.parametrize("samples", [36, 96])
+@pytest.mark.parametrize("radius_px", [9.0, 17.4, 28.0])
+def test_a_lamp_s_disc_is_as_wide_in_every_direction(ctx, samples, radius_px):
+    y, x = np.mgrid[:160, :400] + 0.5
+    for at in LAMP_AT:
+        disc = _lit_by_lamp(ctx, at, radius_px, samples)
+        disc = disc / disc.sum()
+        x_off, y_off = x - (disc * x).sum(), y - (disc * y).sum()
+        directions = x_off, y_off, (x_off + y_off) / np.sqrt(2), (x_off - y_off) / np.sqrt(2)
+        widths = [2 * np.sqrt((disc * away**2).sum()) / radius_px for away in directions]
+        np.testing.assert_allclose(widths, 1, atol=0.04)

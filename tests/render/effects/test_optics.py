@@ -18,6 +18,7 @@ distances = st.floats(0.01, 1e5)
 EVALUATE = """#version 450 core
 #define LAW_{law}
 #define EXACT_PX 3.0
+#define WIDER 1.5
 #define LEVELS 4
 #define FADED 0.85
 {includes}

@@ -40,7 +40,7 @@ LAWS = {
     "thin_lens": {"law": "thin_lens", "aperture_m": 0.1, "distance_offset_m": 0.6},
 }
 
-LEVELS = {"EXACT_PX": 3.0, "LEVELS": 1, "FADED": 0.85}
+LEVELS = {"EXACT_PX": 3.0, "WIDER": 1.5, "LEVELS": 1, "FADED": 0.85}
 """What tiles are told of levels that nothing here reads."""
 
 

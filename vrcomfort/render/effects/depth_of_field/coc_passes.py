@@ -251,6 +251,7 @@ class CocPasses:
         self.level_defines = {
             "EXACT_PX": blur_kernels.exact_px(settings.samples),
             "LEVELS": blur_kernels.gather_mips(self.max_radius_px, settings.samples),
+            "WIDER": blur_kernels.WIDER,
             "FADED": blur_kernels.CROSS_FADE_FROM,
         }
         """Defines of ``include/levels.glsl``."""

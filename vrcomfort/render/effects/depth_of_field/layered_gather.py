@@ -64,7 +64,7 @@ class LayeredGatherKernel:
         self._composite.append(self._tiles("COMPLEX", "complex", layers, defines=coarser))
         self._gather: FullscreenPass | None = None
         if self._layers:
-            self._gather = self._gather_pass(layers, settings.samples)
+            self._gather = self._gather_pass(layers)
             gathered = {"gathered": self._gather.target}
             wide = {"WITH_HALF_RESOLUTION": 1}
             self._composite.append(
@@ -105,18 +105,14 @@ class LayeredGatherKernel:
             )
         return found
 
-    def _gather_pass(self, layers: dict[str, moderngl.Texture], samples: int) -> FullscreenPass:
+    def _gather_pass(self, layers: dict[str, moderngl.Texture]) -> FullscreenPass:
         """Return the pass that sums wide discs, in tiles of that class and beside them."""
-        coarsest = blur_kernels.coarsest_of_one_surface(self._coc.max_radius_px, samples)
-        read = {f"layers_{level}": layers[f"layers_{level}"] for level in range(1, coarsest + 1)}
         return self._pass(
             "gather",
-            {**read, "dilated": self._dilate.target},
+            {**layers, "dilated": self._dilate.target},
             size_px=self._size_of(1),
             defines={
                 **self._defines,
-                "HALF_EXACT": blur_kernels.HALF_WIDER * blur_kernels.exact_px(samples),
-                "COARSEST": coarsest,
                 **_of_class("FAST_HALF_RESOLUTION", self._coc.tile_px // 2, beside=1),
             },
             **self._on_tiles(),
