@@ -4,7 +4,7 @@ OUT ?= out
 # Tests start the program many times: it is compiled once, wherever Python is told not to keep that.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: help setup demo test test-smoke test-slow test-bare test-local test-openxr random-reports test-windows explore runtime check docs audit bench torture torture-short scenes clean
+.PHONY: help setup demo test test-smoke test-slow test-bare test-local test-openxr random-reports test-windows explore runtime check docs audit bench torture torture-short mutants scenes clean
 
 help:
 	@echo "make demo    a complete simulated study, rendered and reported (out/demo)"
@@ -25,6 +25,7 @@ help:
 	@echo "make bench   what each effect costs and how wrong it is (out/bench)"
 	@echo "make torture     sessions stopped, cut off and damaged; files made worse (out/torture, an hour)"
 	@echo "make torture-short   the same with few cases (4 minutes)"
+	@echo "make mutants     put 300 faults into the package, and list those that no fast test notices (hours)"
 	@echo "make scenes  rebuild the shipped scenes and traces"
 
 setup:
@@ -100,6 +101,10 @@ torture: setup
 torture-short: setup
 	@$(BIN)/python -m torture --short --out $(OUT)/torture
 	@scripts/in_runtime.sh python -m torture --short --only runtime --out $(OUT)/torture/runtime
+
+mutants:
+	@scripts/setup.sh --tests
+	@$(BIN)/python -m mutants --out $(OUT)/mutants
 
 scenes: setup
 	@$(BIN)/python scenes/build_temple.py
