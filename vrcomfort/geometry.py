@@ -7,13 +7,13 @@ Transforms are named target-from-source: ``clip_from_view @ view_from_world``.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NoReturn
+from typing import Any, NoReturn, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from vrcomfort.rotations import (
     ROUNDING,
@@ -38,6 +38,8 @@ __all__ = [
     "EyeGaze",
     "Fov",
     "Gaze",
+    "HiddenArea",
+    "HiddenAreas",
     "Pose",
     "Quad",
     "View",
@@ -45,6 +47,7 @@ __all__ = [
     "clip_from_view",
     "focal_length_px",
     "heading",
+    "hidden_areas_of",
     "interpolate_pose",
     "normalize",
     "principal_point_px",
@@ -286,6 +289,69 @@ class Quad:
         right, down = x_m / self.size_m[0] + 0.5, 0.5 - y_m / self.size_m[1]
         inside = 0 <= right <= 1 and 0 <= down <= 1
         return (float(right), float(down)) if inside else None
+
+
+@dataclass(frozen=True, eq=False)
+class HiddenArea:
+    """The part of one eye's image that the lens never shows: OpenXR's hidden triangle mesh.
+
+    Parameters
+    ----------
+    vertices
+        (n, 2) tangents of the view: x / −z and y / −z.
+    triangles
+        (m, 3) indices into `vertices`.
+    """
+
+    vertices: NDArray[np.float32]
+    triangles: NDArray[np.uint32]
+
+    @property
+    def percent(self) -> float:
+        """Return its part of the image, taking the outermost vertices for the image's corners."""
+        a, b, c = np.moveaxis(self.vertices[self.triangles].astype(np.float64), 1, 0)
+        (abx, aby), (acx, acy) = (b - a).T, (c - a).T
+        hidden = np.abs(abx * acy - aby * acx).sum() / 2
+        return float(100 * hidden / np.prod(np.ptp(self.vertices, axis=0)))
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """Return what :meth:`of_facts` makes it of again, for a JSON file."""
+        return {"vertices": self.vertices.tolist(), "triangles": self.triangles.tolist()}
+
+    @classmethod
+    def of_facts(cls, facts: Mapping[str, Any]) -> HiddenArea:
+        """Return the area that `facts` are of.
+
+        Raises
+        ------
+        ValueError, KeyError, TypeError
+            If they are of none.
+        """
+        vertices = np.array(facts["vertices"], dtype=np.float32).reshape(-1, 2)
+        triangles = np.array(facts["triangles"], dtype=np.uint32).reshape(-1, 3)
+        if not np.isfinite(vertices).all() or (triangles >= len(vertices)).any():
+            raise ValueError("a vertex of a visibility mask is missing")
+        return cls(vertices, triangles)
+
+
+HiddenAreas: TypeAlias = tuple[HiddenArea | None, HiddenArea | None]
+"""Of the left and the right eye; None where all of the image can be seen."""
+
+
+def hidden_areas_of(headset: Mapping[str, Any]) -> HiddenAreas:
+    """Return the hidden areas that a manifest's `headset` tells of; none where it tells why not.
+
+    Raises
+    ------
+    ValueError, KeyError, TypeError
+        If its ``visibility_mask`` is damaged.
+    """
+    facts = headset.get("visibility_mask", "")
+    if isinstance(facts, str):
+        return None, None
+    left, right = (None if each is None else HiddenArea.of_facts(each) for each in facts)
+    return left, right
 
 
 def interpolate_pose(a: Pose, b: Pose, t: float) -> Pose:

@@ -170,9 +170,16 @@ def _openxr_session(facts: SessionFacts) -> Iterator[Diagnosis]:
     yield _there("OpenXR session", words)
     rates = ", ".join(f"{rate:g}" for rate in facts.refresh_rates_hz) or "not told"
     yield _there("refresh rate", f"{facts.refresh_hz:g} Hz; can switch to: {rates}")
-    left, right = facts.hidden_percent
-    yield _there("visibility mask", f"hides {left:.1f} % (left) and {right:.1f} % (right)")
+    yield _visibility_mask(facts)
     yield _there("timing_trust", f"{facts.timing.trust}: {facts.timing.reason}")
+
+
+def _visibility_mask(facts: SessionFacts) -> Diagnosis:
+    part, mask = "visibility mask", facts.details["visibility_mask"]
+    if isinstance(mask, str):
+        return _there(part, f"{mask}; all of each image is drawn")
+    left, right = facts.hidden_percent
+    return _there(part, f"hides {left:.1f} % (left) and {right:.1f} % (right), which is not drawn")
 
 
 def _timed(test: TimingTest | None) -> Diagnosis:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import ceil
 from typing import Any, NamedTuple, Protocol, TypeAlias
@@ -9,8 +10,9 @@ from typing import Any, NamedTuple, Protocol, TypeAlias
 import moderngl
 import numpy as np
 
-from vrcomfort.gpu import gl, passes, shaders
+from vrcomfort.gpu import gl, passes, shaders, visible_area
 from vrcomfort.gpu.passes import Pass, PassImage
+from vrcomfort.gpu.visible_area import DRAWN, LimitedVertices
 
 
 class UniformTuple(Protocol):
@@ -71,6 +73,11 @@ class FullscreenPass:
         where only `depth` is written.
     depth
         A texture; fragments replace its depth.
+    reach_px
+        How far beyond the pixels of a texel of the target it reads its inputs, in pixels of the
+        eye's image, or how far by name; without it, and for names that are left out, anywhere.
+    texel_px
+        (width, height) of a texel of the target in pixels of the eye's image.
     """
 
     def __init__(
@@ -91,6 +98,8 @@ class FullscreenPass:
         tiles: tuple[int, int] | None = None,
         target: moderngl.Texture | Sequence[moderngl.Texture] | None = None,
         depth: moderngl.Texture | None = None,
+        reach_px: float | Mapping[str, float] = math.inf,
+        texel_px: tuple[int, int] = (1, 1),
     ) -> None:
         if target is None:
             wanted = (components, *more_components)
@@ -98,6 +107,9 @@ class FullscreenPass:
             self.targets = tuple(made)
         else:
             self.targets = tuple(_textures(target))
+        area = visible_area.current()
+        if area is not None and tiles is None:
+            defines = {**(defines or {}), "CORNERS": 1}
         self._triangle = ctx.vertex_array(shaders.program(ctx, fragment, vertex, defines), [])
         named = [(name, texture) for name in inputs for texture in _textures(inputs[name])]
         for name in inputs:
@@ -118,6 +130,7 @@ class FullscreenPass:
         flags = moderngl.NOTHING if depth is None else moderngl.DEPTH_TEST
         self._ctx, self._writes_depth = ctx, depth is not None
         self._mode, self._vertices = moderngl.TRIANGLES, 3
+        drawn_px = texel_px
         if tiles is not None:
             columns, rows = tiles
             self._mode, self._vertices = moderngl.POINTS, columns * rows
@@ -125,13 +138,26 @@ class FullscreenPass:
             # Points whose middle is outside the viewport are not drawn: it is of whole tiles.
             point_px = int((defines or {})["POINT_PX"])
             framebuffer.viewport = (0, 0, columns * point_px, rows * point_px)
+            drawn_px = (texel_px[0] * point_px, texel_px[1] * point_px)
         self._triangle.scope = ctx.scope(framebuffer, flags)
         self._bind = gl.binder(ctx, [texture for _, texture in named])
+        reach = reach_px if isinstance(reach_px, Mapping) else dict.fromkeys(inputs, reach_px)
         self.declared = Pass(
             fragment,
-            tuple(PassImage.of(texture, mipmaps=name in mipmapped) for name, texture in named),
+            tuple(
+                PassImage.of(texture, mipmaps=name in mipmapped, reach_px=reach.get(name, math.inf))
+                for name, texture in named
+            ),
             tuple(map(PassImage.of, (*self.targets, *([] if depth is None else [depth])))),
+            texel_px=drawn_px,
         )
+        self._framebuffer = framebuffer
+        self._limited: LimitedVertices | None = None
+        if area is not None:
+            area.add(self)
+            self._limited = LimitedVertices(
+                area, self._triangle, self.declared.writes[0], texel_px=drawn_px, points=tiles
+            )
 
     @property
     def target(self) -> moderngl.Texture:
@@ -156,7 +182,14 @@ class FullscreenPass:
             sampler.clear(unit)  # samplers override the textures of passes that follow
 
     def _draw(self) -> None:
-        self._triangle.render(self._mode, vertices=self._vertices)
+        if self._limited is not None:
+            self._limited.render()
+        else:
+            self._triangle.render(self._mode, vertices=self._vertices)
+
+    def clear(self, value: float) -> None:
+        """Fill the targets with a value, depth with 0."""
+        self._framebuffer.clear(value, value, value, value, depth=0.0)
 
     def _set(self, uniforms: Uniforms) -> None:
         known = self._values
@@ -215,6 +248,8 @@ class MipChain:
                     inputs={"source": self._halves[-1].target if self._halves else image},
                     constants=_Size(size_px),
                     defines={"TEXEL": 2 ** (level - 1)},
+                    reach_px=0.0,
+                    texel_px=(2**level, 2**level),
                 )
             )
         self.levels = [half.target for half in self._halves]
@@ -229,10 +264,21 @@ class MaxReductionPass:
     """Keeps the greatest length of some components over all frames in one pixel, `target`.
 
     No frame waits for it: only :meth:`read` does.
+
+    Parameters
+    ----------
+    texel_px
+        (width, height) of a texel in pixels of the eye's image: those that are not seen are left
+        out. Without it all count.
     """
 
     def __init__(
-        self, ctx: moderngl.Context, texels: moderngl.Texture, *, components: str = "xy"
+        self,
+        ctx: moderngl.Context,
+        texels: moderngl.Texture,
+        *,
+        components: str = "xy",
+        texel_px: tuple[int, int] | None = None,
     ) -> None:
         self._ctx = ctx
         self._texels, self._count = texels, texels.width * texels.height
@@ -245,9 +291,12 @@ class MaxReductionPass:
         self._points = ctx.vertex_array(program, [])
         self._points.program["texels"] = 0
         self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
-        reads, writes = (PassImage.of(texels),), (PassImage.of(self.target),)
+        limited = texel_px is not None and visible_area.current() is not None
+        reads = (PassImage.of(texels, reach_px=DRAWN if limited else math.inf),)
+        writes = (PassImage.of(self.target),)
         self.declared = Pass("common/max_reduction.frag", reads, writes, blends=True)
         self._clear = passes.clear([self.target])
+        self._limited = LimitedVertices.of_texels(self._points, reads[0], texel_px)
 
     def render(self) -> None:
         """Take the present texels into account."""
@@ -258,7 +307,10 @@ class MaxReductionPass:
 
     def _draw(self) -> None:
         with self._scope:
-            self._points.render(moderngl.POINTS, vertices=self._count)
+            if self._limited is not None:
+                self._limited.render()
+            else:
+                self._points.render(moderngl.POINTS, vertices=self._count)
 
     def read(self) -> float:
         """Return the greatest value since the pass was made; waits for the GPU."""

@@ -6,8 +6,10 @@ of passes and figures of the graph watch there; without a watcher nothing is ask
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -35,6 +37,9 @@ class PassImage:
     of_surface
         Bytes of a texel where surfaces are painted with it, of which a pixel reads but one; 0 for
         what passes read as a whole.
+    reach_px
+        How far beyond the pixels of a texel of its target a pass reads it, in pixels of the eye's
+        image (`gpu.visible_area`).
     """
 
     name: int
@@ -42,10 +47,16 @@ class PassImage:
     bytes: float
     samples: int = 1
     of_surface: int = 0
+    reach_px: float = math.inf
 
     @classmethod
     def of(
-        cls, texture: AnyTexture, *, mipmaps: bool = False, of_surface: bool = False
+        cls,
+        texture: AnyTexture,
+        *,
+        mipmaps: bool = False,
+        of_surface: bool = False,
+        reach_px: float = math.inf,
     ) -> PassImage:
         """Return the image of a texture."""
         width, height = texture.size[:2]
@@ -54,7 +65,21 @@ class PassImage:
         texel = texel_bytes(texture.components, texture.dtype)
         size = texture_bytes((width, height), texel, samples=samples, mipmaps=mipmaps)
         surface = texel if of_surface else 0
-        return cls(texture.glo, (width, height), layers * size, max(samples, 1), surface)
+        return cls(texture.glo, (width, height), layers * size, max(samples, 1), surface, reach_px)
+
+
+_collected: ContextVar[list[Pass] | None] = ContextVar("collected", default=None)
+
+
+@contextmanager
+def collected() -> Iterator[list[Pass]]:
+    """Yield the list of all passes that are declared inside."""
+    found: list[Pass] = []
+    token = _collected.set(found)
+    try:
+        yield found
+    finally:
+        _collected.reset(token)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +96,8 @@ class Pass:
         Whether what it writes is read, too.
     earlier
         Read as the frame before left them.
+    texel_px
+        (width, height) of a texel, or a tile that is drawn whole, in pixels of the eye's image.
 
     Raises
     ------
@@ -83,6 +110,7 @@ class Pass:
     writes: tuple[PassImage, ...]
     blends: bool = False
     earlier: tuple[PassImage, ...] = ()
+    texel_px: tuple[int, int] = (1, 1)
 
     def __post_init__(self) -> None:
         written = {image.name for image in self.writes}
@@ -90,6 +118,9 @@ class Pass:
             if image.name in written:
                 size = "×".join(map(str, image.size_px))
                 raise ValueError(f"the pass {self.name} reads the {size} texture that it writes")
+
+        if (collected := _collected.get()) is not None:
+            collected.append(self)
 
     def run(self, draw: Callable[[], int | None]) -> None:
         """Draw; `draw` returns how many draws that were, None for one."""

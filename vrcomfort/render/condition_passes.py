@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -10,8 +11,9 @@ import moderngl
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import FocusSample, Frame, GazeHit
-from vrcomfort.geometry import Array, Gaze, Pose
+from vrcomfort.geometry import Array, Gaze, HiddenAreas, Pose
 from vrcomfort.gpu.passes import part
+from vrcomfort.gpu.visible_area import VisibleArea
 from vrcomfort.optics.focus import Centre, GazeFollower
 from vrcomfort.protocol.conditions import CentredEffect, Condition
 from vrcomfort.protocol.viewing import DepthMode
@@ -77,6 +79,11 @@ class ConditionPasses:
     views through the lens, the effects up to depth of field are drawn in each view (motion blur
     along its own velocities), and the others once, on the mean of the views, with the depth and the
     velocity of the centre view, which is drawn last: its colour, depth and velocity are the eye's.
+
+    Attributes
+    ----------
+    area
+        The tiles that are drawn; None where no lens hides anything.
     """
 
     def __init__(
@@ -90,23 +97,26 @@ class ConditionPasses:
         near_m: float,
         eyes: int = 2,
         headset_depth: DepthMode = "scene",
+        hidden: HiddenAreas = (None, None),
     ) -> None:
         self._ctx = ctx
+        self.area = None if hidden == (None, None) else VisibleArea(size_px, hidden)
         self._size_px = size_px
         planned = plan_passes(scene, condition)
         self.names = tuple(item.name for item in planned if item.needed)
         registered = [each for each in in_order(condition) if each.name in self.names]
         blur = condition.depth_of_field if "depth_of_field" in self.names else None
         self._views = blur.views if blur is not None else 1
-        self.scene = ScenePass(
-            ctx,
-            scene,
-            size_px,
-            velocity="velocity" in self.names,
-            samples=samples,
-            lens_law="dioptre" if self._views > 1 else None,
-            background=condition if "background_blur" in self.names else None,
-        )
+        with self._limiting():
+            self.scene = ScenePass(
+                ctx,
+                scene,
+                size_px,
+                velocity="velocity" in self.names,
+                samples=samples,
+                lens_law="dioptre" if self._views > 1 else None,
+                background=condition if "background_blur" in self.names else None,
+            )
         self.focus: FocusPass | None = None
         if any("focus" in each.reads for each in registered):
             along_ray = blur is not None and blur.distance_along == "ray"
@@ -130,29 +140,34 @@ class ConditionPasses:
         """By name, drawn in each view through the lens."""
         self._of_eye: dict[str, EffectPass] = {}
         """Drawn once."""
-        for each in registered:
-            self._add(each, condition)
         self._seen_depth: SeenDepthPass | None = None
-        if headset_depth == "blur_aware" and blur is not None and self.focus is not None:
-            self._seen_depth = SeenDepthPass(
-                ctx,
-                depth=self.scene.depth,
-                focus=self.focus.texture,
-                settings=blur,
-                infinity_m=condition.focus.infinity_m,
+        with self._limiting():
+            for each in registered:
+                self._add(each, condition)
+            if headset_depth == "blur_aware" and blur is not None and self.focus is not None:
+                self._seen_depth = SeenDepthPass(
+                    ctx,
+                    depth=self.scene.depth,
+                    focus=self.focus.texture,
+                    settings=blur,
+                    infinity_m=condition.focus.infinity_m,
+                )
+            # A target for each eye: both images of a frame are valid until the next frame.
+            exposure, blue_noise = scene.environment.exposure, noise_texture(ctx)
+            self.tone_maps = tuple(
+                ToneMapPass(
+                    ctx,
+                    radiance=self.colour,
+                    blue_noise=blue_noise,
+                    size_px=size_px,
+                    exposure=exposure,
+                )
+                for _ in range(eyes)
             )
-        # A target for each eye: both images of a frame are valid until the next frame.
-        exposure, blue_noise = scene.environment.exposure, noise_texture(ctx)
-        self.tone_maps = tuple(
-            ToneMapPass(
-                ctx,
-                radiance=self.colour,
-                blue_noise=blue_noise,
-                size_px=size_px,
-                exposure=exposure,
-            )
-            for _ in range(eyes)
-        )
+
+    def _limiting(self) -> AbstractContextManager[None]:
+        """Return the context in which passes of an eye's image are made."""
+        return nullcontext() if self.area is None else self.area.limiting()
 
     def _add(self, registered: RegisteredEffect, condition: Condition) -> None:
         focus = self.focus.texture if self.focus is not None else None
@@ -304,6 +319,8 @@ class ConditionPasses:
     def render_eye(self, eye: EyeFrame, scene_time_s: float, before_s: float) -> EyeImages:
         """Draw one eye and its effects; the left one first."""
         self.triangles = 0
+        if self.area is not None:
+            self.area.eye = eye.eye_index
         if self._lens_views is not None:
             with part("lens_views"):
                 self._lens_views.render(

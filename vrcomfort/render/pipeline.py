@@ -21,7 +21,7 @@ import moderngl
 import numpy as np
 
 from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash, PartTime
-from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
+from vrcomfort.geometry import Fov, Gaze, HiddenAreas, Pose, View, yaw_pitch_roll
 from vrcomfort.gpu import gl
 from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.passes import PassOrder, part, watched
@@ -140,6 +140,8 @@ class StereoRenderer:
         The patch that frames with a `Frame.patch` have.
     finds_hits
         Find the hit of each frame's gaze, where it has one.
+    hidden
+        What the lens of each eye never shows: it is not drawn, and stays black.
     """
 
     def __init__(
@@ -156,6 +158,7 @@ class StereoRenderer:
         headset_depth: DepthMode = "scene",
         photodiode: Photodiode | None = None,
         finds_hits: bool = False,
+        hidden: HiddenAreas = (None, None),
     ) -> None:
         self.size_px = size_px
         self._hash_every, self._time_parts_every = hash_every, time_parts_every
@@ -163,7 +166,7 @@ class StereoRenderer:
         self._drawn = 0
         self._headset_depth: DepthMode = headset_depth
         self._finds_hits, self._has_tracker = finds_hits, False
-        self._photodiode = photodiode
+        self._photodiode, self._hidden = photodiode, hidden
         self._patch: PatchPainter | None = None
         self._eyes = eyes
         self.ctx = ctx
@@ -224,7 +227,7 @@ class StereoRenderer:
         first = account.mark()
         self._passes = ConditionPasses(
             self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m,
-            eyes=self._eyes, headset_depth=self._headset_depth,
+            eyes=self._eyes, headset_depth=self._headset_depth, hidden=self._hidden,
         )  # fmt: skip
         if self._photodiode is not None:
             images = tuple(each.target for each in self._passes.tone_maps)
@@ -324,6 +327,9 @@ class StereoRenderer:
         gl.collect(self.ctx)  # objects of the condition before are released here, not in mid-frame
         passes = self._built()
         passes.scene.gpu.draws = 0
+        if passes.area is not None:  # frames that warm up are seen by nobody: they are drawn whole
+            seen = frame.views[: self._eyes] if frame.index >= 0 else ()
+            passes.area.look([view.fov for view in seen])
         before = None if frame.discontinuity else self._before
         if before is not None and frame.snap_turn:
             before = _without_turn(before, frame)

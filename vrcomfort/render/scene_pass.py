@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Fov, Pose
-from vrcomfort.gpu import gl, passes, shaders
+from vrcomfort.gpu import gl, passes, shaders, visible_area
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass, UniformGroup, Uniforms
-from vrcomfort.gpu.passes import Pass
+from vrcomfort.gpu.passes import Pass, PassImage
+from vrcomfort.gpu.visible_area import LimitedVertices, VisibleArea
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import lighting
 from vrcomfort.render.background_blur import MipLevelPass, foreground
@@ -288,6 +289,8 @@ class _Targets:
         self.samples = self._cleared.writes
         """Colour first, depth last."""
         self._many_colour_only = ctx.framebuffer([many_colour], many_depth)
+        area = visible_area.current()
+        self._hidden = None if area is None else _HiddenTiles(ctx, area, many_depth)
         self.resolve = ResolvePass(
             ctx,
             Samples(many_colour, many_depth, many_velocity),
@@ -309,9 +312,11 @@ class _Targets:
         )
 
     def begin(self) -> None:
-        """Clear to black at infinity."""
-        self.use()
+        """Clear to black at infinity; what is not seen lies on the near plane."""
         self._cleared.run(lambda: self._many.clear(depth=0.0))
+        if self._hidden is not None:
+            self._hidden.render()
+        self.use()
         self.resolve.learn_sample_places()
 
     def blend(self) -> None:
@@ -319,6 +324,22 @@ class _Targets:
         self._many_colour_only.use()
         self._many_colour_only.depth_mask = False
         self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+
+
+class _HiddenTiles:
+    """Puts the tiles that nobody sees on the near plane: nothing is nearer, and nothing shaded."""
+
+    def __init__(self, ctx: moderngl.Context, area: VisibleArea, depth: moderngl.Texture) -> None:
+        self._ctx = ctx
+        whole = ctx.vertex_array(shaders.program(ctx, None, "scene/hidden_tiles.vert"), [])
+        whole.scope = ctx.scope(ctx.framebuffer([], depth), moderngl.DEPTH_TEST)
+        self._declared = Pass("scene/hidden_tiles.vert", (), (PassImage.of(depth),))
+        self._vertices = LimitedVertices(area, whole, self._declared.writes[0], elsewhere=True)
+
+    def render(self) -> None:
+        """Draw them over a depth that was cleared."""
+        self._ctx.depth_func = gl.DEPTH_FUNC
+        self._declared.run(self._vertices.render)
 
 
 def _colours(
@@ -527,6 +548,7 @@ class ResolvePass:
             defines=defines,
             target=targets,
             depth=self.depth,
+            reach_px={"colors": 0.0, "depths": 0.0, "velocities": 0.0},
         )
 
 

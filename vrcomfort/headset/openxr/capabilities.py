@@ -114,7 +114,7 @@ def try_session(ctx: moderngl.Context) -> SessionFacts:
         If the runtime refuses it.
     """
     with OpenXrHeadset(ctx) as headset:
-        left, right = (0.0 if each is None else each.percent for each in headset.hidden_areas())
+        left, right = (0.0 if each is None else each.percent for each in headset.hidden_areas)
         return SessionFacts(
             headset.details,
             headset.refresh_hz,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from functools import partial
+from typing import Any
 
 import moderngl
 import xr
@@ -92,6 +93,9 @@ class Connection:
         self._layers = colour.layers
         self.eyes = EyeLayer(self._ctx, colour, self._depth_swapchain())
         self._owned.callback(self.eyes.release)
+        offered = self.runtime.extensions
+        self.hidden_areas = display.hidden_areas(self.session, offered)
+        self._visibility_mask = display.mask_facts(self.hidden_areas, offered)
         self.actions = Actions(self.runtime, self.session)
         self._owned.callback(self.actions.release)
         self.hand_trackers: HandTrackers | None = None
@@ -121,7 +125,7 @@ class Connection:
 
     @property
     @running()
-    def details(self) -> dict[str, str]:
+    def details(self) -> dict[str, Any]:
         """Return facts on runtime and headset for the manifest."""
         room = self.stage.room_m()
         return {
@@ -134,6 +138,7 @@ class Connection:
             "eye_images": "two layers" if self._layers > 1 else "side by side",
             "depth_layer": self._no_depth or DEPTH_FORMAT_NAME,
             "depth": "off" if self._no_depth else self._settings.depth,
+            "visibility_mask": self._visibility_mask,
             "eye_tracker": "yes" if self.runtime.has_gaze or self.runtime.has_each_eye else "no",
             "each_eye": EACH_EYE_EXTENSION if self.runtime.has_each_eye else "not told",
             "hand_joints": "yes" if self.hand_trackers is not None else "no",

@@ -6,13 +6,13 @@ import ctypes
 import sys
 import time
 from collections.abc import Container
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xr
-from numpy.typing import NDArray
 
 from vrcomfort.errors import InputError
+from vrcomfort.geometry import HiddenArea, HiddenAreas
 from vrcomfort.headset.openxr.instance import (
     CONVERTS_TIMESPEC,
     CONVERTS_WIN32,
@@ -26,30 +26,6 @@ REFRESH_RATE = xr.FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME
 VISIBILITY_MASK = xr.KHR_VISIBILITY_MASK_EXTENSION_NAME
 SECOND_NS = 1_000_000_000
 HIDDEN = xr.VisibilityMaskTypeKHR.HIDDEN_TRIANGLE_MESH
-
-
-@dataclass(frozen=True)
-class HiddenArea:
-    """The part of one eye's image that the lens never shows.
-
-    Parameters
-    ----------
-    vertices
-        (n, 2) tangents of the view: x / −z and y / −z.
-    triangles
-        (m, 3) indices into `vertices`.
-    """
-
-    vertices: NDArray[np.float32]
-    triangles: NDArray[np.uint32]
-
-    @property
-    def percent(self) -> float:
-        """Return its part of the image, taking the outermost vertices for the image's corners."""
-        a, b, c = np.moveaxis(self.vertices[self.triangles].astype(np.float64), 1, 0)
-        (abx, aby), (acx, acy) = (b - a).T, (c - a).T
-        hidden = np.abs(abx * acy - aby * acx).sum() / 2
-        return float(100 * hidden / np.prod(np.ptp(self.vertices, axis=0)))
 
 
 def refresh_rates_hz(session: xr.Session) -> list[float]:
@@ -89,13 +65,23 @@ def _not_offered(wanted_hz: float, offered: list[float]) -> InputError:
     )
 
 
-def hidden_areas(
-    session: xr.Session, extensions: Container[str]
-) -> tuple[HiddenArea | None, HiddenArea | None]:
+def hidden_areas(session: xr.Session, extensions: Container[str]) -> HiddenAreas:
     """Return each eye's hidden area; None if it has none, or the runtime does not tell."""
     if VISIBILITY_MASK not in extensions:
         return None, None
     return hidden_area(session, 0), hidden_area(session, 1)
+
+
+def mask_facts(areas: HiddenAreas, extensions: Container[str]) -> list[dict[str, Any] | None] | str:
+    """Return the visibility mask for the manifest: what each eye never sees, or why none is known.
+
+    `headset.visibility_mask` of a manifest is read back by :func:`geometry.hidden_areas_of`.
+    """
+    if VISIBILITY_MASK not in extensions:
+        return f"none: the runtime lacks {VISIBILITY_MASK}"
+    if areas == (None, None):
+        return "none: the runtime hides nothing"
+    return [None if area is None else area.facts for area in areas]
 
 
 def hidden_area(session: xr.Session, eye: int) -> HiddenArea | None:

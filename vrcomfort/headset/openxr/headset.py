@@ -12,7 +12,7 @@ import xr
 
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.frame import Frame, FrameWaits, HeadsetEvent
-from vrcomfort.geometry import Pose, Quad
+from vrcomfort.geometry import HiddenAreas, Pose, Quad
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.locomotion import Locomotion
 from vrcomfort.headset.openxr import display, faults, layers
@@ -258,9 +258,10 @@ class OpenXrHeadset:
         self._events.clear()
         return events
 
-    def hidden_areas(self) -> tuple[display.HiddenArea | None, display.HiddenArea | None]:
-        """Return the hidden areas of the left and the right eye; None where there is none."""
-        return display.hidden_areas(self._xr.session, self._xr.runtime.extensions)
+    @property
+    def hidden_areas(self) -> HiddenAreas:
+        """Return what the lens of each eye never shows; None where the runtime knows of nothing."""
+        return self._xr.hidden_areas
 
     def close(self) -> None:
         """End the session as the runtime likes it, and release everything."""

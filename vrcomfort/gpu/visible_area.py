@@ -1,0 +1,346 @@
+"""The visibility mask as tiles: passes draw what the lenses show, and what is read around it.
+
+A pass says how far from a texel it reads each of its textures (`PassImage.reach_px`). From this
+follows by which margin each texture has to be drawn around what is seen, so that nothing is read
+that was not drawn: what is seen has the same bits as without a mask. A pass that does not say it
+reads anywhere, so that the passes before it draw whole images.
+"""
+
+from __future__ import annotations
+
+import math
+import weakref
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import NamedTuple, Protocol
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import minimum_filter
+
+from vrcomfort.geometry import Array, Fov, HiddenArea, HiddenAreas, focal_length_px
+from vrcomfort.gpu import gl, passes
+from vrcomfort.gpu.passes import Pass, PassImage
+
+TILE_PX = 8
+"""Side of the tiles that are drawn or not."""
+
+ANYWHERE = math.inf
+"""Reach of a pass that may read all of a texture."""
+
+DRAWN = -math.inf
+"""Reach of a pass that reads a texture exactly where it is drawn, such as the sum of its texels."""
+
+Tiles = NDArray[np.bool_]
+"""(rows, columns) of an image, the lowest row first."""
+
+
+class Rectangle(NamedTuple):
+    """Texels of a target from (left, bottom) to before (right, top)."""
+
+    left: int
+    bottom: int
+    right: int
+    top: int
+
+
+class HasTargets(Protocol):
+    """What draws into textures."""
+
+    def clear(self, value: float) -> None:
+        """Fill them with a value."""
+
+
+class VisibleArea:
+    """Which tiles the passes of a condition draw, by eye.
+
+    Passes that are made inside :meth:`limiting` belong to it.
+
+    Parameters
+    ----------
+    size_px
+        (width, height) of an eye's image.
+    hidden
+        What the left and the right lens never show.
+
+    Attributes
+    ----------
+    eye
+        Whose tiles are drawn: 0 left, 1 right.
+    state
+        Grows whenever other tiles than before are drawn.
+    """
+
+    def __init__(self, size_px: tuple[int, int], hidden: HiddenAreas) -> None:
+        self.size_px = size_px
+        self.eye = self.state = 0
+        self._hidden = hidden
+        self._fovs: tuple[Fov, ...] = ()
+        self._visible: list[Tiles] = [visible_tiles(None, None, size_px)] * len(hidden)
+        self._passes: list[Pass] = []
+        self._limited: weakref.WeakSet[HasTargets] = weakref.WeakSet()
+        self._margins: dict[int, float] = {}
+
+    @contextmanager
+    def limiting(self) -> Iterator[None]:
+        """Let all passes that are made inside belong to this area."""
+        token = _current.set(self)
+        try:
+            with passes.collected() as found:
+                yield
+        finally:
+            _current.reset(token)
+        self._passes += found
+
+    def add(self, limited: HasTargets) -> None:
+        """Fill the targets of `limited` with 0 whenever other tiles are drawn than before."""
+        self._limited.add(limited)
+
+    def clear(self, value: float) -> None:
+        """Fill all targets with a value."""
+        for each in self._limited:
+            each.clear(value)
+
+    def look(self, fovs: Sequence[Fov]) -> None:
+        """Draw from now on what eyes with these frusta see; without any, whole images."""
+        if tuple(fovs) == self._fovs:
+            return
+        self._fovs = tuple(fovs)
+        # Reach is in pixels of the image's width: where pixels are narrow, it is more rows.
+        focal_px = [focal_length_px(fov, self.size_px) for fov in fovs]
+        aspect = max([1.0, *(vertical / across for across, vertical in focal_px)])
+        self._margins = margins(self._passes, aspect)
+        seen_by: Sequence[Fov | None] = fovs or [None] * len(self._hidden)
+        self._visible = [
+            visible_tiles(hidden, fov, self.size_px)
+            for hidden, fov in zip(self._hidden, seen_by, strict=False)
+        ]
+        self.state += 1
+        self.clear(0.0)
+
+    def margin(self, name: int) -> float:
+        """Return by how many tiles more than what is seen a texture is drawn; `ANYWHERE`: all."""
+        return self._margins.get(name, 0)
+
+    def tiles(self, name: int) -> Tiles:
+        """Return which tiles of the present eye's image a texture, OpenGL's `name`, is drawn in."""
+        return widened(self._visible[self.eye], self.margin(name))
+
+
+_current: ContextVar[VisibleArea | None] = ContextVar("visible_area", default=None)
+
+
+def current() -> VisibleArea | None:
+    """Return the area that passes made now belong to; None where whole images are drawn."""
+    return _current.get()
+
+
+class LimitedVertices:
+    """Vertices that draw what the present eye needs of a texture.
+
+    Parameters
+    ----------
+    whole
+        Draws all of it. Its program takes ``corner`` (``common/fullscreen.vert``), or, with
+        `points`, one vertex for each texel, which knows it by gl_VertexID.
+    texel_px
+        (width, height) in pixels of the eye's image.
+    points
+        (columns, rows) of texels, or of the tiles that are drawn whole.
+    elsewhere
+        Draw the rest instead.
+    """
+
+    def __init__(
+        self,
+        area: VisibleArea,
+        whole: moderngl.VertexArray,
+        image: PassImage,
+        *,
+        texel_px: tuple[int, int] = (1, 1),
+        points: tuple[int, int] | None = None,
+        elsewhere: bool = False,
+    ) -> None:
+        self._area, self._whole, self._image = area, whole, image
+        self._texel_px, self._points, self._elsewhere = texel_px, points, elsewhere
+        self._of_eye: dict[int, tuple[int, moderngl.VertexArray | None]] = {}
+
+    @classmethod
+    def of_texels(
+        cls, whole: moderngl.VertexArray, image: PassImage, texel_px: tuple[int, int] | None
+    ) -> LimitedVertices | None:
+        """Return a point for each texel; None where there is no mask, or no size of texels."""
+        area = current()
+        if area is None or texel_px is None:
+            return None
+        return cls(area, whole, image, texel_px=texel_px, points=image.size_px)
+
+    def render(self) -> None:
+        """Draw them, in the scope of the whole."""
+        area = self._area
+        state, drawn = self._of_eye.get(area.eye, (-1, None))
+        if state != area.state:
+            drawn = self._made_points() if self._points else self._made_triangles()
+            self._of_eye[area.eye] = area.state, drawn
+        if drawn is not None:
+            drawn.render(moderngl.POINTS if self._points else moderngl.TRIANGLES)
+
+    def _made_points(self) -> moderngl.VertexArray | None:
+        tiles = self._area.tiles(self._image.name)
+        needed = texels_of(tiles, self._points or self._image.size_px, self._texel_px)
+        indices = np.flatnonzero(needed).astype(np.uint32)
+        if not len(indices):
+            return None
+        ctx = self._whole.ctx
+        buffer = gl.buffer(ctx, indices.tobytes())
+        return self._scoped(ctx.vertex_array(self._whole.program, [], index_buffer=buffer))
+
+    def _made_triangles(self) -> moderngl.VertexArray | None:
+        tiles, size_px = self._area.tiles(self._image.name), self._image.size_px
+        wanted = ~tiles if self._elsewhere else tiles
+        places = corners(list(covering(wanted, size_px, self._texel_px)), size_px)
+        if not len(places):
+            return None
+        ctx = self._whole.ctx
+        content = [(gl.buffer(ctx, places.tobytes()), "2f", "corner")]
+        return self._scoped(ctx.vertex_array(self._whole.program, content))
+
+    def _scoped(self, made: moderngl.VertexArray) -> moderngl.VertexArray:
+        made.scope = self._whole.scope
+        return made
+
+
+def margins(declared: Iterable[Pass], pixel_aspect: float = 1.0) -> dict[int, float]:
+    """Return by how many tiles around what is seen each texture has to be drawn.
+
+    What nothing reads is drawn where it is seen: 0.
+
+    Parameters
+    ----------
+    pixel_aspect
+        How much farther passes reach along columns than along rows, from 1 on.
+    """
+    listed = list(declared)
+    found = {image.name: 0.0 for each in listed for image in (*each.reads, *each.writes)}
+    changes = True
+    while changes:
+        before = dict(found)
+        for each in listed:
+            # All targets of a pass are drawn in the same tiles.
+            own = max((found[image.name] for image in each.writes), default=0.0)
+            found.update(dict.fromkeys((image.name for image in each.writes), own))
+            for image in each.reads:
+                around = tiles_within(pixel_aspect * image.reach_px, each)
+                found[image.name] = max(found[image.name], own + around)
+        changes = found != before
+    return found
+
+
+def tiles_within(reach_px: float, reader: Pass) -> float:
+    """Return how many tiles away a pass may read that draws texels which touch a tile."""
+    if math.isinf(reach_px):
+        return reach_px
+    # A texel that touches a tile may go on beyond it.
+    beyond_px = max(side - math.gcd(side, TILE_PX) for side in reader.texel_px)
+    return math.ceil((reach_px + beyond_px) / TILE_PX)
+
+
+def visible_tiles(hidden: HiddenArea | None, fov: Fov | None, size_px: tuple[int, int]) -> Tiles:
+    """Return the tiles of an image of which a lens shows something, or a pixel beside it does."""
+    width, height = size_px
+    shape = math.ceil(height / TILE_PX), math.ceil(width / TILE_PX)
+    if hidden is None or fov is None:
+        return np.ones(shape, dtype=np.bool_)
+    # Displays read between pixels: one beside what is seen counts as seen.
+    pixels = minimum_filter(hidden_pixels(hidden, fov, size_px), size=3, mode="nearest")
+    padded = np.ones((shape[0] * TILE_PX, shape[1] * TILE_PX), dtype=np.bool_)
+    padded[:height, :width] = pixels
+    blocks = padded.reshape(shape[0], TILE_PX, shape[1], TILE_PX)
+    return ~np.asarray(blocks.all(axis=(1, 3)))
+
+
+def hidden_pixels(hidden: HiddenArea, fov: Fov, size_px: tuple[int, int]) -> NDArray[np.bool_]:
+    """Return (height, width) which pixels' middles lie in the hidden area, the lowest row first."""
+    width, height = size_px
+    left, right, up, down = fov.tangents
+    scale = np.array([width / (right - left), height / (up - down)])
+    points = (hidden.vertices.astype(np.float64) - [left, down]) * scale
+    corners = points[hidden.triangles]  # (m, 3, 2), px
+    rows = np.arange(height) + 0.5
+    steps = np.zeros((height, width + 1), dtype=np.int32)
+    for triangle in corners:
+        low, high = triangle[:, 1].min(), triangle[:, 1].max()
+        first, last = np.searchsorted(rows, [low, high])
+        if first == last:
+            continue
+        starts, ends = _spans(triangle, rows[first:last])
+        x = np.clip(np.ceil(np.stack([starts, ends]) - 0.5), 0, width).astype(np.intp)
+        at = np.arange(first, last)
+        steps[at, x[0]] += 1
+        steps[at, x[1]] -= 1
+    return np.asarray(np.cumsum(steps, axis=1)[:, :width] > 0)
+
+
+def _spans(triangle: Array, rows: Array) -> tuple[Array, Array]:
+    """Return where a triangle begins and ends in rows that all go through it."""
+    starts, ends = np.full(len(rows), np.inf), np.full(len(rows), -np.inf)
+    for a, b in zip(triangle, np.roll(triangle, -1, axis=0), strict=True):
+        if a[1] == b[1]:
+            continue
+        along = (rows - a[1]) / (b[1] - a[1])
+        x = np.where((along >= 0) & (along <= 1), a[0] + along * (b[0] - a[0]), np.nan)
+        starts, ends = np.fmin(starts, x), np.fmax(ends, x)
+    return starts, np.maximum(ends, starts)
+
+
+def widened(tiles: Tiles, margin: float) -> Tiles:
+    """Return tiles and those that are at most so many tiles away, also diagonally."""
+    if margin <= 0:
+        return tiles
+    if margin >= max(tiles.shape):
+        return np.ones_like(tiles)
+    return ~np.asarray(minimum_filter(~tiles, size=2 * int(margin) + 1, mode="nearest"))
+
+
+def texels_of(tiles: Tiles, size_px: tuple[int, int], texel_px: tuple[int, int]) -> Tiles:
+    """Return (rows, columns) which texels of a texture touch tiles."""
+    found = tiles
+    for axis in (0, 1):
+        first = np.arange(size_px[1 - axis]) * texel_px[1 - axis]
+        last = np.minimum((first + texel_px[1 - axis] - 1) // TILE_PX, tiles.shape[axis] - 1)
+        counted = np.cumsum(found, axis=axis, dtype=np.int32)
+        before = np.insert(counted, 0, 0, axis=axis)
+        found = np.take(counted, last, axis=axis) > np.take(before, first // TILE_PX, axis=axis)
+    return np.asarray(found)
+
+
+def covering(
+    tiles: Tiles, size_px: tuple[int, int], texel_px: tuple[int, int]
+) -> Iterator[Rectangle]:
+    """Yield rectangles of texels that cover tiles, each texel once."""
+    whole = all(TILE_PX % each == 0 for each in texel_px)
+    squares = tiles if whole else texels_of(tiles, size_px, texel_px)
+    across, along = (TILE_PX // each if whole else 1 for each in texel_px)
+    padded = np.pad(squares, ((0, 1), (1, 1)))
+    bottom, rows = 0, squares.shape[0]
+    for row in range(1, rows + 1):
+        if row < rows and (padded[row] == padded[bottom]).all():
+            continue
+        edges = np.flatnonzero(np.diff(padded[bottom].astype(np.int8)))
+        for left, right in edges.reshape(-1, 2).tolist():
+            yield Rectangle(
+                left * across,
+                bottom * along,
+                min(right * across, size_px[0]),
+                min(row * along, size_px[1]),
+            )
+        bottom = row
+
+
+def corners(rectangles: Sequence[Rectangle], size_px: tuple[int, int]) -> NDArray[np.float32]:
+    """Return (6 n, 2) corners of two triangles for each rectangle, in parts of an image."""
+    edges = np.array(rectangles).reshape(-1, 4)
+    order = edges[:, [[0, 1], [2, 1], [2, 3], [0, 1], [2, 3], [0, 3]]]
+    return (order.reshape(-1, 2) / size_px).astype(np.float32)
