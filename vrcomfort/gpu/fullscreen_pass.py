@@ -187,9 +187,15 @@ class FullscreenPass:
         else:
             self._triangle.render(self._mode, vertices=self._vertices)
 
-    def clear(self, value: float) -> None:
-        """Fill the targets with a value, depth with 0."""
-        self._framebuffer.clear(value, value, value, value, depth=0.0)
+    def clear(self, value: float, depth: float) -> None:
+        """Fill the targets with a value, integers with 0 or, where it is no number, all bits."""
+        self._framebuffer.clear(value, value, value, value, depth=depth)
+        for each in self.targets:
+            if each.dtype.startswith("u"):
+                texel = b"\xff" if math.isnan(value) else b"\0"
+                each.write(
+                    texel * (each.width * each.height * each.components * int(each.dtype[1]))
+                )
 
     def _set(self, uniforms: Uniforms) -> None:
         known = self._values

@@ -6,12 +6,13 @@ Variants are made with defines, or by choosing an include file; never by pasting
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
-from typing import Any
+from typing import Any, Literal
 
 import moderngl
 import numpy as np
@@ -26,13 +27,19 @@ _INCLUDE = re.compile(r'^[ \t]*#include[ \t]+"([^"]+)"', re.MULTILINE)
 _MEMBER = re.compile(r"^\s*(mat4|vec4)\s+(\w+)\s*(?:\[(\d+)\])?\s*;", re.MULTILINE)
 
 
-_counting: ContextVar[bool] = ContextVar("counting", default=False)
+_counting: ContextVar[Literal["all", "undrawn"] | None] = ContextVar("counting", default=None)
 
 
 @contextmanager
-def counting_reads() -> Iterator[None]:
-    """Compile programs built inside so that they count their texture reads."""
-    token = _counting.set(True)
+def counting_reads(*, undrawn: bool = False) -> Iterator[None]:
+    """Compile programs built inside so that they count their texture reads.
+
+    Parameters
+    ----------
+    undrawn
+        Count only those of texels that a pass was to draw and has not: `UNDRAWN` is in them.
+    """
+    token = _counting.set("undrawn" if undrawn else "all")
     try:
         yield
     finally:
@@ -75,8 +82,10 @@ def program(
     files = (_with_chosen(source(name), chosen or {}) for name in stages)
     own = {"SOFTWARE_RASTERISER": 1} if is_software(ctx) else {}
     texts = tuple(_with_defines(text, {**(defines or {}), **own}) for text in files)
-    if _counting.get():
-        texts = tuple(with_counted_reads(text, _included) for text in texts)
+    if counting := _counting.get():
+        texts = tuple(
+            with_counted_reads(text, _included, undrawn=counting == "undrawn") for text in texts
+        )
     for text in texts:
         _register_includes(ctx, text)
     try:
@@ -202,7 +211,30 @@ _MAIN = re.compile(r"\bvoid\s+main\s*\(\s*(?:void)?\s*\)")
 _DISCARD = re.compile(r"\bdiscard\s*;")
 
 
-def with_counted_reads(text: str, include: Callable[[str], str]) -> str:
+UNDRAWN, UNDRAWN_DEPTH = math.nan, 0.98765432
+"""What colours and depths hold that have not been drawn; integers have all bits set."""
+
+_UNDRAWN_READS = f"""
+// Filters carry what is no number on. The tiles that nobody sees have depth 1 before the resolve.
+vec4 counted(vec4 v) {{
+    texel_reads += uint(any(isnan(v)) || v.yzw == vec3(0.0, 0.0, 1.0)
+                        && (v.x == {UNDRAWN_DEPTH} || v.x == 1.0));
+    return v;
+}}
+vec4 counted_depths(vec4 v) {{
+    texel_reads += uint(any(equal(v, vec4({UNDRAWN_DEPTH}))));
+    return v;
+}}
+uvec4 counted(uvec4 v) {{
+    texel_reads += uint(v == uvec4(0xffffffffu));
+    return v;
+}}
+float counted(float v) {{ return v; }}
+"""
+_COUNT = "(texel_reads += 1u, "
+
+
+def with_counted_reads(text: str, include: Callable[[str], str], *, undrawn: bool = False) -> str:
     """Return a shader that counts its reads into the buffer at :data:`READS_BINDING`.
 
     Parameters
@@ -211,17 +243,20 @@ def with_counted_reads(text: str, include: Callable[[str], str]) -> str:
         Of a vertex, fragment or compute shader, starting with ``#version``.
     include
         Gives the text of an included file.
+    undrawn
+        As in :func:`counting_reads`.
     """
     version, rest = text.split("\n", 1)
     rest = _INCLUDE_LINE.sub(lambda found: include(found[1]), rest)
-    body = _with_reads(_COMMENT.sub(" ", rest))
-    if "texel_reads" not in body:
+    body = _with_reads(_COMMENT.sub(" ", rest), undrawn=undrawn)
+    if body == _COMMENT.sub(" ", rest):
         return "\n".join([version, body])
     body = _DISCARD.sub("{ add_texel_reads(); discard; }", body)
     body = _MAIN.sub("void main_that_reads()", body)
     main = "void main() { main_that_reads(); add_texel_reads(); }\n"
     head = _extensions(body)
-    return "\n".join([version, body[:head], _READS_DECLARATION, body[head:], main])
+    declared = _READS_DECLARATION + (_UNDRAWN_READS if undrawn else "")
+    return "\n".join([version, body[:head], declared, body[head:], main])
 
 
 def _extensions(body: str) -> int:
@@ -230,15 +265,20 @@ def _extensions(body: str) -> int:
     return 0 if last < 0 else body.index("\n", last) + 1
 
 
-def _with_reads(text: str) -> str:
-    """Return the text with `(texel_reads += 1u, read(…))` for every read, inner ones too."""
+def _with_reads(text: str, *, undrawn: bool) -> str:
+    """Return the text with `(texel_reads += 1u, read(…))` for every read, inner ones too.
+
+    With `undrawn` it is `counted(read(…))`: what is read decides.
+    """
     found = _READ.search(text)
     if found is None:
         return text
     end = _closing(text, found.end())
-    inner = _with_reads(text[found.end() : end])
-    call = f"(texel_reads += 1u, {found[0]}{inner}))"
-    return text[: found.start()] + call + _with_reads(text[end + 1 :])
+    inner = _with_reads(text[found.end() : end], undrawn=undrawn)
+    gathered = found[0].startswith("textureGather")
+    before = ("counted_depths(" if gathered else "counted(") if undrawn else _COUNT
+    call = f"{before}{found[0]}{inner}))"
+    return text[: found.start()] + call + _with_reads(text[end + 1 :], undrawn=undrawn)
 
 
 def _closing(text: str, start: int) -> int:

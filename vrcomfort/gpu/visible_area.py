@@ -49,8 +49,8 @@ class Rectangle(NamedTuple):
 class HasTargets(Protocol):
     """What draws into textures."""
 
-    def clear(self, value: float) -> None:
-        """Fill them with a value."""
+    def clear(self, value: float, depth: float) -> None:
+        """Fill them with a value, and depth with another."""
 
 
 class VisibleArea:
@@ -98,10 +98,10 @@ class VisibleArea:
         """Fill the targets of `limited` with 0 whenever other tiles are drawn than before."""
         self._limited.add(limited)
 
-    def clear(self, value: float) -> None:
-        """Fill all targets with a value."""
+    def clear(self, value: float = 0.0, depth: float = 0.0) -> None:
+        """Fill all targets with a value, and depth with another."""
         for each in self._limited:
-            each.clear(value)
+            each.clear(value, depth)
 
     def look(self, fovs: Sequence[Fov]) -> None:
         """Draw from now on what eyes with these frusta see; without any, whole images."""
@@ -118,7 +118,7 @@ class VisibleArea:
             for hidden, fov in zip(self._hidden, seen_by, strict=False)
         ]
         self.state += 1
-        self.clear(0.0)
+        self.clear()
 
     def margin(self, name: int) -> float:
         """Return by how many tiles more than what is seen a texture is drawn; `ANYWHERE`: all."""
@@ -268,7 +268,7 @@ def hidden_pixels(hidden: HiddenArea, fov: Fov, size_px: tuple[int, int]) -> NDA
     scale = np.array([width / (right - left), height / (up - down)])
     points = (hidden.vertices.astype(np.float64) - [left, down]) * scale
     corners = points[hidden.triangles]  # (m, 3, 2), px
-    rows = np.arange(height) + 0.5
+    rows: Array = np.arange(height, dtype=np.float64) + 0.5
     steps = np.zeros((height, width + 1), dtype=np.int32)
     for triangle in corners:
         low, high = triangle[:, 1].min(), triangle[:, 1].max()

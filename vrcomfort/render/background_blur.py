@@ -91,6 +91,7 @@ class MipLevelPass:
             size_px=size_px,
             inputs={"image": colour, "levels": self._chain.levels},
             filtered={"levels"},
+            reach_px={"image": 0.0, "levels": 2.0 ** len(self._chain.levels)},
             defines={"CHAIN": len(self._chain.levels)},
             target=target,
         )

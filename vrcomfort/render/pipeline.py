@@ -26,6 +26,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.passes import PassOrder, part, watched
 from vrcomfort.gpu.timer import GpuTimer, PartTimer, make_gpu_timer
+from vrcomfort.gpu.visible_area import VisibleArea
 from vrcomfort.optics.focus import Centre
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.viewing import DepthMode, Photodiode
@@ -242,6 +243,11 @@ class StereoRenderer:
     def plan(self) -> list[PlannedPass]:
         """Return the passes of the present condition and scene, with reasons."""
         return plan_passes(self._scene, self._condition)
+
+    @property
+    def area(self) -> VisibleArea | None:
+        """Return the tiles that are drawn; None where no lens hides anything."""
+        return self._built().area
 
     @property
     def scene_pass(self) -> ScenePass:

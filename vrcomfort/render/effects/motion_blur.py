@@ -16,16 +16,18 @@ not need give triangles without area. ``docs/motion_blur.md`` tells more.
 
 from __future__ import annotations
 
+import math
 from math import ceil
 from typing import NamedTuple
 
 import moderngl
 import numpy as np
 
-from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu import gl, shaders, visible_area
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.gpu.shaders import Defines
+from vrcomfort.gpu.visible_area import DRAWN, LimitedVertices
 from vrcomfort.optics.motion import ramp, sampling_of
 from vrcomfort.protocol.conditions import Condition, MotionBlur
 from vrcomfort.render.camera import HeadStep
@@ -120,7 +122,13 @@ class MotionBlurPass:
                 max_radius_px=self.max_radius_px,
             )
         else:
-            self._method = PerPixel(ctx, colour=colour, velocity=velocity, samples=settings.samples)
+            self._method = PerPixel(
+                ctx,
+                colour=colour,
+                velocity=velocity,
+                samples=settings.samples,
+                max_radius_px=self.max_radius_px,
+            )
         self._copy = gl.copier(ctx)
         self.target = self._method.target
 
@@ -208,18 +216,24 @@ class Reconstruction:
         max_radius_px: float,
     ) -> None:
         self._ctx, self._colour, self._velocity = ctx, colour, velocity
+        self._max_radius_px = max_radius_px
         self._sampling = sampling = sampling_of(samples, colour.width)
         self._tile_max = TileMaxPass(
             ctx, velocity=velocity, max_radius_px=max_radius_px, jump=sampling.jump
         )
         self._dilate = _dilation(ctx, self._tile_max, max_radius_px, sampling.jump)
         self.target = gl.color_texture(ctx, colour.size)
-        average = None if sampling.taps == 1 else self._average("streak_average", colour, None)
+        part_px = max_radius_px / sampling.parts
+        average = (
+            None if sampling.taps == 1 else self._average("streak_average", colour, None, part_px)
+        )
         in_parts = colour if average is None else average.target
+        rest_px = max_radius_px - part_px
+        short = {"PAIRS": sampling.pairs}
         self._averages = (
             *(() if average is None else (average,)),
-            self._average("motion_blur_long", in_parts, self.target),
-            self._average("motion_blur", colour, self.target, {"PAIRS": sampling.pairs}),
+            self._average("motion_blur_long", in_parts, self.target, rest_px),
+            self._average("motion_blur", colour, self.target, max_radius_px, short),
         )
         self._foreground = self._complex_tiles(depth)
 
@@ -228,6 +242,7 @@ class Reconstruction:
         name: str,
         source: moderngl.Texture,
         target: moderngl.Texture | None,
+        reach_px: float,
         short: Defines | None = None,
     ) -> FullscreenPass:
         """Return a pass over the whole image: in frames with long streaks, or in `short` ones."""
@@ -250,11 +265,15 @@ class Reconstruction:
             },
             vertex="motion_blur/frame_of_streaks.vert",
             target=target,
+            reach_px={"velocity": 0.0, "source": reach_px + ACROSS_PX},
         )
 
     def _complex_tiles(self, depth: moderngl.Texture) -> FullscreenPass:
         longest, crossing = self._dilate.targets
         tile_px = self._tile_max.tile_px
+        most_taps = self._sampling.most_taps
+        stride_px = max(self._sampling.stride_px, self._max_radius_px / most_taps + 2)
+        reach_px = self._max_radius_px + 2 * stride_px + 1
         return FullscreenPass(
             self._ctx,
             "motion_blur/motion_blur_foreground.frag",
@@ -274,11 +293,15 @@ class Reconstruction:
                 "POINT_PX": tile_px,
                 "CLASS": "COMPLEX",
                 "STRIDE": self._sampling.stride_px,
-                "MOST_TAPS": self._sampling.most_taps,
+                "MOST_TAPS": most_taps,
             },
             vertex="motion_blur/motion_tiles_of_class.vert",
             tiles=longest.size,
             target=self.target,
+            reach_px={
+                **dict.fromkeys(("colour", "velocity", "depth"), reach_px),
+                **dict.fromkeys(("longest", "crossing"), 0.0),
+            },
         )
 
     @property
@@ -306,6 +329,7 @@ class Reconstruction:
 def _dilation(
     ctx: moderngl.Context, tile_max: TileMaxPass, max_radius_px: float, jump: float
 ) -> FullscreenPass:
+    tile_px = tile_max.tile_px
     return FullscreenPass(
         ctx,
         "motion_blur/tile_max_dilate.frag",
@@ -317,11 +341,15 @@ def _dilation(
         },
         more_components=(2,),
         constants=_Limit(max_radius_px),
-        defines={"TILE": tile_max.tile_px, "JUMP": jump, "PASSING": 1},
+        defines={"TILE": tile_px, "JUMP": jump, "PASSING": 1},
         vertex="motion_blur/frame_of_streaks.vert",
+        reach_px=dict.fromkeys(("tile_max", "tile_max_crossing"), max_radius_px + tile_px),
+        texel_px=(tile_px, tile_px),
     )
 
 
+ACROSS_PX = 3.0
+"""How far beside a streak its reads go: two rows and the filter."""
 LEAST_TILE_PX = 16
 MOST_TILES = 8
 """Tiles that the longest half velocity may cross: more are finer, and more to look at."""
@@ -376,10 +404,12 @@ class TileMaxPass:
             inputs={"velocity": velocity},
             more_components=(2,),
             defines={"TILE": self.tile_px, "ROWS": rows, "JUMP": jump},
+            reach_px=1.0,
+            texel_px=(self.tile_px, rows),
         )
         self._tiles = None if at_once else self._of_strips(ctx, height)
         self.target, self.crossing = (self._tiles or self._strips).targets
-        self.frame = FrameStreaks(ctx, self.target)
+        self.frame = FrameStreaks(ctx, self.target, self.tile_px)
 
     def _of_strips(self, ctx: moderngl.Context, height: int) -> FullscreenPass:
         strips = self._strips.targets
@@ -390,6 +420,8 @@ class TileMaxPass:
             inputs=dict(zip(("source", "source_crossing"), strips, strict=True)),
             more_components=(2,),
             defines={"STRIPS": self.tile_px // ROWS},
+            reach_px=0.0,
+            texel_px=(self.tile_px, self.tile_px),
         )
 
     def render(self, shutter_fraction: float) -> None:
@@ -403,7 +435,7 @@ class TileMaxPass:
 class FrameStreaks:
     """Sums up the tiles of a frame in one pixel, `target`: see ``frame_streaks.vert``."""
 
-    def __init__(self, ctx: moderngl.Context, tile_max: moderngl.Texture) -> None:
+    def __init__(self, ctx: moderngl.Context, tile_max: moderngl.Texture, tile_px: int) -> None:
         self._ctx, self._tile_max, self._rows = ctx, tile_max, tile_max.height
         self.target = gl.color_texture(ctx, (1, 1), dtype="f4")
         self._longest_of_all = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
@@ -411,12 +443,17 @@ class FrameStreaks:
         self._framebuffer.clear()
         self._clear = gl.clearer(ctx)
         name = "motion_blur/frame_streaks"
-        self._points = ctx.vertex_array(shaders.program(ctx, f"{name}.frag", f"{name}.vert"), [])
+        limited = visible_area.current() is not None
+        defines = {"EACH_TILE": 1} if limited else {}
+        program = shaders.program(ctx, f"{name}.frag", f"{name}.vert", defines)
+        self._points = ctx.vertex_array(program, [])
         self._points.program["tile_max"] = 0
         self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
         writes = PassImage.of(self.target), PassImage.of(self._longest_of_all)
         self._cleared = Pass("clear", (), writes[:1])
-        self._declared = Pass(f"{name}.frag", (PassImage.of(tile_max),), writes, blends=True)
+        reads = (PassImage.of(tile_max, reach_px=DRAWN if limited else math.inf),)
+        self._declared = Pass(f"{name}.frag", reads, writes, blends=True)
+        self._limited = LimitedVertices.of_texels(self._points, reads[0], (tile_px, tile_px))
 
     def render(self) -> None:
         """Begin with a new frame; the maximum over all frames stays."""
@@ -429,7 +466,10 @@ class FrameStreaks:
 
     def _draw(self) -> None:
         with self._scope:
-            self._points.render(moderngl.POINTS, vertices=self._rows)
+            if self._limited is not None:
+                self._limited.render()
+            else:
+                self._points.render(moderngl.POINTS, vertices=self._rows)
 
     def longest_of_all_px(self) -> float:
         """Return the longest half velocity of all frames, before the limit; waits for the GPU."""
@@ -452,6 +492,7 @@ class PerPixel:
         colour: moderngl.Texture,
         velocity: moderngl.Texture,
         samples: int,
+        max_radius_px: float,
     ) -> None:
         self._ctx = ctx
         # Maximum by atomics on the bits: positive floats have the order of their bits.
@@ -463,6 +504,7 @@ class PerPixel:
             size_px=colour.size,
             inputs={"colour": colour, "velocity": velocity},
             filtered={"colour"},
+            reach_px={"colour": max_radius_px + 1, "velocity": 0.0},
             defines={"SAMPLES": samples, "LONGEST_BINDING": _LONGEST_BINDING},
         )
         self.target = self._gather.target

@@ -76,7 +76,12 @@ class VignettePass:
             inputs["mean"] = self._means[-1].target
         defines: dict[str, int | float | str] = {"MEAN_COLOUR": 1} if self._means else {}
         self._pass = FullscreenPass(
-            ctx, "vignette/vignette.frag", size_px=size_px, inputs=inputs, defines=defines
+            ctx,
+            "vignette/vignette.frag",
+            size_px=size_px,
+            inputs=inputs,
+            defines=defines,
+            reach_px={"image": 0.0},
         )
         self._copy = gl.copier(ctx)
         self.target = self._pass.target

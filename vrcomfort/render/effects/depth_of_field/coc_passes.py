@@ -297,7 +297,11 @@ class CocPasses:
             return self._colour
         inputs = {"colour": self._colour}
         self._beside = self.depth_to_coc.make_pass(
-            self._ctx, "depth_of_field/colour_and_coc.frag", size_px=self.size_px, inputs=inputs
+            self._ctx,
+            "depth_of_field/colour_and_coc.frag",
+            size_px=self.size_px,
+            inputs=inputs,
+            reach_px={"colour": 0.0, "depth": 0.0},
         )
         if self._is_rendered:
             self._beside.render(self.now)
@@ -381,11 +385,15 @@ class CocTileMinMax:
             size_px=(ceil(width / tile_px), ceil(height / tile_px)),
             defines={"TILE": tile_px, **defines},
             dtype="f4",  # 12 bits in alpha (levels.glsl): a half float holds 11
+            reach_px={"depth": 2.0},
+            texel_px=(tile_px, tile_px),
         )
         self.target = self._tiles.target
         """RGBA32F, pixels of image width: least and greatest signed radius of each tile of the last
         eye; largest radius before the limit; bits of ``coc_tile_min_max.frag``."""
-        self._of_eye = MaxReductionPass(ctx, self.target, components="z")
+        self._of_eye = MaxReductionPass(
+            ctx, self.target, components="z", texel_px=(tile_px, tile_px)
+        )
         self.widest = self._of_eye.target
         """1×1: the largest radius of the last eye before its limit."""
         self._largest = MaxReductionPass(ctx, self.widest, components="x")

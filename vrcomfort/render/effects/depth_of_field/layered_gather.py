@@ -91,7 +91,15 @@ class LayeredGatherKernel:
         if coc.widest is not None:
             inputs["widest"] = coc.widest
             defines["WIDEST"] = 1
-        return self._pass("coc_tile_dilate", inputs, defines=defines, size_px=coc.tile_min_max.size)
+        tile_px = coc.tile_px
+        return self._pass(
+            "coc_tile_dilate",
+            inputs,
+            defines=defines,
+            size_px=coc.tile_min_max.size,
+            reach_px={"tiles": coc.max_radius_px + 1 + 2 * tile_px},
+            texel_px=(tile_px, tile_px),
+        )
 
     def _layer_passes(self) -> list[FullscreenPass]:
         found: list[FullscreenPass] = []
@@ -101,7 +109,15 @@ class LayeredGatherKernel:
             size_px = self._size_of(level)
             # Eight half floats in a texel: light and radius of a foreground and of a background.
             found.append(
-                self._pass("layers", {"finer": finer}, size_px=size_px, dtype="u4", defines=defines)
+                self._pass(
+                    "layers",
+                    {"finer": finer},
+                    size_px=size_px,
+                    dtype="u4",
+                    defines=defines,
+                    reach_px=0.0,
+                    texel_px=(2**level, 2**level),
+                )
             )
         return found
 
@@ -115,6 +131,11 @@ class LayeredGatherKernel:
                 **self._defines,
                 **_of_class("FAST_HALF_RESOLUTION", self._coc.tile_px // 2, beside=1),
             },
+            reach_px={
+                **dict.fromkeys(read, self._coc.max_radius_px + 2 * 2**coarsest),
+                "dilated": self._coc.tile_px,
+            },
+            texel_px=(2, 2),
             **self._on_tiles(),
         )
 
@@ -128,12 +149,18 @@ class LayeredGatherKernel:
     ) -> FullscreenPass:
         """Return the pass that draws the tiles of a class."""
         of_class = _of_class(name, self._coc.tile_px, beside=0)
+        coarsest_px = 2.0 ** (int(self._defines["LEVELS"]) - 1)
+        disc_px = self._coc.max_radius_px + 2 * coarsest_px
+        read = {**self._points, **(inputs or {})}
+        # What was gathered is read between its texels.
+        reach_px = dict.fromkeys(read, disc_px) | {"dilated": 0.0, "gathered": 2.0}
         return self._pass(
             fragment,
-            {**self._points, "dilated": self._dilate.target, **(inputs or {})},
+            {**read, "dilated": self._dilate.target},
             size_px=self._coc.size_px,
             target=self.target,
             defines={**self._defines, **of_class, **(defines or {})},
+            reach_px=reach_px,
             **self._on_tiles(),
             **options,
         )

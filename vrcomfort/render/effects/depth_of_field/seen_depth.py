@@ -54,6 +54,8 @@ class SeenDepthPass:
         self._settings, self._size_px = settings, depth.size
         self._radii = DepthToCoc(depth=depth, focus=focus, settings=settings, infinity_m=infinity_m)
         self.target = gl.depth_texture(ctx, depth.size)
+        # Taps are whole pixels apart, and as many on each side: the last may lie beyond the disc.
+        reach_px = max_radius_of(settings, depth.size) + TAPS
         self._rows = self._radii.make_pass(
             ctx,
             "depth_of_field/seen_depth_rows.frag",
@@ -61,6 +63,7 @@ class SeenDepthPass:
             defines={"TAPS": TAPS},
             components=2,
             dtype="f4",
+            reach_px={"depth": reach_px},
         )
         self._columns = FullscreenPass(
             ctx,
@@ -70,6 +73,7 @@ class SeenDepthPass:
             defines={"TAPS": TAPS},
             target=(),
             depth=self.target,
+            reach_px=reach_px,
         )
 
     def adjust(self, settings: DepthOfField) -> None:
