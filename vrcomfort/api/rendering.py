@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from vrcomfort.files import sha256_of
 from vrcomfort.frame import STIMULUS_VERSION
+from vrcomfort.geometry import HiddenAreas
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.viewing import Photodiode
 from vrcomfort.resources import data_folder
@@ -21,6 +22,7 @@ def make_renderer(
     hash_every: int = 0,
     photodiode: Photodiode | None = None,
     finds_hits: bool = False,
+    hidden: HiddenAreas = (None, None),
 ) -> StereoRenderer:
     """Return a renderer on a context of its own, without a window."""
     from vrcomfort.gpu.gl import create_context
@@ -28,7 +30,12 @@ def make_renderer(
 
     ctx = create_context()
     return StereoRenderer(
-        ctx, size_px, hash_every=hash_every, photodiode=photodiode, finds_hits=finds_hits
+        ctx,
+        size_px,
+        hash_every=hash_every,
+        photodiode=photodiode,
+        finds_hits=finds_hits,
+        hidden=hidden,
     )
 
 

@@ -305,6 +305,7 @@ def openxr_setup(
             time_parts_every=TIME_PARTS_EVERY,
             photodiode=protocol.photodiode,
             finds_hits=True,
+            hidden=headset.hidden_areas,
         )
         owned.callback(renderer.release)
         machine = replace(

@@ -82,7 +82,7 @@ def play_session(
     protocol = _protocol(options, session)
     selection = _selection(session, options, protocol)
     size_px = options.size_px or session.size_px
-    drawer = make_renderer(size_px, photodiode=session.photodiode)
+    drawer = make_renderer(size_px, photodiode=session.photodiode, hidden=session.hidden)
     comparison = Comparison()
     frames = _drawn(session, selection, drawer, size_px, comparison, protocol)
     sheet = _sheet(session, options, selection)
@@ -181,7 +181,9 @@ def _drawn(
     second = (
         None
         if selection.beside is None
-        else StereoRenderer(drawer.ctx, size_px, photodiode=session.photodiode)
+        else StereoRenderer(
+            drawer.ctx, size_px, photodiode=session.photodiode, hidden=session.hidden
+        )
     )
     return replay(
         session,

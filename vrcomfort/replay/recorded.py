@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
 from vrcomfort.errors import InputError
-from vrcomfort.geometry import Array
+from vrcomfort.geometry import Array, HiddenAreas, hidden_areas_of
 from vrcomfort.protocol import Condition
 from vrcomfort.protocol.viewing import Photodiode
 from vrcomfort.records import (
@@ -276,6 +276,8 @@ class RecordedSession:
         The patch that was shown.
     hashes
         `xr_time_ns` → hashes of the left and the right image.
+    hidden
+        What the lens of each eye never showed: it was not drawn.
     notes
         What is not known of this session, a sentence each.
     """
@@ -290,6 +292,7 @@ class RecordedSession:
     missed_refreshes: NDArray[np.int64]
     exposures: tuple[RecordedExposure, ...]
     hashes: Mapping[int, tuple[str, str]]
+    hidden: HiddenAreas = (None, None)
     notes: tuple[str, ...] = ()
 
     @property
@@ -367,8 +370,24 @@ def read_session(folder: Path) -> RecordedSession:
         frames.missed_refreshes,
         exposures,
         _hashes(session),
+        _hidden(folder, manifest),
         (*_notes(folder, manifest), *trace.warnings),
     )
+
+
+def _hidden(folder: Path, manifest: Mapping[str, Any]) -> HiddenAreas:
+    """Return the session's visibility mask, which it was drawn with.
+
+    Raises
+    ------
+    InputError
+        If it is damaged.
+    """
+    try:
+        return hidden_areas_of(manifest["headset"])
+    except (ValueError, KeyError, TypeError) as error:
+        message = "headset.visibility_mask is damaged; restore it from a copy"
+        raise InputError(message, file=folder / "manifest.json") from error
 
 
 def require_session(folder: Path) -> None:

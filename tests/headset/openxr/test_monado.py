@@ -226,7 +226,7 @@ def test_the_record_knows_runtime_space_and_format(
         assert "Monado" in headset.name
         assert headset.image_size_px == (320, 240)
         assert headset.refresh_hz == pytest.approx(20.0, abs=0.5)
-        assert all(area is not None for area in headset.hidden_areas())
+        assert all(area is not None for area in headset.hidden_areas)
     assert details["space"] == "stage"
     assert details["image_format"] == "SRGB8_ALPHA8"
     assert details["binding"] == "egl"
