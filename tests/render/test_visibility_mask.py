@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from bench.mask import beyond_ellipse
 from tests.render.test_pipeline import standing
 from tests.support.render import RIGHT_ANGLE, still_life
-from vrcomfort.geometry import HiddenArea
 from vrcomfort.gpu import passes, shaders, visible_area
 from vrcomfort.gpu.traffic import TrafficCounter
 from vrcomfort.protocol.conditions import (
@@ -22,21 +22,6 @@ from vrcomfort.render.pipeline import StereoRenderer
 
 SIZE = (64, 64)
 WIDE = Focus(law="instant")
-
-
-def beyond_ellipse(fov, segments: int = 32) -> HiddenArea:
-    """Return what lies beyond the ellipse that fills an image."""
-    angles = np.linspace(0, 2 * np.pi, segments + 1)
-    circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    square = circle / np.abs(circle).max(axis=1, keepdims=True)
-    left, right, up, down = fov.tangents
-    middle, half = np.array([left + right, up + down]) / 2, np.array([right - left, up - down]) / 2
-    quads = np.stack([circle[:-1], square[:-1], square[1:], circle[1:]], axis=1)
-    order = np.arange(4 * segments).reshape(-1, 4)[:, [0, 1, 2, 0, 2, 3]]
-    vertices = middle + half * quads.reshape(-1, 2)
-    return HiddenArea(vertices.astype(np.float32), order.reshape(-1, 3).astype(np.uint32))
-
-
 HIDDEN = (beyond_ellipse(RIGHT_ANGLE),) * 2
 DEFOCUS = DepthOfField(max_radius_percent=4)
 CONDITIONS = {

@@ -17,7 +17,7 @@ import moderngl
 import numpy as np
 
 from vrcomfort.frame import EYE_HEIGHT_M, Frame
-from vrcomfort.geometry import Array, Gaze, Pose, View, yaw_pitch_roll
+from vrcomfort.geometry import Array, Gaze, HiddenAreas, Pose, View, yaw_pitch_roll
 from vrcomfort.gpu import passes, shaders
 from vrcomfort.gpu.gl import is_software
 from vrcomfort.gpu.timer import Lap, Stopwatch
@@ -268,6 +268,7 @@ def traffic_of(
     count_reads: bool = False,
     records: bool = True,
     headset_depth: DepthMode = "scene",
+    hidden: HiddenAreas = (None, None),
 ) -> dict[str, Traffic]:
     """Draw the left eye of a frame, and return the traffic of each kind of pass.
 
@@ -281,8 +282,10 @@ def traffic_of(
         Whether that is counted too which only the record of limits needs.
     headset_depth
         The depth that a runtime is to get.
+    hidden
+        What the lenses never show.
     """
-    renderer = StereoRenderer(ctx, size_px, eyes=1, headset_depth=headset_depth)
+    renderer = StereoRenderer(ctx, size_px, eyes=1, headset_depth=headset_depth, hidden=hidden)
     with shaders.counting_reads() if count_reads else nullcontext():
         renderer.build(scene, condition)
     if not records:
