@@ -62,7 +62,7 @@ class ToneMapPass:
             constants=_Exposure(exposure),
             defines=TONE_CURVE,
             dtype="f1",
-            reach_px=0.0,
+            reach_px={"radiance": 0.0},
         )
         self.target = self._pass.target
 
