@@ -132,7 +132,7 @@ class LayeredGatherKernel:
                 **_of_class("FAST_HALF_RESOLUTION", self._coc.tile_px // 2, beside=1),
             },
             reach_px={
-                **dict.fromkeys(read, self._coc.max_radius_px + 2 * 2**coarsest),
+                **dict.fromkeys(layers, self._disc_px),
                 "dilated": self._coc.tile_px,
             },
             texel_px=(2, 2),
@@ -149,11 +149,9 @@ class LayeredGatherKernel:
     ) -> FullscreenPass:
         """Return the pass that draws the tiles of a class."""
         of_class = _of_class(name, self._coc.tile_px, beside=0)
-        coarsest_px = 2.0 ** (int(self._defines["LEVELS"]) - 1)
-        disc_px = self._coc.max_radius_px + 2 * coarsest_px
         read = {**self._points, **(inputs or {})}
         # What was gathered is read between its texels.
-        reach_px = dict.fromkeys(read, disc_px) | {"dilated": 0.0, "gathered": 2.0}
+        reach_px = dict.fromkeys(read, self._disc_px) | {"dilated": 0.0, "gathered": 2.0}
         return self._pass(
             fragment,
             {**read, "dilated": self._dilate.target},
@@ -164,6 +162,11 @@ class LayeredGatherKernel:
             **self._on_tiles(),
             **options,
         )
+
+    @property
+    def _disc_px(self) -> float:
+        """Return how far the widest disc reaches, summed over texels of the coarsest level."""
+        return self._coc.max_radius_px + 2.0 * 2 ** (int(self._defines["LEVELS"]) - 1)
 
     def _on_tiles(self) -> dict[str, Any]:
         return {"vertex": "depth_of_field/tiles_of_class.vert", "tiles": self._dilate.target.size}
