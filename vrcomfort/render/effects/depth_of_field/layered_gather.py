@@ -166,7 +166,7 @@ class LayeredGatherKernel:
     @property
     def _disc_px(self) -> float:
         """Return how far the widest disc reaches, summed over texels of the coarsest level."""
-        return self._coc.max_radius_px + 2.0 * 2 ** (int(self._defines["LEVELS"]) - 1)
+        return float(self._coc.max_radius_px + 2 ** int(self._defines["LEVELS"]))
 
     def _on_tiles(self) -> dict[str, Any]:
         return {"vertex": "depth_of_field/tiles_of_class.vert", "tiles": self._dilate.target.size}
