@@ -84,6 +84,26 @@ def test_no_pass_reads_what_was_not_drawn(ctx, name):
     assert reads_of_undrawn(ctx, condition) == {}
 
 
+def test_at_rest_what_is_seen_is_copied_and_nothing_else(ctx):
+    condition = Condition(name="streaks", **CONDITIONS["streaks"])
+    names = []
+    for hidden in (HIDDEN[:1], (None, None)):
+        renderer = StereoRenderer(ctx, SIZE, hidden=hidden, eyes=1)
+        renderer.begin(still_life(), condition)
+        renderer.render(standing(0), 0.0)
+        with passes.watched(counter := TrafficCounter(ctx)):
+            renderer.render(standing(1), 0.0)
+        names.append({each.declared.name for each in counter.drawn})
+    masked, whole = names
+    assert "common/copy.frag" in masked
+    assert "copy" not in masked
+    assert "copy" in whole
+    at_rest = (drawn(ctx, condition, hidden, frames=(0.0, 0.0)) for hidden in (HIDDEN, (None,) * 2))
+    seen = ~visible_area.hidden_pixels(HIDDEN[0], RIGHT_ANGLE, SIZE)
+    masked, whole = (images[:, seen] for images in at_rest)
+    assert (masked == whole).all()
+
+
 def test_passes_that_reach_farther_than_they_say_are_found(ctx, monkeypatch):
     monkeypatch.setattr(visible_area, "tiles_within", lambda *_: 0)
     found = reads_of_undrawn(ctx, Condition(name="both", focus=WIDE, **CONDITIONS["both"]))

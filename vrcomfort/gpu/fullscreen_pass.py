@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from math import ceil
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
@@ -222,6 +222,20 @@ def _values(uniforms: Uniforms) -> dict[str, Any]:
 
 def _textures(given: moderngl.Texture | Sequence[moderngl.Texture]) -> Sequence[moderngl.Texture]:
     return (given,) if isinstance(given, moderngl.Texture) else given
+
+
+def copier(
+    ctx: moderngl.Context, source: moderngl.Texture, target: moderngl.Texture
+) -> Callable[[], None]:
+    """Return a function that copies an image bit by bit, or what is drawn of it."""
+    if visible_area.current() is None:
+        copy = gl.copier(ctx)
+        return lambda: copy(source, target)
+    inputs, size_px = {"image": source}, target.size
+    copied = FullscreenPass(
+        ctx, "common/copy.frag", size_px=size_px, inputs=inputs, target=target, reach_px=0.0
+    )
+    return copied.render
 
 
 class _Size(NamedTuple):

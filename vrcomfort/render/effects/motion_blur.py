@@ -24,7 +24,7 @@ import moderngl
 import numpy as np
 
 from vrcomfort.gpu import gl, shaders, visible_area
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, copier
 from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.gpu.shaders import Defines
 from vrcomfort.gpu.visible_area import DRAWN, LimitedVertices
@@ -109,7 +109,7 @@ class MotionBlurPass:
         settings: MotionBlur,
         size_px: tuple[int, int],
     ) -> None:
-        self._settings, self._colour = settings, colour
+        self._settings = settings
         self.max_radius_px = settings.max_radius_percent / 100 * size_px[0]
         self._method: Reconstruction | PerPixel
         if settings.method == "reconstruction":
@@ -129,14 +129,14 @@ class MotionBlurPass:
                 samples=settings.samples,
                 max_radius_px=self.max_radius_px,
             )
-        self._copy = gl.copier(ctx)
         self.target = self._method.target
+        self._copy = copier(ctx, colour, self.target)
 
     def render(self, eye: EyeFrame) -> None:
         """Blur the present image; where nothing has moved, it is copied, bit by bit."""
         scale = streak_scale(self._settings, eye.step)
         if eye.still or scale == 0:
-            self._copy(self._colour, self.target)
+            self._copy()
             return
         self._draw(scale)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import moderngl
 
-from vrcomfort.gpu import gl
+from vrcomfort.gpu.fullscreen_pass import copier
 from vrcomfort.optics.motion import level_after
 from vrcomfort.protocol.conditions import Condition, RelocationBlur
 from vrcomfort.render.background_blur import MipLevelPass
@@ -43,17 +43,17 @@ class RelocationBlurPass:
         settings: RelocationBlur,
         size_px: tuple[int, int],
     ) -> None:
-        self._settings, self._colour = settings, colour
+        self._settings = settings
         self._blur = MipLevelPass(ctx, colour, most_level=settings.level, size_px=size_px)
-        self._copy = gl.copier(ctx)
         self.target = self._blur.target
+        self._copy = copier(ctx, colour, self.target)
         self._relocated_ns: int | None = None
 
     def render(self, eye: EyeFrame) -> None:
         """Blur the present image by the time since the last relocation."""
         level = self._level(eye)
         if level == 0:
-            self._copy(self._colour, self.target)
+            self._copy()
             return
         self._blur.render(level)
 

@@ -7,8 +7,7 @@ from typing import NamedTuple
 import moderngl
 
 from vrcomfort.geometry import focal_length_px
-from vrcomfort.gpu import gl
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, copier
 from vrcomfort.optics.motion import sigma_px
 from vrcomfort.protocol.conditions import Condition, SpeedBlur
 from vrcomfort.render.camera import speed_share
@@ -48,11 +47,11 @@ class SpeedBlurPass:
         settings: SpeedBlur,
         size_px: tuple[int, int],
     ) -> None:
-        self._settings, self._size_px, self._colour = settings, size_px, colour
+        self._settings, self._size_px = settings, size_px
         self._across = _axis(ctx, 0, colour, size_px)
         self._along = _axis(ctx, 1, self._across.target, size_px)
-        self._copy = gl.copier(ctx)
         self.target = self._along.target
+        self._copy = copier(ctx, colour, self.target)
 
     max_radius_px = 0.0
     """A Gaussian has no radius."""
@@ -63,7 +62,7 @@ class SpeedBlurPass:
         focal_px = focal_length_px(eye.camera.fov, self._size_px)
         x_px, y_px = (sigma_px(sigma_arcmin, each) for each in focal_px)
         if min(x_px, y_px) < LEAST_PX:
-            self._copy(self._colour, self.target)
+            self._copy()
             return
         self._draw(x_px, y_px)
 

@@ -8,8 +8,7 @@ import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Fov, Pose, turn_to
-from vrcomfort.gpu import gl
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, copier
 from vrcomfort.optics.motion import clear_deg, moved_towards, widest_angle_deg
 from vrcomfort.protocol.conditions import Condition, Vignette
 from vrcomfort.render.camera import speed_share
@@ -67,7 +66,7 @@ class VignettePass:
         settings: Vignette,
         size_px: tuple[int, int],
     ) -> None:
-        self._settings, self._colour = settings, colour
+        self._settings = settings
         self._means: tuple[FullscreenPass, ...] = ()
         inputs = {"image": colour}
         if settings.colour == "scene":
@@ -83,8 +82,8 @@ class VignettePass:
             defines=defines,
             reach_px={"image": 0.0},
         )
-        self._copy = gl.copier(ctx)
         self.target = self._pass.target
+        self._copy = copier(ctx, colour, self.target)
         self._strength, self._time_ns, self._mean_time_ns = 0.0, -1, -1
 
     @property
@@ -98,7 +97,7 @@ class VignettePass:
         self._move(eye)
         centre_from_eye = _centred(eye)
         if widest_angle_deg(eye.camera.fov, centre_from_eye) <= self.clear_deg / 2:
-            self._copy(self._colour, self.target)
+            self._copy()
             return
         if self._mean_time_ns != eye.display_time_ns:
             self._mean_time_ns = eye.display_time_ns

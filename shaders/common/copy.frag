@@ -1,0 +1,12 @@
+#version 450 core
+// An image as it is, bit by bit: where nothing moves or restricts, of the tiles that are seen.
+//
+// Input:  image, of the same size.
+// Output: the same.
+uniform sampler2D image;
+
+out vec4 copied;
+
+void main() {
+    copied = texelFetch(image, ivec2(gl_FragCoord.xy), 0);
+}
