@@ -89,7 +89,9 @@ def as_table(grid: Grid) -> SourceTable:
     if not data:
         raise _fault(grid, "there is no row of data below the headings")
     headings = _joined([by_number[number] for number in heading_rows])
-    width = len(headings) or max(len(row) for _, row in data)
+    width = len(headings)
+    if grid.sheet or not width:  # cells of a workbook stand where they are; a separator may stray
+        width = max(width, *(len(row) for _, row in data))
     headings = [*headings, *[""] * (width - len(headings))]
     used = max(
         [i + 1 for _, row in data for i, cell in enumerate(row) if cell]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -103,6 +104,12 @@ def suggest_mapping(
     doubts += _ignored_sheets(top, drafts, useful)
     top.lists["tables"] = [draft.draft for draft in useful]
     imported, refusal = _tried(top, files, [*own.values()])
+    if again := _said_again(useful, imported):
+        useful = [draft for draft in useful if draft not in again]
+        doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
+        doubts += _ignored_sheets(top, drafts, useful)
+        top.lists["tables"] = [draft.draft for draft in useful]
+        imported, refusal = _tried(top, files, [*own.values()])
     if refusal:
         doubts.append(OpenDoubt(_REFUSAL, refusal, *REFUSED))
     asked = write_doubts(top, doubts)
@@ -125,6 +132,26 @@ def _tables(file: Path, known: Known) -> list[SourceTable]:
     ]
 
 
+def _said_again(useful: Sequence[TableDraft], imported: Imported | None) -> list[TableDraft]:
+    """Return the drafts of sheets that say the answers of another again, perhaps recoded."""
+    said: dict[str, Counter[object]] = {}
+    for (instrument, _), response in (imported.responses if imported else {}).items():
+        answers = (instrument, *sorted(response.answers.items()))
+        said.setdefault(response.place.sheet, Counter())[answers] += 1
+    sheets = [draft.table.sheet for draft in useful]
+    again = []
+    for place, sheet in enumerate(sheets):
+        counts = said.get(sheet, Counter())
+        known = any(said.get(each) == counts for each in sheets[:place])
+        if sheet and known and len(counts) >= _FEWEST_ALIKE:
+            again.append(useful[place])
+    return again
+
+
+_FEWEST_ALIKE = 4
+"""Different questionnaires of two sheets that are the same by no chance."""
+
+
 def _ignored_sheets(
     top: TomlDraft, drafts: list[TableDraft], useful: list[TableDraft]
 ) -> list[OpenDoubt]:
@@ -133,11 +160,8 @@ def _ignored_sheets(
     if not others:
         return []
     top.put("ignore_sheets", [*map(pattern_of, others)])
-    return [
-        OpenDoubt(
-            f"May the sheets {', '.join(others)} be left out? No answers were found.", "yes", *ROWS
-        )
-    ]
+    question = f"May the sheets {', '.join(others)} be left out? No other answers were found."
+    return [OpenDoubt(question, "yes", *ROWS)]
 
 
 def _tried(

@@ -4,18 +4,24 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence, Set
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from functools import lru_cache
+from itertools import pairwise, takewhile
 from typing import Literal, NamedTuple
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
+from vrcomfort.importing.suggest.vocabulary import (
+    FEWEST_OF_SENTENCE,
+    Known,
+    LabVocabulary,
+    tokens,
+)
 from vrcomfort.questionnaire import Instrument, plain
 
-How = Literal["name", "near", "abbreviation", "initials", "number", "position"]
+How = Literal["name", "wording", "near", "abbreviation", "initials", "number", "order", "position"]
 
 _LONGEST = 40
 # Of SequenceMatcher: one wrong letter in a word of seven passes, two in one of thirteen.
@@ -47,11 +53,10 @@ def named_item(
 
     A name that is there wins over one that is nearly there, and that over an abbreviation.
     """
-    known = vocabulary.spellings(instrument)
     for how, _, find in NAMES:
         for text, other in ((heading, label), (label, heading)):
             words = tokens(text)
-            found = find(words, known, instrument)
+            found = find(words, vocabulary, instrument)
             if found is not None:
                 start, end, item = found
                 more = tokens(other) if text is label else []
@@ -77,14 +82,45 @@ def _windows(words: tuple[str, ...]) -> tuple[tuple[int, int, str], ...]:
     )
 
 
-def _exact(words: Sequence[str], known: Mapping[str, str], _: Instrument) -> _Span | None:
+def _exact(words: Sequence[str], vocabulary: LabVocabulary, instrument: Instrument) -> _Span | None:
+    known = vocabulary.spellings(instrument)
     for start, end, key in _windows(tuple(words)):
         if key in known:
             return start, end, known[key]
     return None
 
 
-def _near(words: Sequence[str], known: Mapping[str, str], _: Instrument) -> _Span | None:
+def _worded(
+    words: Sequence[str], vocabulary: LabVocabulary, instrument: Instrument
+) -> _Span | None:
+    """Find a sentence of which most words are there, the rare ones before all.
+
+    Labs put the name of their system in place of "this system", and translate in their own way.
+    """
+    if len(words) < FEWEST_OF_SENTENCE:
+        return None
+    there = {*words}
+    likeness: dict[str, tuple[float, Set[str]]] = {}
+    for item, weights in vocabulary.sentences(instrument):
+        shared = sum(weight for word, weight in weights.items() if word in there)
+        share = shared / sum(weights.values())
+        if share > likeness.get(item, (0.0, set()))[0]:
+            likeness[item] = share, weights.keys()
+    ranked = sorted(likeness, key=lambda item: -likeness[item][0])
+    if not ranked or likeness[ranked[0]][0] < _WORDED:
+        return None
+    if len(ranked) > 1 and likeness[ranked[1]][0] > _AMBIGUOUS * likeness[ranked[0]][0]:
+        return None
+    places = [n for n, word in enumerate(words) if word in likeness[ranked[0]][1]]
+    return min(places), max(places) + 1, ranked[0]
+
+
+_WORDED, _AMBIGUOUS = 0.5, 0.6
+"""Share of a sentence's words, weighed, that a heading has; that of the next item at most."""
+
+
+def _near(words: Sequence[str], vocabulary: LabVocabulary, instrument: Instrument) -> _Span | None:
+    known = vocabulary.spellings(instrument)
     best: tuple[float, _Span] | None = None
     for start, end, key in _windows(tuple(words)):
         if len(key) < 5:  # short words resemble each other by chance
@@ -108,9 +144,7 @@ def _likeness(spelling: str, key: str) -> float:
     return matcher.ratio()
 
 
-def _abbreviated(
-    words: Sequence[str], _: Mapping[str, str], instrument: Instrument
-) -> _Span | None:
+def _abbreviated(words: Sequence[str], _: LabVocabulary, instrument: Instrument) -> _Span | None:
     """Find ``GenDisc`` or ``stom_aware``: beginnings of the words of exactly one item."""
     for length in range(min(4, len(words)), 0, -1):
         for start in range(len(words) - length + 1):
@@ -144,11 +178,12 @@ class NameEvidence(NamedTuple):
 
     how: How
     weight: int
-    find: Callable[[Sequence[str], Mapping[str, str], Instrument], _Span | None]
+    find: Callable[[Sequence[str], LabVocabulary, Instrument], _Span | None]
 
 
 NAMES = (
-    NameEvidence("name", 3, _exact),
+    NameEvidence("name", 4, _exact),
+    NameEvidence("wording", 3, _worded),
     NameEvidence("near", 2, _near),
     NameEvidence("abbreviation", 1, _abbreviated),
 )
@@ -232,9 +267,30 @@ def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> lis
         blocks = [b for i in known.instruments for b in find(table, i, taken, known.vocabulary)]
         found += _best(table, blocks, known.instruments)
     if not found and not table.reading.heading_rows:
-        found = _runs(table, known) or _by_position(table, known.instruments)
+        found = _runs(table, known) or _by_position(table, known)
+    found = _without_gaps(table, found, other)
     found = [replace(block, siblings=_siblings(block, found)) for block in found]
     return sorted(found, key=lambda block: block.columns)
+
+
+def _without_gaps(table: SourceTable, found: Sequence[Found], other: Set[int]) -> list[Found]:
+    """Fill in items without a column whose place in the published order holds answers."""
+    taken = {c for block in found for c in block.columns} | other
+    filled = []
+    for block in found:
+        order = [item.name for item in block.instrument.asked]
+        places = {item: named.column for item, named in block.items.items() if item in order}
+        ranked = sorted(places, key=order.index)
+        rising = [places[item] for item in ranked] == sorted(places.values())
+        items = dict(block.items)
+        for one, next_ in pairwise(ranked if rising and len(ranked) * 2 > len(order) else []):
+            lacking = order[order.index(one) + 1 : order.index(next_)]
+            between = [c for c in range(places[one] + 1, places[next_]) if c not in taken]
+            if lacking and len(between) == len(lacking) and _fit(table, between, block.instrument):
+                for item, column in zip(lacking, between, strict=True):
+                    items[item] = Named(column, block.instrument.name, item, "order", (), ())
+        filled.append(replace(block, items=items))
+    return filled
 
 
 def _siblings(block: Found, found: Sequence[Found]) -> tuple[int, ...]:
@@ -337,7 +393,7 @@ def _best(
         said = block.instrument.name in mentions(
             f"{table.file.stem} {table.sheet} {text}", instruments
         )
-        exact = sum(named.how in {"name", "number"} for named in block.items.values())
+        exact = sum(named.how in {"name", "wording", "number"} for named in block.items.values())
         return (said, whole == 1.0, exact + whole)
 
     kept: list[Found] = []
@@ -357,7 +413,7 @@ def _best(
 def _is_worth(block: Found, items: dict[str, Named]) -> bool:
     """Return whether the items left are still a questionnaire, and not words of another."""
     hows = Counter(named.how for named in items.values())
-    sure = hows["name"] + hows["number"] + hows["initials"]
+    sure = sum(hows[how] for how in ("name", "wording", "number", "initials"))
     return len(items) == len(block.items) and sure * 3 >= len(items)
 
 
@@ -493,17 +549,24 @@ def _holds_answers(table: SourceTable, column: int, vocabulary: LabVocabulary) -
 _SMALL = frozenset("01234")
 
 
-def _by_position(table: SourceTable, instruments: Sequence[Instrument]) -> list[Found]:
-    """Take the last columns of a table without headings, if they hold small whole numbers."""
-    width = len(table.headings)
-    for instrument in instruments:
+def _by_position(table: SourceTable, known: Known) -> list[Found]:
+    """Take as many columns of small whole numbers, side by side, as an instrument has items.
+
+    In a longer run, that ends the table, they are the last ones.
+    """
+    said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
+    for instrument in sorted(known.instruments, key=lambda each: each.name not in said):
         count = len(instrument.asked)
-        columns = list(range(width - count, width))
         answers = {*instrument.answers.plain, str(instrument.high + 1), ""}
-        if FEWEST <= count < width and all(set(table.column(c)) <= answers for c in columns):
-            items = {
-                item.name: Named(column, instrument.name, item.name, "position", (), ())
-                for item, column in zip(instrument.asked, columns, strict=True)
-            }
-            return [Found(instrument, (), items)]
+        fits = [{""} != {*table.column(c)} <= answers for c in range(len(table.headings))]
+        ends = [c for c in range(len(fits)) if fits[c] and not any(fits[c + 1 : c + 2])]
+        for end in reversed(ends):
+            run = [*takewhile(fits.__getitem__, range(end, -1, -1))][::-1]
+            whole = len(run) == count or (len(run) > count and end == len(fits) - 1)
+            if FEWEST <= count < len(table.headings) and whole:
+                items = {
+                    item.name: Named(column, instrument.name, item.name, "position", (), ())
+                    for item, column in zip(instrument.asked, run[-count:], strict=True)
+                }
+                return [Found(instrument, (), items)]
     return []

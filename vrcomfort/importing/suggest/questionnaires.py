@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.codings import Coding, coding_of, coding_of_texts
 from vrcomfort.importing.suggest.draft import (
     CODING,
     CURIOUS,
@@ -17,7 +17,6 @@ from vrcomfort.importing.suggest.draft import (
     ITEM,
     ITEM_ORDER,
     ORDER,
-    REFUSED,
     ROWS,
     SHORT_FORM,
     TIMES,
@@ -25,222 +24,14 @@ from vrcomfort.importing.suggest.draft import (
     TomlDraft,
 )
 from vrcomfort.importing.suggest.evidence import Roles, texts
-from vrcomfort.importing.suggest.items import Found, Named, mentions
+from vrcomfort.importing.suggest.items import Found, How, Named, mentions
 from vrcomfort.importing.suggest.long_tables import Long
 from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating
 from vrcomfort.importing.suggest.scores import parts_of
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary
-from vrcomfort.questionnaire import Instrument, never_zero, plain, shipped_instruments
+from vrcomfort.questionnaire import Instrument, plain
 
 Drafted = tuple[TomlDraft, list[OpenDoubt]]
-_CODES = frozenset(
-    {-1, -2, -7, -8, -9, -77, -88, -99, -999, -9999, 9, 77, 88, 99, 777, 888, 999, 9999}
-)
-"""Numbers by which statistics programs mark missing answers."""
-_NUMBERED = re.compile(r"\(?(\d+)\)?\s*[-–=:.)]?\s*(\D+)|(\D+?)\s*[-–=:(]\s*(\d+)\)?")
-
-
-@dataclass
-class Coding:
-    """How the answers of some columns stand in the file.
-
-    Parameters
-    ----------
-    answers
-        Word → number of the instrument.
-    coded_from
-        The number of the lowest answer, where it is not the instrument's.
-    times
-        What the file's numbers are multiplied by.
-    variant
-        The instrument that has these answers, where the one that was looked for has not.
-    """
-
-    answers: dict[str, int] = field(default_factory=dict)
-    coded_from: int | None = None
-    times: int | None = None
-    variant: Instrument | None = None
-    missing: list[str] = field(default_factory=list)
-    doubts: list[OpenDoubt] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-
-
-def coding_of(
-    table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: LabVocabulary
-) -> Coding:
-    """Return the coding of the answers in some columns, with its doubts."""
-    cells = [table.rows[r][c] for r in range(len(table.rows)) for c in columns]
-    return coding_of_texts(cells, instrument, table.reading.decimal or ".", vocabulary)
-
-
-def _variant(instrument: Instrument, values: Iterable[int]) -> Instrument | None:
-    """Return the shipped variant of an instrument that asks the same, and has these answers."""
-    asked = {item.name for item in instrument.asked}
-    return next(
-        (
-            each
-            for each in shipped_instruments().values()
-            if each.variant_of == instrument.name
-            and {item.name for item in each.asked} == asked
-            and all(map(each.answers.has, values))
-        ),
-        None,
-    )
-
-
-def coding_of_texts(
-    cells: Sequence[str], instrument: Instrument, decimal: str, vocabulary: LabVocabulary
-) -> Coding:
-    """Return the coding of some answers, with its doubts."""
-    counts = Counter(cell for cell in cells if cell)
-    found = Coding()
-    values: dict[int, int] = {}
-    words: list[str] = []
-    broken: list[str] = []
-    for text, count in counts.items():
-        value = number(text, decimal)
-        if value is not None and not value.is_integer() and instrument.answers.has(value):
-            continue
-        if value is not None and value.is_integer():
-            values[int(value)] = values.get(int(value), 0) + count
-        elif value is not None:
-            broken.append(text)
-        else:
-            words.append(text)
-    if broken:
-        shown = ", ".join(broken[:6]) + (" …" if len(broken) > 6 else "")
-        question = f"Why are answers {shown}, where those of {instrument.name} are whole numbers?"
-        found.doubts.append(OpenDoubt(question, "the import will refuse them", *REFUSED))
-    _words(words, values, instrument, found, vocabulary)
-    _numbers(values, instrument, found)
-    return found
-
-
-def _words(
-    words: list[str],
-    values: dict[int, int],
-    instrument: Instrument,
-    found: Coding,
-    vocabulary: LabVocabulary,
-) -> None:
-    said = _labels(instrument, vocabulary)
-    unknown = []
-    for text in sorted(words):
-        answer = said.get(plain(text))
-        if answer is None:
-            answer = _numbered(text, said, instrument)
-        if answer is None:
-            answer = _in_two_languages(text, said)
-        if plain(text) == "none" and values and len(words) == 1:
-            question = "Is `None` an answer (0) or a missing value? All others are numbers."
-            found.doubts.append(OpenDoubt(question, "it is missing", *CODING))
-            found.missing.append(text)
-        elif text.casefold() in vocabulary.missing:
-            found.missing.append(text)
-        elif answer is not None:
-            found.answers[text] = answer
-        else:
-            unknown.append(text)
-    if found.answers:
-        found.answers = dict(sorted(found.answers.items(), key=lambda each: each[1]))
-    if unknown:
-        shown = ", ".join(repr(text) for text in unknown[:8]) + (" …" if len(unknown) > 8 else "")
-        question = f"Which answers of {instrument.name} are the words {shown}?"
-        found.doubts.append(
-            OpenDoubt(question, "none yet: give them under answers, or under missing", *REFUSED)
-        )
-    _doubled(found, instrument)
-
-
-def _labels(instrument: Instrument, vocabulary: LabVocabulary) -> dict[str, int]:
-    """Return word → answer, of the instrument's own words and of none to severe."""
-    low, high = int(instrument.low), int(instrument.high)
-    said: dict[str, int] = {}
-    if high - low == 3:
-        said = {word: low + value for word, value in vocabulary.severity.items()}
-    return said | {plain(word): int(answer) for word, answer in instrument.answers.words.items()}
-
-
-def _numbered(text: str, said: dict[str, int], instrument: Instrument) -> int | None:
-    """Return the answer of ``0 - None`` or ``slight (1)``: by its word, else by its number."""
-    match = _NUMBERED.fullmatch(text)
-    if match is None:
-        return None
-    digits, word = (match[1], match[2]) if match[1] else (match[4], match[3])
-    if plain(word) in said:
-        return said[plain(word)]
-    value = int(digits)
-    return value if instrument.low <= value <= instrument.high else None
-
-
-def _in_two_languages(text: str, said: dict[str, int]) -> int | None:
-    """Return the answer of ``None / Inexistente``: what one of its parts says, if none differs."""
-    found = {said[plain(part)] for part in re.split(r"[/|]", text) if plain(part) in said}
-    return found.pop() if len(found) == 1 else None
-
-
-def _doubled(found: Coding, instrument: Instrument) -> None:
-    """Ask where two words mean one answer, or more words were met than there are answers."""
-    by_value: dict[int, set[str]] = {}
-    for text, value in found.answers.items():
-        by_value.setdefault(value, set()).add(plain(text))
-    doubled = [sorted(words) for words in by_value.values() if len(words) > 1]
-    if doubled:
-        shown = "; ".join(" and ".join(words) for words in doubled)
-        question = f"Are these one answer of {instrument.name} each: {shown}?"
-        found.doubts.append(OpenDoubt(question, "they are, as `answers` has them", *CODING))
-
-
-def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> None:
-    low, high = int(instrument.low), int(instrument.high)
-    outside = sorted(value for value in values if not low <= value <= high)
-    inside = [value for value in values if low <= value <= high]
-    # One above the highest answer is an answer counted from 1, not a code.
-    codes = [value for value in outside if value in _CODES and value != high + 1]
-    for code in codes:
-        found.missing.append(str(code))
-    if codes:
-        shown = ", ".join(map(str, codes))
-        question = f"Do the numbers {shown} stand for missing answers? {instrument.name} has none."
-        found.doubts.append(OpenDoubt(question, "they do", *CODING))
-    rest = [value for value in outside if value not in codes]
-    variant = _variant(instrument, values)
-    if rest and low in values and variant is not None:
-        found.variant = variant
-        question = f"Answers go from {low} to {max(rest)}: is this the {variant.short}?"
-        found.doubts.append(
-            OpenDoubt(question, f"it is, and not comparable with {instrument.short}", *INSTRUMENT)
-        )
-    elif rest == [low - 1] and high not in values:
-        found.coded_from = low - 1
-        question = f"Are the answers {low - 1} to {high - 1} in place of {low} to {high}?"
-        found.doubts.append(OpenDoubt(question, f"they are: {low - 1} stands for {low}", *CODING))
-    elif rest == [high + 1] and low not in values:
-        found.coded_from = low + 1
-        question = f"Are the answers {low + 1} to {high + 1} in place of {low} to {high}?"
-        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}", *CODING))
-    elif rest:
-        shown = ", ".join(map(str, rest[:6]))
-        question = f"What do the answers {shown} mean? {instrument.name} has {low} to {high}."
-        found.doubts.append(OpenDoubt(question, "the import will refuse them", *REFUSED))
-    # The task load index is printed with 21 marks, of which labs type the number.
-    elif high >= 100 and inside and max(inside) <= 21:
-        found.times = 10 if max(inside) <= 10 else 5
-        found.coded_from = 1 if max(inside) == 21 else None
-        question = f"Answers of {instrument.short} are {low} to {high}, these {min(inside)} to"
-        doubt = OpenDoubt(
-            f"{question} {max(inside)}: are they marks?", f"times {found.times}", *CODING
-        )
-        found.doubts.append(doubt)
-    elif not found.answers and (
-        count := never_zero(instrument, {value: values[value] for value in inside})
-    ):
-        found.coded_from = low + 1
-        question = (
-            f"None of {count} answers is {low}: are they counted from {low + 1} (with no "
-            f"{high + 1} among them), or was {low} never answered?"
-        )
-        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}", *CODING))
 
 
 def _mend_items(
@@ -382,17 +173,22 @@ def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[OpenDoubt]:
             question = f"Are {first} … {last} the {block.instrument.title} in published order?"
             assumed = f"they are: {first} is {placed[0]}"
             doubts.append(OpenDoubt(question, assumed, *ITEM_ORDER, like))
-    if near := by_how.get("near"):
-        shown = "; ".join(f"{headings[item]!r} is {item}" for item in near)
-        doubts.append(
-            OpenDoubt(f"Is it right that {shown}?", "it is: these are misspellings", *ITEM)
-        )
-    if short := [*by_how.get("abbreviation", ()), *by_how.get("initials", ())]:
-        shown = "; ".join(f"{headings[item]!r} is {item}" for item in short)
-        doubts.append(
-            OpenDoubt(f"Is it right that {shown}?", "it is: these are abbreviations", *ITEM)
-        )
+    for hows, what in _UNSURE.items():
+        if unsure := [item for how in hows for item in by_how.get(how, ())]:
+            shown = "; ".join(f"{headings[item]!r} is {item}" for item in unsure[:_SHOWN])
+            shown += f"; and {len(unsure) - _SHOWN} more so" if unsure[_SHOWN:] else ""
+            doubts.append(OpenDoubt(f"Is it right that {shown}?", f"it is: {what}", *ITEM))
     return doubts
+
+
+_UNSURE: Mapping[tuple[How, ...], str] = {
+    ("near",): "these are misspellings",
+    ("abbreviation", "initials"): "these are abbreviations",
+    ("wording", "order"): "the question is worded otherwise",
+}
+"""How items were found → what that takes for granted."""
+_SHOWN = 6
+"""Items that one question lists."""
 
 
 def _coded(draft: TomlDraft, coding: Coding) -> None:

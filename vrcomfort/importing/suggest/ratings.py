@@ -85,7 +85,8 @@ def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[F
             named = [c for c in columns if _is_rating(table, c, instrument)]
             own = {plain(instrument.name), "score", "rating", *map(plain, instrument.title.split())}
             for column in named:
-                rest = tuple(w for w in tokens(table.headings[column]) if w not in own)
+                words = _words_of_rating(table.headings[column], instrument)
+                rest = tuple(word for word in words if word not in own)
                 found.append(FoundRating(instrument, rest, column, time))
     return found
 
@@ -132,8 +133,23 @@ def _beside_their_time(
     return [FoundRating(scale, (), column, time)] if inside else []
 
 
+def _words_of_rating(heading: str, instrument: Instrument) -> list[str]:
+    """Return the words of a heading, with the name of the scale in front as one: ``mis_cpre``.
+
+    Programs that clean headings put signs where capital letters end.
+    """
+    name, letters = plain(instrument.name), 0
+    if name in tokens(heading) or not plain(heading).startswith(name):
+        return tokens(heading)
+    for place, letter in enumerate(heading):
+        letters += len(plain(letter))
+        if letters == len(name):
+            return [name, *tokens(heading[place + 1 :])]
+    return tokens(heading)
+
+
 def _is_rating(table: SourceTable, column: int, instrument: Instrument) -> bool:
-    words = tokens(table.headings[column])
+    words = _words_of_rating(table.headings[column], instrument)
     keys = {plain(instrument.name), plain(instrument.title)}
     named = plain(table.headings[column]) in keys or (
         plain(instrument.name) in words and len(words) <= 5

@@ -61,6 +61,7 @@ def _of_instrument(
     for column in columns:
         named = _scale(table.headings[column], instrument, words, fillers)
         named = named or _bare_total(table, column, instrument)
+        named = named or _of_file(table, column, instrument, fillers)
         measured = {*tokens(table.headings[column])} & vocabulary.measures
         if named is not None and not measured and _numeric(table, column):
             scale, context = named
@@ -130,6 +131,21 @@ def _bare_total(
     if not above or not all(steps):
         return None
     return instrument.primary, tuple(word for word in words if word not in own)
+
+
+def _of_file(
+    table: SourceTable, column: int, instrument: Instrument, fillers: Set[str]
+) -> tuple[str, tuple[str, ...]] | None:
+    """Return the primary scale for ``Score`` alone in a file that is called ``SUS``."""
+    scale = scale_named(instrument, instrument.primary)
+    bare = {*tokens(table.headings[column])} <= {*fillers, "total"} - {"value"}
+    said = instrument.name in mentions(f"{table.file.stem} {table.sheet}", [instrument])
+    if not bare or not said or scale is None:
+        return None
+    values = values_of(table, column)
+    above = any(value > instrument.high for value in values)
+    scored = sum(on_scale(value, scale, "score") is not None for value in values)
+    return (instrument.primary, ()) if above and scored * 10 >= len(values) * 8 else None
 
 
 _MOST_WORDS = 3

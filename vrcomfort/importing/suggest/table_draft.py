@@ -579,16 +579,37 @@ class TableDraft:
             names = {n: self.table.headings[c] for n, c in exposures.context.covariates.items()}
             there = self.draft.values.get("participants", {})
             self.draft.put("participants", {**(there if isinstance(there, dict) else {}), **names})
-        if exposures.context.participant is not None:
-            groups = alike(dict.fromkeys(self.table.column(exposures.context.participant)))
-            if groups:
-                shown = "; ".join(" and ".join(map(repr, group)) for group in groups)
-                one = {other: group[0] for group in groups for other in group[1:]}
-                said = "they are not; `values` of participant make them one: "
-                question = f"Are these participants one person each: {shown}?"
-                self.doubts.append(
-                    OpenDoubt(question, f"{said}values = {toml_value(one)}", *SAME_PERSON)
-                )
+        self._same_people(exposures.context)
+
+    def _same_people(self, context: Context) -> None:
+        """Ask whether participants whose codes are nearly the same are one person.
+
+        They are where each code has rows that the others lack: other conditions of one person.
+        """
+        if context.participant is None:
+            return
+        groups = alike(dict.fromkeys(self.table.column(context.participant)))
+        if not groups:
+            return
+        shown = "; ".join(" and ".join(map(repr, group)) for group in groups)
+        one = {other: group[0] for group in groups for other in group[1:]}
+        columns = [c for each in context.columns.values() for c in each if c != context.participant]
+        said = [
+            (
+                one.get(row[context.participant], row[context.participant]),
+                *(row[c] for c in columns),
+            )
+            for row in self.table.rows
+        ]
+        assumed = "they are not; `values` of participant make them one: "
+        if columns and len({*said}) == len(said):
+            assumed = "they are, as each code has conditions that the other lacks: "
+            name = self.table.headings[context.participant]
+            self.draft.put("participant", {"column": name, "values": one})
+        question = f"Are these participants one person each: {shown}?"
+        self.doubts.append(
+            OpenDoubt(question, f"{assumed}values = {toml_value(one)}", *SAME_PERSON)
+        )
 
     def _ignore(self, exposures: DraftedFacts) -> None:
         """List every column that nothing was said of, with the reason."""

@@ -6,6 +6,7 @@ A word that is in no file is no fault: it becomes a doubt in the mapping, or an 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -33,6 +34,17 @@ _Words = tuple[str, ...]
 _TOKEN = re.compile(r"\d+|[^\W\d_]+")
 _CAPITALS = re.compile(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 """Where a word begins inside ``preSSQ`` and ``SSQNausea``."""
+
+
+FEWEST_OF_SENTENCE = 4
+"""Words of a heading, or of an item, that is taken for a sentence."""
+
+
+class Sentence(NamedTuple):
+    """A sentence that asks for an item, as words and their weights."""
+
+    item: str
+    weights: Mapping[str, float]
 
 
 def tokens(heading: str) -> list[str]:
@@ -140,6 +152,16 @@ class SeverityWords(Settings):
     severe: _Words = ()
 
 
+class AgreementWords(Settings):
+    """Answers to statements in words, in one language."""
+
+    strongly_disagree: _Words = ()
+    disagree: _Words = ()
+    neutral: _Words = ()
+    agree: _Words = ()
+    strongly_agree: _Words = ()
+
+
 class VocabularyFile(Settings):
     """A vocabulary file; each shipped one has some of these tables."""
 
@@ -161,6 +183,8 @@ class VocabularyFile(Settings):
     timepoints: TimepointWords = TimepointWords()
     severity: dict[str, SeverityWords] = Field(default_factory=dict)
     """Language → answers in words."""
+    agreement: dict[str, AgreementWords] = Field(default_factory=dict)
+    """Language → answers to statements in words."""
     items: dict[str, _Words] = Field(default_factory=dict)
     """Item of any instrument → spellings of its name."""
     initials: dict[str, dict[str, _Words]] = Field(default_factory=dict)
@@ -231,15 +255,14 @@ class LabVocabulary:
         self.yes_no = _plain_set(merged["yes_no"])
         self.timepoints = _looked_up(merged["timepoints"])
         """Word → timepoint."""
-        self.severity: dict[str, int] = {}
+        self.severity = _by_degree(merged["severity"])
         """Word → 0 (none) to 3 (severe); the first language that has the word decides."""
-        for language in merged["severity"].values():
-            for value, words in enumerate(language.values()):
-                for word in words:
-                    self.severity.setdefault(plain(word), value)
+        self.agreement = _by_degree(merged["agreement"])
+        """Word → 0 (strongly disagree) to 4 (strongly agree), likewise."""
         self._initials = {name: _looked_up(items) for name, items in merged["initials"].items()}
         self._items: Mapping[str, _Words] = merged["items"]
         self._spellings: dict[Instrument, dict[str, str]] = {}
+        self._sentences: dict[Instrument, tuple[Sentence, ...]] = {}
 
     def spellings(self, instrument: Instrument) -> Mapping[str, str]:
         """Return spelling → item; the instrument's own spellings win."""
@@ -253,6 +276,22 @@ class LabVocabulary:
                     found.setdefault(plain(word), item.name)
             self._spellings[instrument] = found
         return self._spellings[instrument]
+
+    def sentences(self, instrument: Instrument) -> tuple[Sentence, ...]:
+        """Return the sentences of an instrument's items, each word weighed by how rare it is."""
+        if instrument not in self._sentences:
+            sentences = [
+                (item.name, frozenset(words))
+                for item in instrument.asked
+                for text in (*item.spellings(), *self._items.get(item.name, ()))
+                if len(words := tokens(text)) >= FEWEST_OF_SENTENCE
+            ]
+            often = Counter(word for word, _ in {(w, i) for i, each in sentences for w in each})
+            self._sentences[instrument] = tuple(
+                Sentence(item, {word: 1 / often[word] ** 2 for word in words})
+                for item, words in sentences
+            )
+        return self._sentences[instrument]
 
     def initials(self, instrument: Instrument) -> dict[str, str]:
         """Return ``gd``, ``deo``, ``n`` … → item, where no two items share them."""
@@ -332,6 +371,16 @@ def _plain_set(words: Iterable[str]) -> frozenset[str]:
 
 def _word_sets(tables: Mapping[str, Any], key: str) -> dict[str, frozenset[str]]:
     return {name: _plain_set(table[key]) for name, table in tables.items() if table[key]}
+
+
+def _by_degree(languages: Mapping[str, Mapping[str, Iterable[str]]]) -> dict[str, int]:
+    """Return word → degree; the first language that has the word decides."""
+    found: dict[str, int] = {}
+    for language in languages.values():
+        for degree, words in enumerate(language.values()):
+            for word in words:
+                found.setdefault(plain(word), degree)
+    return found
 
 
 def _looked_up(words: Mapping[str, Iterable[str]]) -> dict[str, str]:

@@ -1,0 +1,133 @@
+"""Files whose answers are found by more than the exact names of their items."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from openpyxl import Workbook
+
+from tests.support.layouts import ENGLISH, write
+from vrcomfort.importing.rows import Imported
+from vrcomfort.importing.suggest import suggest_mapping
+
+STATEMENTS = [
+    "I think I would like to use this viewer frequently",
+    "I found the viewer unnecessarily complex",
+    "I thought our viewer was easy to use",
+    "I would need support of a technical person to be able to use the viewer",
+    "The various functions in the viewer were well integrated",
+    "There was too much inconsistency in the viewer",
+    "I imagine that most engineers would learn to use the viewer very quickly",
+    "The viewer was very cumbersome to use",
+    "I felt very confident with the viewer",
+    "I needed to learn a lot of things before I got going with the viewer",
+]
+AGREED = ["Strongly disagree", "Disagree", "Neutral", "Agree", "Strongly agree"]
+LOAD = [
+    "How mentally demanding was the task?",
+    "How physically demanding was the task?",
+    "How hurried or rushed was the pace of the task?",
+    "How successful were you in accomplishing what you were asked to do?",
+    "How hard did you have to work to accomplish your level of performance?",
+    "How insecure, discouraged, irritated, stressed, and annoyed were you?",
+]
+
+
+def imported_from(file: Path) -> Imported:
+    suggestion = suggest_mapping([file])
+    assert suggestion.imported is not None, suggestion.doubts
+    return suggestion.imported
+
+
+def answers_in(imported: Imported) -> list[list[float | None]]:
+    return [[*response.answers.values()] for response in imported.responses.values()]
+
+
+def test_statements_about_another_system_are_known_by_their_rare_words(tmp_path: Path) -> None:
+    given = [[(row * k + k) % 5 for k in range(10)] for row in range(1, 7)]
+    rows: list[list[object]] = [["Time", "Code", *(f"Usability [{s}]" for s in STATEMENTS)]]
+    rows += [["1", f"P{n}", *(AGREED[a] for a in each)] for n, each in enumerate(given)]
+    imported = imported_from(write(tmp_path / "form.csv", rows))
+    assert {instrument for instrument, _ in imported.responses} == {"sus"}
+    assert answers_in(imported) == [[answer + 1 for answer in each] for each in given]
+
+
+def test_a_sheet_that_says_the_answers_again_is_left_out(tmp_path: Path) -> None:
+    given = [[(row * k + k) % 5 for k in range(10)] for row in range(1, 7)]
+    book = Workbook()
+    book.active.title = "raw"
+    book.active.append(["Code", *STATEMENTS])
+    recoded = book.create_sheet("from 0")
+    recoded.append(["Nr", *STATEMENTS])
+    for number, each in enumerate(given):
+        book.active.append([f"P{number}", *(AGREED[answer] for answer in each)])
+        recoded.append([f"#{number}", *each, "", "a note beside the table" if number else ""])
+    book.save(tmp_path / "study.xlsx")
+    imported = imported_from(tmp_path / "study.xlsx")
+    assert {place.participant for _, place in imported.responses} == {f"P{n}" for n in range(6)}
+    assert 'ignore_sheets = ["from 0"]' in suggest_mapping([tmp_path / "study.xlsx"]).text
+
+
+def test_numbers_with_words_are_marks_like_the_others(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["id", *LOAD]]
+    rows += [[f"P{n}", 11 + n, "1 (Very Low)", 14, "1 (Perfect)", 12, n + 1] for n in range(6)]
+    imported = imported_from(write(tmp_path / "tlx.csv", rows))
+    assert answers_in(imported)[0] == [55, 5, 70, 5, 60, 5]
+
+
+def test_numbers_count_from_where_the_words_beside_some_of_them_say(tmp_path: Path) -> None:
+    texts = ["1 (none)", "2", "3", "4 (severe)"]
+    rows: list[list[object]] = [["id", "condition", *ENGLISH]]
+    rows += [[f"P{n}", "a", *(texts[(n + k) % 4] for k in range(16))] for n in range(6)]
+    imported = imported_from(write(tmp_path / "ssq.csv", rows))
+    assert answers_in(imported)[1] == [(1 + k) % 4 for k in range(16)]
+
+
+def test_an_unknown_word_in_the_place_of_an_item_is_that_item_and_is_asked(tmp_path: Path) -> None:
+    headings = [*ENGLISH]
+    headings[9] = "Zsibbadt fej"
+    rows: list[list[object]] = [["id", "condition", *headings]]
+    rows += [[f"P{n}", "a", *((n + k) % 4 for k in range(16))] for n in range(6)]
+    file = write(tmp_path / "ssq.csv", rows)
+    assert answers_in(imported_from(file))[0] == [k % 4 for k in range(16)]
+    assert any(
+        "'Zsibbadt fej' is fullness_of_head" in doubt for doubt in suggest_mapping([file]).doubts
+    )
+
+
+def test_score_alone_is_of_the_instrument_that_names_the_file(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["Participant", "Tool", "Score"]]
+    rows += [[f"P{n}", tool, 50 + 2.5 * (n + 3 * (tool == "B"))] for n in range(6) for tool in "AB"]
+    imported = imported_from(write(tmp_path / "SUS.csv", rows))
+    assert {place.condition for _, place in imported.responses} == {"A", "B"}
+    assert imported.scores == ["sus_scores"]
+    assert not suggest_mapping([write(tmp_path / "notes.csv", rows)]).text.count('"sus"')
+
+
+def test_codes_that_are_alike_are_one_person_where_conditions_are_not_said_twice(
+    tmp_path: Path,
+) -> None:
+    rows: list[list[object]] = [["id", "scene", *ENGLISH]]
+    rows += [[f"P0{n}", "flat", *((n + k) % 4 for k in range(16))] for n in range(1, 6)]
+    rows += [[f"P{n}", "deep", *((n + k) % 4 for k in range(16))] for n in range(1, 6)]
+    once = imported_from(write(tmp_path / "ssq.csv", rows))
+    assert {place.participant for _, place in once.responses} == {f"P0{n}" for n in range(1, 6)}
+    twice = imported_from(write(tmp_path / "again.csv", [*rows, ["P1", "flat", *[1] * 16]]))
+    assert len({place.participant for _, place in twice.responses}) == 10
+
+
+def test_ten_columns_of_answers_beside_their_score_need_no_headings(tmp_path: Path) -> None:
+    rows: list[list[object]] = [
+        [f"2026-03-{n + 1:02d} 10:00", *(1 + (n * k + k) % 5 for k in range(10)), 52.5 + 2.5 * n]
+        for n in range(8)
+    ]
+    imported = imported_from(write(tmp_path / "SUS.csv", rows))
+    assert answers_in(imported)[2] == rows[2][1:11]
+
+
+def test_the_name_of_a_scale_is_known_where_a_program_has_cut_it(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["code", "mis_cpre_a", "mis_cpost_a", "mis_cpre_b", "mis_cpost_b"]]
+    rows += [[f"P{n}", 0, n % 4, 0, n % 7] for n in range(8)]
+    imported = imported_from(write(tmp_path / "answers.csv", rows))
+    said = {(place.condition, place.timepoint) for _, place in imported.responses}
+    assert said == {(condition, time) for condition in "ab" for time in ("baseline", "post")}

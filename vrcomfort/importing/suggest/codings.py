@@ -1,0 +1,263 @@
+"""Finds how the answers of a questionnaire stand in a file: words, numbers from 1, marks."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence, Set
+from dataclasses import dataclass, field
+
+from vrcomfort.importing.answers import number
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.draft import CODING, INSTRUMENT, REFUSED, OpenDoubt
+from vrcomfort.importing.suggest.vocabulary import LabVocabulary
+from vrcomfort.questionnaire import Instrument, never_zero, plain, shipped_instruments
+
+_CODES = frozenset(
+    {-1, -2, -7, -8, -9, -77, -88, -99, -999, -9999, 9, 77, 88, 99, 777, 888, 999, 9999}
+)
+"""Numbers by which statistics programs mark missing answers."""
+_NUMBERED = re.compile(r"\(?(\d+)\)?\s*[-–=:.)]?\s*(\D+)|(\D+?)\s*[-–=:(]\s*(\d+)\)?")
+
+
+@dataclass
+class Coding:
+    """How the answers of some columns stand in the file.
+
+    Parameters
+    ----------
+    answers
+        Word → number of the instrument.
+    coded_from
+        The number of the lowest answer, where it is not the instrument's.
+    times
+        What the file's numbers are multiplied by.
+    variant
+        The instrument that has these answers, where the one that was looked for has not.
+    """
+
+    answers: dict[str, int] = field(default_factory=dict)
+    coded_from: int | None = None
+    times: int | None = None
+    variant: Instrument | None = None
+    missing: list[str] = field(default_factory=list)
+    doubts: list[OpenDoubt] = field(default_factory=list)
+
+    def answer_of(self, value: int, instrument: Instrument) -> int:
+        """Return the answer that a number of the file means."""
+        if self.coded_from is None:
+            return value * (self.times or 1)
+        return int(instrument.low) + (value - self.coded_from) * (self.times or 1)
+
+
+def coding_of(
+    table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: LabVocabulary
+) -> Coding:
+    """Return the coding of the answers in some columns, with its doubts."""
+    cells = [table.rows[r][c] for r in range(len(table.rows)) for c in columns]
+    return coding_of_texts(cells, instrument, table.reading.decimal or ".", vocabulary)
+
+
+def _variant(instrument: Instrument, values: Iterable[int]) -> Instrument | None:
+    """Return the shipped variant of an instrument that asks the same, and has these answers."""
+    asked = {item.name for item in instrument.asked}
+    return next(
+        (
+            each
+            for each in shipped_instruments().values()
+            if each.variant_of == instrument.name
+            and {item.name for item in each.asked} == asked
+            and all(map(each.answers.has, values))
+        ),
+        None,
+    )
+
+
+def coding_of_texts(
+    cells: Sequence[str], instrument: Instrument, decimal: str, vocabulary: LabVocabulary
+) -> Coding:
+    """Return the coding of some answers, with its doubts."""
+    counts = Counter(cell for cell in cells if cell)
+    found = Coding()
+    values: dict[int, int] = {}
+    words: dict[str, int] = {}
+    broken: list[str] = []
+    for text, count in counts.items():
+        value = number(text, decimal)
+        if value is not None and not value.is_integer() and instrument.answers.has(value):
+            continue
+        if value is not None and value.is_integer():
+            values[int(value)] = values.get(int(value), 0) + count
+        elif value is not None:
+            broken.append(text)
+        else:
+            words[text] = count
+    if broken:
+        shown = ", ".join(broken[:6]) + (" …" if len(broken) > 6 else "")
+        question = f"Why are answers {shown}, where those of {instrument.name} are whole numbers?"
+        found.doubts.append(OpenDoubt(question, "the import will refuse them", *REFUSED))
+    numbered, shifts = _words(words, values, instrument, found, vocabulary)
+    _numbers(values, instrument, found, shifts)
+    _doubled(found, instrument)
+    for text, number_said in numbered.items():
+        found.answers[text] = found.answer_of(number_said, instrument)
+    found.answers = dict(sorted(found.answers.items(), key=lambda each: each[1]))
+    return found
+
+
+def _words(
+    words: Mapping[str, int],
+    values: dict[int, int],
+    instrument: Instrument,
+    found: Coding,
+    vocabulary: LabVocabulary,
+) -> tuple[dict[str, int], set[int]]:
+    """Find the answers that words mean; return those that only their numbers say, and shifts.
+
+    Parameters
+    ----------
+    words
+        Text → how often it was met.
+    values
+        Number → how often; those of such texts are added.
+    """
+    said = _labels(instrument, vocabulary)
+    unknown: list[str] = []
+    numbered: dict[str, int] = {}
+    shifts: set[int] = set()
+    bare = bool(values)
+    for text in sorted(words):
+        value, word = _number_beside(text)
+        answer = said.get(plain(text), said.get(plain(word)))
+        if answer is None:
+            answer = _in_two_languages(text, said)
+        if plain(text) == "none" and bare and len(words) == 1:
+            question = "Is `None` an answer (0) or a missing value? All others are numbers."
+            found.doubts.append(OpenDoubt(question, "it is missing", *CODING))
+            found.missing.append(text)
+        elif text.casefold() in vocabulary.missing:
+            found.missing.append(text)
+        elif answer is not None:
+            found.answers[text] = answer
+            shifts |= set() if value is None else {value - answer}
+        elif value is not None:
+            numbered[text] = value
+            values[value] = values.get(value, 0) + words[text]
+        else:
+            unknown.append(text)
+    if unknown:
+        shown = ", ".join(repr(text) for text in unknown[:8]) + (" …" if len(unknown) > 8 else "")
+        question = f"Which answers of {instrument.name} are the words {shown}?"
+        found.doubts.append(
+            OpenDoubt(question, "none yet: give them under answers, or under missing", *REFUSED)
+        )
+    return numbered, shifts if bare else set()
+
+
+def _labels(instrument: Instrument, vocabulary: LabVocabulary) -> dict[str, int]:
+    """Return word → answer: the instrument's own, and those of its kind in any language."""
+    low, steps = int(instrument.low), int(instrument.high - instrument.low)
+    answers = instrument.answers
+    own = {plain(word): int(answer) for word, answer in answers.words.items()}
+    ends = {plain(word) for words in (answers.labels, *answers.more_labels) for word in words}
+    agreed = steps == _AGREEMENT and ends & vocabulary.agreement.keys()
+    said = vocabulary.severity if steps == _SEVERITY else vocabulary.agreement if agreed else {}
+    return {word: low + value for word, value in said.items()} | own
+
+
+_SEVERITY, _AGREEMENT = 3, 4
+"""Steps from none to severe, and from strongly disagree to strongly agree."""
+
+
+def _number_beside(text: str) -> tuple[int | None, str]:
+    """Return number and word of ``0 - None`` or ``slight (1)``; no number of other texts."""
+    match = _NUMBERED.fullmatch(text)
+    if match is None:
+        return None, ""
+    digits, word = (match[1], match[2]) if match[1] else (match[4], match[3])
+    return int(digits), word
+
+
+def _in_two_languages(text: str, said: dict[str, int]) -> int | None:
+    """Return the answer of ``None / Inexistente``: what one of its parts says, if none differs."""
+    found = {said[plain(part)] for part in re.split(r"[/|]", text) if plain(part) in said}
+    return found.pop() if len(found) == 1 else None
+
+
+def _doubled(found: Coding, instrument: Instrument) -> None:
+    """Ask where two words mean one answer, or more words were met than there are answers."""
+    by_value: dict[int, set[str]] = {}
+    for text, value in found.answers.items():
+        by_value.setdefault(value, set()).add(plain(text))
+    doubled = [sorted(words) for words in by_value.values() if len(words) > 1]
+    if doubled:
+        shown = "; ".join(" and ".join(words) for words in doubled)
+        question = f"Are these one answer of {instrument.name} each: {shown}?"
+        found.doubts.append(OpenDoubt(question, "they are, as `answers` has them", *CODING))
+
+
+def _numbers(
+    values: dict[int, int], instrument: Instrument, found: Coding, shifts: Set[int]
+) -> None:
+    """Find what the numbers among answers mean.
+
+    Parameters
+    ----------
+    shifts
+        By how much numbers exceed the answers that words beside them say: ``1 (none)`` is 0.
+    """
+    low, high = int(instrument.low), int(instrument.high)
+    outside = sorted(value for value in values if not low <= value <= high)
+    inside = [value for value in values if low <= value <= high]
+    # One above the highest answer is an answer counted from 1, not a code.
+    codes = [value for value in outside if value in _CODES and value != high + 1]
+    for code in codes:
+        found.missing.append(str(code))
+    if codes:
+        shown = ", ".join(map(str, codes))
+        question = f"Do the numbers {shown} stand for missing answers? {instrument.name} has none."
+        found.doubts.append(OpenDoubt(question, "they do", *CODING))
+    rest = [value for value in outside if value not in codes]
+    variant = _variant(instrument, values)
+    if rest and low in values and variant is not None:
+        found.variant = variant
+        question = f"Answers go from {low} to {max(rest)}: is this the {variant.short}?"
+        found.doubts.append(
+            OpenDoubt(question, f"it is, and not comparable with {instrument.short}", *INSTRUMENT)
+        )
+    elif len(shifts) == 1 and (shift := min(shifts)) != 0:
+        found.coded_from = low + shift
+        question = f"Are answers counted from {low + shift}, as the words beside some of them say?"
+        found.doubts.append(
+            OpenDoubt(question, f"they are: {low + shift} stands for {low}", *CODING)
+        )
+    elif rest == [low - 1] and high not in values:
+        found.coded_from = low - 1
+        question = f"Are the answers {low - 1} to {high - 1} in place of {low} to {high}?"
+        found.doubts.append(OpenDoubt(question, f"they are: {low - 1} stands for {low}", *CODING))
+    elif rest == [high + 1] and low not in values:
+        found.coded_from = low + 1
+        question = f"Are the answers {low + 1} to {high + 1} in place of {low} to {high}?"
+        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}", *CODING))
+    elif rest:
+        shown = ", ".join(map(str, rest[:6]))
+        question = f"What do the answers {shown} mean? {instrument.name} has {low} to {high}."
+        found.doubts.append(OpenDoubt(question, "the import will refuse them", *REFUSED))
+    # The task load index is printed with 21 marks, of which labs type the number.
+    elif high >= 100 and inside and max(inside) <= 21:
+        found.times = 10 if max(inside) <= 10 else 5
+        found.coded_from = 1 if max(inside) == 21 else None
+        question = f"Answers of {instrument.short} are {low} to {high}, these {min(inside)} to"
+        doubt = OpenDoubt(
+            f"{question} {max(inside)}: are they marks?", f"times {found.times}", *CODING
+        )
+        found.doubts.append(doubt)
+    elif not found.answers and (
+        count := never_zero(instrument, {value: values[value] for value in inside})
+    ):
+        found.coded_from = low + 1
+        question = (
+            f"None of {count} answers is {low}: are they counted from {low + 1} (with no "
+            f"{high + 1} among them), or was {low} never answered?"
+        )
+        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}", *CODING))
