@@ -183,8 +183,8 @@ class NameEvidence(NamedTuple):
 
 NAMES = (
     NameEvidence("name", 4, _exact),
-    NameEvidence("wording", 3, _worded),
-    NameEvidence("near", 2, _near),
+    NameEvidence("near", 3, _near),
+    NameEvidence("wording", 2, _worded),
     NameEvidence("abbreviation", 1, _abbreviated),
 )
 _WEIGHTS = {each.how: each.weight for each in NAMES}
