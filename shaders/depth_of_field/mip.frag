@@ -19,11 +19,8 @@ uniform sampler2D colour_and_coc;
 uniform sampler2D levels[CHAIN];
 #ifdef AT_DISTANCES
 #include "coc.glsl"
+#include "coc_of_depth.glsl"
 uniform sampler2D depth;
-uniform vec4 tangents;
-uniform vec3 head_forward_in_view;
-uniform float near_m;
-uniform float offset_m;  // the eye is this far in front of the head centre
 uniform float slices_m[CHAIN];
 #endif
 

@@ -1,29 +1,25 @@
-// What turns an eye's depth into signed circle-of-confusion radii: uniforms and functions.
+// What turns an eye's depth into signed circle-of-confusion radii: constants and functions.
 //
-// Needs coc.glsl before it. LAW_DIOPTRE and LAW_THIN_LENS select the law, PERIPHERAL adds peripheral
+// DepthToCoc (depth_of_field/coc_passes.py) fills the block by its names. Needs coc.glsl before it. LAW_DIOPTRE and LAW_THIN_LENS select the law, PERIPHERAL adds peripheral
 // blur. Distances are those along the head's forward axis, or with ALONG_RAY from the head centre along
 // each ray. Radii in pixels of image width, negative in front of the focus. Depth is reverse-Z, 0 = sky.
 
 uniform sampler2D focus;            // x = focus distance in m
-uniform vec4 tangents;              // of the frustum: left, right, up, down
-uniform vec3 head_forward_in_view;
-uniform float near_m;
-uniform float offset_m;             // the eye is this far in front of the head centre
-uniform float infinity_m;
-uniform float px_per_defocus;       // radius per metre or per dioptre of defocus
-uniform float max_radius_px;      // r_max
-#ifdef ALONG_RAY
-uniform vec3 eye_in_view;           // from the head centre, m
-#endif
-#ifdef LAW_THIN_LENS
-uniform float focal_length_m;
-uniform float distance_offset_m;    // added to the distances of focus and point alike
-#endif
-#ifdef PERIPHERAL
-uniform vec3 peripheral_axis_in_view;  // what it is centred on: the head's forward axis, or the gaze
-uniform float peripheral_px;
-uniform float peripheral_exponent;
-#endif
+layout(std140, binding = 4) uniform CocOfEye {
+    vec4 tangents;                 // of the frustum: left, right, up, down
+    vec3 head_forward_in_view;
+    float near_m;
+    vec3 eye_in_view;              // from the head centre, m
+    float offset_m;                // the eye is this far in front of the head centre
+    vec3 peripheral_axis_in_view;  // what peripheral blur is centred on: the head's forward axis, or the gaze
+    float peripheral_px;
+    float peripheral_exponent;
+    float infinity_m;
+    float px_per_defocus;          // radius per metre or per dioptre of defocus
+    float max_radius_px;           // r_max
+    float focal_length_m;          // of a thin lens
+    float distance_offset_m;       // of a thin lens: added to the distances of focus and point alike
+};
 
 #ifdef ALONG_RAY
 // Distance from the head centre, times z: the hypotenuse of its parts along and across the head's

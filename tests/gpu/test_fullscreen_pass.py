@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vrcomfort.gpu import gl
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, UniformGroup
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.render.display import TONE_CURVE, noise_texture
 from vrcomfort.render.output import read_texture
 
@@ -45,7 +45,7 @@ def test_a_uniform_has_the_value_that_was_given_last_by_whatever_tuple(ctx):
     assert dark < bright
     assert level(One(0.5)) == dark
     assert level(None) == dark
-    assert level(UniformGroup(One(0.1), Other(1.5))) == bright
+    assert level(Other(1.5)) == bright
 
 
 def test_passes_that_take_turns_keep_their_textures(ctx):

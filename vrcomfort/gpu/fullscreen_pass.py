@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from functools import partial
 from math import ceil
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol
 
 import moderngl
 import numpy as np
@@ -15,29 +16,13 @@ from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.gpu.visible_area import DRAWN, LimitedVertices
 
 
-class UniformTuple(Protocol):
+class Uniforms(Protocol):
     """A named tuple with the names of a program's uniforms as fields."""
 
     @property
     def _fields(self) -> tuple[str, ...]: ...
 
     def __iter__(self) -> Iterator[Any]: ...
-
-
-class UniformGroup:
-    """Several tuples of uniforms.
-
-    Attributes
-    ----------
-    values
-        By name, in order.
-    """
-
-    def __init__(self, *parts: Uniforms) -> None:
-        self.values = {name: value for part in parts for name, value in _values(part).items()}
-
-
-Uniforms: TypeAlias = UniformTuple | UniformGroup
 
 
 _FILTERS = {
@@ -129,11 +114,12 @@ class FullscreenPass:
         framebuffer = ctx.framebuffer(self.targets, depth)
         flags = moderngl.NOTHING if depth is None else moderngl.DEPTH_TEST
         self._ctx, self._writes_depth = ctx, depth is not None
-        self._mode, self._vertices = moderngl.TRIANGLES, 3
+        self._draw: Callable[[], None]
+        self._draw = partial(self._triangle.render, moderngl.TRIANGLES, vertices=3)
         drawn_px = texel_px
         if tiles is not None:
             columns, rows = tiles
-            self._mode, self._vertices = moderngl.POINTS, columns * rows
+            self._draw = partial(self._triangle.render, moderngl.POINTS, vertices=columns * rows)
             flags = moderngl.PROGRAM_POINT_SIZE
             # Points whose middle is outside the viewport are not drawn: it is of whole tiles.
             point_px = int((defines or {})["POINT_PX"])
@@ -152,12 +138,11 @@ class FullscreenPass:
             texel_px=drawn_px,
         )
         self._framebuffer = framebuffer
-        self._limited: LimitedVertices | None = None
         if area is not None:
             area.add(self)
-            self._limited = LimitedVertices(
+            self._draw = LimitedVertices(
                 area, self._triangle, self.declared.writes[0], texel_px=drawn_px, points=tiles
-            )
+            ).render
 
     @property
     def target(self) -> moderngl.Texture:
@@ -174,18 +159,9 @@ class FullscreenPass:
             sampler.use(unit)
         if self._writes_depth:
             self._ctx.depth_func = "1"  # moderngl's GL_ALWAYS: fragments replace any depth
-        if passes.is_watched():
-            self.declared.run(self._draw)
-        else:
-            self._draw()
+        self.declared.run(self._draw)
         for unit, sampler in self._samplers:
             sampler.clear(unit)  # samplers override the textures of passes that follow
-
-    def _draw(self) -> None:
-        if self._limited is not None:
-            self._limited.render()
-        else:
-            self._triangle.render(self._mode, vertices=self._vertices)
 
     def clear(self, value: float, depth: float) -> None:
         """Fill the targets with a value, integers with 0 or, where it is no number, all bits."""
@@ -199,7 +175,7 @@ class FullscreenPass:
 
     def _set(self, uniforms: Uniforms) -> None:
         known = self._values
-        for name, value in _values(uniforms).items():
+        for name, value in zip(uniforms._fields, uniforms, strict=True):
             if name not in known or known[name] != value:  # a program keeps uniforms between draws
                 known[name] = value
                 self._write(name, value)
@@ -212,12 +188,6 @@ class FullscreenPass:
             member.write(value)
         else:
             member.value = value
-
-
-def _values(uniforms: Uniforms) -> dict[str, Any]:
-    if isinstance(uniforms, UniformGroup):
-        return uniforms.values
-    return dict(zip(uniforms._fields, uniforms, strict=True))
 
 
 def _textures(given: moderngl.Texture | Sequence[moderngl.Texture]) -> Sequence[moderngl.Texture]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl, passes, shaders, visible_area
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, UniformGroup, Uniforms
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.gpu.visible_area import LimitedVertices, VisibleArea
 from vrcomfort.protocol.conditions import Condition
@@ -462,16 +462,13 @@ class Radii(NamedTuple):
 
     Parameters
     ----------
-    constants
-        Uniforms that never change.
-    of_camera
-        Gives those of an eye.
+    see_with
+        Gives shaders the constants of an eye.
     """
 
     inputs: dict[str, moderngl.Texture]
     defines: dict[str, Any]
-    constants: Uniforms
-    of_camera: Callable[[EyeCamera], Uniforms]
+    see_with: Callable[[EyeCamera], None]
 
 
 class Samples(NamedTuple):
@@ -508,7 +505,7 @@ class ResolvePass:
         self._ctx, self._samples = ctx, samples
         self.colour, self.depth, self.velocity = colour, depth, velocity
         self._radii: Radii | None = None
-        self._places = UniformGroup()
+        self._places: _SamplePlaces | None = None
         self._pass = self._make()
 
     def write_radii(self, radii: Radii) -> None:
@@ -518,14 +515,15 @@ class ResolvePass:
 
     def render(self, camera: EyeCamera) -> None:
         """Resolve an eye's image into the single-sample textures."""
-        radii = UniformGroup() if self._radii is None else self._radii.of_camera(camera)
-        self._pass.render(UniformGroup(self._places, radii))
+        if self._radii is not None:
+            self._radii.see_with(camera)
+        self._pass.render(self._places)
 
     def learn_sample_places(self) -> None:
         """Ask the driver where samples lie; it tells of the framebuffer in use only."""
-        if self.velocity is not None and not self._places.values:
+        if self.velocity is not None and self._places is None:
             places = gl.sample_places(self._ctx, self._samples.colour.samples)
-            self._places = UniformGroup(_SamplePlaces(places if len(places) > 1 else places[0]))
+            self._places = _SamplePlaces(places if len(places) > 1 else places[0])
 
     def _make(self) -> FullscreenPass:
         many, radii = self._samples, self._radii
@@ -544,7 +542,6 @@ class ResolvePass:
             "scene/resolve.frag",
             size_px=self.colour.size,
             inputs=inputs,
-            constants=None if radii is None else radii.constants,
             defines=defines,
             target=targets,
             depth=self.depth,

@@ -143,7 +143,8 @@ class _Walk:
             lens, motion = each.depth_of_field, each.motion_blur
             if lens is not None and self._focus is not None:
                 radii, drawn = self._coc(each, lens, images)
-                drawn.render(radii.of_camera(images.camera))
+                radii.see_with(images.camera)
+                drawn.render()
                 circles = 2 * np.abs(np.asarray(read_texture(drawn.target)[..., 3], np.float32))
                 self._circles[each.name].append(circles.ravel())
             if motion is not None:
@@ -162,13 +163,13 @@ class _Walk:
         if condition.name not in self._radii:
             assert self._focus is not None  # noqa: S101 - tells mypy what `_take` knows
             radii = DepthToCoc(
+                self._ctx,
                 depth=images.depth,
                 focus=self._focus.texture,
                 settings=lens,
                 infinity_m=condition.focus.infinity_m,
             )
             drawn = radii.make_pass(
-                self._ctx,
                 "depth_of_field/colour_and_coc.frag",
                 size_px=self._size_px,
                 inputs={"colour": images.pinhole},

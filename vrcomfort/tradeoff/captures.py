@@ -17,7 +17,7 @@ from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.condition_passes import EyeImages
 from vrcomfort.render.effects.depth_of_field import lens_radius
-from vrcomfort.render.effects.depth_of_field.coc_passes import eye_uniforms
+from vrcomfort.render.effects.depth_of_field.coc_passes import EyeInHead
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import read_rgb
 from vrcomfort.scene.data import Scene
@@ -98,7 +98,7 @@ def radius_px(capture: Capture, condition: Condition) -> Array:
     px = lens_radius.px_per_dioptre(
         settings, focal_px=focal_px, size_px=(width, height), focus_m=focus_m
     )
-    uniforms = eye_uniforms(capture.camera.fov, capture.camera.near_m, capture.head_from_eye)
+    eye = EyeInHead.of(capture.head_from_eye)
     return coc.signed_radius_px(
         capture.depth,
         law="dioptre",
@@ -106,8 +106,8 @@ def radius_px(capture: Capture, condition: Condition) -> Array:
         near_m=capture.camera.near_m,
         max_radius_px=max_radius_px,
         full_blur=max_radius_px / px,
-        slope=coc.head_depth_slope(capture.camera.fov, uniforms.head_forward_in_view, uv),
-        offset_m=uniforms.offset_m,
+        slope=coc.head_depth_slope(capture.camera.fov, eye.head_forward_in_view, uv),
+        offset_m=eye.offset_m,
         infinity_m=condition.focus.infinity_m,
     )
 

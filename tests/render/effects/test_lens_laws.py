@@ -17,7 +17,6 @@ from vrcomfort.render.effects.depth_of_field.coc_passes import (
     CocPasses,
     CocTileMinMax,
     DepthToCoc,
-    eye_uniforms,
 )
 from vrcomfort.render.graph import plan_effect
 from vrcomfort.render.reference import Reference
@@ -101,7 +100,6 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
     _, fours = textures(ctx, np.zeros((80, 100, 3)), np.kron(distance, np.ones((2, 2))), near_m)
     z = (near_m / distance).astype("f4").astype(float)
     eye_pose = Pose(np.array([0.03, 0.0, -0.01]))
-    head = eye_uniforms(LEFT_EYE, near_m, eye_pose)
     focal_px = focal_length_px(LEFT_EYE, (50, 40))[0]
     for focus_m in (0.01, 0.05, 0.6, 2.0, 40.0, 3e4, np.inf):
         focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
@@ -110,9 +108,10 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
             infinity_m=3e4,
         )  # fmt: skip
         # The record's shader on tiles of four equal pixels: float32, before any limit.
-        radii = DepthToCoc(depth=fours, focus=focus, settings=settings, infinity_m=3e4)
+        radii = DepthToCoc(ctx, depth=fours, focus=focus, settings=settings, infinity_m=3e4)
         largest = CocTileMinMax(ctx, radii, size_px=(100, 80), tile_px=2, defines=LEVELS)
-        largest.render(radii.of_eye(head, 2 * focal_px))
+        radii.look_through(LEFT_EYE, near_m, eye_pose)
+        largest.render()
         found = np.frombuffer(largest.target.read(), "f4").reshape(40, 50, 4)[..., 2] / 2
         px = lens_radius.px_per_dioptre(
             settings, focal_px=focal_px, size_px=(50, 40), focus_m=np.inf

@@ -18,7 +18,6 @@ from vrcomfort.render.effects.depth_of_field.coc_passes import (
     CocPasses,
     CocTileMinMax,
     DepthToCoc,
-    eye_uniforms,
 )
 from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.focus.search import HeadView
@@ -114,10 +113,10 @@ def test_radii_are_those_of_float64_before_they_are_rounded(ctx, name, focus_m):
     fours = np.kron(distance, np.ones((2, 2)))
     _, depth = textures(ctx, np.zeros((80, 100, 3)), fours, NEAR_M)
     focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
-    radii = DepthToCoc(depth=depth, focus=focus, settings=settings, infinity_m=3e4)
+    radii = DepthToCoc(ctx, depth=depth, focus=focus, settings=settings, infinity_m=3e4)
     largest = CocTileMinMax(ctx, radii, size_px=(100, 80), tile_px=2, defines=LEVELS)
-    focal_px = focal_length_px(LEFT_EYE, (100, 80))[0]
-    largest.render(radii.of_eye(eye_uniforms(LEFT_EYE, NEAR_M, EYES[0]), focal_px))
+    radii.look_through(LEFT_EYE, NEAR_M, EYES[0])
+    largest.render()
     found = np.frombuffer(largest.target.read(), "f4").reshape(40, 50, 4)[..., 2]
     from_head = distance_from_head_m(
         (NEAR_M / distance).astype("f4"),

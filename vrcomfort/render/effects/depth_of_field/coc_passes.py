@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from math import ceil
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Array, Fov, Pose, focal_length_px, rotate
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MaxReductionPass, UniformGroup, Uniforms
+from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MaxReductionPass
 from vrcomfort.optics import blur_kernels
 from vrcomfort.optics.circle_of_confusion import CLOSEST_FOCUS
 from vrcomfort.protocol.conditions import DepthOfField
@@ -26,82 +27,59 @@ TILE_PX = 8
 """Side of the tiles whose range of radii is known; with 4 px, dilation cost as much as it saved."""
 
 
-Axis: TypeAlias = tuple[float, float, float]
+COC_BINDING = 4
 
 
-class EyeUniforms(NamedTuple):
-    """Uniforms of ``include/coc_of_depth.glsl`` for the eye that drew the image."""
+class EyeInHead(NamedTuple):
+    """How an eye stands in the head, as ``include/coc_of_depth.glsl`` has it.
 
-    tangents: tuple[float, float, float, float]
+    Parameters
+    ----------
+    head_forward_in_view
+        The head's forward axis.
+    offset_m
+        How far the eye is in front of the head centre.
+    eye_in_view
+        The eye from the head centre, m.
+    """
+
     head_forward_in_view: tuple[float, float, float]
-    near_m: float
     offset_m: float
     eye_in_view: tuple[float, float, float]
 
+    @classmethod
+    def of(cls, head_from_eye: Pose) -> EyeInHead:
+        """Return it of an eye's place."""
+        *position, x, y, z, w = head_from_eye.numbers
+        forward = rotated(-x, -y, -z, w, 0.0, 0.0, -1.0)
+        return cls(forward, -position[2], rotated(-x, -y, -z, w, *position))
 
-class ForwardUniforms(NamedTuple):
-    """The fields of `EyeUniforms` without the last: distances along the head's forward axis.
 
-    Two tuples, since a uniform that a variant does not use is an error.
-    """
+class _Eye(NamedTuple):
+    """The eye whose radii the block gives."""
+
+    fov: Fov
+    near_m: float
+    head_from_eye: Pose
+    peripheral_axis: Array | None
+
+
+class _CocOfEye(NamedTuple):
+    """The block of ``include/coc_of_depth.glsl``: its members, in their order."""
 
     tangents: tuple[float, float, float, float]
     head_forward_in_view: tuple[float, float, float]
     near_m: float
+    eye_in_view: tuple[float, float, float]
     offset_m: float
-
-
-class _Scale(NamedTuple):
-    """Pixels per metre or dioptre; they follow from the eye's field of view."""
-
-    px_per_defocus: float
-
-
-class _Limit(NamedTuple):
-    max_radius_px: float
-
-
-class _Infinity(NamedTuple):
-    infinity_m: float
-
-
-class _ThinLens(NamedTuple):
-    focal_length_m: float
-    distance_offset_m: float
-
-
-class _PeripheralUnit(NamedTuple):
-    peripheral_px: float
-    peripheral_axis_in_view: tuple[float, float, float]
-
-
-class _PeripheralShape(NamedTuple):
-    peripheral_exponent: float
-
-
-def eye_uniforms(fov: Fov, near_m: float, head_from_eye: Pose) -> EyeUniforms:
-    """Return the uniforms that turn an eye's depth into distance from the head centre."""
-    *position, x, y, z, w = head_from_eye.numbers
-    forward = rotated(-x, -y, -z, w, 0.0, 0.0, -1.0)
-    eye_in_view = rotated(-x, -y, -z, w, *position)
-    return EyeUniforms(fov.tangents, forward, near_m, -position[2], eye_in_view)
-
-
-def axis_in_view(axis: Array | None, head_from_eye: Pose) -> Axis | None:
-    """Return a direction of the head's frame in that of an eye."""
-    if axis is None:
-        return None
-    x, y, z = rotate(head_from_eye.inverse().orientation, axis).tolist()
-    return x, y, z
-
-
-class _Kept(NamedTuple):
-    """Uniforms of an eye, and of which."""
-
-    place: Pose
-    axis: Array | None
-    frustum: tuple[Fov, float]
-    uniforms: Uniforms
+    peripheral_axis_in_view: tuple[float, float, float] | Array = (0.0, 0.0, -1.0)
+    peripheral_px: float = 0.0
+    peripheral_exponent: float = 1.0
+    infinity_m: float = 0.0
+    px_per_defocus: float = 0.0
+    max_radius_px: float = 0.0
+    focal_length_m: float = 0.0
+    distance_offset_m: float = 0.0
 
 
 class DepthToCoc:
@@ -115,93 +93,104 @@ class DepthToCoc:
 
     def __init__(
         self,
+        ctx: moderngl.Context,
         *,
         depth: moderngl.Texture,
         focus: moderngl.Texture,
         settings: DepthOfField,
         infinity_m: float,
     ) -> None:
+        self._ctx = ctx
         self._settings, self._size_px = settings, depth.size
         self.depth = depth
         self.inputs = {"focus": focus}
-        self._infinity = _Infinity(infinity_m)
-        self.constants: Uniforms = UniformGroup(
-            *_lens_constants(settings), *_peripheral_constants(settings)
-        )
-        self._kept: _Kept | None = None
-        self._along_ray = settings.distance_along == "ray"
+        self._infinity_m = infinity_m
+        self._eye: _Eye | None = None
+        self._block = shaders.Block("coc_of_depth.glsl", "CocOfEye", _CocOfEye._fields)
+        self._buffer = gl.dynamic_buffer(ctx, self._block.size_bytes)
         self.defines: dict[str, Any] = {
             **_law_defines(settings),
-            **_peripheral_defines(settings),
-            **({"ALONG_RAY": 1} if self._along_ray else {}),
+            **({} if settings.peripheral is None else {"PERIPHERAL": 1}),
+            **({"ALONG_RAY": 1} if settings.distance_along == "ray" else {}),
         }
 
     def make_pass(
         self,
-        ctx: moderngl.Context,
         fragment: str,
         *,
         inputs: dict[str, moderngl.Texture] | None = None,
         defines: dict[str, Any] | None = None,
-        constants: Uniforms | None = None,
         **options: Any,
     ) -> FullscreenPass:
         """Return a pass that reads `depth` and includes ``coc_of_depth.glsl``.
 
-        It is drawn with :meth:`of_eye`.
+        It is drawn after :meth:`look_through`.
         """
         return FullscreenPass(
-            ctx,
+            self._ctx,
             fragment,
             inputs={"depth": self.depth, **self.inputs, **(inputs or {})},
-            constants=UniformGroup(self.constants, *([constants] if constants else [])),
             defines={**self.defines, **(defines or {})},
             **options,
         )
 
     def adjust(self, settings: DepthOfField) -> None:
-        """Take other settings of the same law and peripheral exponent."""
-        self._settings, self._kept = settings, None
+        """Take other settings of the same law."""
+        self._settings, self._eye = settings, None
 
     def adjust_infinity(self, infinity_m: float) -> None:
         """Take another distance of the sky."""
-        self._infinity, self._kept = _Infinity(infinity_m), None
+        self._infinity_m, self._eye = infinity_m, None
 
-    def of_eye(
-        self, eye: EyeUniforms, focal_px: float, peripheral_axis: Axis | None = None
-    ) -> Uniforms:
-        """Return the uniforms of an eye; `focal_px` is the focal length of its image.
+    def see_with(self, camera: EyeCamera) -> None:
+        """Give shaders the constants of a camera; see :meth:`look_through`."""
+        self.look_through(camera.fov, camera.near_m, camera.head_from_eye, camera.peripheral_axis)
 
-        `peripheral_axis`: centre of peripheral blur, in view; None: the head's axis.
+    def look_through(
+        self, fov: Fov, near_m: float, head_from_eye: Pose, peripheral_axis: Array | None = None
+    ) -> None:
+        """Give shaders the constants of an eye, until another asks for its own.
+
+        `peripheral_axis`: (3,) centre of peripheral blur, in the head; None: its forward axis.
         """
-        limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
-        used = eye if self._along_ray else ForwardUniforms(*eye[:-1])
-        axis = peripheral_axis or eye.head_forward_in_view
-        more = (self._infinity, scale, limit)
-        return UniformGroup(used, *more, *_peripheral_unit(self._settings, focal_px, axis))
-
-    def of_camera(self, camera: EyeCamera) -> Uniforms:
-        """Return the uniforms of a camera."""
-        return self.of_place(
-            camera.fov, camera.near_m, camera.head_from_eye, camera.peripheral_axis
-        )
-
-    def of_place(
-        self, fov: Fov, near_m: float, head_from_eye: Pose, peripheral_axis: Array | None
-    ) -> Uniforms:
-        """Return the uniforms of an eye; kept for who asks next for the same one in a frame."""
-        kept = self._kept
+        now = self._eye
         if (
-            kept is None
-            or kept.place is not head_from_eye
-            or kept.axis is not peripheral_axis
-            or (kept.frustum != (fov, near_m))
+            now is None
+            or now.head_from_eye is not head_from_eye
+            or now.peripheral_axis is not peripheral_axis
+            or (now.fov, now.near_m) != (fov, near_m)
         ):
-            focal_px = focal_length_px(fov, self._size_px)[0]
-            eye = eye_uniforms(fov, near_m, head_from_eye)
-            uniforms = self.of_eye(eye, focal_px, axis_in_view(peripheral_axis, head_from_eye))
-            kept = self._kept = _Kept(head_from_eye, peripheral_axis, (fov, near_m), uniforms)
-        return kept.uniforms
+            self._eye = _Eye(fov, near_m, head_from_eye, peripheral_axis)
+            self._buffer.orphan()  # draws that are under way keep their storage
+            self._buffer.write(self._block.packed(self._constants(self._eye)))
+        self._buffer.bind_to_uniform_block(COC_BINDING)
+
+    def _constants(self, eye: _Eye) -> _CocOfEye:
+        settings, place = self._settings, EyeInHead.of(eye.head_from_eye)
+        focal_px = focal_length_px(eye.fov, self._size_px)[0]
+        limit_px, px = _limit_and_scale(settings, focal_px, self._size_px)
+        constants = _CocOfEye(
+            eye.fov.tangents,
+            place.head_forward_in_view,
+            eye.near_m,
+            place.eye_in_view,
+            place.offset_m,
+            infinity_m=self._infinity_m,
+            px_per_defocus=px,
+            max_radius_px=limit_px,
+            focal_length_m=settings.focal_length_m if settings.law == "thin_lens" else 0.0,
+            distance_offset_m=settings.distance_offset_m,
+        )
+        if settings.peripheral is None:
+            return constants
+        axis, unit_arcmin = eye.peripheral_axis, settings.peripheral.unit_diameter_arcmin
+        if axis is not None:
+            axis = rotate(eye.head_from_eye.inverse().orientation, axis)
+        return constants._replace(
+            peripheral_axis_in_view=place.head_forward_in_view if axis is None else axis,
+            peripheral_px=radius_of_arcmin(unit_arcmin, focal_px),
+            peripheral_exponent=settings.peripheral.exponent,
+        )
 
 
 class CocPasses:
@@ -240,11 +229,8 @@ class CocPasses:
         """Largest radius that the last eye could have: `max_diameter_arcmin` may make it less."""
         self._least_max_radius_px = self.max_radius_px
         self.depth_to_coc = DepthToCoc(
-            depth=depth, focus=focus, settings=settings, infinity_m=infinity_m
+            ctx, depth=depth, focus=focus, settings=settings, infinity_m=infinity_m
         )
-        self.now: Uniforms = UniformGroup()
-        """Uniforms of the last eye (:meth:`DepthToCoc.of_eye`); empty before the first."""
-        self._eye: tuple[Fov, float, Pose] | None = None
         self._is_rendered = False
         self.tile_px = TILE_PX
         """Side of :attr:`tile_min_max`."""
@@ -272,11 +258,6 @@ class CocPasses:
         self._beside: FullscreenPass | None = None
 
     @property
-    def eye(self) -> ForwardUniforms | None:
-        """Return the last eye; None before the first."""
-        return self._eye and ForwardUniforms(*eye_uniforms(*self._eye)[:-1])
-
-    @property
     def tile_min_max(self) -> moderngl.Texture:
         """Tiles of :class:`CocTileMinMax` of the last eye; asking once keeps them drawn."""
         self._tiles_are_read = True
@@ -292,19 +273,17 @@ class CocPasses:
     def _with_radii(self) -> moderngl.Texture:
         if self._resolve is not None:
             found = self.depth_to_coc
-            radii = Radii(found.inputs, found.defines, found.constants, found.of_camera)
-            self._resolve.write_radii(radii)
+            self._resolve.write_radii(Radii(found.inputs, found.defines, found.see_with))
             return self._colour
         inputs = {"colour": self._colour}
         self._beside = self.depth_to_coc.make_pass(
-            self._ctx,
             "depth_of_field/colour_and_coc.frag",
             size_px=self.size_px,
             inputs=inputs,
             reach_px={"colour": 0.0, "depth": 0.0},
         )
         if self._is_rendered:
-            self._beside.render(self.now)
+            self._beside.render()
         return self._beside.target
 
     def render(
@@ -322,12 +301,12 @@ class CocPasses:
         focal_px = focal_length_px(fov, self.size_px)[0]
         self.max_radius_now_px = max_radius_of(self._settings, self.size_px, focal_px)
         self._least_max_radius_px = min(self._least_max_radius_px, self.max_radius_now_px)
-        self.now = self.depth_to_coc.of_place(fov, near_m, head_from_eye, peripheral_axis)
-        self._eye, self._is_rendered = (fov, near_m, head_from_eye), True
+        self.depth_to_coc.look_through(fov, near_m, head_from_eye, peripheral_axis)
+        self._is_rendered = True
         if self._beside is not None:
-            self._beside.render(self.now)
+            self._beside.render()
         if self.tells_clamps or self._tiles_are_read:
-            self._tile_min_max.render(self.now)
+            self._tile_min_max.render()
 
     def adjust(self, settings: DepthOfField) -> None:
         """Find radii by other settings from now on; see :meth:`DepthToCoc.adjust`."""
@@ -380,7 +359,6 @@ class CocTileMinMax:
     ) -> None:
         width, height = size_px
         self._tiles = radii.make_pass(
-            ctx,
             "depth_of_field/coc_tile_min_max.frag",
             size_px=(ceil(width / tile_px), ceil(height / tile_px)),
             defines={"TILE": tile_px, **defines},
@@ -398,9 +376,9 @@ class CocTileMinMax:
         """1×1: the largest radius of the last eye before its limit."""
         self._largest = MaxReductionPass(ctx, self.widest, components="x")
 
-    def render(self, eye: Uniforms) -> None:
-        """Add an eye's image; `eye` is from :meth:`DepthToCoc.of_eye`."""
-        self._tiles.render(eye)
+    def render(self) -> None:
+        """Add the image of the eye that radii are given for."""
+        self._tiles.render()
         self._of_eye.reset()  # the widest disc is one eye's; only the record goes on
         self._of_eye.render()
         self._largest.render()
@@ -416,13 +394,13 @@ class CocTileMinMax:
 
 def _limit_and_scale(
     settings: DepthOfField, focal_px: float, size_px: tuple[int, int]
-) -> tuple[_Limit, _Scale]:
-    limit = _Limit(max_radius_of(settings, size_px, focal_px))
+) -> tuple[float, float]:
+    """Return the largest radius, and the radius per metre or dioptre of defocus."""
+    limit_px = max_radius_of(settings, size_px, focal_px)
     if settings.law == "linear":
-        return limit, _Scale(limit.max_radius_px / settings.full_blur_m)
+        return limit_px, limit_px / settings.full_blur_m
     # A thin lens focused at infinity: the shader knows the focus.
-    px = px_per_dioptre(settings, focal_px=focal_px, size_px=size_px, focus_m=np.inf)
-    return limit, _Scale(px)
+    return limit_px, px_per_dioptre(settings, focal_px=focal_px, size_px=size_px, focus_m=np.inf)
 
 
 def _law_defines(settings: DepthOfField) -> dict[str, int | float]:
@@ -431,25 +409,3 @@ def _law_defines(settings: DepthOfField) -> dict[str, int | float]:
     if settings.law != "thin_lens":
         return {"LAW_DIOPTRE": 1}
     return {"LAW_DIOPTRE": 1, "LAW_THIN_LENS": 1, "CLOSEST_FOCUS": CLOSEST_FOCUS}
-
-
-def _lens_constants(settings: DepthOfField) -> tuple[Uniforms, ...]:
-    if settings.law != "thin_lens":
-        return ()
-    return (_ThinLens(settings.focal_length_m, settings.distance_offset_m),)
-
-
-def _peripheral_defines(settings: DepthOfField) -> dict[str, int]:
-    return {} if settings.peripheral is None else {"PERIPHERAL": 1}
-
-
-def _peripheral_constants(settings: DepthOfField) -> tuple[Uniforms, ...]:
-    shape = settings.peripheral
-    return () if shape is None else (_PeripheralShape(shape.exponent),)
-
-
-def _peripheral_unit(settings: DepthOfField, focal_px: float, axis: Axis) -> tuple[Uniforms, ...]:
-    shape = settings.peripheral
-    if shape is None:
-        return ()
-    return (_PeripheralUnit(radius_of_arcmin(shape.unit_diameter_arcmin, focal_px), axis),)

@@ -394,7 +394,7 @@ class MipKernel:
         *,
         slices: bool = False,
     ) -> None:
-        self._coc, self._slices_m = coc, settings.slices_m if slices else None
+        self._slices_m = settings.slices_m if slices else None
         levels = len(self._slices_m or ()) or blur_kernels.pyramid_levels(coc.max_radius_px)
         self._chain = MipChain(ctx, coc.colour_and_coc, levels, coc.size_px)
         self._shown = FullscreenPass(
@@ -415,7 +415,7 @@ class MipKernel:
     def render(self, pixel_aspect: float) -> None:  # noqa: ARG002 - texels are squares of pixels
         """Blur the present points."""
         self._chain.render()
-        self._shown.render(self._coc.eye if self._slices_m else None)
+        self._shown.render()
 
     def _defines(self, *, slices: bool) -> dict[str, int]:
         if not slices:

@@ -52,12 +52,13 @@ class SeenDepthPass:
         infinity_m: float,
     ) -> None:
         self._settings, self._size_px = settings, depth.size
-        self._radii = DepthToCoc(depth=depth, focus=focus, settings=settings, infinity_m=infinity_m)
+        self._radii = DepthToCoc(
+            ctx, depth=depth, focus=focus, settings=settings, infinity_m=infinity_m
+        )
         self.target = gl.depth_texture(ctx, depth.size)
         # Taps are whole pixels apart, and as many on each side: the last may lie beyond the disc.
         reach_px = max_radius_of(settings, depth.size) + TAPS
         self._rows = self._radii.make_pass(
-            ctx,
             "depth_of_field/seen_depth_rows.frag",
             size_px=depth.size,
             defines={"TAPS": TAPS},
@@ -89,5 +90,6 @@ class SeenDepthPass:
         """Spread the present depth of an eye."""
         focal_x, focal_y = focal_length_px(camera.fov, self._size_px)
         max_radius_px = max_radius_of(self._settings, self._size_px, focal_x)
-        self._rows.render(self._radii.of_camera(camera))
+        self._radii.see_with(camera)
+        self._rows.render()
         self._columns.render(_Columns(max_radius_px, focal_y / focal_x))
