@@ -11,6 +11,7 @@ import ctypes
 import sys
 import weakref
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import moderngl
@@ -166,10 +167,8 @@ def binder(
     kept = tuple(textures)
     names = (ctypes.c_uint * len(kept))(*(texture.glo for texture in kept))
     bind = function(ctx, "glBindTextures", ctypes.c_uint, ctypes.c_int, ctypes.c_void_p)
-
-    def bind_all() -> None:
-        bind(first_unit, len(kept), names)
-
+    bind_all = partial(bind, first_unit, len(kept), names)
+    vars(bind_all)["textures"] = kept  # which live as long as it does
     return bind_all
 
 

@@ -193,7 +193,7 @@ class Block:
         numbers: list[float] = []
         for whole, value in zip(self._whole, values, strict=True):
             if whole:
-                numbers += value
+                numbers.extend(value)
             else:
                 numbers.append(value)
         return self._struct.pack(*numbers)

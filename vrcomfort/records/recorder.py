@@ -65,6 +65,8 @@ class BackgroundWriter:
 
     def check(self) -> None:
         """Raise the error of `write`, if there was one."""
+        if self._fault is None:  # hot: a lock takes longer
+            return
         with self._changed:
             fault, self._fault = self._fault, None
         if fault is not None:
@@ -231,10 +233,14 @@ class Recorder:
     @uninterrupted()
     def write_soon(self, *rows: Row) -> None:
         """Append rows without waiting, between two frames."""
+        others = []
         for row in rows:
             if isinstance(row, FrameRow):
                 self._offer(row)
-        self._background.put(*(row for row in rows if not isinstance(row, FrameRow)))
+            else:
+                others.append(row)
+        if others:
+            self._background.put(*others)
         self._background.check()  # not before: no row may be lost to the fault of another
 
     def take_external_changes(self) -> list[ExternalChange]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import operator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,12 +32,8 @@ COMMAND = np.dtype(
 """DrawElementsIndirectCommand (OpenGL 4.5, §10.4)."""
 
 
-class Batch(NamedTuple):
-    """A run of commands, to be drawn with one call."""
-
-    key: int
-    first: int
-    length: int
+Batch: TypeAlias = tuple[int, int, int]
+"""A run of commands, to be drawn with one call: state, first command and number of commands."""
 
 
 class _Item(NamedTuple):
@@ -158,15 +154,27 @@ class DrawList:
         return rows, np.flatnonzero(np.diff(self.node[rows], prepend=-1))
 
 
-def batches(keys: NDArray[np.intp]) -> list[Batch]:
-    """Cut the keys of ordered rows into runs of equal ones."""
+def batches(keys: NDArray[np.intp], states: int) -> tuple[list[int], list[Batch]]:
+    """Cut ordered rows into runs of equal keys.
+
+    Parameters
+    ----------
+    keys
+        (rows,) each a state's number, plus `states` times the number of what is drawn apart.
+
+    Returns
+    -------
+    tuple
+        That number for each run, and the runs with their states.
+    """
     if not len(keys):
-        return []
+        return [], []
     changes = (keys[1:] != keys[:-1]).nonzero()[0] + 1  # hot: functions of NumPy's take longer
     starts = [0, *changes.tolist()]
     ends = [*starts[1:], len(keys)]
-    found = [int(keys[0]), *keys[changes].tolist()]
-    return list(map(Batch, found, starts, map(operator.sub, ends, starts)))
+    apart, state = np.divmod(keys[starts], states)
+    lengths = map(operator.sub, ends, starts)
+    return apart.tolist(), list(zip(state.tolist(), starts, lengths, strict=True))
 
 
 def front_to_back(key: NDArray[np.intp], distance_m: Array) -> NDArray[np.intp]:

@@ -199,9 +199,8 @@ class GpuScene:
         self._rows.write(self._color_rows, row, origins[view])
         triangles = np.bincount(layer, self._triangles_of_row[row], minlength=_LAYERS * len(views))
         self._layers = [_Layer([], int(count)) for count in triangles]
-        for batch in batches(run):
-            number, key = divmod(batch.key, len(self._color_states))
-            self._layers[number].batches.append(Batch(key, batch.first, batch.length))
+        for number, batch in zip(*batches(run, len(self._color_states)), strict=True):
+            self._layers[number].batches.append(batch)
 
     def _order(self, seen: Rows) -> Rows:
         """Order places in `SceneRows.in_use` by their distance from the head: alike in both eyes.
@@ -338,7 +337,7 @@ class GpuScene:
         self._rows.write(self._depth_rows, rows[order], origin_m, numbered=numbered)
         self._clips.write(clip_from_relative[None])
         self._clips.bind(0)
-        drawn = batches(key[order])
+        _, drawn = batches(key[order], len(states))
         self._begin()
         self._drawer.draw(drawn, states, self._depth_rows.commands, cull=cull)
         self.draws += len(drawn)
@@ -367,9 +366,8 @@ class GpuScene:
         self._rows.write(self._depth_rows, row[order], origin_m)
         self._clips.write(clips_from_relative)
         views: dict[int, list[Batch]] = {}
-        for batch in batches(key[order]):
-            number, state = divmod(batch.key, len(self._depth_states))
-            views.setdefault(number, []).append(Batch(state, batch.first, batch.length))
+        for number, batch in zip(*batches(key[order], len(self._depth_states)), strict=True):
+            views.setdefault(number, []).append(batch)
         self._begin()
         for number, of_view in views.items():
             begin_view(number)

@@ -113,8 +113,9 @@ class LampReach:
         if not len(self._powers):
             return np.zeros(len(centers))
         beyond = np.abs(self._positions - centers.T[:, None]) - halves.T[:, None]
-        x, y, z = np.maximum(beyond, 0.0)
-        return np.asarray(self._powers @ (x * x + y * y + z * z < self._squares))
+        np.maximum(beyond, 0.0, out=beyond)
+        beyond *= beyond
+        return np.asarray(self._powers @ (beyond.sum(axis=0) < self._squares))
 
 
 def _write_environment(blocks: NDArray[np.void], environment: Environment) -> None:

@@ -6,7 +6,7 @@ view: a 3 × 4 matrix and a few numbers; rows of visible instances are written e
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import moderngl
 import numpy as np
@@ -144,6 +144,27 @@ def _replace(buffer: moderngl.Buffer, data: NDArray[np.generic]) -> None:
     buffer.write(data)
 
 
+class _Levels(NamedTuple):
+    """Rows, and the distances from and until which each is drawn."""
+
+    rows: Rows
+    from_m: Array
+    until_m: Array
+
+    @classmethod
+    def of(cls, table: DrawList, rows: Rows) -> _Levels:
+        """Return those of some rows of a table."""
+        return cls(rows, table.from_m[rows], table.until_m[rows])
+
+    def in_use(self, centers: Array, viewpoint_m: Array) -> NDArray[np.bool_]:
+        """Return (rows,) whether each is at the level of detail for this viewpoint.
+
+        `centers` is (3, n) of all rows.
+        """
+        distance_m = culling.lengths(centers.take(self.rows, axis=1) - viewpoint_m[:, None])
+        return (distance_m >= self.from_m) & (distance_m < self.until_m)
+
+
 class SceneRows:
     """One row (a 3 × 4 matrix and a few numbers) and one indirect command per instance.
 
@@ -176,12 +197,13 @@ class SceneRows:
         self._moving = self._poses.moving[table.node] | self._locked
         self._moves = MovingRows(table, self._moving)
         casts = table.casts_shadow & ~self._locked & ~table.blended
-        self._casting: dict[Movement, Rows] = {
-            "all": casts.nonzero()[0],
-            "static": (casts & ~self._moving).nonzero()[0],
-            "moving": (casts & self._moving).nonzero()[0],
+        self._casting: dict[Movement, _Levels] = {
+            "all": _Levels.of(table, casts.nonzero()[0]),
+            "static": _Levels.of(table, (casts & ~self._moving).nonzero()[0]),
+            "moving": _Levels.of(table, (casts & self._moving).nonzero()[0]),
         }
-        self._with_levels = table.has_levels.nonzero()[0]
+        self._leveled = _Levels.of(table, table.has_levels.nonzero()[0])
+        self._is_in_use = np.ones(len(table.node), dtype=bool)
         self._commands = table.commands.view(np.uint32).reshape(-1, 5)
         world = self._poses.world_from_node(0.0, Pose())
         self.joints = self.previous_joints = self._poses.place_from_bind(0.0)
@@ -242,9 +264,9 @@ class SceneRows:
             self.previous_joints = self._poses.place_from_bind(before_s)
         self._update_moving()
         self._head_m = head.position
-        in_use = np.ones(self._boxes.shape[1], dtype=bool)
-        in_use[self._with_levels] = self._level_in_use(self._head_m, self._with_levels)
-        self.in_use = in_use.nonzero()[0]
+        leveled = self._leveled
+        self._is_in_use[leveled.rows] = leveled.in_use(self._level_centers, self._head_m)
+        self.in_use = self._is_in_use.nonzero()[0]
         self._in_use_from_head = self._from_head(self.in_use)
         self.distance_m = culling.lengths(self._in_use_from_head[:3])
 
@@ -269,14 +291,9 @@ class SceneRows:
 
     def _from_head(self, rows: Rows) -> Array:
         """Return (7, rows) boxes around the head."""
-        boxes = self._boxes[:, rows]
+        boxes = self._boxes.take(rows, axis=1)
         boxes[:3] -= self._head_m[:, None]
         return boxes
-
-    def _level_in_use(self, viewpoint_m: Array, rows: Rows) -> NDArray[np.bool_]:
-        """Return (rows,) whether an instance is at the level of detail for this viewpoint."""
-        to_rows = self._level_centers[:, rows] - viewpoint_m[:, None]
-        return self._list.level_in_use(culling.lengths(to_rows), rows)
 
     def seen(self, planes: Array, origins_m: Array) -> NDArray[np.bool_]:
         """Return (views, rows in use) whether an instance's box is within the planes of each view.
@@ -294,7 +311,7 @@ class SceneRows:
     def casting(self, planes: Array, origin_m: Array, movement: Movement) -> Rows:
         """Return the shadow casters within planes, levels of detail by distance from `origin_m`."""
         casting = self._casting[movement]
-        rows = casting[self._level_in_use(origin_m, casting)]
+        rows = casting.rows[casting.in_use(self._level_centers, origin_m)]
         around_head = culling.from_origins(planes[None], origin_m[None] - self._head_m)
         seen: Rows = rows[culling.visible(around_head[0], self._from_head(rows))]
         return seen

@@ -50,8 +50,9 @@ def plan(settings: Focus) -> PlannedPass:
 
 def screen_tangents(views: tuple[View, View]) -> tuple[float, float]:
     """Return half width and half height of the image as tangents: the mean of both eyes."""
-    pairs = zip(*(view.fov.tangents for view in views), strict=True)
-    left, right, up, down = ((one + other) / 2 for one, other in pairs)
+    one, other = views[0].fov.tangents, views[1].fov.tangents
+    left, right = (one[0] + other[0]) / 2, (one[1] + other[1]) / 2
+    up, down = (one[2] + other[2]) / 2, (one[3] + other[3]) / 2
     return (right - left) / 2, (up - down) / 2
 
 

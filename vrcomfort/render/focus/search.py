@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple, Protocol
 
 import moderngl
@@ -174,8 +175,11 @@ class FocusSearch:
         self.texture = now[0]
         """1×1 RGBA32F: x = focus, y = target of the refocus law, z = bits of the rays used."""
         self._target = ctx.framebuffer(now)
-        self._history = ctx.framebuffer(self._before)
+        self._copy = partial(ctx.copy_framebuffer, ctx.framebuffer(self._before), self._target)
         self._triangle = self._program()
+        self._draw = partial(self._triangle.render, vertices=3)
+        self._values: dict[str, Any] = {}
+        """Uniforms of the last frame."""
         now_images, before = (tuple(map(PassImage.of, each)) for each in (now, self._before))
         self._copied = Pass("copy", (), before[:1], earlier=now_images[:1])
         self._decided = Pass(probe.fragment, before, now_images)
@@ -217,13 +221,14 @@ class FocusSearch:
 
     def _decide(self, uniforms: dict[str, Any]) -> None:
         # A pass may not read the texture it draws into: the state of the frame before is a copy.
-        self._copied.run(lambda: self._ctx.copy_framebuffer(self._history, self._target))
+        self._copied.run(self._copy)
         self._target.use()
         for unit, texture in enumerate(self._before):
             texture.use(unit)
         for name, value in uniforms.items():
-            self._triangle.program[name] = value
-        self._decided.run(lambda: self._triangle.render(vertices=3))
+            if self._values.get(name) != value:  # a program keeps uniforms between draws
+                self._values[name] = self._triangle.program[name] = value
+        self._decided.run(self._draw)
 
     def _program(self) -> moderngl.VertexArray:
         probe, law = self._probe, self._law
