@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from tests.support.studies import GROUPS, generated
+from tests.support.protocols import GROUPS, generated
 from tests.support.study import PROTOCOL, tiny_protocol
 from vrcomfort.design import build_design
 from vrcomfort.design.audit import cannot_balance

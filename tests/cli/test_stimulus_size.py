@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.support.protocols import generated
 from tests.support.render import at, glowing, scene, wall
-from tests.support.studies import generated
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, View, focal_length_px, yaw_pitch_roll
 from vrcomfort.headset.playback import default_fovs

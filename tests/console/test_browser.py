@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -12,17 +11,12 @@ pytest.importorskip("selenium", reason="selenium is not installed")
 from selenium.webdriver.common.keys import Keys
 
 from tests.support.console_session import PROTOCOL, RunningSession, running_session
-from tests.support.operator_page import operator_page
+from tests.support.operator_page import NEEDS_BROWSER, operator_page
 from tests.support.study import read_rows
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records import read_manifest, read_participants
 
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.slow,
-    pytest.mark.timeout(1800),
-    pytest.mark.skipif(shutil.which("chromedriver") is None, reason="there is no chromedriver"),
-]
+pytestmark = NEEDS_BROWSER
 
 
 LONG = PROTOCOL.partition("\n[[ratings]]")[0].replace("exposure_s = 4.0", "exposure_s = 10.0")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -13,14 +12,9 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 from tests.support.console_session import PROTOCOL, running_session
-from tests.support.operator_page import OperatorPage, operator_page
+from tests.support.operator_page import NEEDS_BROWSER, OperatorPage, operator_page
 
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.slow,
-    pytest.mark.timeout(900),
-    pytest.mark.skipif(shutil.which("chromedriver") is None, reason="there is no chromedriver"),
-]
+pytestmark = NEEDS_BROWSER
 
 RATED = (
     PROTOCOL[: PROTOCOL.index("[[questionnaires]]")]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -12,29 +11,15 @@ pytest.importorskip("selenium", reason="selenium is not installed")
 from selenium.webdriver.common.keys import Keys
 
 from tests.support.console_session import running_session
-from tests.support.operator_page import operator_page
+from tests.support.operator_page import NEEDS_BROWSER, operator_page
+from tests.support.protocols import PLAIN, protocol_text
 from tests.support.study import read_rows
 from vrcomfort.records.session_rows import in_lines
 
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.slow,
-    pytest.mark.timeout(900),
-    pytest.mark.skipif(shutil.which("chromedriver") is None, reason="there is no chromedriver"),
-]
+pytestmark = NEEDS_BROWSER
 
-PROTOCOL = """\
-name = "aloud"
-title = "Asked before anything is shown"
-exposure_s = 60.0
-scenes = ["temple"]
-
-[[conditions]]
-name = "plain"
-
-[order]
-rule = "latin_square"
-
+PROTOCOL = protocol_text(
+    """\
 [[covariates]]
 name = "age"
 
@@ -46,7 +31,12 @@ above = 65
 name = "expects"
 text = "What do you expect?"
 when = "session_start"
-"""
+""",
+    name="aloud",
+    exposure_s=60.0,
+    scene="temple",
+    conditions=[PLAIN],
+)
 
 
 def test_an_operator_decides_and_types_what_the_participant_says(

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.support.studies import generated
+from tests.support.protocols import generated
 from vrcomfort.design import Enrolment, audit, build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol

@@ -7,7 +7,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from tests.support.studies import COVARIATES, GROUPS, generated, grouped
+from tests.support.protocols import COVARIATES, GROUPS, generated, grouped
 from vrcomfort.design import Enrolment, build_design
 from vrcomfort.errors import InputError
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-from tests.support.studies import COVARIATES, GROUPS, generated, grouped
+from tests.support.protocols import COVARIATES, GROUPS, generated, grouped
 from tests.support.study import PROTOCOL, tiny_protocol
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError

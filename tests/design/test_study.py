@@ -7,7 +7,7 @@ from collections import Counter
 
 import pytest
 
-from tests.support.studies import COVARIATES, generated, grouped
+from tests.support.protocols import COVARIATES, generated, grouped
 from tests.support.study import read_rows
 from vrcomfort.design import AdministeredOrder, Enrolment, audit_study, build_design
 from vrcomfort.errors import InputError

@@ -12,6 +12,7 @@ from tests.console.test_verbal import Experimenter
 from tests.respondent.test_respondent import Typist, terminal
 from tests.session.test_panel import ScriptedScreen
 from tests.support.operator import Given
+from tests.support.protocols import ASKED_AFTER_EACH, NOBODY_LEAVES, protocol_text
 from tests.support.study import Scripted, read_rows
 from tests.support.tasks import do, doing_protocol
 from vrcomfort.console.server import read_command
@@ -29,27 +30,9 @@ from vrcomfort.session import NoPictures, StillHeadset
 from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.verbal import VerbalRespondent
 
-PROTOCOL = """\
-name = "telling"
-title = "In your own words"
-exposure_s = 1.0
-scenes = ["room.glb"]
-languages = ["en", "de"]
-
-[[conditions]]
-name = "plain"
-
-[[conditions]]
-name = "blur"
-[conditions.depth_of_field]
-
-[order]
-rule = "latin_square"
-
-[[questionnaires]]
-timepoint = "post"
-when = "after_trial"
-
+PROTOCOL = protocol_text(
+    ASKED_AFTER_EACH,
+    """\
 [[free_texts]]
 name = "noticed"
 text = "What did you notice?"
@@ -63,11 +46,11 @@ when = "session_end"
 [text.de.free_texts]
 noticed = "Was ist Ihnen aufgefallen?"
 anything = "Noch etwas?"
-
-[simulation]
-hazard_per_min = 0.0
-question_hazard = 0.0
-"""
+""",
+    NOBODY_LEAVES,
+    name="telling",
+    keys='languages = ["en", "de"]\n',
+)
 AWKWARD = 'She said "no",\nthen: a\\nb\t=1+1; ünïcode 漢字 🙂\r\n\u2028\x85\x1b[0m \x00 end'
 
 

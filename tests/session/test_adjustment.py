@@ -8,6 +8,14 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.support.exchange import cell
+from tests.support.protocols import (
+    ASKED_AFTER_EACH,
+    BLUR,
+    NOBODY_LEAVES,
+    PLAIN,
+    explicit_order,
+    protocol_text,
+)
 from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows
 from tests.support.tasks import do, doing_protocol
 from vrcomfort.cli.app import app
@@ -22,52 +30,25 @@ from vrcomfort.report.study_data import read_study
 from vrcomfort.session import NoPictures, StillHeadset
 
 SETTING = "depth_of_field.full_blur_dioptre"
-PROTOCOL = f"""\
-name = "adjusting"
-title = "As much blur as is comfortable"
-exposure_s = 20.0
-scenes = ["room.glb"]
-
-[[conditions]]
-name = "plain"
-
-[[conditions]]
-name = "lens"
-[conditions.depth_of_field]
-law = "dioptre"
-
-[[conditions]]
-name = "film"
-[conditions.depth_of_field]
-law = "dioptre"
-[conditions.motion_blur]
-
-[order]
-rule = "explicit"
-[[order.sequences]]
-name = "a"
-sessions = [[
-  {{ scene = "room.glb", condition = "lens" }},
-  {{ scene = "room.glb", condition = "plain" }},
-  {{ scene = "room.glb", condition = "film" }},
-  {{ scene = "room.glb", condition = "lens" }},
-]]
-
-[[questionnaires]]
-timepoint = "post"
-when = "after_trial"
-
+PROTOCOL = protocol_text(
+    ASKED_AFTER_EACH,
+    f"""\
 [[adjustments]]
 name = "comfortable_blur"
 setting = "{SETTING}"
 range = [0.5, 8.0]
 scale = "log"
-
-[simulation]
-hazard_per_min = 0.0
-question_hazard = 0.0
-adjusts_to = {{ comfortable_blur = 2.0 }}
-"""
+""",
+    f"{NOBODY_LEAVES}adjusts_to = {{ comfortable_blur = 2.0 }}\n",
+    name="adjusting",
+    exposure_s=20.0,
+    conditions=(
+        PLAIN,
+        BLUR.replace("blur", "lens") + 'law = "dioptre"\n',
+        BLUR.replace("blur", "film") + 'law = "dioptre"\n[conditions.motion_blur]\n',
+    ),
+    order=explicit_order(a=[["lens", "plain", "film", "lens"]]),
+)
 
 SHORT = PROTOCOL.replace("exposure_s = 20.0", "exposure_s = 1.0")
 

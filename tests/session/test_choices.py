@@ -8,6 +8,7 @@ from itertools import pairwise
 import pytest
 
 from tests.report.test_designs import results_of
+from tests.support.protocols import NOBODY_LEAVES, explicit_order, protocol_text
 from tests.support.session import rows, run
 from tests.support.study import AheadHeadset, LateFocus, Scripted, tiny_protocol
 from vrcomfort.errors import InputError
@@ -20,34 +21,8 @@ from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.respondent.base import Form
 from vrcomfort.respondent.panel_layout import Act, cell_at, question_cells
 
-PROTOCOL = """\
-name = "pairs"
-title = "Which of two"
-exposure_s = 1.0
-scenes = ["room.glb"]
-
-[[conditions]]
-name = "plain"
-
-[[conditions]]
-name = "blur"
-[conditions.depth_of_field]
-
-[order]
-rule = "explicit"
-[[order.sequences]]
-name = "ab"
-sessions = [[
-  { scene = "room.glb", condition = "plain" }, { scene = "room.glb", condition = "blur" },
-  { scene = "room.glb", condition = "blur" }, { scene = "room.glb", condition = "plain" },
-]]
-[[order.sequences]]
-name = "ba"
-sessions = [[
-  { scene = "room.glb", condition = "blur" }, { scene = "room.glb", condition = "plain" },
-  { scene = "room.glb", condition = "plain" }, { scene = "room.glb", condition = "blur" },
-]]
-
+PROTOCOL = protocol_text(
+    """\
 [[questionnaires]]
 instrument = "two_intervals"
 timepoint = "pair"
@@ -59,12 +34,13 @@ instrument = "preference"
 timepoint = "end"
 when = "session_end"
 compares = "session"
-
-[simulation]
-hazard_per_min = 0.0
-question_hazard = 0.0
-liking = { blur = 20.0 }
-"""
+""",
+    f"{NOBODY_LEAVES}liking = {{ blur = 20.0 }}\n",
+    name="pairs",
+    order=explicit_order(
+        ab=[["plain", "blur", "blur", "plain"]], ba=[["blur", "plain", "plain", "blur"]]
+    ),
+)
 
 PLAN = """
 name = "liked"

@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 import pytest
 from typer.testing import CliRunner
 
+from tests.support.protocols import ASKED_AFTER_EACH, LATIN_SQUARE, protocol_text
 from tests.support.study import Scripted
 from tests.support.tasks import doing_protocol, in_the_room
 from vrcomfort.cli.app import app
@@ -19,31 +20,12 @@ from vrcomfort.records.session_rows import ConsentRow
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.session import SessionSettings, open_enrolment, run
 
-PROTOCOL = """\
-name = "consenting"
-title = "With consent"
-exposure_s = 1.0
-scenes = ["room.glb"]
-
-[consent]
-version = "v1"
-file = "consent.md"
-
-[[conditions]]
-name = "plain"
-
-[[conditions]]
-name = "blur"
-[conditions.depth_of_field]
-
-[order]
-rule = "latin_square"
-sessions = 2
-
-[[questionnaires]]
-timepoint = "post"
-when = "after_trial"
-"""
+PROTOCOL = protocol_text(
+    ASKED_AFTER_EACH,
+    '[consent]\nversion = "v1"\nfile = "consent.md"\n',
+    name="consenting",
+    order=f"{LATIN_SQUARE}sessions = 2\n",
+)
 NEWER = PROTOCOL.replace('"v1"', '"v2"')
 
 

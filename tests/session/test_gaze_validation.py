@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from tests.support.protocols import ASKED_AFTER_EACH, NOBODY_LEAVES, protocol_text
 from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows, tiny_protocol
 from vrcomfort.errors import InputError
@@ -21,36 +22,17 @@ from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.respondent.simulated_eyes import Eyes
 from vrcomfort.traces.gaze_quality import angles_deg, quality_of
 
-PROTOCOL = """\
-name = "looks"
-title = "Where people look"
-exposure_s = 2.0
-break_s = 5.0
-scenes = ["room.glb"]
-
+PROTOCOL = protocol_text(
+    """\
 [gaze_validation]
 points = [[0.0, 0.0, 1.0], [10.0, 0.0, 1.0], [0.0, 8.0, 2.0], [-10.0, -5.0, 3.0]]
-
-[[conditions]]
-name = "plain"
-
-[[conditions]]
-name = "blur"
-[conditions.depth_of_field]
-
-[order]
-rule = "latin_square"
-
-[[questionnaires]]
-timepoint = "post"
-when = "after_trial"
-
-[simulation]
-hazard_per_min = 0.0
-question_hazard = 0.0
-[simulation.eyes]
-error_deg = 0.0
-"""
+""",
+    ASKED_AFTER_EACH,
+    f"{NOBODY_LEAVES}[simulation.eyes]\nerror_deg = 0.0\n",
+    name="looks",
+    exposure_s=2.0,
+    keys="break_s = 5.0\n",
+)
 
 
 class Ahead(AheadHeadset):

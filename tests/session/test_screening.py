@@ -12,6 +12,7 @@ from tests.respondent.test_respondent import Typist, terminal
 from tests.session.test_panel import ScriptedScreen
 from tests.support.exchange import cell
 from tests.support.operator import Given
+from tests.support.protocols import ASKED_AFTER_EACH, ASKED_BEFORE, NOBODY_LEAVES, protocol_text
 from tests.support.report import build_report
 from tests.support.study import AheadHeadset, Scripted, read_rows
 from tests.support.tasks import doing_protocol, in_the_room
@@ -27,37 +28,18 @@ from vrcomfort.session import run as run_enrolment
 from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.verbal import VerbalRespondent
 
-PROTOCOL = """\
-name = "screening"
-title = "Not everybody"
-exposure_s = 1.0
-scenes = ["room.glb"]
-
-[[conditions]]
-name = "plain"
-
-[[conditions]]
-name = "blur"
-[conditions.depth_of_field]
-
-[order]
-rule = "latin_square"
-
+PROTOCOL = protocol_text(
+    """\
 [[covariates]]
 name = "age"
 
 [[covariates]]
 name = "gender"
 levels = ["f", "m", "d"]
-
-[[questionnaires]]
-timepoint = "baseline"
-when = "session_start"
-
-[[questionnaires]]
-timepoint = "post"
-when = "after_trial"
-
+""",
+    ASKED_BEFORE,
+    ASKED_AFTER_EACH,
+    """\
 [[screening]]
 instrument = "ssq"
 above = 30.0
@@ -66,11 +48,10 @@ above = 30.0
 covariate = "age"
 below = 18
 above = 65
-
-[simulation]
-hazard_per_min = 0.0
-question_hazard = 0.0
-"""
+""",
+    NOBODY_LEAVES,
+    name="screening",
+)
 CALM = PROTOCOL.replace("above = 30.0", "above = 300.0")
 
 

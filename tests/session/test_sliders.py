@@ -7,6 +7,7 @@ from itertools import pairwise
 import pytest
 
 from tests.session.test_adjustment import Turned
+from tests.support.protocols import ASKED_AFTER_EACH, BLUR, NOBODY_LEAVES, PLAIN, protocol_text
 from tests.support.report import build_report
 from tests.support.study import Scripted, read_rows
 from tests.support.tasks import do, doing_protocol
@@ -18,36 +19,14 @@ from vrcomfort.report.measures import measure_of, values_of
 from vrcomfort.report.study_data import read_study
 from vrcomfort.session import NoPictures, StillHeadset
 
-PROTOCOL = """\
-name = "sliding"
-title = "How bad is it now?"
-exposure_s = 20.0
-scenes = ["room.glb"]
-
-[[conditions]]
-name = "calm"
-
-[[conditions]]
-name = "wild"
-[conditions.depth_of_field]
-
-[order]
-rule = "latin_square"
-
-[[questionnaires]]
-timepoint = "post"
-when = "after_trial"
-
-[[sliders]]
-name = "how_bad"
-
-[simulation]
-hazard_per_min = 0.0
-question_hazard = 0.0
-baseline_sd = 0.0
-rate_per_min = 6.0
-condition_effects = { calm = 0.1 }
-"""
+PROTOCOL = protocol_text(
+    ASKED_AFTER_EACH,
+    '[[sliders]]\nname = "how_bad"\n',
+    f"{NOBODY_LEAVES}baseline_sd = 0.0\nrate_per_min = 6.0\ncondition_effects = {{ calm = 0.1 }}\n",
+    name="sliding",
+    exposure_s=20.0,
+    conditions=(PLAIN.replace("plain", "calm"), BLUR.replace("blur", "wild")),
+)
 TASK = """
 [[tasks]]
 name = "shoot"

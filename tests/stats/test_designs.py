@@ -290,6 +290,12 @@ def test_repeated_measures_of_single_values_say_nothing() -> None:
     assert repeated_measures_correlation([1, 1, 2, 2], [1, 2, 3, 4], list("aabb")).estimate is None
 
 
+def test_a_person_of_one_pair_changes_no_repeated_measures_correlation() -> None:
+    x, y, people = [1, 2, 4, 3, 5, 9], [2, 1, 5, 1, 4, 8], list("aaabbb")
+    with_one = repeated_measures_correlation([*x, 7], [*y, 0], [*people, "c"])
+    assert with_one == repeated_measures_correlation(x, y, people)
+
+
 @pytest.mark.parametrize("groups", [[], [[1, 2, 3]], [[1], [2]], [[1, 2, 3], []]])
 def test_kruskal_wallis_needs_groups(groups: list[list[int]]) -> None:
     with pytest.raises(InputError, match="two groups and three people"):

@@ -12,42 +12,27 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from tests.support.protocols import (
+    ASKED_AFTER_EACH,
+    ASKED_BEFORE,
+    BLUR,
+    PLAIN,
+    explicit_order,
+    protocol_text,
+)
 from tests.support.waiting import WAIT_S, wait_for
 
-PROTOCOL = """\
-name = "aloud"
-title = "Two exposures that are asked about aloud"
-participants = 4
-exposure_s = 4.0
-training_s = 0.5
-scenes = ["temple"]
-
-[[conditions]]
-name = "plain"
-
-[[conditions]]
-name = "dof"
-[conditions.depth_of_field]
-
-[order]
-rule = "explicit"
-[[order.sequences]]
-name = "ab"
-sessions = [[{ scene = "temple", condition = "plain" }, { scene = "temple", condition = "dof" }]]
-
-[[questionnaires]]
-timepoint = "baseline"
-when = "session_start"
-
-[[questionnaires]]
-timepoint = "post"
-when = "after_trial"
-
-[[ratings]]
-instrument = "fms"
-every_s = 1.2
-timeout_s = 1.1
-"""
+PROTOCOL = protocol_text(
+    ASKED_BEFORE,
+    ASKED_AFTER_EACH,
+    '[[ratings]]\ninstrument = "fms"\nevery_s = 1.2\ntimeout_s = 1.1\n',
+    name="aloud",
+    exposure_s=4.0,
+    scene="temple",
+    keys="participants = 4\ntraining_s = 0.5\n",
+    conditions=(PLAIN, BLUR.replace("blur", "dof")),
+    order=explicit_order("temple", ab=[["plain", "dof"]]),
+)
 
 _ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/\?token=\S+")
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
 
+import pytest
 from selenium import webdriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
@@ -18,6 +19,14 @@ from selenium.webdriver.remote.webdriver import WebDriver
 
 from tests.support.browser import OPTIONS
 from tests.support.waiting import WAIT_S, wait_for
+
+NEEDS_BROWSER = [
+    pytest.mark.browser,
+    pytest.mark.slow,
+    pytest.mark.timeout(1800),
+    pytest.mark.skipif(shutil.which("chromedriver") is None, reason="there is no chromedriver"),
+]
+"""Marks of the files whose tests steer a session in a browser."""
 
 
 class OperatorPage:

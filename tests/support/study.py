@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from tests.support.protocols import ASKED_AFTER_EACH, ASKED_BEFORE, explicit_order, protocol_text
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Fov, Pose, View
@@ -19,48 +20,15 @@ from vrcomfort.resources import data_folder
 from vrcomfort.respondent import Exposure, Form, Heard, InstructionContent, Withdrew
 from vrcomfort.respondent.base import Written
 
-PROTOCOL = """\
-name = "tiny"
-title = "A tiny study"
-exposure_s = 10.0
-training_s = 1.0
-scenes = ["room.glb"]
-
-[[conditions]]
-name = "plain"
-
-[[conditions]]
-name = "blur"
-[conditions.depth_of_field]
-
-[order]
-rule = "explicit"
-[[order.sequences]]
-name = "ab"
-sessions = [
-  [{ scene = "room.glb", condition = "plain" }, { scene = "room.glb", condition = "blur" }],
-  [{ scene = "room.glb", condition = "blur" }, { scene = "room.glb", condition = "plain" }],
-]
-
-[[questionnaires]]
-timepoint = "baseline"
-when = "session_start"
-
-[[questionnaires]]
-timepoint = "post"
-when = "after_trial"
-
-[[questionnaires]]
-timepoint = "recovery"
-when = "session_end"
-wait_s = 60.0
-
-[ratings]
-instrument = "fms"
-every_s = 3.0
-timeout_s = 2.0
-stop_at = 15
-"""
+PROTOCOL = protocol_text(
+    ASKED_BEFORE,
+    ASKED_AFTER_EACH,
+    '[[questionnaires]]\ntimepoint = "recovery"\nwhen = "session_end"\nwait_s = 60.0\n',
+    '[ratings]\ninstrument = "fms"\nevery_s = 3.0\ntimeout_s = 2.0\nstop_at = 15\n',
+    exposure_s=10.0,
+    keys="training_s = 1.0\n",
+    order=explicit_order(ab=[["plain", "blur"], ["blur", "plain"]]),
+)
 
 
 def tiny_protocol(folder: Path, text: str = PROTOCOL) -> Protocol:

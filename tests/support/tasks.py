@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
+from tests.support.protocols import ASKED_AFTER_EACH, NOBODY_LEAVES, protocol_text
 from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus
 from vrcomfort.protocol import Protocol, load_protocol, task_code_of, with_task_code
@@ -14,36 +15,14 @@ from vrcomfort.respondent import Respondent, SimulatedRespondent
 from vrcomfort.scene.data import Material, Node, Primitive, Scene
 from vrcomfort.session import RunOutcome
 
-PROTOCOL = """\
-name = "doing"
-title = "Something to do"
-exposure_s = 20.0
-scenes = ["room.glb"]
-task = "shoot"
-
-[[conditions]]
-name = "plain"
-
-[[conditions]]
-name = "blur"
-[conditions.depth_of_field]
-
-[order]
-rule = "latin_square"
-
-[[tasks]]
-name = "shoot"
-kind = "aiming"
-
-[[questionnaires]]
-timepoint = "post"
-when = "after_trial"
-
-[simulation]
-hazard_per_min = 0.0
-question_hazard = 0.0
-task_effects = { blur = 2.0 }
-"""
+PROTOCOL = protocol_text(
+    '[[tasks]]\nname = "shoot"\nkind = "aiming"\n',
+    ASKED_AFTER_EACH,
+    f"{NOBODY_LEAVES}task_effects = {{ blur = 2.0 }}\n",
+    name="doing",
+    exposure_s=20.0,
+    keys='task = "shoot"\n',
+)
 
 
 def box(size_m: tuple[float, float, float]) -> Primitive:

@@ -8,6 +8,7 @@ import moderngl
 import pytest
 
 from tests.support.openxr import fresh_monado, needs_monado
+from tests.support.protocols import PLAIN, protocol_text
 from tests.support.session import run
 from tests.support.study import Scripted, read_rows
 from vrcomfort.exchange.verifying import verify_study
@@ -29,13 +30,8 @@ HAND_M = (HEAD @ Pose((0.15, -0.3, -0.25))).position
 AIMED_FRAMES = 4
 """So long a hand rests on a target before its trigger is pulled: poses are there a frame late."""
 
-PROTOCOL = """\
-name = "shots"
-title = "Shots"
-exposure_s = 20.0
-scenes = ["room.glb"]
-task = "shoot"
-
+PROTOCOL = protocol_text(
+    """\
 [[tasks]]
 name = "shoot"
 kind = "aiming"
@@ -43,17 +39,13 @@ every_s = 4.0
 shown_s = 3.8
 jitter_s = 0.1
 diameter_deg = 4.0
-
-[[conditions]]
-name = "plain"
-
-[order]
-rule = "latin_square"
-
-[[questionnaires]]
-timepoint = "post"
-when = "session_end"
-"""
+""",
+    '[[questionnaires]]\ntimepoint = "post"\nwhen = "session_end"\n',
+    name="shots",
+    exposure_s=20.0,
+    keys='task = "shoot"\n',
+    conditions=[PLAIN],
+)
 
 
 class Shooter:
