@@ -1,32 +1,40 @@
 #version 450 core
-// A disc of fixed width gathered at half resolution: each sample counts where its blur reaches.
+// A disc of one width for all pixels, gathered at half resolution: samples count where blur reaches.
 //
 // Input:  half_image of half_resolution.frag (signed CoC RADIUS, px of the whole image, negative in
-//         front of the focus), read bilinearly.
-// Output: rgb = background under foreground, a = opacity of the foreground.
+//         front of the focus), read bilinearly; widest: 1x1, largest radius in the image, px.
+// Output: rgb times opacity, and opacity: background under foreground.
 //
-//      max_radius_px
-//    |<------------>|      every pixel looks as far as the widest disc goes, however small its own:
-//    .  .  .  o  .  .  .   a sample counts up to the smaller of both radii (behind), or up to its
-//       |<-- a -->|        own (in front)
+//         reach
+//    |<------------>|      every pixel looks as far as the widest disc in the image, however small
+//    .  .  .  o  .  .  .   its own: a sample counts up to the smaller of both radii (behind), or up
+//       |<-- a -->|        to its own (in front)
 //
 // NumPy twin: tests/oracles/half_resolution.py. As the bokeh filter of KinoBokeh (Takahashi, for
 // Unity), 43 samples.
 uniform sampler2D half_image;
+#ifdef WIDEST
+uniform sampler2D widest;
+#endif
 uniform vec2 offsets[TAPS];   // in the unit disc
 uniform float pixel_aspect;   // image pixels per unit, vertical / horizontal
 uniform float max_radius_px;
 
 out vec4 blurred;
 
-const float MARGIN_PX = 2.0;  // a texel
+const float TEXEL_PX = 2.0;
+const float MARGIN_PX = 2.0 * TEXEL_PX;
 
 void main() {
     vec2 size_px = 2.0 * vec2(textureSize(half_image, 0));
     vec4 centre = texelFetch(half_image, ivec2(gl_FragCoord.xy), 0);
+    float reach_px = max_radius_px;
+#ifdef WIDEST
+    reach_px = min(reach_px, texelFetch(widest, ivec2(0), 0).r);
+#endif
     vec4 behind = vec4(0.0), front = vec4(0.0);
     for (int i = 0; i < TAPS; ++i) {
-        vec2 away_px = max_radius_px * offsets[i];
+        vec2 away_px = reach_px * offsets[i];
         float distance_px = length(away_px);
         vec2 place = (2.0 * gl_FragCoord.xy + away_px * vec2(1.0, pixel_aspect)) / size_px;
         vec4 tap = textureLod(half_image, place, 0.0);
@@ -34,10 +42,12 @@ void main() {
         float far = clamp((far_px - distance_px + MARGIN_PX) / MARGIN_PX, 0.0, 1.0);
         float near = clamp((-tap.a - distance_px + MARGIN_PX) / MARGIN_PX, 0.0, 1.0);
         behind += far * vec4(tap.rgb, 1.0);
-        front += near * step(MARGIN_PX, -tap.a) * vec4(tap.rgb, 1.0);
+        front += near * step(TEXEL_PX, -tap.a) * vec4(tap.rgb, 1.0);
     }
     vec3 back = behind.a > 0.0 ? behind.rgb / behind.a : centre.rgb;
     vec3 fore = front.a > 0.0 ? front.rgb / front.a : back;
+    float back_opacity = smoothstep(TEXEL_PX, 2.0 * TEXEL_PX, centre.a);
     float opacity = clamp(front.a * 3.14159265 / float(TAPS), 0.0, 1.0);
-    blurred = vec4(min(mix(back, fore, opacity), 65504.0), opacity);
+    vec3 colour = mix(back_opacity * back, fore, opacity);
+    blurred = vec4(min(colour, 65504.0), 1.0 - (1.0 - back_opacity) * (1.0 - opacity));
 }

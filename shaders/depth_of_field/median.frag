@@ -1,14 +1,13 @@
 #version 450 core
-// The median of 3x3 texels, channel by channel, of two images: takes single wrong texels away.
+// The median of 3x3 texels, channel by channel: takes single wrong texels away.
 //
-// Input:  background and foreground of half_resolution_rings.frag.
+// Input:  source; tiles of half_resolution_tiles.frag: where all is in focus, the output is 0.
 // Output: the same.
 // NumPy twin: scipy.ndimage.median_filter. As the median of Filament's depth of field.
-uniform sampler2D background;
-uniform sampler2D foreground;
+uniform sampler2D source;
+uniform sampler2D tiles;
 
-layout(location = 0) out vec4 calm_background;
-layout(location = 1) out vec4 calm_foreground;
+out vec4 calm;
 
 void sort(inout vec4 a, inout vec4 b) {
     vec4 low = min(a, b);
@@ -16,7 +15,12 @@ void sort(inout vec4 a, inout vec4 b) {
     a = low;
 }
 
-vec4 median(sampler2D source) {
+void main() {
+    vec2 radii_px = texelFetch(tiles, ivec2(gl_FragCoord.xy) / TILE, 0).rg;
+    if (max(abs(radii_px.r), abs(radii_px.g)) < IN_FOCUS_PX) {
+        calm = vec4(0.0);
+        return;
+    }
     ivec2 last = textureSize(source, 0) - 1;
     vec4 v[9];
     for (int i = 0; i < 9; ++i) {
@@ -32,10 +36,5 @@ vec4 median(sampler2D source) {
     }
     vec4 low = max(v[0], max(v[3], v[6])), high = min(v[2], min(v[5], v[8]));
     vec4 middle = max(min(v[1], v[4]), min(max(v[1], v[4]), v[7]));
-    return max(min(low, middle), min(max(low, middle), high));
-}
-
-void main() {
-    calm_background = median(background);
-    calm_foreground = median(foreground);
+    calm = max(min(low, middle), min(max(low, middle), high));
 }

@@ -5,8 +5,8 @@
 // Input:  `image`, RGBA8, sRGB-encoded, rows from the bottom; alpha is not hashed.
 // Output: adds to `sums[first]` and `sums[first + 1]`; each work group is one row.
 // Blur:   none.
-// Source: the mix is the finaliser of MurmurHash3 (Appleby 2011, public domain).
 // Twin:   vrcomfort.render.display.image_hash.
+#include "mixed.glsl"
 
 layout(local_size_x = 128) in;
 
@@ -16,14 +16,6 @@ uniform sampler2D image;
 uniform int first;
 
 shared uint of_row[2];
-
-uint mixed(uint value) {
-    value ^= value >> 16;
-    value *= 0x85ebca6bu;
-    value ^= value >> 13;
-    value *= 0xc2b2ae35u;
-    return value ^ (value >> 16);
-}
 
 void main() {
     if (gl_LocalInvocationIndex < 2u) {

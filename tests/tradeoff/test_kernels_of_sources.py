@@ -31,7 +31,7 @@ def twin(kernel, found, pixel_aspect):
         "poisson12": lambda points: poisson_taps.poisson12(points, **aspect, **limit),
         "poisson15_near": lambda points: poisson_taps.poisson15_near(points, **aspect, **limit),
         "half_resolution_disc": lambda points: half_resolution.disc(points, **aspect, **limit),
-        "ring_gather": lambda points: half_resolution.rings(points, **aspect),
+        "ring_gather": lambda points: half_resolution.rings(points, **aspect, **limit),
         "separable_gaussian": lambda points: half_resolution.separable_gaussian(points, **aspect),
         "mip": lambda points: pyramid.mip(points, **limit),
         "mip_slices": lambda points: pyramid.mip(points, slices=True, **limit),
@@ -386,13 +386,36 @@ def test_engines_ways_blur_a_half_plane_behind_the_focus_about_as_wide_as_a_disc
     assert (np.diff(found) <= 2**-9).all(), "no ghost, and no ring"
 
 
-def test_the_gaussian_has_the_variance_of_the_disc(ctx):
+def test_the_gaussian_is_cut_off_where_the_engine_cuts_it(ctx):
+    """A disc of 6 px has sigma 3: pixels up to 4.5, and the second of each pair, count."""
     rgb = np.zeros((64, 96, 3))
     rgb[30:34, 46:50] = 1.0
     found = blur(ctx, "separable_gaussian", rgb, 6.0, max_radius_px=8.0).rgb[..., 0].astype(float)
     assert found.sum() == pytest.approx(16, rel=0.02)
+    away = np.arange(-6, 7)
+    weight = np.exp(-0.5 * (away / 3) ** 2)
+    expected = 15 / 12 + weight @ away**2 / weight.sum()
     y, x = np.mgrid[:64, :96] - np.array([31.5, 47.5])[:, None, None]
     for axis in (x, y):
-        # The patch, half resolution (box 1/3, tent 2/3), and the disc of radius 6.
+        # Of the patch, and of the weights; reads between pixels spread by less than 1/4 each.
         variance = np.sum(found * axis**2) / found.sum()
-        assert variance == pytest.approx(15 / 12 + 1 + 9, rel=0.08)
+        assert variance == pytest.approx(expected, abs=0.25)
+
+
+@pytest.mark.parametrize("kernel", ENGINES)
+def test_engines_ways_look_as_far_as_discs_go_and_no_farther(ctx, rng, kernel):
+    """A limit that no disc reaches changes nothing: samples are not spread over it."""
+    rgb = rng.uniform(0, 1, (48, 64, 3)).astype("f2")
+    radius = np.linspace(2.0, 6.0, 64)[None].repeat(48, axis=0)
+    near, far = (blur(ctx, kernel, rgb, radius, max_radius_px=px).rgb for px in (6.0, 18.0))
+    np.testing.assert_allclose(near, far, atol=2**-8)
+
+
+def test_rings_give_the_mean_over_a_disc_whose_centre_is_shifted_at_random(ctx):
+    """A bright half plane behind the focus: far from its edge nothing, at it no bands but noise."""
+    rgb = np.where(columns() < 32, 1.0, 0.0)[..., None].repeat(3, axis=-1)
+    found = blur(ctx, "ring_gather", rgb, 8.0, max_radius_px=8.0).rgb[..., 0].astype(float)
+    assert found[:, 20:44].std(axis=0).max() > 0.01
+    reached = np.clip((31.5 - columns()[0]) / 8.0, -1.0, 1.0)
+    covered = 0.5 + (reached * np.sqrt(1 - reached**2) + np.arcsin(reached)) / np.pi
+    assert np.abs(found.mean(axis=0) - covered)[16:48].max() < 0.08

@@ -172,7 +172,7 @@ def image_hash(rgb8: NDArray[np.uint8]) -> str:
     red, green, blue = (rgb8[..., channel].ravel().astype(np.uint32) for channel in range(3))
     colour = red | green << np.uint32(8) | blue << np.uint32(16)
     place = 2 * np.arange(len(colour), dtype=np.uint32)
-    sums = [_mixed(colour ^ _mixed(place + np.uint32(k))).sum(dtype=np.uint32) for k in (0, 1)]
+    sums = [mixed(colour ^ mixed(place + np.uint32(k))).sum(dtype=np.uint32) for k in (0, 1)]
     return _text(*map(int, sums))
 
 
@@ -219,8 +219,8 @@ class ImageHasher:
         return ImageHash(frame_index, _text(*sums[:2]), _text(*sums[2:]))
 
 
-def _mixed(values: NDArray[np.uint32]) -> NDArray[np.uint32]:
-    # The finaliser of MurmurHash3: each bit of the input changes half of the output's.
+def mixed(values: NDArray[np.uint32]) -> NDArray[np.uint32]:
+    """Return (...,) numbers whose bits are mixed: the twin of ``include/mixed.glsl``."""
     values = values ^ values >> np.uint32(16)
     values = values * np.uint32(0x85EBCA6B)
     values ^= values >> np.uint32(13)

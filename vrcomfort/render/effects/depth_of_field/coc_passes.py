@@ -251,9 +251,6 @@ class CocPasses:
         self._tiles_are_read = False
         self.tells_clamps = True
         """False draws nothing for :meth:`clamps` alone: for measurements of a kernel's cost."""
-        self.widest = None if settings.peripheral else self._tile_min_max.widest
-        """1×1, px: no radius of the last eye is wider. None with peripheral blur: tiles only sample
-        it."""
         self._colour_and_coc: moderngl.Texture | None = None
         self._beside: FullscreenPass | None = None
 
@@ -262,6 +259,15 @@ class CocPasses:
         """Tiles of :class:`CocTileMinMax` of the last eye; asking once keeps them drawn."""
         self._tiles_are_read = True
         return self._tile_min_max.target
+
+    @property
+    def widest(self) -> moderngl.Texture | None:
+        """1×1, px: no radius of the last eye is wider; asking once keeps it drawn.
+
+        None with peripheral blur: tiles only sample it.
+        """
+        self._tiles_are_read = True
+        return None if self._settings.peripheral else self._tile_min_max.widest
 
     @property
     def colour_and_coc(self) -> moderngl.Texture:

@@ -1,0 +1,275 @@
+"""Kernels of depth of field as three engines have them, for `vrcomfort tradeoff`.
+
+Each was written anew after the engine's published passes; docs/tradeoff_methods.md says where it
+differs. Two blur at half resolution: they draw half an image with its radii, blur it, and put it
+over the sharp image.
+"""
+
+from __future__ import annotations
+
+from math import ceil, log2
+from typing import NamedTuple
+
+import moderngl
+import numpy as np
+
+from vrcomfort.geometry import Array
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
+from vrcomfort.render.effects.depth_of_field.layered_gather import Aspect
+
+
+class TapUniforms(NamedTuple):
+    """Places of samples in the unit disc, and the largest radius."""
+
+    offsets: bytes
+    max_radius_px: float
+
+
+def half_size(size_px: tuple[int, int]) -> tuple[int, int]:
+    """Return half a size, rounded up."""
+    width, height = size_px
+    return ceil(width / 2), ceil(height / 2)
+
+
+IN_FOCUS_PX = 1.0
+"""Below this radius Filament leaves the sharp image."""
+
+
+def halved(ctx: moderngl.Context, coc: CocPasses, *, by_radius: bool) -> FullscreenPass:
+    """Return the pass that draws half of an image with its radii (``half_resolution.frag``)."""
+    return FullscreenPass(
+        ctx,
+        "depth_of_field/half_resolution.frag",
+        size_px=half_size(coc.size_px),
+        inputs={"colour_and_coc": coc.colour_and_coc},
+        defines={"BY_RADIUS": 1} if by_radius else {"IN_FOCUS_PX": IN_FOCUS_PX},
+    )
+
+
+def composite(
+    ctx: moderngl.Context, coc: CocPasses, half_image: moderngl.Texture
+) -> FullscreenPass:
+    """Return the pass ``half_resolution_composite.frag``: half an image over the whole."""
+    return FullscreenPass(
+        ctx,
+        "depth_of_field/half_resolution_composite.frag",
+        size_px=coc.size_px,
+        inputs={"colour_and_coc": coc.colour_and_coc, "half_image": half_image},
+        filtered={"half_image"},
+    )
+
+
+def disc_taps() -> Array:
+    """Return (43, 2) points of the unit disc: its middle, and 7, 14 and 21 on three rings.
+
+    Ring k has the radius (k + 1/7) / (3 + 1/7).
+    """
+    rings = [
+        np.stack([np.cos(angle), np.sin(angle)], axis=-1) * (ring + 1 / 7) / (3 + 1 / 7)
+        for ring in (1, 2, 3)
+        for angle in [np.arange(7 * ring) * 2 * np.pi / (7 * ring)]
+    ]
+    return np.concatenate([np.zeros((1, 2)), *rings])
+
+
+class HalfResolutionDiscKernel:
+    """As KinoBokeh (Takahashi and Unity Technologies, 2016) with its kernel of 43 samples.
+
+    Notes
+    -----
+    Samples lie in a disc that is as wide for every pixel: the widest of the image, where KinoBokeh
+    has one of four sizes that its user chooses. Where blur is a third of it, a few samples are
+    left. KinoBokeh fades what is in focus to black before the gather; here it is not, so that a
+    constant image stays constant.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        coc: CocPasses,
+        settings: DepthOfField,  # noqa: ARG002 - the method has no numbers
+    ) -> None:
+        self._half = halved(ctx, coc, by_radius=True)
+        offsets = disc_taps().astype(np.float32)
+        widest = {} if coc.widest is None else {"widest": coc.widest}
+        self._gather = FullscreenPass(
+            ctx,
+            "depth_of_field/half_resolution_disc.frag",
+            size_px=half_size(coc.size_px),
+            inputs={"half_image": self._half.target, **widest},
+            filtered={"half_image"},
+            constants=TapUniforms(offsets.tobytes(), coc.max_radius_px),
+            defines={"TAPS": len(offsets), **({"WIDEST": 1} if widest else {})},
+        )
+        self._tent = FullscreenPass(
+            ctx,
+            "depth_of_field/tent.frag",
+            size_px=half_size(coc.size_px),
+            inputs={"source": self._gather.target},
+            filtered={"source"},
+        )
+        self._composite = composite(ctx, coc, self._tent.target)
+        self.target = self._composite.target
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the present points."""
+        self._half.render()
+        self._gather.render(Aspect(pixel_aspect))
+        self._tent.render()
+        self._composite.render()
+
+
+RINGS = 4
+"""The centre among them: 49 samples, as Filament has on desktops."""
+
+RING_TILE = 8
+"""Side of a tile in texels of half resolution: 16 px."""
+
+
+def ring_levels(max_radius_px: float) -> int:
+    """Return how many levels rings of the widest discs read above half resolution."""
+    return max(1, round(log2(max(0.5 * max_radius_px / (RINGS - 0.5), 1.0))))
+
+
+def ring_dilations(max_radius_px: float) -> int:
+    """Return how many tiles the widest disc reaches beyond its own."""
+    return max(1, ceil(max_radius_px / (2 * RING_TILE)))
+
+
+class HalfResolutionRingsKernel:
+    """As the depth of field of Filament (`dof*.mat`) on desktops.
+
+    Notes
+    -----
+    Filament's limit of 32 px is not there: tiles are dilated, and levels drawn, as far as the
+    widest disc asks for. Samples are shifted by a random number of each pixel. Colour and radius
+    are one read, where Filament makes two.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        coc: CocPasses,
+        settings: DepthOfField,  # noqa: ARG002 - the method has no numbers
+    ) -> None:
+        size = half_size(coc.size_px)
+        in_focus = {"IN_FOCUS_PX": IN_FOCUS_PX}
+        half = halved(ctx, coc, by_radius=False)
+        levels = _levels(ctx, half.target, ring_levels(coc.max_radius_px))
+        tiles = _tiles(ctx, half.target, ring_dilations(coc.max_radius_px))
+        self._gather = FullscreenPass(
+            ctx,
+            "depth_of_field/half_resolution_rings.frag",
+            size_px=size,
+            inputs={
+                "half_image": half.target,
+                "levels": [level.target for level in levels],
+                "tiles": tiles[-1].target,
+            },
+            filtered={"half_image", "levels"},
+            defines={"RINGS": RINGS, "CHAIN": len(levels), "TILE": RING_TILE, **in_focus},
+        )
+        median = FullscreenPass(
+            ctx,
+            "depth_of_field/median.frag",
+            size_px=size,
+            inputs={"source": self._gather.target, "tiles": tiles[-1].target},
+            defines={"TILE": RING_TILE, **in_focus},
+        )
+        shown = composite(ctx, coc, median.target)
+        self._before, self._after = (half, *levels, *tiles), (median, shown)
+        self.target = shown.target
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the present points."""
+        for each in self._before:
+            each.render()
+        self._gather.render(Aspect(pixel_aspect))
+        for each in self._after:
+            each.render()
+
+
+def _levels(
+    ctx: moderngl.Context, half_image: moderngl.Texture, count: int
+) -> list[FullscreenPass]:
+    made: list[FullscreenPass] = []
+    source = half_image
+    for _ in range(count):
+        made.append(
+            FullscreenPass(
+                ctx,
+                "depth_of_field/half_resolution_halved.frag",
+                size_px=half_size(source.size),
+                inputs={"source": source},
+            )
+        )
+        source = made[-1].target
+    return made
+
+
+def _tiles(
+    ctx: moderngl.Context, half_image: moderngl.Texture, dilations: int
+) -> list[FullscreenPass]:
+    width, height = half_image.size
+    made: list[FullscreenPass] = []
+    source = half_image
+    for dilation in range(dilations + 1):
+        made.append(
+            FullscreenPass(
+                ctx,
+                "depth_of_field/half_resolution_tiles.frag",
+                size_px=(ceil(width / RING_TILE), ceil(height / RING_TILE)),
+                inputs={"source": source},
+                defines={"DILATE": 1} if dilation else {"TILE": RING_TILE},
+                components=2,
+            )
+        )
+        source = made[-1].target
+    return made
+
+
+GAUSSIAN_REACH = 1.5
+"""Half the width of the Gaussian's samples, in standard deviations: Bevy's value."""
+
+
+class _Axis(NamedTuple):
+    axis: tuple[float, float]
+
+
+class SeparableGaussianKernel:
+    """As the Gaussian depth of field of Bevy (0.14).
+
+    Notes
+    -----
+    Every pixel has its own width, so that the two axes are a two-dimensional Gaussian only where
+    neighbours are blurred alike. No depth is compared: a sharp foreground leaks into the
+    blurred background, and a blurred foreground ends at its silhouette edge.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        coc: CocPasses,
+        settings: DepthOfField,  # noqa: ARG002 - the method has no numbers
+    ) -> None:
+        self._rows = _along(ctx, coc.colour_and_coc)
+        self._columns = _along(ctx, self._rows.target)
+        self.target = self._columns.target
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the present points."""
+        self._rows.render(_Axis((1.0, 0.0)))
+        self._columns.render(_Axis((0.0, pixel_aspect)))
+
+
+def _along(ctx: moderngl.Context, source: moderngl.Texture) -> FullscreenPass:
+    return FullscreenPass(
+        ctx,
+        "depth_of_field/separable_gaussian.frag",
+        size_px=source.size,
+        inputs={"source": source},
+        filtered={"source"},
+        defines={"REACH": GAUSSIAN_REACH},
+    )
