@@ -19,8 +19,11 @@ if TYPE_CHECKING:
     from vrcomfort.tradeoff.methods import Effect
 
 Name = TypeVar("Name", bound=str)
-QUICK_SAMPLES = 512
-QUICK_SIZE_PX = (160, 200)
+QUICK_SAMPLES = 256
+QUICK_SIZE_PX = (640, 800)
+"""Large enough to see the blur, and how methods differ in it."""
+SMALL_SIZE_PX = (160, 200)
+"""Of quick tables of costs alone."""
 
 
 def register(app: typer.Typer) -> None:
@@ -49,13 +52,17 @@ def tradeoff(
         ),
     ] = None,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Measure one small view with fewer samples.")
+        bool,
+        typer.Option(
+            "--quick", help="Measure the left eye's image of one view, with fewer samples."
+        ),
     ] = False,
     size: Annotated[
         str | None,
         typer.Option(
             metavar="WxH",
-            help="Pixels of one eye's image; by default 320x400, or 160x200 with --quick.",
+            help="Pixels of one eye's image; by default 320x400, or 640x800 with --quick "
+            "(160x200 for costs alone).",
         ),
     ] = None,
     lens: Annotated[
@@ -69,8 +76,13 @@ def tradeoff(
         bool, typer.Option("--windows", help="Judge windows of images of 1832x1920, left eye.")
     ] = False,
     eyes: Annotated[
-        int, typer.Option(help="Number of eyes to judge; 1: the left.", min=1, max=2)
-    ] = 2,
+        int | None,
+        typer.Option(
+            help="Number of eyes to judge; 1: the left. By default 2, or 1 with --quick.",
+            min=1,
+            max=2,
+        ),
+    ] = None,
     flicker: Annotated[
         bool,
         typer.Option(
@@ -95,6 +107,14 @@ def tradeoff(
             min=1,
         ),
     ] = None,
+    budget_ms: Annotated[
+        float | None,
+        typer.Option(
+            help="Milliseconds that a stereo frame may take, for which the page says what to "
+            "choose; by default nine tenths of a 90 Hz period.",
+            min=0,
+        ),
+    ] = None,
     jobs: Annotated[
         int | None, typer.Option(help="Number of processes; by default one per core.", min=1)
     ] = None,
@@ -117,6 +137,7 @@ def tradeoff(
     was stopped goes on where it was.
 
     - `vrcomfort tradeoff --quick --out out/tradeoff`
+    - `vrcomfort tradeoff --quick --budget-ms 8 --out out/tradeoff`
     - `vrcomfort tradeoff --scene temple --effects depth_of_field --samples 4096 --out temple`
     - `vrcomfort tradeoff --effects depth_of_field --size 1832x1920 --windows --out headset`
     - `vrcomfort tradeoff --effects vignette,speed_blur --out effects`
@@ -126,6 +147,7 @@ def tradeoff(
     # Before anything loads OpenMP: FLIP's threads would wait for each other's cores.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     from vrcomfort.tradeoff.cases import Scope
+    from vrcomfort.tradeoff.choice import BUDGET_MS
     from vrcomfort.tradeoff.effect_costs import NAMES
     from vrcomfort.tradeoff.methods import EFFECTS, LENS_NAMES
     from vrcomfort.tradeoff.run import tradeoff as run
@@ -142,8 +164,8 @@ def tradeoff(
                 f"--effects {effects} asks for tables of different kinds; ask in runs of their "
                 f"own for focus, for {', '.join(NAMES)}, and for {', '.join(EFFECTS)}"
             )
-        others = (methods, lens, views, view, samples, jobs, cluster, cache)
-        if any((windows, flicker, references, eyes == 1, *(each is not None for each in others))):
+        others = (methods, lens, eyes, views, view, samples, budget_ms, jobs, cluster, cache)
+        if any((windows, flicker, references, *(each is not None for each in others))):
             message = f"--effects {effects} takes --scene, --size, --rounds and --quick alone"
             raise InputError(message)
         where = output_folder(out), shown
@@ -166,7 +188,7 @@ def tradeoff(
         rounds=rounds,
         lenses=_chosen("--lens", lens, ("3.5",), LENS_NAMES),
         windows=windows,
-        eyes=1 if eyes == 1 else 2,
+        eyes=1 if (eyes or (1 if quick else 2)) == 1 else 2,
         flicker=flicker,
     )
     with ExitStack() as bars:
@@ -185,6 +207,7 @@ def tradeoff(
             jobs=jobs or os.cpu_count() or 1,
             cluster=cluster,
             only_references=references,
+            budget_ms=BUDGET_MS if budget_ms is None else budget_ms,
             progress=progress,
         )
     for doubt in summary.doubts:
@@ -209,7 +232,7 @@ def _tradeoff_of_focus(
     from vrcomfort.tradeoff import focus_search as focus
     from vrcomfort.tradeoff.captures import context
 
-    sizes = (QUICK_SIZE_PX,) if quick else focus.SIZES_PX
+    sizes = (SMALL_SIZE_PX,) if quick else focus.SIZES_PX
     sizes = (parse_size(size),) if size else sizes
     rounds = rounds or (focus.QUICK_ROUNDS if quick else focus.ROUNDS)
     places = focus.QUICK_PLACES if quick else focus.PLACES
@@ -238,7 +261,7 @@ def _tradeoff_of_effects(
     from vrcomfort.tradeoff.captures import context
     from vrcomfort.tradeoff.cases import Scope
 
-    size_px = parse_size(size) if size else QUICK_SIZE_PX if quick else Scope.size_px
+    size_px = parse_size(size) if size else SMALL_SIZE_PX if quick else Scope.size_px
     scope = Scope(scenes=scenes, size_px=size_px, quick=quick, rounds=rounds)
     steps = measured.steps(names) * len(scenes)
     with progress_bar("effects", steps, quiet=quiet) as advance:

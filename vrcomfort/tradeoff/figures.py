@@ -1,10 +1,10 @@
-"""Pareto figure of a scene: error against cost, both on log axes."""
+"""Pareto figures of a scene and of a choice: error against cost, both on log axes."""
 
 from __future__ import annotations
 
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
 from vrcomfort.tradeoff import results
+from vrcomfort.tradeoff.choice import Choice
 from vrcomfort.tradeoff.measure import SCATTER
 from vrcomfort.tradeoff.results import by_dial
 
@@ -53,8 +54,12 @@ SAME_PX = 3.0
 
 def pareto_figure(name: str, rows: Sequence[Row], folder: Path) -> str:
     """Write `name`.svg and `name`.png into `folder`; return the SVG text."""
+    return _write(name, lambda: draw(rows), folder)
+
+
+def _write(name: str, draw: Callable[[], Figure], folder: Path) -> str:
     with mpl.rc_context({**STYLE, "svg.hashsalt": name}):
-        figure = draw(rows)
+        figure = draw()
         stream = io.StringIO()
         figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
         figure.savefig(folder / f"{name}.png", dpi=150, metadata={"Software": None})
@@ -117,7 +122,53 @@ def _decorate(axes: Axes, rows: Sequence[Row]) -> None:
     views = "view" if first["views"] == 1 else "views"
     title = f"{results.title(results.key_of_row(first))} ({first['views']} {views})"
     axes.set_title(title, loc="left", fontsize=10, pad=24)
-    axes.set_xlabel("cost: 1 + effect ÷ plain frame")
+    _frame(axes, "cost: 1 + effect ÷ plain frame")
+
+
+def front_figure(choice: Choice, folder: Path) -> str:
+    """Write the front of a choice as `choice_….svg` and `.png`; return the SVG text."""
+    name = f"choice_{results.figure_name(('all', *choice.key[1:]))}"
+    return _write(name, lambda: draw_front(choice), folder)
+
+
+def draw_front(choice: Choice) -> Figure:
+    """Return error against milliseconds of a frame: the front, with what is chosen on it."""
+    figure = Figure(figsize=(7.2, 3.9), layout=ConstrainedLayoutEngine(w_pad=0.08))
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    x, y = [each.frame_ms for each in choice.others], [each.rms for each in choice.others]
+    axes.plot(x, y, "o", ms=MARKER_PT, color="#cfcfcf", zorder=2, label="not on the front")
+    x, y = [each.frame_ms for each in choice.front], [each.rms for each in choice.front]
+    axes.plot(x, y, "-", lw=1.2, color=FAINT, zorder=2.2)
+    for family, colour in COLOURS.items():
+        mine = [(each.frame_ms, each.rms) for each in choice.front if each.family == family]
+        if mine:
+            look: dict[str, Any] = {"color": colour, "zorder": 3, "label": WORDS[family]}
+            axes.plot(*zip(*mine, strict=True), MARKERS[family], ms=MARKER_PT, **look)
+    ring: dict[str, Any] = {"ms": RING_PT + 2, "mfc": "none", "mec": INK, "mew": 1.6}
+    at = choice.chosen
+    axes.plot([x[at]], [y[at]], "o", zorder=4, label="to choose", **ring)
+    _frame(axes, "milliseconds of a stereo frame")
+    low, high = axes.get_xlim()
+    if low < choice.budget_ms < high:
+        axes.axvline(choice.budget_ms, color=FAINT, lw=0.9, ls="--", zorder=1)
+    nothing = {"counts": False, "step": None}
+    rows = [
+        {**nothing, "method": o.label, "cost": o.frame_ms, "rms": o.rms, "family": o.family}
+        for o in (*choice.front, *choice.others)
+    ]
+    _place_labels(figure, axes, rows, len(choice.front))
+    for text in axes.texts:
+        if text.get_text() == choice.front[at].label:
+            text.set_fontweight("bold")
+    return figure
+
+
+def _frame(axes: Axes, cost: str) -> None:
+    """Name and number the axes."""
+    axes.set_xlabel(cost)
     axes.set_ylabel("RMS error against brute force (R1)\nlinear light, display white = 1")
     for axis in (axes.xaxis, axes.yaxis):
         start, end = axis.get_view_interval()
@@ -131,12 +182,12 @@ def _decorate(axes: Axes, rows: Sequence[Row]) -> None:
     axes.grid(visible=True, lw=0.4, color="#e2e2e2", zorder=0)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(
-            frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=3
+            frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=5
         )
 
 
-def _place_labels(figure: Figure, axes: Axes, rows: list[Row]) -> None:
-    """Label the markers, those that coincide together."""
+def _place_labels(figure: Figure, axes: Axes, rows: list[Row], labelled: int | None = None) -> None:
+    """Label the markers (the first ones, where `labelled` says how many), coinciding ones once."""
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     spread(axes)
@@ -146,7 +197,7 @@ def _place_labels(figure: Figure, axes: Axes, rows: list[Row]) -> None:
     centers = axes.transData.transform([(r["cost"], r["rms"]) for r in rows])
     rings = [MARKER_PT if row["counts"] else RING_PT for row in rows]
     markers = np.column_stack([centers, np.array(rings) / 2 * pixels_per_point])
-    groups = coinciding(rows, markers)
+    groups = coinciding(rows[:labelled], markers)
     texts = [_text(axes, [rows[index] for index in group]) for group in groups]
     boxes = [text.get_window_extent() for text in texts]
     own = np.array([[*centers[g].mean(axis=0), markers[g, 2].max()] for g in groups])

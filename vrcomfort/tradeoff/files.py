@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import csv
+import io
 import json
 from collections.abc import Sequence
 from dataclasses import fields
@@ -21,7 +23,8 @@ from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.text_layout import TextCanvas
 from vrcomfort.tradeoff import tables
 from vrcomfort.tradeoff.cases import Case
-from vrcomfort.tradeoff.figures import pareto_figure
+from vrcomfort.tradeoff.choice import BUDGET_MS, Choice, choices
+from vrcomfort.tradeoff.figures import front_figure, pareto_figure
 from vrcomfort.tradeoff.measure import MeasuredCase
 from vrcomfort.tradeoff.methods import EFFECTS
 from vrcomfort.tradeoff.results import (
@@ -51,8 +54,16 @@ CSV_COLUMNS = (
 CASE = tuple(field.name for field in fields(Case))
 
 
-def write_all(out: Path, found: dict[str, Any], measured: Sequence[MeasuredCase]) -> Path:
-    """Write everything into `out`, in place of an earlier run's files; return the page's path."""
+def write_all(
+    out: Path,
+    found: dict[str, Any],
+    measured: Sequence[MeasuredCase],
+    budget_ms: float = BUDGET_MS,
+) -> Path:
+    """Write everything into `out`, in place of an earlier run's files; return the page's path.
+
+    The page begins with what to choose where a stereo frame may take `budget_ms`.
+    """
     _remove_earlier(out)
     for folder in ("figures", "sheets"):
         (out / folder).mkdir(parents=True, exist_ok=True)
@@ -63,7 +74,12 @@ def write_all(out: Path, found: dict[str, Any], measured: Sequence[MeasuredCase]
     figures = _write_figures(out / "figures", found)
     sheets = _write_sheets(out / "sheets", found, measured)
     page = out / "index.html"
-    page.write_text(render_page(found, figures, sheets), encoding="utf-8")
+    chosen = [
+        {"choice": each, "figure": front_figure(each, out / "figures"),
+         "crops": _crops(each, found, measured)}
+        for each in choices(found, budget_ms)
+    ]  # fmt: skip
+    page.write_text(render_page(found, figures, sheets, chosen), encoding="utf-8")
     return page
 
 
@@ -87,8 +103,10 @@ def _pictures_of(row: dict[str, Any]) -> list[str]:
     case = Case(**{name: row[name] for name in CASE})
     if case.scene not in SCENES or case.effect not in EFFECTS or case.motion not in MOTIONS:
         return []
-    figure = f"figures/{figure_name((case.scene, case.effect, case.lens))}"
-    return [f"{figure}.svg", f"{figure}.png", f"sheets/{case.name}.png"]
+    names = (f"{figure_name((case.scene, case.effect, case.lens))}",
+             f"choice_{figure_name(('all', case.effect, case.lens))}")  # fmt: skip
+    figures = [f"figures/{name}.{kind}" for name in names for kind in ("svg", "png")]
+    return [*figures, f"sheets/{case.name}.png"]
 
 
 def _write_csv(path: Path, rows: Sequence[dict[str, Any]]) -> None:
@@ -125,7 +143,12 @@ def _write_sheets(
 TEMPLATE = "tradeoff.html.j2"
 
 
-def render_page(found: dict[str, Any], figures: dict[str, str], sheets: dict[str, str]) -> str:
+def render_page(
+    found: dict[str, Any],
+    figures: dict[str, str],
+    sheets: dict[str, str],
+    chosen: Sequence[dict[str, Any]] = (),
+) -> str:
     """Fill the template.
 
     Parameters
@@ -134,6 +157,8 @@ def render_page(found: dict[str, Any], figures: dict[str, str], sheets: dict[str
         SVG text by scene and effect, inlined.
     sheets
         Paths of contact sheets, from the page, by case.
+    chosen
+        For each :class:`Choice` its figure (SVG text) and its crops by scene.
     """
     groups = list(dict.fromkeys(key_of_row(row) for row in found["table"]))
     sections = [
@@ -153,6 +178,15 @@ def render_page(found: dict[str, Any], figures: dict[str, str], sheets: dict[str
         .render(
             r=found,
             sections=sections,
+            chosen=[
+                {
+                    **each,
+                    "answer": tables.answer(each["choice"], found["scope"]["size_px"]),
+                    "figure": inline_svg(each["figure"], f"choice{number}"),
+                }
+                for number, each in enumerate(chosen)
+            ],
+            options=tables.OPTION_COLUMNS,
             columns=tables.COLUMNS,
             regions=tables.REGION_COLUMNS,
             notes=tables.notes(found),
@@ -213,6 +247,43 @@ def _faded(image: Array, counted: NDArray[np.bool_]) -> Array:
     pale = 1 - FADED * (1 - np.clip(image, 0, 1))
     found: Array = np.where(counted, image, np.where(line, 0.0, pale))
     return found
+
+
+def _crops(
+    choice: Choice, found: dict[str, Any], measured: Sequence[MeasuredCase]
+) -> dict[str, list[tuple[str, str]]]:
+    """Return for each scene names and pictures (data URIs) around what is chosen, at 100 %.
+
+    They are what is next on the front in both directions, no blur and the reference.
+    """
+    at, front = choice.chosen, choice.front
+    near = [("a step cheaper: ", at - 1), ("to choose: ", at), ("a step closer: ", at + 1)]
+    near = [(words, i) for words, i in near if 0 <= i < len(front)]
+    names = [
+        ("no blur", "no blur"),
+        *(
+            (f"{words}{front[i].label}", front[i].method)
+            for words, i in near
+            if 0 <= i < len(front)
+        ),
+        ("brute force", "reference"),
+    ]
+    crops: dict[str, list[tuple[str, str]]] = {}
+    for each in measured:
+        case = each.case
+        if (case.effect, case.lens) != choice.key[1:] or case.scene in crops:
+            continue
+        exposure = found["exposures"][case.scene]
+        shown = {name: tone_mapped(each.pictures[name], exposure=exposure) for _, name in names}
+        where = _crop(shown["reference"], shown["no blur"], each.counted)
+        crops[case.scene] = [(label, _data_uri(_rgb8(shown[name][where]))) for label, name in names]
+    return crops
+
+
+def _data_uri(pixels: NDArray[np.uint8]) -> str:
+    stream = io.BytesIO()
+    Image.fromarray(pixels).save(stream, "PNG")
+    return f"data:image/png;base64,{base64.b64encode(stream.getvalue()).decode()}"
 
 
 def _crop(reference: Array, sharp: Array, counted: NDArray[np.bool_]) -> tuple[slice, slice]:

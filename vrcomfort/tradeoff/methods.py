@@ -169,7 +169,7 @@ def _name(step: int, field: str) -> str:
 def _views(quick: bool) -> list[BlurMethod]:
     if "views" not in DepthOfField.model_fields:
         return []
-    steps = VIEWS[:4] if quick else VIEWS
+    steps = VIEWS[1:3] if quick else VIEWS
     return _dial("depth_of_field", "dial", "views", steps, _lens_condition)
 
 

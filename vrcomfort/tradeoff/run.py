@@ -13,6 +13,7 @@ from vrcomfort.gpu.gl import describe, is_software
 from vrcomfort.render.image_error import margin_px, require_flip
 from vrcomfort.tradeoff.captures import context
 from vrcomfort.tradeoff.cases import Case, Scope, cases, eyes_of
+from vrcomfort.tradeoff.choice import BUDGET_MS
 from vrcomfort.tradeoff.costs import CaseTime, rounds_of, time_case, traffic_of_method
 from vrcomfort.tradeoff.files import write_all
 from vrcomfort.tradeoff.measure import MeasuredCase, measure
@@ -46,9 +47,12 @@ def tradeoff(
     jobs: int = 1,
     cluster: str | None = None,
     only_references: bool = False,
+    budget_ms: float = BUDGET_MS,
     progress: StageProgress,
 ) -> Summary:
     """Measure everything in `scope` and write it into `out`; or only draw and keep references.
+
+    The page says what to choose where a stereo frame may take `budget_ms`.
 
     Raises
     ------
@@ -75,7 +79,7 @@ def tradeoff(
     found = results(
         scope, measured, times, traffic, f"{facts['renderer']}, {facts['version']}", _timer()
     )
-    page = write_all(out, found, measured)
+    page = write_all(out, found, measured, budget_ms)
     return Summary(page, _reused(drawn, measured), doubts(found["again"]))
 
 

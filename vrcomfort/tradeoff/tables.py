@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
+from vrcomfort.tradeoff.choice import Choice, Option
 from vrcomfort.tradeoff.costs import LONGEST_S, SLOW_S
 from vrcomfort.tradeoff.error_measures import REGIONS
 from vrcomfort.tradeoff.measure import SCATTER
@@ -209,6 +210,39 @@ VERDICT_COLUMNS: tuple[tuple[str, Callable[[Row], str]], ...] = (
     ("both cheaper and closer", _beaten),
 )
 """Heading and text of each column of the verdicts."""
+
+
+OPTION_COLUMNS: tuple[tuple[str, Callable[[Option], str]], ...] = (
+    ("a frame may take (ms)", lambda o: f"from {number(o.frame_ms, 3)}"),
+    ("choose", lambda o: o.label),
+    ("in the protocol", lambda o: "; ".join(o.lines)),
+    ("plain frames", lambda o: number(o.cost, 3)),
+    ("RMS · 10³", lambda o: _thousandths(o.rms)),
+    ("FLIP", lambda o: number(o.flip, 2)),
+)
+"""Heading and text of each column of a front by its milliseconds."""
+
+
+def answer(choice: Choice, size_px: Sequence[int]) -> str:
+    """Return what to choose, in words."""
+    width, height = size_px
+    one = choice.front[choice.chosen]
+    price = (
+        f"a stereo frame of {width}×{height} px per eye then takes {number(one.frame_ms, 3)} ms "
+        f"({number(one.cost, 3)} plain frames)"
+    )
+    error = (
+        f"Its RMS error is {number(one.rms / choice.sharp_rms * 100, 2)} % of that without blur."
+        if choice.sharp_rms
+        else ""
+    )
+    budget = f"{choice.budget_ms:.3g} ms"
+    if choice.fits:
+        return f"For {budget} choose {one.label}: {price}. {error}"
+    return (
+        f"Nothing fits {budget} on this device: a plain frame takes {number(choice.plain_ms, 3)} "
+        f"ms. The cheapest on the front is {one.label}: {price}. {error}"
+    )
 
 
 def headline(found: dict[str, Any]) -> str:
