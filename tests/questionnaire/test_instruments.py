@@ -17,6 +17,7 @@ from vrcomfort.questionnaire import (
     find_instrument,
     guess,
     parse_instrument,
+    read_sheets,
     score,
     score_file,
     shipped_instruments,
@@ -302,3 +303,11 @@ def test_the_printed_form_of_18_questions_scores_14():
     for item in ("anxiety", "drowsiness", "loss_of_appetite", "desire_to_move_bowels"):
         alone = score(form, {**dict.fromkeys(worst, 0), item: 4})
         assert [alone[name].points for name in "NODT"] == [0, 0, 0, 0]
+
+
+def test_an_answer_is_the_same_number_however_it_is_written(tmp_path):
+    file = tmp_path / "answers.csv"
+    file.write_text("item,response\ncalm,02.50\nill,03.0\n", "utf-8")
+    (sheet,) = read_sheets(file, parse_instrument(own(("high = 5", "high = 5\nstep = 0.5"))))
+    assert sheet.answers == {"calm": 2.5, "ill": 3}
+    assert isinstance(sheet.answers["ill"], int)

@@ -166,7 +166,11 @@ def test_a_new_language_comes_from_a_file_outside_the_package(tmp_path):
             "rest_minutes",
         ),
         (dutch().replace('"trois", ', ""), "3 labels, and the SSQ has 4", "labels"),
-        (dutch().replace("burping =", "burp ="), "there is no item `burp`", "burp"),
+        (
+            dutch().replace("burping =", "burp ="),
+            "there is no item `burp`; did you mean `burping`?",
+            "burp",
+        ),
         (dutch().replace("text.nl", "text.it"), "`it` is not among `languages`", "[text.it]"),
     ],
 )

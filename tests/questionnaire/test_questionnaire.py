@@ -153,7 +153,7 @@ def test_files_that_cannot_be_read(tmp_path):
     with pytest.raises(InputError, match="no such file"):
         score_ssq(tmp_path / "none.csv")
     (tmp_path / "empty.csv").touch()
-    with pytest.raises(InputError, match="empty"):
+    with pytest.raises(InputError, match="this file is empty"):
         score_ssq(tmp_path / "empty.csv")
 
 
@@ -246,3 +246,5 @@ def test_a_sum_in_the_column_of_an_item_is_found(tmp_path):
     assert found.value.column == "Nausea"
     file = wide(tmp_path, *rows, headings=[*HEADINGS, "Nausea sum"])
     assert len(score_ssq(file)) == 6
+    file = wide(tmp_path, "P1" + ",0" * 17, "P2" + ",0" * 17, headings=[*headings, "Nausea"])
+    assert len(score_ssq(file)) == 2, "of zeros alone nobody knows"

@@ -16,8 +16,11 @@ from vrcomfort.report.exclusions import PERSON, ExcludedByRule
 from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.rated_exposures import LiveClock, LiveTime, rated_exposures
 from vrcomfort.report.ratings import analyse_time_courses
+from vrcomfort.report.ratings.figures import course_figure, survival_figure
+from vrcomfort.report.ratings.survival import TimeToEvent
 from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import read_study
+from vrcomfort.report.vocabulary import Vocabulary
 
 
 def plan_of(**ratings):
@@ -200,6 +203,35 @@ def test_live_time_of_even_frames_is_the_time():
     even = LiveTime.of(np.arange(10) / 10, np.full(10, 0.1), 1.0)
     assert even.freezes == ()
     assert [even.at(t) for t in (0.0, 0.55, 1.0)] == pytest.approx([0, 0.55, 1])
+
+
+def words_of(*conditions):
+    return Vocabulary.of((), {name: name for name in conditions}, [], (), None)
+
+
+def test_below_a_curve_of_who_left_stand_the_exposures_at_risk():
+    ends_s = {"a": [60.0, 120.0, 180.0, 240.0], "b": [150.0, 240.0]}
+    events = [
+        TimeToEvent(f"P{n}", condition, 1, end_s, came=n != 2)
+        for condition, times_s in ends_s.items()
+        for n, end_s in enumerate(times_s)
+    ]
+    drawing = survival_figure("leaving_curves", events, "share", words_of("a", "b"), 0.95)
+    above, below = drawing.figure.axes
+    minutes = [tick for tick in above.get_xticks() if 0 <= tick <= above.get_xlim()[1]]
+    assert len(minutes) > 3
+    assert [text.get_text() for text in below.texts] == [
+        str(sum(end_s >= 60 * tick for end_s in times_s))
+        for times_s in ends_s.values()
+        for tick in minutes
+    ]
+
+
+def test_several_conditions_have_a_panel_each_and_one_together(tmp_path):
+    several = courses_of(two_conditions(people=2), tmp_path / "two")
+    assert len(course_figure(several, words_of("a", "b")).figure.axes) == 3
+    one = courses_of(RatedStudy().expose("P1", "a", [4, 5]), tmp_path / "one")
+    assert len(course_figure(one, words_of("a")).figure.axes) == 1
 
 
 PLAN = """

@@ -12,7 +12,7 @@ from tests.support.made_studies import left_under_one
 from tests.support.report import Study, answers, build_report, foreign, write_csv
 from vrcomfort.report.analyses import outcome_sentences, sentences
 from vrcomfort.report.derived_plan import plan_of
-from vrcomfort.report.families import disagreement, holds, is_shown
+from vrcomfort.report.families import disagreement, holds, is_shown, verdict_alone
 from vrcomfort.report.plan_files import load_plan
 from vrcomfort.report.results import Results, analyse
 from vrcomfort.report.rows import as_json
@@ -98,6 +98,20 @@ def contradictions(line: str, claim: str) -> list[str]:
         if held == bool(SHOWN.search(claim)) and not found["said"]:
             wrong.append(found[0])
     return wrong
+
+
+@pytest.mark.parametrize(
+    ("p", "smallest_p", "higher", "verdict"),
+    [
+        (None, 0.001, True, None),
+        (0.05, 0.001, True, "higher"),
+        (0.05, 0.001, False, "lower"),
+        (0.051, 0.05, True, "not_shown"),
+        (0.2, 0.051, True, "not_possible"),
+    ],
+)
+def test_a_test_in_no_family_decides_by_its_own_p(p, smallest_p, higher, verdict):
+    assert verdict_alone(p, smallest_p, 0.95, higher=higher) == verdict
 
 
 @pytest.mark.parametrize("seed", range(16))
