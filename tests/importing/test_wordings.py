@@ -131,3 +131,47 @@ def test_the_name_of_a_scale_is_known_where_a_program_has_cut_it(tmp_path: Path)
     imported = imported_from(write(tmp_path / "answers.csv", rows))
     said = {(place.condition, place.timepoint) for _, place in imported.responses}
     assert said == {(condition, time) for condition in "ab" for time in ("baseline", "post")}
+
+
+def test_words_without_accents_are_the_words(tmp_path: Path) -> None:
+    headings = ["demanda_mental", "demanda_fisica", "demanda_temporal", "desempenho"]
+    headings += ["esforco", "frustracao"]
+    rows: list[list[object]] = [["participante", "tarefa", *(f"tlx_{h}" for h in headings)]]
+    rows += [[f"P{n}", t, *((n + t + k) % 21 for k in range(6))] for n in range(6) for t in (1, 2)]
+    (instrument,) = {i for i, _ in imported_from(write(tmp_path / "r.csv", rows)).responses}
+    assert instrument == "nasa_tlx"
+    assert "misspellings" not in suggest_mapping([tmp_path / "r.csv"]).text
+
+
+def test_two_factors_that_tell_rows_apart_together_are_the_condition(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["Q1", "Q2", "Q3", *(f"Q4_{n}" for n in range(1, 7))]]
+    rows += [
+        [f"T0{n}", display, task, *((7 * n + 11 * k + len(display)) % 101 for k in range(6))]
+        for n in range(1, 9)
+        for display in ("HUD", "none")
+        for task in ("fixed", "free")
+        if n != 5 or task == "free"
+    ]
+    imported = imported_from(write(tmp_path / "NASA_TLX.csv", rows))
+    said = {place.condition for _, place in imported.responses}
+    assert said == {"HUD_fixed", "HUD_free", "none_fixed", "none_free"}
+    assert {place.participant for _, place in imported.responses} == {f"T0{n}" for n in range(1, 9)}
+
+
+def test_rows_of_reckonings_between_those_of_people_are_left_out(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["", *(f"Question {n}" for n in range(1, 11)), "SUS Score"]]
+    for n in range(1, 9):
+        rows.append([f"Participant {n}", *(1 + (n * k) % 5 for k in range(10)), ""])
+        rows.append(["NEW VALUE", *((n * k) % 5 for k in range(10)), 50 + n])
+    rows.append(["Average SUS score", *[""] * 10, 54.5])
+    imported = imported_from(write(tmp_path / "SUS.csv", rows))
+    assert {p.participant for _, p in imported.responses} == {
+        f"Participant {n}" for n in range(1, 9)
+    }
+    assert {place.trial for _, place in imported.responses} == {""}
+
+
+def test_answers_below_numbers_of_items_are_no_repeated_headings(tmp_path: Path) -> None:
+    rows: list[list[object]] = [[*range(1, 11)]]
+    rows += [[1, 2, 3, 2, 1, n % 5 + 1, 2, 5, 2, 3] for n in range(8)]
+    assert len(imported_from(write(tmp_path / "sus.csv", rows)).responses) == 8

@@ -191,6 +191,15 @@ def test_an_item_that_no_questionnaire_of_a_study_has_makes_a_short_form(tmp_pat
     assert "without burping: Nausea (short form) goes from 0 to 171.72" in notice
 
 
+def test_the_items_of_one_subscale_are_scored_alone(tmp_path):
+    folder = without(recorded(tmp_path / "s"), {"": {*ITEMS} - {*OCULOMOTOR}})
+    results = report(folder, tmp_path / "o")
+    assert "Oculomotor" in titles(results)
+    assert "Total severity (short form)" in titles(results)
+    assert all(not test["not_tested"] and test["n"] == 12 for test in results["tests"])
+    assert not results["quality"]["excluded_questionnaires"]
+
+
 def test_an_item_that_some_people_lack_is_missing(tmp_path):
     folder = without(recorded(tmp_path / "s"), {"P03": {"burping"}})
     results = report(folder, tmp_path / "o")

@@ -521,8 +521,8 @@ def _as_asked(
 def _never_asked(sheets: Iterable[Sheet], known: Mapping[str, Instrument]) -> dict[str, list[str]]:
     """Return the items of each instrument that no questionnaire has, where that is its design.
 
-    It is one where all questionnaires lack the same few items, and most have an answer to every
-    other one: what a session that was cut short lacks is missing.
+    It is one where all questionnaires lack the same few items, or all but a subscale's, and most
+    have an answer to every other one: what a session that was cut short lacks is missing.
     """
     by_name: dict[str, list[Sheet]] = defaultdict(list)
     for sheet in sheets:
@@ -534,7 +534,9 @@ def _never_asked(sheets: Iterable[Sheet], known: Mapping[str, Instrument]) -> di
         asked = [item for item in needed if item in there]
         whole = [s for s in mine if all(s.answers.get(item) is not None for item in asked)]
         several = len({sheet.participant for sheet in whole}) >= FEWEST_WHOLE
-        most = len(whole) > len(mine) / 2 and 2 * len(asked) >= len(needed)
+        subscales = [{term.item for term in scale.terms} for scale in known[name].scales]
+        enough = 2 * len(asked) >= len(needed) or any(each and each <= there for each in subscales)
+        most = len(whole) > len(mine) / 2 and enough
         if len(asked) < len(needed) and several and most:
             lost = [item for item in needed if item not in there]
             found[name] = [*known[name].not_asked, *lost]

@@ -12,6 +12,7 @@ from vrcomfort.importing.suggest.evidence import (
     COUNTS_EXPOSURES,
     GROUPS_PEOPLE,
     MOST_CONDITIONS,
+    Candidate,
     candidates,
     texts,
     varies_within,
@@ -88,11 +89,36 @@ class Conditions(FactDraft):
         elif found[0].column in decided:  # it keeps the role that it has
             self.found.draft.put("condition", {"column": self.heading(found[0].column)})
             self.doubt_of(found[0])
+        elif factors := self._factors(
+            [each for each in found if each.evidence is found[0].evidence]
+        ):
+            self._join_condition(factors)
+            for column in factors:
+                if column in self._roles.unknown:
+                    self._roles.unknown.remove(column)
+            names = ", ".join(repr(self.heading(column)) for column in factors)
+            question = f"Are conditions made of {names} together?"
+            self.doubt(question, "they are, joined by _", CONDITIONS)
         else:
             self.use("condition", found[0].column)
             if found[0].column in self._roles.unknown:
                 self._roles.unknown.remove(found[0].column)
             self.doubt_of(found[0])
+
+    def _factors(self, found: Sequence[Candidate]) -> list[int]:
+        """Return the columns that tell a person's rows apart together, and none of them alone."""
+        who, rows = self._context.participant, self._table.rows
+        chosen: list[int] = []
+        different = len({row[who] for row in rows}) if who is not None else len(rows)
+        keys = [who] if who is not None else []
+        for each in found:
+            finer = len({tuple(row[c] for c in (*keys, *chosen, each.column)) for row in rows})
+            if different < finer:
+                chosen.append(each.column)
+                different = finer
+            if different == len(rows):
+                return chosen if len(chosen) > 1 else []
+        return []
 
     def _crossover(self, group: int, number: int) -> None:
         """Take group and number of the exposure together for the condition."""
@@ -132,6 +158,7 @@ class Conditions(FactDraft):
             return  # ratings of one exposure are many rows of one condition
         keys = [self._context.participant, *self._answers.row_keys]
         keys += [c for columns in self._context.columns.values() for c in columns]
+        people = {*self._table.column(self._context.participant)}  # without rows left out
         seen: dict[tuple[str, ...], tuple[int, tuple[str, ...]]] = {}
         again: dict[str, list[str]] = {}
         for table in self._answers.tables:
@@ -140,7 +167,7 @@ class Conditions(FactDraft):
                     continue
                 key = (table.file.name, table.sheet, *(row[c] for c in dict.fromkeys(keys)))
                 who = row[self._context.participant]
-                if key in seen and who:
+                if key in seen and who in people - {""}:
                     first, cells = seen[key]
                     same = [f"row {number} is the same as row {first}"] if cells == row else []
                     again.setdefault(who, []).extend(same)

@@ -271,18 +271,19 @@ def _tells_people_apart(context: Context, column: int) -> bool:
 
 
 def _codes_in_equally_many_rows(context: Context, column: int) -> bool:
-    """Return whether a column of the first ones has codes such as P01, each equally often."""
+    """Return whether a column of the first ones has codes such as P01, in several rows each.
+
+    They are equally often there, or count on from 1 behind one letter or word.
+    """
     counts = Counter(cell for cell in context.table.column(column) if cell)
-    codes = all(re.fullmatch(r"[^\W\d_]{1,12}[ _-]?\d+", text) for text in counts)
-    often = {*counts.values()}
-    among_first = column in context.roles.unknown[:FIRST_COLUMNS]
-    return (
-        among_first
-        and codes
-        and len(counts) >= _FEWEST_PEOPLE
-        and len(often) == 1
-        and min(often) > 1
-    )
+    codes = [re.fullmatch(r"([^\W\d_]{1,12}[ _-]?)(\d+)", text) for text in counts]
+    if column not in context.roles.unknown[:FIRST_COLUMNS] or len(counts) < _FEWEST_PEOPLE:
+        return False
+    parts = [(code[1], int(code[2])) for code in codes if code is not None]
+    count_on = {number for _, number in parts} == {*range(1, len(counts) + 1)}
+    one_way = count_on and len({word for word, _ in parts}) == 1
+    several = max(counts.values()) > 1 and (one_way or len({*counts.values()}) == 1)
+    return len(parts) == len(counts) and several
 
 
 _FEWEST_PEOPLE = 5
@@ -434,7 +435,7 @@ CELLS: tuple[CellEvidence, ...] = (
         "Does {heading!r} tell participants apart?", "it does",
     ),
     CellEvidence(
-        "participant", "codes, each in equally many rows", 25, _codes_in_equally_many_rows,
+        "participant", "codes, each in several rows", 25, _codes_in_equally_many_rows,
         "Does {heading!r} tell participants apart?", "it does",
     ),
     CellEvidence(
@@ -528,8 +529,11 @@ def repeated_headings(table: SourceTable, column: int) -> list[str]:
     headings = [*map(plain, table.headings)]
 
     def repeats(row: tuple[str, ...]) -> bool:
-        alike = (plain(cell) == name != "" for cell, name in zip(row, headings, strict=True))
-        return sum(alike) >= _FEWEST_REPEATED
+        alike = (plain(cell) == name for cell, name in zip(row, headings, strict=True))
+        words = (not (name == "" or name.isdecimal()) for name in headings)
+        return (
+            sum(same and word for same, word in zip(alike, words, strict=True)) >= _FEWEST_REPEATED
+        )
 
     return list(dict.fromkeys(row[column] for row in table.rows if row[column] and repeats(row)))
 
@@ -544,6 +548,23 @@ def total_rows(table: SourceTable, column: int, totals: Collection[str]) -> list
     found = [
         text
         for text in dict.fromkeys(cells[-8:])
-        if text.casefold().strip(" :.") in totals and cells.count(text) == 1
+        if _is_total(text, totals) and cells.count(text) == 1
     ]
-    return found if len(cells) >= 2 * len(found) else []
+    found = found if len(cells) >= 2 * len(found) else []
+    return found + _between_codes(cells)
+
+
+def _is_total(text: str, totals: Collection[str]) -> bool:
+    """Return whether a text is ``SD``, or ``Average SUS score``."""
+    words = tokens(text)
+    named = 1 < len(words) <= 4 and words[0] in totals and not any(map(str.isdecimal, words))
+    return text.casefold().strip(" :.") in totals or (named and len(words[0]) > 1)
+
+
+def _between_codes(cells: Sequence[str]) -> list[str]:
+    """Return the text that recurs between codes of people, each of them once."""
+    counts = Counter(cell for cell in cells if cell)
+    codes = [text for text in counts if re.fullmatch(r"[^\W\d_]+ ?\d+", text)]
+    again = [text for text, count in counts.items() if count > 1]
+    once = len(codes) >= _FEWEST_PEOPLE and not {*again} & {*codes}
+    return again if once and len(again) == 1 else []

@@ -17,6 +17,7 @@ from vrcomfort.importing.suggest.vocabulary import (
     FEWEST_OF_SENTENCE,
     Known,
     LabVocabulary,
+    bare,
     tokens,
 )
 from vrcomfort.questionnaire import Instrument, plain
@@ -99,7 +100,7 @@ def _worded(
     """
     if len(words) < FEWEST_OF_SENTENCE:
         return None
-    there = {*words}
+    there = [*map(bare, words)]
     likeness: dict[str, tuple[float, Set[str]]] = {}
     for item, weights in vocabulary.sentences(instrument):
         shared = sum(weight for word, weight in weights.items() if word in there)
@@ -111,7 +112,7 @@ def _worded(
         return None
     if len(ranked) > 1 and likeness[ranked[1]][0] > _AMBIGUOUS * likeness[ranked[0]][0]:
         return None
-    places = [n for n, word in enumerate(words) if word in likeness[ranked[0]][1]]
+    places = [n for n, word in enumerate(there) if word in likeness[ranked[0]][1]]
     return min(places), max(places) + 1, ranked[0]
 
 
@@ -460,14 +461,13 @@ def _is_named(table: SourceTable, columns: Sequence[int], instrument: Instrument
 
 def _fit(table: SourceTable, columns: Sequence[int], instrument: Instrument) -> bool:
     """Return whether most numbers in columns are answers, counted from its lowest or from 1."""
-    if not _are_answers(table, columns):
-        return False
     decimal = table.reading.decimal or "."
     cells = [cell for column in columns for cell in table.column(column) if cell]
     values = [value for cell in cells if (value := number(cell, decimal)) is not None]
     low, high = float(instrument.low), float(instrument.high)
     inside = sum(low <= value <= high + 1 for value in values)
-    return inside * 10 >= len(values) * 8
+    many = high - low > _MOST_ANSWERS and len(values) == len(cells) > 0
+    return (many or _are_answers(table, columns)) and inside * 10 >= len(values) * 8
 
 
 def _by_initials(
@@ -496,7 +496,11 @@ def _by_initials(
 def _are_answers(table: SourceTable, columns: Sequence[int]) -> bool:
     """Return whether columns hold a few short texts, as those of a questionnaire do."""
     texts = {text for column in columns for text in table.column(column) if text}
-    return 0 < len(texts) <= 30 and max(map(len, texts)) <= 40
+    return 0 < len(texts) <= _MOST_ANSWERS and max(map(len, texts)) <= 40
+
+
+_MOST_ANSWERS = 30
+"""Different answers to a questionnaire, but to one that has more, in numbers."""
 
 
 def _runs(table: SourceTable, known: Known) -> list[Found]:

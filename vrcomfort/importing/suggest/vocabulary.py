@@ -6,6 +6,7 @@ A word that is in no file is no fault: it becomes a doubt in the mapping, or an 
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
@@ -228,7 +229,12 @@ class LabVocabulary:
         merged = _merged([file.model_dump() for file in files])
         self.own_roles = {key: role for file in own[::-1] for role, _, key in _labels(file)}
         """Label of a lab's own file → role."""
-        self.roles = {key: role for file in files[::-1] for role, _, key in _labels(file)}
+        self.roles = {
+            key: role
+            for file in files[::-1]
+            for role, _, text in _labels(file)
+            for key in sorted(_keys(text))
+        }
         """Label → fact, covariate or `IGNORED`."""
         self.fact_words = _word_sets(merged["facts"], "words")
         self.covariate_words = _word_sets(merged["covariates"], "words")
@@ -272,8 +278,8 @@ class LabVocabulary:
                 for key in item.keys:
                     found.setdefault(key, item.name)
             for item in instrument.items:
-                for word in self._items.get(item.name, ()):
-                    found.setdefault(plain(word), item.name)
+                for key in sorted(_plain_set(self._items.get(item.name, ()))):
+                    found.setdefault(key, item.name)
             self._spellings[instrument] = found
         return self._spellings[instrument]
 
@@ -284,7 +290,7 @@ class LabVocabulary:
                 (item.name, frozenset(words))
                 for item in instrument.asked
                 for text in (*item.spellings(), *self._items.get(item.name, ()))
-                if len(words := tokens(text)) >= FEWEST_OF_SENTENCE
+                if len(words := tokens(bare(text))) >= FEWEST_OF_SENTENCE
             ]
             often = Counter(word for word, _ in {(w, i) for i, each in sentences for w in each})
             self._sentences[instrument] = tuple(
@@ -365,8 +371,23 @@ def _merged(tables: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     return merged
 
 
+@cache
+def bare(text: str) -> str:
+    """Return a text without accents."""
+    parts = unicodedata.normalize("NFKD", text)
+    return "".join(letter for letter in parts if not unicodedata.combining(letter))
+
+
+def _keys(word: str) -> set[str]:
+    """Return a word as `plain` writes it, and as who has no accents on the keyboard does."""
+    return {plain(word), plain(bare(word)), plain(word.casefold().translate(_UMLAUTS))} - {""}
+
+
+_UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "ø": "oe", "å": "aa"})
+
+
 def _plain_set(words: Iterable[str]) -> frozenset[str]:
-    return frozenset(plain(word) for word in words if plain(word))
+    return frozenset(key for word in words for key in _keys(word))
 
 
 def _word_sets(tables: Mapping[str, Any], key: str) -> dict[str, frozenset[str]]:
@@ -378,8 +399,8 @@ def _by_degree(languages: Mapping[str, Mapping[str, Iterable[str]]]) -> dict[str
     found: dict[str, int] = {}
     for language in languages.values():
         for degree, words in enumerate(language.values()):
-            for word in words:
-                found.setdefault(plain(word), degree)
+            for key in _plain_set(words):
+                found.setdefault(key, degree)
     return found
 
 
@@ -387,6 +408,6 @@ def _looked_up(words: Mapping[str, Iterable[str]]) -> dict[str, str]:
     """Return word → name; the first name that has the word."""
     found: dict[str, str] = {}
     for name, texts in words.items():
-        for text in texts:
-            found.setdefault(plain(text), name)
+        for key in sorted(_plain_set(texts)):
+            found.setdefault(key, name)
     return found
