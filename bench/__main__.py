@@ -22,6 +22,7 @@ from bench import (
     ratings,
     recordings,
     requires,
+    resolve,
     simulated,
     smaller,
     unseen,
@@ -61,6 +62,7 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
     "simulated": lambda _, options: simulated.measure(options.simulated),
     "mask": lambda ctx, options: mask.measure(ctx, rounds=options.rounds),
     "unseen": lambda _, options: unseen.measure(options.seeds, samples=options.views),
+    "resolve": lambda ctx, _: resolve.measure(ctx),
     "smaller": lambda ctx, options: smaller.measure(ctx, rounds=options.rounds),
 }
 

@@ -9,7 +9,10 @@
 // moved by the eye's motion has its velocity computed from that depth: exact there, whatever the
 // triangle does at the other samples, and exactly zero where the eye has not moved.
 //
-// Input:  multisampled colour, depth; VELOCITY: velocity, or AS_THE_EYE; sample_place, of each sample in
+// BY_BRIGHTNESS: a sample weighs 1 / (1 + its brightest channel, exposed), so that pixels on the edge of
+// a lamp do not all look like the lamp once tones are mapped. It takes light away there.
+//
+// Input:  multisampled colour, depth; BY_BRIGHTNESS: the exposure; VELOCITY: velocity, or AS_THE_EYE; sample_place, of each sample in
 //         its pixel; COC: what include/coc_of_depth.glsl needs.
 // Output: colour with alpha 1, gl_FragDepth; VELOCITY: velocity, px per frame; COC: finite colour, alpha
 //         = signed CoC RADIUS in pixels of image width, negative in front of the focus. A half float
@@ -42,15 +45,26 @@ vec2 velocity_of_eye(vec2 at_px, float depth) {
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 sum = vec3(0.0);
+    float weights = 0.0;
     float depth = -1.0;
     int nearest = 0;
     for (int i = 0; i < SAMPLES; ++i) {
-        sum += texelFetch(colors, pixel, i).rgb;
+        vec3 c = texelFetch(colors, pixel, i).rgb;
+#ifdef BY_BRIGHTNESS
+        float weight = 1.0 / (1.0 + BY_BRIGHTNESS * max(c.r, max(c.g, c.b)));
+        c = weight * min(c, 65504.0);
+        weights += weight;
+#endif
+        sum += c;
         float d = texelFetch(depths, pixel, i).r;
         nearest = d > depth ? i : nearest;
         depth = max(d, depth);
     }
+#ifdef BY_BRIGHTNESS
+    color = vec4(sum / weights, 1.0);
+#else
     color = vec4(sum * (1.0 / float(SAMPLES)), 1.0);
+#endif
     gl_FragDepth = depth;
 #ifdef COC
     vec2 at = gl_FragCoord.xy * (1.0 / vec2(textureSize(colors)));

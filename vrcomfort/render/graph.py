@@ -156,9 +156,12 @@ def plan_focus(scene: Scene, condition: Condition) -> PlannedPass:
     return planned
 
 
-def _scene(_: Scene, __: Condition) -> PlannedPass:
+def _scene(scene: Scene, _: Condition) -> PlannedPass:
     """Plan the scene itself."""
-    return PlannedPass("scene", True, "always: colour and depth of both eyes")
+    reason = "always: colour and depth of both eyes"
+    if scene.environment.resolve == "by_brightness":
+        reason += "; bright samples weigh less, at no further reads or bytes"
+    return PlannedPass("scene", True, reason)
 
 
 def _velocity(scene: Scene, condition: Condition) -> PlannedPass:

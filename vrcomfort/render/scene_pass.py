@@ -79,8 +79,13 @@ class ScenePass:
             else None
         )
         self._sky = _Sky(ctx, {**lighting.features(scene.environment), **defines})
+        light = scene.environment
         self._targets = _Targets(
-            ctx, size_px, velocity_dtype=velocity_dtype if velocity else None, samples=samples
+            ctx,
+            size_px,
+            velocity_dtype=velocity_dtype if velocity else None,
+            samples=samples,
+            by_brightness=light.exposure if light.resolve == "by_brightness" else None,
         )
         shadows = () if self._shadow is None else self._shadow.images
         drawn = self._targets.samples
@@ -276,6 +281,7 @@ class _Targets:
         *,
         velocity_dtype: str | None,
         samples: int,
+        by_brightness: float | None,
     ) -> None:
         self._ctx = ctx
         colour, velocity = _colours(ctx, size_px, velocity_dtype, 0)
@@ -297,6 +303,7 @@ class _Targets:
             colour=colour,
             depth=depth,
             velocity=velocity,
+            by_brightness=by_brightness,
         )
         self.count = 2 * (len(many) + 1)
 
@@ -482,6 +489,11 @@ class Samples(NamedTuple):
 class ResolvePass:
     """Draws `samples` into `colour`, `depth` and `velocity`: ``scene/resolve.frag``.
 
+    Parameters
+    ----------
+    by_brightness
+        The exposure where samples weigh less the brighter they are; None for their mean.
+
     Attributes
     ----------
     colour
@@ -501,8 +513,10 @@ class ResolvePass:
         colour: moderngl.Texture,
         depth: moderngl.Texture,
         velocity: moderngl.Texture | None,
+        by_brightness: float | None = None,
     ) -> None:
         self._ctx, self._samples = ctx, samples
+        self._by_brightness = by_brightness
         self.colour, self.depth, self.velocity = colour, depth, velocity
         self._radii: Radii | None = None
         self._places: _SamplePlaces | None = None
@@ -530,6 +544,8 @@ class ResolvePass:
         inputs = {"colors": many.colour, "depths": many.depth}
         targets = [self.colour]
         defines: dict[str, Any] = {"SAMPLES": many.colour.samples}
+        if self._by_brightness is not None:
+            defines["BY_BRIGHTNESS"] = self._by_brightness
         if many.velocity is not None and self.velocity is not None:
             inputs["velocities"] = many.velocity
             targets.append(self.velocity)

@@ -239,6 +239,9 @@ MOST_LAMPS = 16
 """Point, spot and directional lights of a scene besides its sun, all together."""
 
 
+Resolve: TypeAlias = Literal["mean", "by_brightness"]
+
+
 @dataclass(frozen=True, eq=False)
 class Environment:
     """Light from outside, air and exposure.
@@ -253,6 +256,8 @@ class Environment:
         Linear RGB radiance of the sky and of the ground below, also the ambient light.
     exposure
         Factor on radiance before the tone curve.
+    resolve
+        How the samples of a pixel become its colour.
     fog_color, fog_density_per_m
         Air light and extinction: ``colour = mix(fog, surface, exp(-density · distance))``.
     cloud_cover
@@ -270,6 +275,7 @@ class Environment:
     sky_horizon: Rgb = (0.75, 0.85, 1.0)
     ground: Rgb = (0.22, 0.2, 0.17)
     exposure: float = 1.0
+    resolve: Resolve = "mean"
     fog_color: Rgb = (0.75, 0.85, 1.0)
     fog_density_per_m: float = 0.0
     cloud_cover: float = 0.0

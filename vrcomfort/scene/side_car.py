@@ -23,6 +23,7 @@ from vrcomfort.scene.data import (
     LodLevel,
     Node,
     PointLight,
+    Resolve,
     Rgb,
     Scene,
     WalkableArea,
@@ -199,6 +200,9 @@ class SideCar(Settings):
     """In words, for lists."""
     exposure: Positive = 1.0
     """Factor on radiance before the tone curve."""
+    resolve: Resolve = "mean"
+    """How samples of a pixel become its colour: their mean, or weighted by 1 / (1 + brightest
+    channel), which smooths edges of bright lamps and takes light from small ones."""
     sun: Sun = Sun()
     """The sun."""
     sky: Sky = Sky()
@@ -307,6 +311,7 @@ def _environment(side_car: SideCar, of_file: Environment) -> Environment:
         sky_horizon=_rgb(side_car.sky.horizon),
         ground=_rgb(side_car.sky.ground),
         exposure=side_car.exposure,
+        resolve=side_car.resolve,
         fog_color=_rgb(side_car.fog.color),
         fog_density_per_m=side_car.fog.density_per_m,
         cloud_cover=side_car.sky.cloud_cover,

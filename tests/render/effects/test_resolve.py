@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from bench import resolve
 from tests.support.render import eye, still_life
 from tests.support.study import frame
 from vrcomfort.geometry import Pose, axis_angle
@@ -10,6 +11,7 @@ from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
 from vrcomfort.protocol.conditions import Peripheral
 from vrcomfort.render.camera import EyeCamera
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
+from vrcomfort.render.graph import plan_passes
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.scene_pass import ScenePass
@@ -75,3 +77,23 @@ def test_depth_of_field_that_is_not_first_has_a_pass_for_them(ctx):
         renderer.render(frame(0), 0.0, lambda _, each: images.append(read_texture(each.linear)))
         renderer.release()
     np.testing.assert_allclose(images[0].astype("f8"), images[2].astype("f8"), rtol=2e-3, atol=1e-4)
+
+
+def test_samples_weighted_by_brightness_take_the_steps_out_of_a_lamps_edge(ctx, tmp_path):
+    """`k` of four samples see a lamp of 8: k · 8 / 4, or that with weights 1/9 and 1."""
+    lamps = [resolve.lamp(tmp_path, 8.0, 0.0, 20.0, each) for each in resolve.RESOLVES]
+    mean, weighted = (resolve.draw(ctx, each, 1, 1)[0, ..., 0] for each in lamps)
+    samples = np.rint(mean / 2)
+    assert set(samples.ravel()) == {0, 1, 2, 3, 4}
+    np.testing.assert_allclose(mean, 2 * samples, rtol=1e-3)
+    expected = samples * (8 / 9) / (samples / 9 + 4 - samples)
+    np.testing.assert_allclose(weighted, expected, rtol=1e-3)
+
+
+def test_a_resolve_by_brightness_is_said_in_passes(tmp_path):
+    def reason(how):
+        planned = plan_passes(resolve.lamp(tmp_path, 8.0, 0.0, 2.0, how), Condition(name="plain"))
+        return next(each.reason for each in planned if each.name == "scene")
+
+    told = ["bright samples weigh less" in reason(how) for how in resolve.RESOLVES]
+    assert told == [False, True]
