@@ -6,17 +6,17 @@
 
 uniform sampler2D focus;            // x = focus distance in m
 layout(std140, binding = 4) uniform CocOfEye {
-    vec4 tangents;                 // of the frustum: left, right, up, down
     vec3 head_forward_in_view;
     float near_m;
     vec3 eye_in_view;              // from the head centre, m
     float offset_m;                // the eye is this far in front of the head centre
     vec3 peripheral_axis_in_view;  // what peripheral blur is centred on: the head's forward axis, or the gaze
     float peripheral_px;
-    float peripheral_exponent;
-    float infinity_m;
+    vec4 tangents;                 // of the frustum: left, right, up, down
     float px_per_defocus;          // radius per metre or per dioptre of defocus
     float max_radius_px;           // r_max
+    float infinity_m;
+    float peripheral_exponent;
     float focal_length_m;          // of a thin lens
     float distance_offset_m;       // of a thin lens: added to the distances of focus and point alike
 };

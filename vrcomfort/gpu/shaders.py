@@ -183,19 +183,12 @@ class Block:
         layout = block_dtype(include, block)
         if layout.names != tuple(members):
             raise RuntimeError(f"{include}: {block} has {layout.names}; {members} are to fill it")
-        self._whole = [bool(layout[name].shape) for name in members]
         # A block is of whole vec4.
         self._struct = Struct(f"={layout.itemsize // 4}f{-layout.itemsize % _VEC4_BYTES}x")
         self.size_bytes = self._struct.size
 
-    def packed(self, values: Iterable[Any]) -> bytes:
-        """Return the block with these members: numbers, or sequences of them."""
-        numbers: list[float] = []
-        for whole, value in zip(self._whole, values, strict=True):
-            if whole:
-                numbers.extend(value)
-            else:
-                numbers.append(value)
+    def packed(self, numbers: Iterable[float]) -> bytes:
+        """Return the block with the numbers of its members."""
         return self._struct.pack(*numbers)
 
 

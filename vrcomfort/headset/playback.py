@@ -259,8 +259,9 @@ def _periods_ns(count: int, rate_hz: Fraction) -> int:
     >>> _periods_ns(3, Fraction(90))
     33333333
     """
-    whole, rest = divmod(count * SECOND_NS * rate_hz.denominator, rate_hz.numerator)
-    twice = 2 * rest - rate_hz.numerator
+    numerator, denominator = rate_hz.as_integer_ratio()
+    whole, rest = divmod(count * SECOND_NS * denominator, numerator)
+    twice = 2 * rest - numerator
     return whole + (twice > 0 or (twice == 0 and whole % 2 == 1))
 
 

@@ -36,7 +36,7 @@ def planes(clip_from_source: Array, *, near: bool = True) -> Array:
 def from_origins(planes: Array, origins: Array) -> Array:
     """Return (views, k, 4) planes around (views or 1, 3) origins for boxes in one frame for all."""
     moved = planes.copy()
-    moved[..., 3] -= np.einsum("vkj,vj->vk", planes[..., :3], origins)
+    moved[..., 3] -= (planes[..., :3] @ origins[:, :, None])[..., 0]
     return moved
 
 
@@ -92,8 +92,8 @@ def transformed_boxes(
     Arvo, "Transforming axis-aligned bounding boxes", Graphics Gems (1990).
     """
     linear = target_from_source[:, :3, :3]
-    moved = np.einsum("nij,nj->ni", linear, centers) + target_from_source[:, :3, 3]
-    return moved, np.einsum("nij,nj->ni", np.abs(linear), halves)
+    moved = (linear @ centers[:, :, None])[..., 0] + target_from_source[:, :3, 3]
+    return moved, (np.abs(linear) @ halves[:, :, None])[..., 0]
 
 
 # Boxes around meshes that joints bend: each vertex is within the boxes that its joints move.

@@ -346,8 +346,10 @@ class StereoRenderer:
         centre = passes.centre(frame)
         # Both eyes are known before anything is drawn: they are culled together. Then the focus,
         # which resolves, lenses and depth of field of both eyes read on the GPU.
+        step, head_from_stage = before and _step(before, frame), frame.head_pose.inverse()
         eyes = [
-            self._eye(index, frame, world_from_head, before, centre) for index in range(self._eyes)
+            self._eye(index, frame, head_from_stage, world_from_head, before, step, centre)
+            for index in range(self._eyes)
         ]
         passes.place(eyes, scene_time_s, before_s)
         samples = passes.find_focus(frame, world_from_head, scene_time_s, centre)
@@ -456,12 +458,14 @@ class StereoRenderer:
         self,
         index: int,
         frame: Frame,
+        head_from_stage: Pose,
         world_from_head: Pose,
         before: _Before | None,
+        step: HeadStep | None,
         centre: Centre | None,
     ) -> EyeFrame:
         view, time_ns = frame.views[index], frame.predicted_display_time_ns
-        head_from_eye = frame.head_pose.inverse() @ view.pose
+        head_from_eye = head_from_stage @ view.pose
         # Composed as `previous_eye_pose` does, so that a head that rests gives equal bits.
         world_from_eye = world_from_head @ head_from_eye
         passes = self._built()
@@ -475,7 +479,6 @@ class StereoRenderer:
         )
         if before is None:
             return EyeFrame(index, time_ns, head_from_eye, camera)
-        step = _step(before, frame)
         blur = self._condition.motion_blur
         if blur is None:
             return EyeFrame(index, time_ns, head_from_eye, camera, step=step)

@@ -104,29 +104,17 @@ class ScenePass:
         self._shadow_triangles = 0
         self.lens_focus: moderngl.Texture | None = None
         """1×1 RGBA32F, x = where lenses focus (m); without it each `Lens` says so itself."""
+        self.resolve = self._targets.resolve
+        """Makes one sample of several."""
+        self.colour = self.resolve.colour
+        """RGBA16F linear radiance; alpha is 1, or as `resolve` says."""
+        self.depth = self.resolve.depth
+        """D32F reverse-Z depth, ``near_m / distance``; 0 is the sky."""
+        self.velocity = self.resolve.velocity
+        """RG16F pixels per frame, or None."""
         self.triangles = 0
         self.still = True
         """Whether nothing in the last image can have moved: every velocity is exactly 0."""
-
-    @property
-    def resolve(self) -> ResolvePass:
-        """Return the resolve of multisampled targets."""
-        return self._targets.resolve
-
-    @property
-    def colour(self) -> moderngl.Texture:
-        """Return RGBA16F linear radiance; alpha is 1, or as `resolve` says."""
-        return self.resolve.colour
-
-    @property
-    def depth(self) -> moderngl.Texture:
-        """Return D32F reverse-Z depth, ``near_m / distance``; 0 is the sky."""
-        return self.resolve.depth
-
-    @property
-    def velocity(self) -> moderngl.Texture | None:
-        """Return RG16F pixels per frame, or None."""
-        return self.resolve.velocity
 
     @property
     def textures(self) -> int:
@@ -202,8 +190,10 @@ class ScenePass:
 
     def _view(self, camera: EyeCamera) -> int | None:
         """Return which of the eyes of `update` a camera is, its lens aside."""
-        place = _place(camera)
-        return next((view for view, eye in enumerate(self._eyes) if _place(eye) == place), None)
+        for view, eye in enumerate(self._eyes):
+            if eye is camera or _place(eye) == _place(camera):
+                return view
+        return None
 
     def _draw(self, view: int, camera: EyeCamera) -> None:
         if self._shadow is not None:

@@ -16,6 +16,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from struct import Struct
 from typing import Any, NamedTuple, Protocol
 
 import moderngl
@@ -242,7 +243,9 @@ class FocusSearch:
         return triangle
 
 
-_NO_RAYS, _BITS = np.full(RAYS, np.nan), np.arange(RAYS)
+_NO_RAYS = np.full(RAYS, np.nan)
+_RESULT = Struct(f"={RAYS + 4}f")
+"""Depths of the rays, then the texel of :func:`focus_texture`."""
 
 
 class Readback:
@@ -283,12 +286,12 @@ class Readback:
 
     def _read(self) -> FocusSample:
         frame_index, ray_lengths, buffer = self._pending.popleft()
-        values = np.frombuffer(buffer.read(), dtype=np.float32).astype(np.float64)
+        *depths, focus_m, target_m, used, _ = _RESULT.unpack(buffer.read())
         self._free.append(buffer)
-        focus_m, target_m, used = values[RAYS : RAYS + 3].tolist()
-        bits = (int(used) >> _BITS) & 1
-        rays_m = self._metres(values[:RAYS], ray_lengths) if used else _NO_RAYS
-        return FocusSample(frame_index, focus_m, target_m, rays_m, bits.astype(bool))
+        bits = int(used)
+        rays_m = self._metres(np.array(depths), ray_lengths) if bits else _NO_RAYS
+        each = np.array([bits >> ray & 1 for ray in range(RAYS)], dtype=bool)
+        return FocusSample(frame_index, focus_m, target_m, rays_m, each)
 
     def _metres(self, depths: Array, ray_lengths: Array) -> Array:
         near = self._near_m * ray_lengths

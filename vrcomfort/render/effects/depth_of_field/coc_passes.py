@@ -64,22 +64,22 @@ class _Eye(NamedTuple):
     peripheral_axis: Array | None
 
 
-class _CocOfEye(NamedTuple):
-    """The block of ``include/coc_of_depth.glsl``: its members, in their order."""
-
-    tangents: tuple[float, float, float, float]
-    head_forward_in_view: tuple[float, float, float]
-    near_m: float
-    eye_in_view: tuple[float, float, float]
-    offset_m: float
-    peripheral_axis_in_view: tuple[float, float, float] | Array = (0.0, 0.0, -1.0)
-    peripheral_px: float = 0.0
-    peripheral_exponent: float = 1.0
-    infinity_m: float = 0.0
-    px_per_defocus: float = 0.0
-    max_radius_px: float = 0.0
-    focal_length_m: float = 0.0
-    distance_offset_m: float = 0.0
+_MEMBERS = (
+    "head_forward_in_view",
+    "near_m",
+    "eye_in_view",
+    "offset_m",
+    "peripheral_axis_in_view",
+    "peripheral_px",
+    "tangents",
+    "px_per_defocus",
+    "max_radius_px",
+    "infinity_m",
+    "peripheral_exponent",
+    "focal_length_m",
+    "distance_offset_m",
+)
+"""Of the block of ``include/coc_of_depth.glsl``: what follows the eye's place, then its frustum."""
 
 
 class DepthToCoc:
@@ -106,7 +106,10 @@ class DepthToCoc:
         self.inputs = {"focus": focus}
         self._infinity_m = infinity_m
         self._eye: _Eye | None = None
-        self._block = shaders.Block("coc_of_depth.glsl", "CocOfEye", _CocOfEye._fields)
+        self._of_frustum: dict[Fov, tuple[float, ...]] = {}
+        self.max_radius_px = max_radius_of(settings, depth.size)
+        """Largest radius of the eye that constants were given for last."""
+        self._block = shaders.Block("coc_of_depth.glsl", "CocOfEye", _MEMBERS)
         self._buffer = gl.dynamic_buffer(ctx, self._block.size_bytes)
         self.defines: dict[str, Any] = {
             **_law_defines(settings),
@@ -136,11 +139,17 @@ class DepthToCoc:
 
     def adjust(self, settings: DepthOfField) -> None:
         """Take other settings of the same law."""
-        self._settings, self._eye = settings, None
+        self._settings = settings
+        self._forget()
 
     def adjust_infinity(self, infinity_m: float) -> None:
         """Take another distance of the sky."""
-        self._infinity_m, self._eye = infinity_m, None
+        self._infinity_m = infinity_m
+        self._forget()
+
+    def _forget(self) -> None:
+        self._eye = None
+        self._of_frustum.clear()
 
     def see_with(self, camera: EyeCamera) -> None:
         """Give shaders the constants of a camera; see :meth:`look_through`."""
@@ -165,32 +174,42 @@ class DepthToCoc:
             self._buffer.write(self._block.packed(self._constants(self._eye)))
         self._buffer.bind_to_uniform_block(COC_BINDING)
 
-    def _constants(self, eye: _Eye) -> _CocOfEye:
-        settings, place = self._settings, EyeInHead.of(eye.head_from_eye)
-        focal_px = focal_length_px(eye.fov, self._size_px)[0]
-        limit_px, px = _limit_and_scale(settings, focal_px, self._size_px)
-        constants = _CocOfEye(
-            eye.fov.tangents,
-            place.head_forward_in_view,
-            eye.near_m,
-            place.eye_in_view,
-            place.offset_m,
-            infinity_m=self._infinity_m,
-            px_per_defocus=px,
-            max_radius_px=limit_px,
-            focal_length_m=settings.focal_length_m if settings.law == "thin_lens" else 0.0,
-            distance_offset_m=settings.distance_offset_m,
-        )
-        if settings.peripheral is None:
-            return constants
-        axis, unit_arcmin = eye.peripheral_axis, settings.peripheral.unit_diameter_arcmin
+    def _constants(self, eye: _Eye) -> tuple[float, ...]:
+        place, axis = EyeInHead.of(eye.head_from_eye), eye.peripheral_axis
         if axis is not None:
             axis = rotate(eye.head_from_eye.inverse().orientation, axis)
-        return constants._replace(
-            peripheral_axis_in_view=place.head_forward_in_view if axis is None else axis,
-            peripheral_px=radius_of_arcmin(unit_arcmin, focal_px),
-            peripheral_exponent=settings.peripheral.exponent,
+        of_frustum = self._of_frustum.get(eye.fov)
+        if of_frustum is None:
+            if len(self._of_frustum) >= KEPT_FRUSTA:
+                self._of_frustum.clear()
+            of_frustum = self._of_frustum[eye.fov] = self._constants_of(eye.fov)
+        self.max_radius_px = of_frustum[_MAX_RADIUS]
+        forward = place.head_forward_in_view
+        return (
+            *(*forward, eye.near_m),
+            *(*place.eye_in_view, place.offset_m),
+            *(forward if axis is None else axis),
+            *of_frustum,
         )
+
+    def _constants_of(self, fov: Fov) -> tuple[float, ...]:
+        settings, peripheral = self._settings, self._settings.peripheral
+        focal_px = focal_length_px(fov, self._size_px)[0]
+        limit_px, px = _limit_and_scale(settings, focal_px, self._size_px)
+        unit_px = peripheral and radius_of_arcmin(peripheral.unit_diameter_arcmin, focal_px)
+        return (
+            *(unit_px or 0.0, *fov.tangents, px, limit_px, self._infinity_m),
+            peripheral.exponent if peripheral else 1.0,
+            settings.focal_length_m if settings.law == "thin_lens" else 0.0,
+            settings.distance_offset_m,
+        )
+
+
+_MAX_RADIUS = 6
+"""Place of the largest radius in the constants of a frustum."""
+
+KEPT_FRUSTA = 8
+"""More than a headset has; those of one that changes them in every frame do not pile up."""
 
 
 class CocPasses:
@@ -304,10 +323,9 @@ class CocPasses:
 
         `peripheral_axis`: (3,) that of an `EyeCamera`.
         """
-        focal_px = focal_length_px(fov, self.size_px)[0]
-        self.max_radius_now_px = max_radius_of(self._settings, self.size_px, focal_px)
-        self._least_max_radius_px = min(self._least_max_radius_px, self.max_radius_now_px)
         self.depth_to_coc.look_through(fov, near_m, head_from_eye, peripheral_axis)
+        self.max_radius_now_px = self.depth_to_coc.max_radius_px
+        self._least_max_radius_px = min(self._least_max_radius_px, self.max_radius_now_px)
         self._is_rendered = True
         if self._beside is not None:
             self._beside.render()
