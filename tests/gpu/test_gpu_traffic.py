@@ -128,16 +128,17 @@ def test_copies_and_clears_are_bytes_and_no_draws(ctx):
     copy(source, target)
     assert [(each.declared.name, each.bytes) for each in drawn] == [
         ("copy", PIXELS * 16),
-        ("clear", 4),
+        ("clear", 8),
     ]
-    assert added_up(drawn) == (0, 0, PIXELS * 16 + 4, None)
+    assert added_up(drawn) == (0, 0, PIXELS * 16 + 8, None)
 
 
 def test_what_is_blended_is_read_too(ctx):
     largest = MaxReductionPass(ctx, gl.color_texture(ctx, SIZE))
-    (drawn,) = counted(ctx, largest.render)
+    cleared, drawn = counted(ctx, largest.render)
+    assert (cleared.declared.name, cleared.bytes) == ("clear", 4)
     assert drawn.samples == PIXELS
-    assert drawn.bytes == PIXELS * 8 + PIXELS * 2 * 4
+    assert drawn.bytes == PIXELS * 8 + PIXELS * 2 * 8
 
 
 def test_a_pass_that_reads_what_it_writes_is_refused(ctx):

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol
 import moderngl
 import numpy as np
 
-from vrcomfort.gpu import gl, passes, shaders, visible_area
+from vrcomfort.gpu import gl, shaders, visible_area
 from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.gpu.visible_area import DRAWN, LimitedVertices
 
@@ -251,15 +251,27 @@ class MipChain:
 
 
 class MaxReductionPass:
-    """Keeps the greatest length of some components over all frames in one pixel, `target`.
+    """Keeps the greatest values of an image's texels in one pixel, `target`, and of all images.
 
-    No frame waits for it: only :meth:`read` does.
+    Points on one pixel are blended by their maximum: one draw, and no frame waits for it; only
+    :meth:`read` does.
 
     Parameters
     ----------
+    vertex
+        Makes a point of each texel, or with `by_row` of each row of them: ``greatest`` of
+        ``common/max_reduction.frag``. The first component alone is kept over all images.
+    value
+        Components of a texel whose length counts, with the vertex shader that is given here.
+    components
+        Of `target`.
+    least
+        Where the maximum of each component of an image starts from.
     texel_px
         (width, height) of a texel in pixels of the eye's image: those that are not seen are left
         out. Without it all count.
+    by_row
+        A point looks at a row of texels, or where some are left out, with EACH_TEXEL, at one.
     """
 
     def __init__(
@@ -267,45 +279,53 @@ class MaxReductionPass:
         ctx: moderngl.Context,
         texels: moderngl.Texture,
         *,
-        components: str = "xy",
+        vertex: str = "common/max_reduction.vert",
+        value: str = "xy",
+        components: int = 1,
+        least: Sequence[float] = (0.0, 0.0, 0.0, 0.0),
         texel_px: tuple[int, int] | None = None,
+        by_row: bool = False,
     ) -> None:
-        self._ctx = ctx
-        self._texels, self._count = texels, texels.width * texels.height
-        self.target = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
-        self._framebuffer = ctx.framebuffer([self.target])
+        self._ctx, self._texels, self._least = ctx, texels, least
+        self.target = gl.color_texture(ctx, (1, 1), components=components, dtype="f4")
+        self._of_all = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
+        self._framebuffer = ctx.framebuffer([self.target, self._of_all])
         self._framebuffer.clear()
+        self._fill = gl.clearer(ctx)
+        limited = texel_px is not None and visible_area.current() is not None
         program = shaders.program(
-            ctx, "common/max_reduction.frag", "common/max_reduction.vert", {"VALUE": components}
+            ctx,
+            "common/max_reduction.frag",
+            vertex,
+            {"VALUE": value, **({"EACH_TEXEL": 1} if limited else {})},
         )
         self._points = ctx.vertex_array(program, [])
         self._points.program["texels"] = 0
-        self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
-        limited = texel_px is not None and visible_area.current() is not None
+        self._points.scope = ctx.scope(self._framebuffer, moderngl.BLEND)
         reads = (PassImage.of(texels, reach_px=DRAWN if limited else math.inf),)
-        writes = (PassImage.of(self.target),)
-        self.declared = Pass("common/max_reduction.frag", reads, writes, blends=True)
-        self._clear = passes.clear([self.target])
-        self._limited = LimitedVertices.of_texels(self._points, reads[0], texel_px)
+        writes = PassImage.of(self.target), PassImage.of(self._of_all)
+        self._cleared = Pass("clear", (), writes[:1])
+        self._reset = Pass("clear", (), writes)
+        self._declared = Pass("common/max_reduction.frag", reads, writes, blends=True)
+        of_texels = LimitedVertices.of_texels(self._points, reads[0], texel_px)
+        count = texels.height if by_row else texels.width * texels.height
+        self._draw: Callable[[], None]
+        self._draw = partial(self._points.render, moderngl.POINTS, vertices=count)
+        if of_texels is not None:
+            self._draw = of_texels.render
 
     def render(self) -> None:
-        """Take the present texels into account."""
+        """Take the present texels into account, and no others in `target`."""
+        self._cleared.run(lambda: self._fill(self._framebuffer, self._least))
         self._texels.use(0)
         self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)
-        self.declared.run(self._draw)
+        self._declared.run(self._draw)
         self._ctx.blend_equation = (moderngl.FUNC_ADD, moderngl.FUNC_ADD)
 
-    def _draw(self) -> None:
-        with self._scope:
-            if self._limited is not None:
-                self._limited.render()
-            else:
-                self._points.render(moderngl.POINTS, vertices=self._count)
-
     def read(self) -> float:
-        """Return the greatest value since the pass was made; waits for the GPU."""
-        return float(np.frombuffer(self.target.read(), dtype=np.float32)[0])
+        """Return the greatest first component of all images; waits for the GPU."""
+        return float(np.frombuffer(self._of_all.read(), dtype=np.float32)[0])
 
     def reset(self) -> None:
         """Start again from 0."""
-        self._clear.run(self._framebuffer.clear)
+        self._reset.run(self._framebuffer.clear)

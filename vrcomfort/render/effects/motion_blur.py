@@ -2,7 +2,7 @@
 
 ::
 
-    velocity ─► TileMaxPass ─► FrameStreaks     longest streak of the frame, in one texel
+    velocity ─► TileMaxPass ─► frame            longest streak of the frame, in one texel
                     │              │
                 dilation ◄─────────┤            tiles that streaks reach, and their class
                     │              ▼
@@ -16,18 +16,15 @@ not need give triangles without area. ``docs/motion_blur.md`` tells more.
 
 from __future__ import annotations
 
-import math
 from math import ceil
 from typing import NamedTuple
 
 import moderngl
 import numpy as np
 
-from vrcomfort.gpu import gl, shaders, visible_area
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, copier
-from vrcomfort.gpu.passes import Pass, PassImage
+from vrcomfort.gpu import gl
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MaxReductionPass, copier
 from vrcomfort.gpu.shaders import Defines
-from vrcomfort.gpu.visible_area import DRAWN, LimitedVertices
 from vrcomfort.optics.motion import ramp, sampling_of
 from vrcomfort.protocol.conditions import Condition, MotionBlur
 from vrcomfort.render.camera import HeadStep
@@ -323,7 +320,7 @@ class Reconstruction:
 
     def longest_half_velocity_px(self) -> float:
         """Return the longest half streak of all frames, before the limit; waits for the GPU."""
-        return self._tile_max.frame.longest_of_all_px()
+        return self._tile_max.frame.read()
 
 
 def _dilation(
@@ -409,7 +406,15 @@ class TileMaxPass:
         )
         self._tiles = None if at_once else self._of_strips(ctx, height)
         self.target, self.crossing = (self._tiles or self._strips).targets
-        self.frame = FrameStreaks(ctx, self.target, self.tile_px)
+        self.frame = MaxReductionPass(
+            ctx,
+            self.target,
+            vertex="motion_blur/frame_streaks.vert",
+            components=4,
+            least=(0.0, 0.0, _LEAST, 0.0),
+            texel_px=(self.tile_px, self.tile_px),
+            by_row=True,
+        )
 
     def _of_strips(self, ctx: moderngl.Context, height: int) -> FullscreenPass:
         strips = self._strips.targets
@@ -430,50 +435,6 @@ class TileMaxPass:
         if self._tiles is not None:
             self._tiles.render()
         self.frame.render()
-
-
-class FrameStreaks:
-    """Sums up the tiles of a frame in one pixel, `target`: see ``frame_streaks.vert``."""
-
-    def __init__(self, ctx: moderngl.Context, tile_max: moderngl.Texture, tile_px: int) -> None:
-        self._ctx, self._tile_max, self._rows = ctx, tile_max, tile_max.height
-        self.target = gl.color_texture(ctx, (1, 1), dtype="f4")
-        self._longest_of_all = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
-        self._framebuffer = ctx.framebuffer([self.target, self._longest_of_all])
-        self._framebuffer.clear()
-        self._clear = gl.clearer(ctx)
-        name = "motion_blur/frame_streaks"
-        limited = visible_area.current() is not None
-        defines = {"EACH_TILE": 1} if limited else {}
-        program = shaders.program(ctx, f"{name}.frag", f"{name}.vert", defines)
-        self._points = ctx.vertex_array(program, [])
-        self._points.program["tile_max"] = 0
-        self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
-        writes = PassImage.of(self.target), PassImage.of(self._longest_of_all)
-        self._cleared = Pass("clear", (), writes[:1])
-        reads = (PassImage.of(tile_max, reach_px=DRAWN if limited else math.inf),)
-        self._declared = Pass(f"{name}.frag", reads, writes, blends=True)
-        self._limited = LimitedVertices.of_texels(self._points, reads[0], (tile_px, tile_px))
-
-    def render(self) -> None:
-        """Begin with a new frame; the maximum over all frames stays."""
-        self._cleared.run(lambda: self._clear(self._framebuffer, (0.0, 0.0, _LEAST, 0.0)))
-        self._tile_max.use(0)
-        # Maximum blending of points on one pixel: a reduction in one draw, without a read back.
-        self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)
-        self._declared.run(self._draw)
-        self._ctx.blend_equation = (moderngl.FUNC_ADD, moderngl.FUNC_ADD)
-
-    def _draw(self) -> None:
-        with self._scope:
-            if self._limited is not None:
-                self._limited.render()
-            else:
-                self._points.render(moderngl.POINTS, vertices=self._rows)
-
-    def longest_of_all_px(self) -> float:
-        """Return the longest half velocity of all frames, before the limit; waits for the GPU."""
-        return float(np.frombuffer(self._longest_of_all.read(), dtype=np.float32)[0])
 
 
 _LONGEST_BINDING = 0

@@ -393,27 +393,22 @@ class CocTileMinMax:
         self.target = self._tiles.target
         """RGBA32F, pixels of image width: least and greatest signed radius of each tile of the last
         eye; largest radius before the limit; bits of ``coc_tile_min_max.frag``."""
-        self._of_eye = MaxReductionPass(
-            ctx, self.target, components="z", texel_px=(tile_px, tile_px)
-        )
+        self._of_eye = MaxReductionPass(ctx, self.target, value="z", texel_px=(tile_px, tile_px))
         self.widest = self._of_eye.target
         """1×1: the largest radius of the last eye before its limit."""
-        self._largest = MaxReductionPass(ctx, self.widest, components="x")
 
     def render(self) -> None:
         """Add the image of the eye that radii are given for."""
         self._tiles.render()
-        self._of_eye.reset()  # the widest disc is one eye's; only the record goes on
         self._of_eye.render()
-        self._largest.render()
 
     def read(self) -> float:
         """Return the largest radius of all frames; waits for the GPU."""
-        return self._largest.read()
+        return self._of_eye.read()
 
     def reset(self) -> None:
         """Start again from 0."""
-        self._largest.reset()
+        self._of_eye.reset()
 
 
 def _limit_and_scale(
