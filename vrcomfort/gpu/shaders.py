@@ -107,6 +107,7 @@ def compute(ctx: moderngl.Context, name: str) -> moderngl.ComputeShader:
     RuntimeError
         If the driver rejects the code; the message starts with the name of the file.
     """
+    _register_includes(ctx, source(name))
     try:
         return ctx.compute_shader(source(name))
     except moderngl.Error as error:
