@@ -13,6 +13,7 @@ import moderngl
 
 from bench import (
     effects,
+    fitted,
     gaze_hits,
     image_hash,
     many_answers,
@@ -41,6 +42,7 @@ def _openxr() -> Any:
 
 
 BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] = {
+    "fitted": lambda _, options: fitted.measure(scene=options.scene),
     "effects": lambda ctx, options: effects.measure(ctx, rounds=options.rounds),
     "requires": lambda ctx, options: requires.measure(ctx, rounds=options.rounds),
     "python_time": lambda _, options: python_time.measure(

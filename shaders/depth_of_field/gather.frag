@@ -35,17 +35,22 @@ vec3 colour_of(usampler2D layers, ivec2 at) {
 #include "footprint.glsl"
 
 // Four times what bilinear enlargement adds to the variance: 0.75 px^2, less what the rims have too little.
-const float ENLARGED_PX2 = 2.0;
+const float ENLARGED_PX2 = 2.0;  // Fitted: python -m bench --only fitted
 
 // Of a disc about a texel, centred on one, the sums of mean_over are wider than a disc: about a tenth in
 // variance. This takes it back, to about 0.1 px^2.
+const float TOO_WIDE_AT = 1.12;      // Fitted: python -m bench --only fitted
+const float TOO_WIDE_WITHIN = 0.33;  // Fitted: python -m bench --only fitted
+const float TOO_WIDE_BY = 0.16;      // Fitted: python -m bench --only fitted
+
 float centred_on_texel(float texels) {
-    float about = (texels - 1.12) / 0.33;
-    return texels - 0.16 * max(1.0 - about * about, 0.0);
+    float about = (texels - TOO_WIDE_AT) / TOO_WIDE_WITHIN;
+    return texels - TOO_WIDE_BY * max(1.0 - about * about, 0.0);
 }
 
 float radius_px = abs(mean_of(unpack_layers(texelFetch(layers_1, ivec2(gl_FragCoord.xy), 0))).a);
-bool wanted = radius_px >= 0.9 * FADED * EXACT_PX;
+const float NEIGHBOURS = 0.9;  // pixels read between texels: one beside a disc that is wanted may be narrower
+bool wanted = radius_px >= NEIGHBOURS * FADED * EXACT_PX;
 
 void gather(usampler2D layers, int level) {
     // What is shared with the pixels counts in full: fast.frag mixes.

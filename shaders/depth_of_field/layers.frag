@@ -42,12 +42,15 @@ const int SURFACES = 8;
 const int SURFACES = 4;
 #endif
 
+// What is nearer than the farthest surface by so many margins is the foreground.
+const float BORDER_MARGINS = 1.5;  // Fitted: python -m bench --only fitted
+
 void main() {
     read(2 * ivec2(gl_FragCoord.xy), textureSize(finer, 0) - 1);
     float farthest = -1e4;
     for (int i = 0; i < SURFACES; ++i)
         farthest = parts[i] > 0.0 ? max(farthest, surfaces[i].a) : farthest;
-    float border = farthest - 1.5 * margin_px(farthest);
+    float border = farthest - BORDER_MARGINS * margin_px(farthest);
     vec4 front = vec4(0.0), back = vec4(0.0);
     float in_front = 0.0;
     for (int i = 0; i < SURFACES; ++i) {

@@ -7,8 +7,11 @@ const float COMPLEX = 2.0;    // a velocity discontinuity: depth decides what hi
 const float LEAST_PX = 0.25;  // half velocities below this are left alone: half a pixel in all
 
 // By how much another half velocity may differ and still count as moving along.
+const float TOLERANCE_PX = 0.25;   // Fitted: python -m bench --only fitted
+const float TOLERANCE_PART = 0.1;  // Fitted: python -m bench --only fitted
+
 float tolerance_px(float half_velocity_px) {
-    return 0.25 + 0.1 * half_velocity_px;
+    return TOLERANCE_PX + TOLERANCE_PART * half_velocity_px;
 }
 
 // Half velocities of two pixels side by side that differ by more are of objects that pass each other:
@@ -32,8 +35,10 @@ float beside_px(vec2 half_velocity, vec2 line) {
 
 // Whether a half velocity goes clearly another way than a line: at an angle of asin(1 / 5) = 11.5
 // degrees if it is long, of more if it is short.
+const float CROSSING_PART = 0.2;  // Fitted: python -m bench --only fitted
+
 bool crosses(vec2 half_velocity, vec2 line) {
-    return beside_px(half_velocity, line) > LEAST_PX + 0.2 * length(half_velocity);
+    return beside_px(half_velocity, line) > LEAST_PX + CROSSING_PART * length(half_velocity);
 }
 
 // The one of two half velocities whose end lies farther beside a line; the first where both do.

@@ -60,8 +60,10 @@ vec4 foreground = vec4(0.0);  // rgb * opacity, opacity; of all walks
 
 // 0 where q is p's surface, behind it, or moves along with it; 1 where it is nearer by 4 % or more
 // and goes its own way. What moves together uncovers nothing: a plain average is exact there.
+const float NEARER_PART = 0.02;  // Fitted: python -m bench --only fitted
+
 float in_front(vec3 q) {
-    float nearer = clamp((q.z - p.z * 1.02) / (p.z * 0.02 + 1e-8), 0.0, 1.0);
+    float nearer = clamp((q.z - p.z * (1.0 + NEARER_PART)) / (p.z * NEARER_PART + 1e-8), 0.0, 1.0);
     return nearer * clamp(length(q.xy - p.xy) / tolerance_px(length(p.xy)) - 1.0, 0.0, 1.0);
 }
 
@@ -150,6 +152,9 @@ void gather(Walk walk, bool for_background, bool for_foreground, vec2 other) {
     } while (j < last_tap);
 }
 
+// Steepness, in parts of the longest streak, from which taps take whole pixels.
+const float WHOLE_FROM = 0.75;  // Fitted: python -m bench --only fitted
+
 // Whether what goes along a line is found along p's own streak as well.
 bool goes_along(vec2 line) {
     return line != vec2(0.0) && !crosses(line, p.xy);
@@ -161,7 +166,7 @@ void main() {
     float reach = length(around);
     bool moves = length(p.xy) >= LEAST_PX;
     // Where sharp and moving objects meet, a filtered tap would carry half a sharp pixel along.
-    bool whole_pixels = tile.w > 0.75 * reach;
+    bool whole_pixels = tile.w > WHOLE_FROM * reach;
     // Odd, so that there is a middle.
     int stride = max(whole_pixels ? 1 : STRIDE, int(ceil(reach / float(MOST_TAPS))) | 1);
     blurred = texelFetch(colour, pixel, 0);

@@ -97,7 +97,7 @@ class LayeredGatherKernel:
             inputs,
             defines=defines,
             size_px=coc.tile_min_max.size,
-            reach_px={"tiles": coc.max_radius_px + 1 + 2 * tile_px},
+            reach_px={"tiles": coc.max_radius_px + 2},  # tiles that it touches count whole
             texel_px=(tile_px, tile_px),
         )
 
