@@ -2,7 +2,7 @@
 
 A constant is fitted by this benchmark where its line in a shader says ``// Fitted: python -m bench
 --only fitted``. Errors are those of ``vrcomfort tradeoff``: at places on the shipped walks, against
-references of many views through the lens, or of many moments while the shutter is open.
+references of many views through the lens.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ import numpy as np
 from bench.clocked import replaced
 from bench.table import Result
 from vrcomfort.gpu import shaders
-from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
+from vrcomfort.protocol.conditions import Condition, DepthOfField
 from vrcomfort.resources import data_folder
 from vrcomfort.tradeoff.cases import Case, Scope
 from vrcomfort.tradeoff.measure import images_of, view_of
-from vrcomfort.tradeoff.methods import FOCUS, LENSES, SHUTTER, BlurMethod, Effect, LensName
+from vrcomfort.tradeoff.methods import FOCUS, LENSES, BlurMethod, LensName
 from vrcomfort.tradeoff.store import Store, default_folder, scene_and_hash
 
 COMMAND = "python -m bench --only fitted"
@@ -39,11 +39,6 @@ class Fitted(NamedTuple):
     name: str
     value: float
 
-    @property
-    def effect(self) -> Effect:
-        """Return the effect that it is of."""
-        return "motion_blur" if "motion" in self.file else "depth_of_field"
-
 
 def constants() -> list[Fitted]:
     """Return all that name this benchmark, by file."""
@@ -59,46 +54,37 @@ def measure(*, scene: str | None = None) -> Result:
     """Draw the same views with each constant times each factor."""
     scenes = (scene,) if scene else SCENES
     found = constants()
-    own = {
-        effect: [_error(name, effect) for name in scenes]
-        for effect in dict.fromkeys(constant.effect for constant in found)
-    }
+    own = [_error(name) for name in scenes]
     rows = []
     for constant in found:
         row: dict[str, object] = {"constant": f"{constant.name} = {constant.value:g}"}
         for factor in FACTORS:
             with changed(constant, factor):
-                errors = [_error(name, constant.effect) for name in scenes]
-            shares = (a / b for a, b in zip(errors, own[constant.effect], strict=True))
+                errors = [_error(name) for name in scenes]
+            shares = (a / b for a, b in zip(errors, own, strict=True))
             row[f"× {factor:g}"] = " / ".join(f"{share:.3f}" for share in shares)
         rows.append(row)
     notes = [
         f"RMS errors over those with the constant itself: {' / '.join(scenes)}; "
-        f"{SIZE_PX[0]}×{SIZE_PX[1]} px, references of {SAMPLES} samples (streaks: a quarter), the "
-        f"second place on each walk, discs of {LENS} % of the width or a walk's streaks."
+        f"{SIZE_PX[0]}×{SIZE_PX[1]} px, references of {SAMPLES} views, the second place on each "
+        f"walk, discs of up to {LENS} % of the width."
     ]
     return Result("Fitted constants of shaders", rows, notes)
 
 
-def _error(scene: str, effect: Effect) -> float:
-    """Return the RMS error of our method in a scene."""
-    case = Case(scene, 1, "walk" if effect == "motion_blur" else "still", effect, LENS)
+def _error(scene: str) -> float:
+    """Return the RMS error of our kernel in a scene."""
+    case = Case(scene, 1, "still", "depth_of_field", LENS)
     scope = Scope(size_px=SIZE_PX, samples=SAMPLES, eyes=1)
+    lens = DepthOfField(**LENSES[LENS])
+    condition = Condition(name="fitted", focus=FOCUS, depth_of_field=lens)
+    method = BlurMethod("fitted", "depth_of_field", "ours", condition)
     (eye,) = view_of(case, scope, STORE)
-    (image,) = images_of(case, scope, _method(effect), scene_and_hash(scene)[0])
+    (image,) = images_of(case, scope, method, scene_and_hash(scene)[0])
     return float(np.sqrt(np.mean(eye.error(image) ** 2)))
 
 
 STORE = Store(default_folder())
-
-
-def _method(effect: Effect) -> BlurMethod:
-    if effect == "motion_blur":
-        condition = Condition(name="fitted", motion_blur=MotionBlur(**SHUTTER))
-    else:
-        lens = DepthOfField(**LENSES[LENS])
-        condition = Condition(name="fitted", focus=FOCUS, depth_of_field=lens)
-    return BlurMethod("fitted", effect, "ours", condition)
 
 
 @contextmanager

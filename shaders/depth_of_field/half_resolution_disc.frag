@@ -24,6 +24,7 @@ out vec4 blurred;
 
 const float TEXEL_PX = 2.0;
 const float MARGIN_PX = 2.0 * TEXEL_PX;
+const float PI = 3.14159265;
 
 void main() {
     vec2 size_px = 2.0 * vec2(textureSize(half_image, 0));
@@ -47,7 +48,7 @@ void main() {
     vec3 back = behind.a > 0.0 ? behind.rgb / behind.a : centre.rgb;
     vec3 fore = front.a > 0.0 ? front.rgb / front.a : back;
     float back_opacity = smoothstep(TEXEL_PX, 2.0 * TEXEL_PX, centre.a);
-    float opacity = clamp(front.a * 3.14159265 / float(TAPS), 0.0, 1.0);
+    float opacity = clamp(front.a * PI / float(TAPS), 0.0, 1.0);
     vec3 colour = mix(back_opacity * back, fore, opacity);
     blurred = vec4(min(colour, 65504.0), 1.0 - (1.0 - back_opacity) * (1.0 - opacity));
 }

@@ -7,8 +7,7 @@ const float COMPLEX = 2.0;    // a velocity discontinuity: depth decides what hi
 const float LEAST_PX = 0.25;  // half velocities below this are left alone: half a pixel in all
 
 // By how much another half velocity may differ and still count as moving along.
-const float TOLERANCE_PX = 0.25;   // Fitted: python -m bench --only fitted
-const float TOLERANCE_PART = 0.1;  // Fitted: python -m bench --only fitted
+const float TOLERANCE_PX = 0.25, TOLERANCE_PART = 0.1;  // errors hardly depend on them
 
 float tolerance_px(float half_velocity_px) {
     return TOLERANCE_PX + TOLERANCE_PART * half_velocity_px;
@@ -35,7 +34,7 @@ float beside_px(vec2 half_velocity, vec2 line) {
 
 // Whether a half velocity goes clearly another way than a line: at an angle of asin(1 / 5) = 11.5
 // degrees if it is long, of more if it is short.
-const float CROSSING_PART = 0.2;  // Fitted: python -m bench --only fitted
+const float CROSSING_PART = 0.2;  // the sine of that angle
 
 bool crosses(vec2 half_velocity, vec2 line) {
     return beside_px(half_velocity, line) > LEAST_PX + CROSSING_PART * length(half_velocity);

@@ -60,7 +60,7 @@ vec4 foreground = vec4(0.0);  // rgb * opacity, opacity; of all walks
 
 // 0 where q is p's surface, behind it, or moves along with it; 1 where it is nearer by 4 % or more
 // and goes its own way. What moves together uncovers nothing: a plain average is exact there.
-const float NEARER_PART = 0.02;  // Fitted: python -m bench --only fitted
+const float NEARER_PART = 0.02;  // above the rounding of depths; errors hardly depend on it
 
 float in_front(vec3 q) {
     float nearer = clamp((q.z - p.z * (1.0 + NEARER_PART)) / (p.z * NEARER_PART + 1e-8), 0.0, 1.0);
@@ -122,11 +122,13 @@ vec4 colour_at(vec2 at, Walk walk) {
 #endif
 }
 
+const float CLOSER_PX = 0.01;  // decides between two pixels at one distance
+
 // other: the line of the other walk for the foreground; 0 where there is one only.
 void gather_at(vec2 offset, Walk walk, Tap tap, bool for_background, bool for_foreground, vec2 other) {
     vec2 at = vec2(pixel) + 0.5 + offset;
     // Between two pixels, the closer one.
-    ivec2 pixel_there = ivec2(floor(at - offset * (0.01 / tap.along)));
+    ivec2 pixel_there = ivec2(floor(at - offset * (CLOSER_PX / tap.along)));
     vec3 q = point_at(clamp(pixel_there, ivec2(0), last));
     float is_foreground = in_front(q);
     // p's own surface and what is behind it.
@@ -153,7 +155,7 @@ void gather(Walk walk, bool for_background, bool for_foreground, vec2 other) {
 }
 
 // Steepness, in parts of the longest streak, from which taps take whole pixels.
-const float WHOLE_FROM = 0.75;  // Fitted: python -m bench --only fitted
+const float WHOLE_FROM = 0.75;  // errors hardly depend on it
 
 // Whether what goes along a line is found along p's own streak as well.
 bool goes_along(vec2 line) {

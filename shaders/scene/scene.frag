@@ -79,13 +79,18 @@ vec3 mapped_normal(vec3 n, vec2 at, float layer, float scale_of_map) {
 
 // Rough enough that the highlight is no narrower than the pixel.
 // Source: Tokuyoshi & Kaplanyan, "Improved geometric specular antialiasing", I3D 2019.
+const float MOST_VARIANCE = 0.18;  // of the source
+const float LEAST_ALPHA = 0.01;    // narrower highlights would be sparks that one eye alone sees
+
 float filtered_alpha(float alpha, vec3 n) {
     vec3 dx = dFdx(n), dy = dFdy(n);
     float variance = 0.25 * (dot(dx, dx) + dot(dy, dy));
-    return sqrt(clamp(alpha * alpha + min(2.0 * variance, 0.18), 0.0, 1.0));
+    return sqrt(clamp(alpha * alpha + min(2.0 * variance, MOST_VARIANCE), 0.0, 1.0));
 }
 
 #ifdef SUN
+const float FADES_FROM = 0.85, FADED_AT = 0.98;  // of the way to the shadow map's rim: no line where it ends
+
 // Share of the sun that reaches the surface: 4 bilinear comparisons, a 3 x 3 texel tent.
 float sunlight(vec3 n) {
     vec3 lifted = relative + n * shadow_bias.y;
@@ -95,10 +100,12 @@ float sunlight(vec3 n) {
     float lit = texture(shadow_map, at + vec3(-t, -t, 0.0)) + texture(shadow_map, at + vec3(t, -t, 0.0))
               + texture(shadow_map, at + vec3(-t, t, 0.0)) + texture(shadow_map, at + vec3(t, t, 0.0));
     vec2 rim = abs(at.xy * 2.0 - 1.0);
-    float inside = 1.0 - smoothstep(0.85, 0.98, max(rim.x, rim.y));
+    float inside = 1.0 - smoothstep(FADES_FROM, FADED_AT, max(rim.x, rim.y));
     return mix(1.0, 0.25 * lit, inside);  // beyond the map everything is lit
 }
 #endif
+
+const float DIELECTRIC = 0.04;  // glTF 2.0: reflectance at normal incidence
 
 void main() {
     Material material = materials[material_index];
@@ -149,9 +156,9 @@ void main() {
 #ifdef NORMAL_IMAGE
     n = mapped_normal(n, on_image(material, NORMAL, uv, uv_1), material.layers.y, material.emissive.a);
 #endif
-    float alpha = filtered_alpha(max(roughness * roughness, 0.01), n);
+    float alpha = filtered_alpha(max(roughness * roughness, LEAST_ALPHA), n);
     vec3 diffuse = albedo.rgb * (1.0 - metallic);
-    vec3 f0 = mix(vec3(0.04), albedo.rgb, metallic);
+    vec3 f0 = mix(vec3(DIELECTRIC), albedo.rgb, metallic);
 
     // Sky and ground: diffuse from the hemisphere around n, specular from where it mirrors.
     vec3 hemisphere = mix(ground.rgb, mix(sky_horizon.rgb, sky_zenith.rgb, 0.5), 0.5 + 0.5 * n.y);
