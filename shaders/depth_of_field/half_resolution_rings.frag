@@ -26,6 +26,7 @@ uniform float pixel_aspect;   // image pixels per unit, vertical / horizontal
 out vec4 blurred;
 
 const float TURN = 6.28318531;
+const float ALIKE = 0.05;  // part by which radii of a fast tile may differ, as in the source
 const float GAPS = float(RINGS) - 0.5;   // radius of a disc over the distance of rings
 const float SAMPLES = float((2 * RINGS - 1) * (2 * RINGS - 1));
 // Keeps weights near 1; the opacity of the background is nearly always full with it.
@@ -181,7 +182,7 @@ void main() {
     uint one = mixed(place.x ^ mixed(place.y)), other = mixed(one);
     float angle = TURN * float(one) / 4294967296.0;
     vec2 noise = 0.5 / GAPS * sqrt(float(other) / 4294967296.0) * vec2(cos(angle), sin(angle));
-    if (radii_px.g - radii_px.r <= 0.05 * abs(radii_px.g)) {
+    if (radii_px.g - radii_px.r <= ALIKE * abs(radii_px.g)) {
         blurred = alike(0.5 * (abs(radii_px.r) + abs(radii_px.g)), noise);
         return;
     }
