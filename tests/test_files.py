@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import sys
 from collections import defaultdict
 from pathlib import Path
@@ -75,9 +76,15 @@ SHIPPED = {
 """Modules that read nothing but what is shipped with the package."""
 
 
+CALLED = re.compile(rf"\b({'|'.join(sorted(READS | NAMES | {'connect'}))})\(")
+"""Without one of these a module need not be parsed."""
+
+
 def reads_of(text: str) -> set[str]:
     """Return the functions that a module reads files by."""
-    found = set()
+    found: set[str] = set()
+    if not CALLED.search(text):
+        return found
     for node in ast.walk(ast.parse(text)):
         if not isinstance(node, ast.Call):
             continue

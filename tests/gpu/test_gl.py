@@ -68,3 +68,12 @@ def test_missing_driver_says_what_to_install(monkeypatch):
     monkeypatch.setattr(gl.moderngl, "create_context", fail)
     with pytest.raises(InputError, match="libegl1"):
         gl.create_context()
+
+
+def test_a_compute_shader_has_its_includes_before_any_other_program() -> None:
+    ctx = gl.create_context()
+    try:
+        with ctx:
+            shaders.compute(ctx, "display/image_hash.comp")
+    finally:
+        ctx.release()

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from click.testing import Result
 from typer.testing import CliRunner
 
 from tests.support.report import build_report
@@ -57,20 +60,45 @@ def test_each_fact_that_differs_is_a_sentence(changed: dict[str, object], senten
     assert found.startswith(sentence)
 
 
-def test_a_study_of_another_stimulus_goes_on_only_if_told(tmp_path: Path) -> None:
-    words = ["run", "smoke", "--respondent", "simulated", "--out", str(tmp_path / "S")]
-    words += ["--size", "16x20", "--exposure-s", "0.1", "--refresh-hz", "40", "--participant"]
-    first = CliRunner().invoke(app, [*words, "P01"])
-    assert first.exit_code == 0, first.output
+Run = Callable[..., Result]
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a protocol and a study of one participant."""
+    folder = tmp_path_factory.mktemp("recorded")
+    smoke_with(folder, 0.4)
+    assert "sessions differ" not in run_in(folder)("P01", "32x40", "10").stderr
+    return folder
+
+
+def run_in(folder: Path) -> Run:
+    def run(participant: str, size: str, rate: str, *more: str) -> Result:
+        words = ["run", str(folder / "smoke.toml"), "--participant", participant, "-q", *more]
+        words += ["--out", str(folder / "S"), "--respondent", "simulated"]
+        words += ["--size", size, "--refresh-hz", rate]
+        done = CliRunner().invoke(app, words, catch_exceptions=False)
+        assert done.exit_code == 0, done.output
+        return done
+
+    return run
+
+
+@pytest.fixture
+def run(tmp_path: Path, recorded: Path) -> Run:
+    """Return what goes on with a copy of the study in the test's folder."""
+    return run_in(shutil.copytree(recorded, tmp_path, dirs_exist_ok=True))
+
+
+def test_a_study_of_another_stimulus_goes_on_only_if_told(tmp_path: Path, run: Run) -> None:
     file = tmp_path / "S" / "sub-P01" / "ses-1" / "manifest.json"
     manifest = json.loads(file.read_text("utf-8"))
     assert manifest["stimulus_version"] == STIMULUS_VERSION
     file.write_text(json.dumps({**manifest, "stimulus_version": 99}), "utf-8")
     with pytest.raises(InputError, match="P01/ses-1 was shown version 99 of the stimulus"):
-        CliRunner().invoke(app, [*words, "P02"], catch_exceptions=False)
+        run("P02", "32x40", "10")
     assert not (tmp_path / "S" / "sub-P02").exists()
-    told = CliRunner().invoke(app, [*words, "P02", "--other-stimulus"])
-    assert told.exit_code == 0, told.output
+    run("P02", "32x40", "10", "--other-stimulus")
     second = json.loads((tmp_path / "S/sub-P02/ses-1/manifest.json").read_text("utf-8"))
     assert second["stimulus_version"] == STIMULUS_VERSION
     (found,) = differences_in(tmp_path / "S")
@@ -94,20 +122,11 @@ def test_many_sessions_are_counted() -> None:
     assert found.endswith("B in P02/ses-1, P03/ses-1, P04/ses-1, P05/ses-1 and 3 more")
 
 
-def test_size_and_rate_are_named_by_run_status_and_report(tmp_path: Path) -> None:
-    protocol, study = smoke_with(tmp_path, 0.4), tmp_path / "study"
-
-    def run(participant: str, size: str, rate: str) -> str:
-        words = ["run", str(protocol), "--participant", participant, "--out", str(study), "-q"]
-        words += ["--respondent", "simulated", "--size", size, "--refresh-hz", rate]
-        done = CliRunner().invoke(app, words, catch_exceptions=False)
-        assert done.exit_code == 0
-        return " ".join(done.stderr.split())
-
+def test_size_and_rate_are_named_by_run_status_and_report(tmp_path: Path, run: Run) -> None:
+    study = tmp_path / "S"
     size = "sessions differ in the image size of an eye: 32×40 in P01/ses-1; 40×48 in P02/ses-1"
     rate = "sessions differ in the refresh rate: 10 Hz in P01/ses-1; 20 Hz in P02/ses-1"
-    assert "sessions differ" not in run("P01", "32x40", "10")
-    told = run("P02", "40x48", "20")
+    told = " ".join(run("P02", "40x48", "20").stderr.split())
     assert told.count(size) == told.count(rate) == 1
     assert status_of(study).differences == differences_in(study) == [size, rate]
     assert size in " ".join(CliRunner().invoke(app, ["status", str(study)]).stderr.split())

@@ -107,8 +107,9 @@ def left_under_one(folder: Path) -> tuple[Path, None]:
     return folder, None
 
 
-def many_conditions(folder: Path) -> tuple[Path, None]:
-    return foreign(folder / "questionnaires.csv", totals(15, "abcdefghijklmn")), None
+def many_conditions(folder: Path) -> tuple[Path, Path]:
+    source = foreign(folder / "questionnaires.csv", totals(15, "abcdefghijklmn"))
+    return source, _plan(folder / "plan", 'outcomes = ["T"]\n')
 
 
 def no_effect_at_all(folder: Path) -> tuple[Path, None]:
