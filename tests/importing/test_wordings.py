@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 
 from openpyxl import Workbook
@@ -175,3 +176,64 @@ def test_answers_below_numbers_of_items_are_no_repeated_headings(tmp_path: Path)
     rows: list[list[object]] = [[*range(1, 11)]]
     rows += [[1, 2, 3, 2, 1, n % 5 + 1, 2, 5, 2, 3] for n in range(8)]
     assert len(imported_from(write(tmp_path / "sus.csv", rows)).responses) == 8
+
+
+def test_tables_side_by_side_with_people_of_their_own_are_read_one_below_the_other(
+    tmp_path: Path,
+) -> None:
+    headings = ["Participant ID", "Which Condition?", *LOAD]
+    rows: list[list[object]] = [[*headings, "", *headings]]
+    for n in range(1, 9):
+        left, right = (
+            [p, c, *((p + k) % 7 + 1 for k in range(6))] for p, c in ((n, "a"), (9 - n, "b"))
+        )
+        rows.append([*left, "", *right])
+    file = write(tmp_path / "tlx.csv", rows)
+    imported = imported_from(file)
+    assert {(p.participant, p.condition) for _, p in imported.responses} == {
+        (str(n), condition) for n in range(1, 9) for condition in "ab"
+    }
+    of_b = next(
+        r for (_, p), r in imported.responses.items() if p[:1] == ("8",) and p.condition == "b"
+    )
+    assert next(iter(of_b.answers.values())) == 10 * (8 % 7 + 1)
+    assert "stack = true" in suggest_mapping([file]).text
+
+
+def test_a_code_with_a_mark_is_a_person_at_another_time(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["Participant ID", *STATEMENTS]]
+    for code in ("5", "5(2)", "6", "6(2)", "7", "7(2)"):
+        rows.append([code, *((len(rows) + k) % 5 + 1 for k in range(10))])
+    imported = imported_from(write(tmp_path / "SUS.csv", rows))
+    assert {(p.participant, p.trial) for _, p in imported.responses} == {
+        (person, trial) for person in "567" for trial in "12"
+    }
+
+
+def test_words_under_a_heading_for_a_method_are_the_condition_of_groups(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["Code", "Retrieve-Method Methode", *STATEMENTS]]
+    rows += [
+        [f"P{n}", ("wand", "gaze")[n % 2], *((n + k) % 5 + 1 for k in range(10))] for n in range(9)
+    ]
+    imported = imported_from(write(tmp_path / "answers.csv", rows))
+    assert {place.condition for _, place in imported.responses} == {"wand", "gaze"}
+
+
+def test_of_several_sums_the_one_that_is_a_score_is_the_score(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["id", "display", "Usability_sum", "summary_result"]]
+    rows += [[n, d, 21.875 + n, 62.5 + 2.5 * n] for n in range(1, 9) for d in ("flat", "deep")]
+    text = suggest_mapping([write(tmp_path / "SUS.csv", rows)]).text
+    assert 'usability = "summary_result"' in text
+    assert 'kind = "score"' in text
+
+
+def test_a_part_of_a_workbook_that_is_no_xml_is_none_of_ours(tmp_path: Path) -> None:
+    book = Workbook()
+    book.active.append(["Code", *(f"TLX {n} wand" for n in range(1, 7))])
+    for n in range(8):
+        book.active.append([f"P{n}", *((3 * n + k) % 21 for k in range(6))])
+    book.save(tmp_path / "study.xlsx")
+    with zipfile.ZipFile(tmp_path / "study.xlsx", "a") as archive:
+        archive.writestr("xl/metadata", b"\x0a\x03 <\x12\x00")
+    (instrument,) = {i for i, _ in imported_from(tmp_path / "study.xlsx").responses}
+    assert instrument == "nasa_tlx"

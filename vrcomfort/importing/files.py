@@ -85,10 +85,14 @@ def as_table(grid: Grid) -> SourceTable:
             raise _fault(grid, f"row {number} is to be a heading, and is blank or not there")
     skipped = {*heading_rows, *found.skip_rows}
     last_heading = max(heading_rows, default=-1)
-    data = [(n, row) for n, row in by_number.items() if n not in skipped and n > last_heading]
+    data: list[tuple[int, Sequence[str]]] = [
+        (n, row) for n, row in by_number.items() if n not in skipped and n > last_heading
+    ]
     if not data:
         raise _fault(grid, "there is no row of data below the headings")
     headings = _joined([by_number[number] for number in heading_rows])
+    if grid.reading.stack:
+        headings, data = _stacked(headings, data, grid)
     width = len(headings)
     if grid.sheet or not width:  # cells of a workbook stand where they are; a separator may stray
         width = max(width, *(len(row) for _, row in data))
@@ -111,6 +115,31 @@ def as_table(grid: Grid) -> SourceTable:
         found,
         grid.notes,
     )
+
+
+def repeated_runs(headings: Sequence[str]) -> list[int]:
+    """Return where runs of the same headings begin, side by side; one place where none repeats."""
+    first = headings[0] if headings else ""
+    starts = [place for place, heading in enumerate(headings) if first and heading == first]
+    ends = [*starts[1:], len(headings)]
+    runs = [[*headings[a:b]] for a, b in zip(starts, ends, strict=True)]
+    for run in runs:
+        while run and not run[-1]:
+            run.pop()
+    same = len(runs) > 1 and all(run == runs[0] for run in runs) and len(runs[0]) > 1
+    return starts if same else [0]
+
+
+def _stacked(
+    headings: Sequence[str], data: Sequence[tuple[int, Sequence[str]]], grid: Grid
+) -> tuple[list[str], list[tuple[int, Sequence[str]]]]:
+    """Put what stands below each run of the same headings below what is left of it."""
+    starts = repeated_runs(headings)
+    if len(starts) < 2:
+        raise _fault(grid, "`stack` is for headings that repeat in the row, and these do not")
+    width = starts[1]
+    rows = [(n, row[start : start + width]) for start in starts for n, row in data]
+    return [*headings[:width]], [(n, row) for n, row in rows if any(row)]
 
 
 def transposed(grid: Grid) -> Grid:

@@ -66,6 +66,8 @@ class Read(Settings):
     skip_rows: tuple[Annotated[int, Field(ge=0)], ...] = ()
     transpose: bool = False
     """Participants stand side by side, items one below the other."""
+    stack: bool = False
+    """The headings repeat in the row: each run of them is a table, one below the other."""
 
     @property
     def reading(self) -> Reading:
@@ -77,6 +79,7 @@ class Read(Settings):
             self.heading_rows,
             self.skip_rows,
             self.transpose,
+            self.stack,
         )
 
 

@@ -33,6 +33,9 @@ class Reading(NamedTuple):
         Rows that hold no data, such as the question texts below a heading.
     transpose
         Participants stand side by side: columns are read as rows, and numbered as such.
+    stack
+        The headings repeat from column to column: what stands below each run of them is read as
+        rows of one table.
     """
 
     encoding: str | None = None
@@ -41,6 +44,7 @@ class Reading(NamedTuple):
     heading_rows: tuple[int, ...] | None = None
     skip_rows: tuple[int, ...] = ()
     transpose: bool = False
+    stack: bool = False
 
 
 def require_room(rows: int, width: int, file: Path, longest: str) -> None:

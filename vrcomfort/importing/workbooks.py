@@ -156,8 +156,13 @@ def _opened(content: bytes, file: Path) -> zipfile.ZipFile:
 
 
 def _is_xml(archive: zipfile.ZipFile, part: zipfile.ZipInfo) -> bool:
+    """Return whether a part begins as XML does; some programs add parts of their own."""
     with archive.open(part) as stream:
-        return b"<" in stream.read(_LOOKED_AT)
+        return stream.read(_LOOKED_AT).lstrip(_BEFORE_XML).startswith(b"<")
+
+
+_BEFORE_XML = b"\xef\xbb\xbf\xfe\xff\x00 \t\r\n"
+"""Marks of byte order, halves of UTF-16, and spaces."""
 
 
 def _require_room(found: int, most: int, what: str, file: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -9,10 +10,10 @@ from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
-from vrcomfort.importing.files import as_table, read_grids
+from vrcomfort.importing.files import as_table, read_grids, repeated_runs
 from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
-from vrcomfort.importing.source import Reading, SourceTable
+from vrcomfort.importing.source import Grid, Reading, SourceTable
 from vrcomfort.importing.suggest.draft import (
     REFUSED,
     ROWS,
@@ -20,6 +21,7 @@ from vrcomfort.importing.suggest.draft import (
     TomlDraft,
     write_doubts,
 )
+from vrcomfort.importing.suggest.evidence import names_fact
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
 from vrcomfort.importing.suggest.table_draft import TableDraft, pattern_of
 from vrcomfort.importing.suggest.vocabulary import (
@@ -124,32 +126,41 @@ def suggest_mapping(
 
 
 def _tables(file: Path, known: Known) -> list[SourceTable]:
-    grids = read_grids(file, Reading())
-    return [
-        as_table(replace(g, reading=g.reading._replace(transpose=stands_on_its_side(g, known))))
-        for g in grids
-        if g.rows
-    ]
+    return [_table(grid, known) for grid in read_grids(file, Reading()) if grid.rows]
+
+
+def _table(grid: Grid, known: Known) -> SourceTable:
+    """Read a sheet, on its side or stacked where people stand so."""
+    reading = grid.reading._replace(transpose=stands_on_its_side(grid, known))
+    table = as_table(replace(grid, reading=reading))
+    bare = [re.sub(r" \(\d+\)$|^column \d+$", "", heading) for heading in table.headings]
+    if names_fact(bare[0], "participant", known.vocabulary) and len(repeated_runs(bare)) > 1:
+        return as_table(replace(grid, reading=reading._replace(stack=True)))
+    return table
 
 
 def _said_again(useful: Sequence[TableDraft], imported: Imported | None) -> list[TableDraft]:
     """Return the drafts of sheets that say the answers of another again, perhaps recoded."""
-    said: dict[str, Counter[object]] = {}
+    said: dict[str, dict[str, Counter[object]]] = {}
     for (instrument, _), response in (imported.responses if imported else {}).items():
-        answers = (instrument, *sorted(response.answers.items()))
-        said.setdefault(response.place.sheet, Counter())[answers] += 1
-    sheets = [draft.table.sheet for draft in useful]
-    again = []
-    for place, sheet in enumerate(sheets):
-        counts = said.get(sheet, Counter())
-        known = any(said.get(each) == counts for each in sheets[:place])
-        if sheet and known and len(counts) >= _FEWEST_ALIKE:
-            again.append(useful[place])
+        of_sheet = said.setdefault(response.place.sheet, {})
+        of_sheet.setdefault(instrument, Counter()).update(response.answers.items())
+    again: list[TableDraft] = []
+    earlier: list[dict[str, Counter[object]]] = []
+    for draft in useful:
+        mine = said.get(draft.table.sheet, {})
+        repeats = (
+            sum(counts.values()) >= _FEWEST_ALIKE and any(e.get(name) == counts for e in earlier)
+            for name, counts in mine.items()
+        )
+        if draft.table.sheet and mine and all(repeats):
+            again.append(draft)
+        earlier.append(mine)
     return again
 
 
-_FEWEST_ALIKE = 4
-"""Different questionnaires of two sheets that are the same by no chance."""
+_FEWEST_ALIKE = 24
+"""Answers to an instrument, in two sheets, that are equally often there by no chance."""
 
 
 def _ignored_sheets(

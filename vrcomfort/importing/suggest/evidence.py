@@ -241,6 +241,11 @@ def _heaviest(said: Sequence[str], vocabulary: LabVocabulary) -> tuple[str, int]
     return "", 0
 
 
+def names_fact(heading: str, fact: str, vocabulary: LabVocabulary) -> bool:
+    """Return whether a heading alone says that its column is of a fact."""
+    return _heaviest((heading,), vocabulary)[0] == fact
+
+
 _DATE = re.compile(r"\d{1,4}[/.\-]\d{1,2}[/.\-]\d{1,4}\b|\d{1,2}:\d{2}")
 
 
@@ -399,6 +404,15 @@ def _words_without_people(context: Context, column: int) -> bool:
     return not numbers and few_texts(context.table, column)
 
 
+def _words_under_label(context: Context, column: int) -> bool:
+    """Return whether a column has few words under a heading that has a word for conditions."""
+    words = {*tokens(context.table.headings[column])}
+    labels = {key for key, role in context.vocabulary.roles.items() if role == "condition"}
+    open_ = column in context.roles.unknown and column not in context.used
+    few = few_texts(context.table, column) and not is_numeric(context.table, column)
+    return open_ and few and bool(words & labels) and not _measures(context.table, column)
+
+
 def _groups_people(context: Context, column: int) -> bool:
     return column == context.covariates.get("group", context.covariates.get("sequence"))
 
@@ -471,6 +485,10 @@ CELLS: tuple[CellEvidence, ...] = (
         "Is {heading!r} the condition?", "it is",
     ),
     COUNTS_EXPOSURES,
+    CellEvidence(
+        "condition", "few words under a heading with a word for conditions", 15,
+        _words_under_label, "Is {heading!r} the condition, between participants?", "it is",
+    ),
     GROUPS_PEOPLE,
     CellEvidence(
         "condition", "few words in front, where nothing tells people apart", 5,

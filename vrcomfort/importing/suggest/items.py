@@ -199,8 +199,13 @@ def mentions(text: str, instruments: Iterable[Instrument]) -> set[str]:
         each.name
         for each in instruments
         for name in {plain(each.name), plain(each.short)}
-        if name in words or (len(name) > 4 and name in joined)
+        if name in words or (len(name) > 4 and name in joined) or words & _acronyms(each.short)
     }
+
+
+def _acronyms(short: str) -> set[str]:
+    """Return the acronyms that a short name is made of: ``NASA-TLX`` is called ``TLX``, too."""
+    return {part.casefold() for part in short.split("-") if part.isupper() and len(part) > 2}
 
 
 FEWEST, FEWEST_OF_NAMED = 4, 3

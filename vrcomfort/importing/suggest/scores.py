@@ -65,13 +65,26 @@ def _of_instrument(
         measured = {*tokens(table.headings[column])} & vocabulary.measures
         if named is not None and not measured and _numeric(table, column):
             scale, context = named
-            groups.setdefault(context, {}).setdefault(scale, column)
+            there = groups.setdefault(context, {})
+            if _scored(table, column, scale, instrument) > _scored(
+                table, there.get(scale), scale, instrument
+            ):
+                there[scale] = column
     most = max(map(len, groups.values()), default=0)
     return [
         FoundScores(instrument, context, scales)
         for context, scales in groups.items()
         if _is_sure(table, instrument, scales) and _is_like(table, instrument, scales, most)
     ]
+
+
+def _scored(table: SourceTable, column: int | None, name: str, instrument: Instrument) -> float:
+    """Return the share of a column's numbers that are scores of a scale; −1 of no column."""
+    scale = scale_named(instrument, name)
+    values = values_of(table, column) if column is not None else []
+    if column is None or scale is None:
+        return -1.0
+    return sum(on_scale(v, scale, "score") is not None for v in values) / max(len(values), 1)
 
 
 def _is_like(

@@ -159,6 +159,10 @@ def _together(one: object, other: object) -> object:
     ]  # fmt: skip
 
 
+_AGAIN = re.compile(r" ?\(\d\)$")
+"""The mark of a person's second questionnaire."""
+
+
 def pattern_of(name: str) -> str:
     """Return the pattern of a name of a file or sheet: bytes that are no UTF-8 are any."""
     return re.sub("[\ud800-\udfff]", "?", re.sub(r"[*?[]", r"[\g<0>]", name))
@@ -232,6 +236,12 @@ class TableDraft:
             values["transpose"] = True
             question = "Do participants stand side by side, and items one below the other?"
             self.doubts.append(OpenDoubt(question, "they do; columns are read as rows", *LAYOUT))
+        if read.stack:
+            values["stack"] = True
+            question = "The headings repeat in the row: is each run of them a table of its own?"
+            self.doubts.append(
+                OpenDoubt(question, "it is; they are read one below the other", *LAYOUT)
+            )
         if values:
             self.draft.put("read", values)
         if not read.heading_rows and "heading_rows" in values:
@@ -588,8 +598,10 @@ class TableDraft:
         """
         if context.participant is None:
             return
-        groups = alike(dict.fromkeys(self.table.column(context.participant)))
+        people = [*dict.fromkeys(self.table.column(context.participant))]
+        groups = alike(people)
         if not groups:
+            self._asked_again(context.participant, people)
             return
         shown = "; ".join(" and ".join(map(repr, group)) for group in groups)
         one = {other: group[0] for group in groups for other in group[1:]}
@@ -610,6 +622,19 @@ class TableDraft:
         self.doubts.append(
             OpenDoubt(question, f"{assumed}values = {toml_value(one)}", *SAME_PERSON)
         )
+
+    def _asked_again(self, column: int, people: Sequence[str]) -> None:
+        """Take ``5(2)`` beside ``5`` for the second time of one person, and ask."""
+        again = {
+            code: code[: -len(mark[0])].strip() for code in people if (mark := _AGAIN.search(code))
+        }
+        if not again or not {*again.values()} <= {*people}:
+            return
+        self.draft.put("participant", {"column": self.table.headings[column], "values": again})
+        self.draft.put("trial", {"count": True}, "exposures in the order of the rows")
+        code, person = next(iter(again.items()))
+        question = f"Is {code!r} participant {person!r} at another time?"
+        self.doubts.append(OpenDoubt(question, "it is; exposures are numbered", *SAME_PERSON))
 
     def _ignore(self, exposures: DraftedFacts) -> None:
         """List every column that nothing was said of, with the reason."""
