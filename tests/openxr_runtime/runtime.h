@@ -83,7 +83,7 @@ bool pose_is_valid(const XrPosef *pose);
 /* script.c: what the script says of a frame. */
 typedef enum {
     HEAD, HAND, GAZE, ORIGIN, ACTIVE, PRESS, STATE, PRESENT, NOT_DRAWN, INVALID, UNTRACKED,
-    PERIOD, RATE, LATE, ANSWER, HANG, INSTANCE_LOSS, KINDS
+    PERIOD, MASK, RATE, LATE, ANSWER, HANG, INSTANCE_LOSS, KINDS
 } Kind;
 typedef struct {
     char headset[64], runtime[64], profiles[HANDS][64], log[512];

@@ -41,6 +41,7 @@ holds counts, so that a frame is the same whatever came before it:
     FRAMES period FACTOR                 by which the predicted period is wrong; 0: not told
     FRAMES late PERIODS                  that a frame takes
     FRAMES rate HZ                       that the display changes to, and tells
+    FRAMES mask 0|1                      of which eye the visibility mask changes, and is told
     FRAMES origin X Y Z QX QY QZ QW      of the stage, where the runtime moves it to, and tells
     FRAMES answer FUNCTION RESULT        a number of OpenXR's, and nothing is done; FUNCTION * is
                                          every function of a session
@@ -76,6 +77,7 @@ static const struct {
     [STATE] = {"state", true, 0, 0},        [PRESENT] = {"present", false, 1, 1},
     [NOT_DRAWN] = {"not_drawn", false, 1, 1}, [INVALID] = {"invalid", false, 1, 1},
     [UNTRACKED] = {"untracked", false, 1, 1}, [PERIOD] = {"period", false, 1, 1},
+    [MASK] = {"mask", false, 1, 1},
     [RATE] = {"rate", false, 1, 1},         [LATE] = {"late", false, 1, 1},
     [ANSWER] = {"answer", true, 1, 1},      [HANG] = {"hang", true, 1, 1},
     [INSTANCE_LOSS] = {"instance_loss", false, 0, 0},

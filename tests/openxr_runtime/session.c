@@ -12,7 +12,7 @@
 #define EYE_HEIGHT_M 1.6
 
 static struct {
-    bool exists, running, leaving, waited, begun, told_loss, told_present, present;
+    bool exists, running, leaving, waited, begun, told_loss, told_mask, told_present, present;
     XrSessionState state;
     int frame;
     XrTime time;
@@ -112,6 +112,16 @@ static void change_rate(double rate_hz) {
     if (is_enabled(XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME)) push_event(&event, sizeof event);
 }
 
+static void change_mask(uint32_t eye) {
+    XrEventDataVisibilityMaskChangedKHR event = {
+        XR_TYPE_EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR, NULL, (XrSession)&session,
+        XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO, eye,
+    };
+    if (session.told_mask) return;
+    session.told_mask = true;
+    if (is_enabled(XR_KHR_VISIBILITY_MASK_EXTENSION_NAME)) push_event(&event, sizeof event);
+}
+
 static void move_origin(void) {
     Pose origin = scripted_pose(ORIGIN, NULL, session.frame, IDENTITY);
     if (memcmp(&origin, &session.origin, sizeof origin) == 0) return;
@@ -128,9 +138,11 @@ static void move_origin(void) {
 /* What the script changes with the present frame becomes events. */
 static void follow_script(void) {
     const double *rate_hz = scripted(RATE, NULL, session.frame);
+    const double *mask_of = scripted(MASK, NULL, session.frame);
     while (step()) continue;
     tell_presence(false);
     if (rate_hz != NULL) change_rate(*rate_hz);
+    if (mask_of != NULL) change_mask((uint32_t)*mask_of);
     move_origin();
     update_profiles((XrSession)&session);
     if (scripted(INSTANCE_LOSS, NULL, session.frame) != NULL && !session.told_loss) {

@@ -119,6 +119,9 @@ EVENTS: Mapping[str, EventKind] = {
     "tracking_lost": EventKind("The head was no longer tracked"),
     "training": EventKind("Training before the first exposure"),
     "unfocused": EventKind("Something of the OpenXR runtime had the input"),
+    "visibility_mask_changed": EventKind(
+        "The lenses hide another part of an eye's image than at the start, and frames do not follow"
+    ),
     "window_focus": EventKind("The window gained or lost the input"),
     "withdrawal_undone": EventKind("An operator took a withdrawal back", _TYPED),
     "withdrawn": EventKind("The participant's study ended in this session", _TYPED),

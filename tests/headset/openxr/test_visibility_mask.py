@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import islice
 from pathlib import Path
 
 import moderngl
@@ -68,3 +69,13 @@ def test_a_damaged_mask_is_refused(mask: list[object]) -> None:
 
 def test_sessions_of_before_have_none() -> None:
     assert hidden_areas_of({"name": "openxr"}) == (None, None)
+
+
+def test_a_mask_that_changes_is_told(ctx: moderngl.Context, tmp_path: Path) -> None:
+    script = "speed 0\n2 mask 1\n"
+    with ScriptedRuntime(tmp_path, script), OpenXrHeadset(ctx) as headset:
+        for frame in islice(headset.frames(), 6):
+            headset.submit(frame, None)
+        events = headset.take_events()
+    told = [each.detail for each in events if each.name == "visibility_mask_changed"]
+    assert told == ["right"]

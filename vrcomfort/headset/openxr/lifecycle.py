@@ -26,6 +26,7 @@ _NO_EVENT = bytes(xr.EventDataBuffer())[: xr.EventDataBuffer.varying.offset]
 """The fields `type` and `next`, as OpenXR wants them before each poll."""
 ABSENT_NS = 500_000_000
 """A presence sensor that sees nobody for less has slipped: the picture stays."""
+EYES = ("left", "right")
 SEEN = (State.VISIBLE, State.FOCUSED)
 TAKEN_OFF = "the headset is off: exposures wait until its sensor sees somebody"
 OUT_OF_REACH = (
@@ -115,6 +116,12 @@ class Lifecycle:
             kind.EVENT_DATA_INTERACTION_PROFILE_CHANGED: (
                 xr.EventDataInteractionProfileChanged,
                 lambda _: notify(HeadsetEvent("controllers_changed")),
+            ),
+            kind.EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR: (
+                xr.EventDataVisibilityMaskChangedKHR,
+                lambda event: notify(
+                    HeadsetEvent("visibility_mask_changed", EYES[event.view_index])
+                ),
             ),
             kind.EVENT_DATA_EVENTS_LOST: (
                 xr.EventDataEventsLost,
