@@ -125,6 +125,13 @@ def test_a_break_that_was_over_is_not_held_again(tmp_path):
     assert len(breaks(tmp_path)) == 1
 
 
+@pytest.mark.parametrize(("more", "in_a_row"), [("", 2), (f"{BREAKS}after_trials = [1]\n", 1)])
+def test_a_dry_run_counts_the_exposures_between_breaks(tmp_path, more, in_a_row):
+    first, second = dry_run(resting(tmp_path, more), tmp_path / "dry")
+    for each in (first, second):
+        assert (each.in_a_row, each.in_a_row_s) == (in_a_row, pytest.approx(10.0 * in_a_row))
+
+
 def test_simulated_participants_rest_longer_than_they_must_and_answer_alike(tmp_path):
     protocol = resting(tmp_path, BREAKS.replace("30.0", "30.0\nafter_trials = [1]"))
     person = SimulatedRespondent(protocol.simulation, participant="P01", seed=0)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from itertools import product
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,7 +17,7 @@ from vrcomfort.frame import HeadsetEvent
 from vrcomfort.headset.timing import RefreshPeriod
 from vrcomfort.protocol import Ratings
 from vrcomfort.questionnaire import find_instrument
-from vrcomfort.seen_time import SeenState, SeenTime, ShownFrame
+from vrcomfort.seen_time import UNSEEN, SeenState, SeenTime, ShownFrame, unseen_rows
 from vrcomfort.session.frame_log import FrameLog, missed_refreshes
 from vrcomfort.session.interfaces import NoOutlet
 from vrcomfort.session.ratings import RatingSchedule, RatingSchedules
@@ -59,6 +62,18 @@ def test_of_the_states_that_hold_the_first_counts():
     assert account([at(0, **changes), at(8)]) == {"hidden": 0.8, "live": 0.1}
     changes["user_present"] = False
     assert account([at(0, **changes), at(8)]) == {"off": 0.8, "live": 0.1}
+
+
+def test_rows_in_which_nothing_is_seen_are_those_of_the_states():
+    names = ("user_present", "paused", "should_render")
+    told = list(product((0.0, 1.0, math.nan), repeat=3))
+    columns = dict(zip(names, np.transpose(told), strict=True))
+    cells = [[None if math.isnan(cell) else cell for cell in row] for row in told]
+    rows = [dict(zip(names, row, strict=True)) for row in cells]
+    rest = {"xr_time_ns": 0, "period_ns": 1, "discontinuity": 0, "head_tracked": 1,
+            "session_state": ""}  # fmt: skip
+    states = [ShownFrame.of_row(rest | row).state for row in rows]
+    assert [state in UNSEEN for state in states] == unseen_rows(columns).tolist()
 
 
 FAULTS = st.fixed_dictionaries(
