@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -20,12 +21,15 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.psych_ds import export_psych_ds
 from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.protocol.texts import ENGLISH
 from vrcomfort.records.rows import cell_text
 from vrcomfort.records.session_rows import LONGEST_TEXT, in_lines, one_line
 from vrcomfort.respondent import keyboard
 from vrcomfort.respondent.base import Withdrew, Written
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_input import Pointing
+from vrcomfort.respondent.panel_layout import rest_cells
+from vrcomfort.respondent.panel_picture import Page, Painter
 from vrcomfort.session import NoPictures, StillHeadset
 from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.verbal import VerbalRespondent
@@ -165,6 +169,8 @@ def test_on_the_panel_the_participant_tells_it_and_the_experimenter_types():
     screen.upcoming(Pointing())
     assert person.write("How was it?").text == "It flickered,\nI think."
     assert asked == ["How was it?"]
+    page = Page(ENGLISH.say_aloud, "How was it?", rest_cells())
+    assert np.array_equal(screen.pictures[0], Painter().draw(page, None))
     assert screen.frames == 5  # none of them waited for the typist
     assert screen.pictures[-1] is None
 

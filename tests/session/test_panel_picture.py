@@ -24,7 +24,7 @@ from vrcomfort.respondent.panel_layout import (
     question_cells,
     review_cells,
 )
-from vrcomfort.respondent.panel_picture import Page, Painter
+from vrcomfort.respondent.panel_picture import FRAME_PX, LOOKED, DwellProgress, Page, Painter
 from vrcomfort.session.rehearsal import aim_at
 from vrcomfort.text_layout import TextCanvas
 
@@ -50,6 +50,16 @@ def test_cells_lie_on_the_panel_and_do_not_overlap(instrument: Instrument) -> No
 def test_a_cell_knows_its_middle() -> None:
     cell = Cell((0, 0, SIZE_PX[0], SIZE_PX[1] // 2), "", Act.ANSWER)
     assert cell.center == (0.5, 0.25)
+
+
+def test_what_a_look_has_prepared_has_a_frame_inside_its_cell() -> None:
+    cells = question_cells(SSQ.answers, first=True)
+    left, top, right, bottom = cells[1].box
+    expected = np.zeros(SIZE_PX[::-1], dtype=bool)
+    expected[top : bottom + 1, left : right + 1] = True
+    expected[top + FRAME_PX : bottom + 1 - FRAME_PX, left + FRAME_PX : right + 1 - FRAME_PX] = False
+    drawn = Painter().draw(Page("", "Nausea", cells), None, DwellProgress(prepared=cells[1]))
+    assert ((drawn == LOOKED).all(axis=2) == expected).all()
 
 
 @pytest.mark.smoke
