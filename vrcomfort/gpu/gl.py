@@ -39,6 +39,8 @@ _DEPTH_COMPONENT, _DEPTH_COMPONENT32F, _FLOAT = 0x1902, 0x8CAC, 0x1406
 _SRGB8_ALPHA8, _TEXTURE_SAMPLES, _SAMPLE_POSITION = 0x8C43, 0x9106, 0x8E50
 _TEXTURE_2D_ARRAY, _RGBA8, _RGBA, _UNSIGNED_BYTE = 0x8C1A, 0x8058, 0x1908, 0x1401
 
+_DYNAMIC_DRAW = 0x88E8
+
 _UNIFORM_ALIGNMENT = 256
 """The most that GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT may be."""
 
@@ -230,6 +232,18 @@ def buffer(ctx: moderngl.Context, data: bytes) -> moderngl.Buffer:
 def dynamic_buffer(ctx: moderngl.Context, size_bytes: int) -> moderngl.Buffer:
     """Return a buffer that is rewritten every frame."""
     return _entered_buffer(ctx, ctx.buffer(reserve=size_bytes, dynamic=True))
+
+
+def rewriter(ctx: moderngl.Context, buffer: moderngl.Buffer) -> Callable[[bytes], None]:
+    """Return a function that replaces all of a buffer; draws that are under way keep the old."""
+    uint = ctypes.c_uint
+    replace = function(ctx, "glNamedBufferData", uint, ctypes.c_ssize_t, ctypes.c_void_p, uint)
+    name = buffer.glo
+
+    def rewrite(content: bytes) -> None:
+        replace(name, len(content), content, _DYNAMIC_DRAW)
+
+    return rewrite
 
 
 def uniform_stride(size_bytes: int) -> int:

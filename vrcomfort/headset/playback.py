@@ -311,6 +311,7 @@ def _pose_at(track: PoseTrack, sample: _Sample) -> Pose:
     if sample.fraction == 0.0:
         return track.pose(sample.index)
     a, b = sample.index, sample.index + 1
-    position = track.positions[a] + (track.positions[b] - track.positions[a]) * sample.fraction
+    place, then = track.positions[a : b + 1].tolist()  # plain numbers are faster: hot
+    position = [x + (y - x) * sample.fraction for x, y in zip(place, then, strict=True)]
     before, after = track.orientations[a : b + 1].tolist()
-    return Pose.of(position.tolist(), slerp_numbers(before, after, sample.fraction))
+    return Pose.of(position, slerp_numbers(before, after, sample.fraction))

@@ -25,6 +25,7 @@ from vrcomfort.geometry import (
 )
 from vrcomfort.optics.motion import ramp, speed_m_s, turn_deg_s
 from vrcomfort.protocol.conditions import CameraMode, Carried, Neck, SpeedRamps, VirtualTurning
+from vrcomfort.rotations import rotation_rows
 from vrcomfort.scene.node_poses import HandPoses
 
 LensLaw = Literal["linear", "dioptre"]
@@ -308,7 +309,8 @@ class CameraMotion(NamedTuple):
 def camera_motion(eyes: Sequence[Pose], previous: Sequence[Pose]) -> CameraMotion:
     """Return the rotations and eye displacements between world-from-eye poses, all at once."""
     numbers = np.array([pose.numbers for pose in (*eyes, *previous)]).reshape(2, -1, 7)
-    rotations = np.array([pose.rotation for pose in (*eyes, *previous)]).reshape(2, -1, 3, 3)
+    rows = [rotation_rows(*pose.numbers[3:]) for pose in (*eyes, *previous)]
+    rotations = np.array(rows).reshape(2, -1, 3, 3)
     now, before = rotations.swapaxes(-1, -2)
     delta = numbers[0, :, :3] - numbers[1, :, :3]
     turned = (numbers[0, :, 3:] != numbers[1, :, 3:]).any(axis=-1)

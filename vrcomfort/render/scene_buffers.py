@@ -123,6 +123,9 @@ class RowBuffers:
         self.rows = gl.dynamic_buffer(ctx, most * _ROW * 4)
         self.previous = gl.dynamic_buffer(ctx, most * _MATRIX * 4) if previous else None
         self.commands = gl.dynamic_buffer(ctx, most * COMMAND.itemsize)
+        self._write_rows = gl.rewriter(ctx, self.rows)
+        self._write_commands = gl.rewriter(ctx, self.commands)
+        self._write_previous = gl.rewriter(ctx, self.previous) if self.previous else None
 
     def write(
         self,
@@ -133,15 +136,10 @@ class RowBuffers:
         """Write instances in drawing order; row i belongs to command i."""
         # Instanced attributes are read from `base_instance` on: each command has its own row.
         commands[:, _BASE_INSTANCE] = np.arange(len(commands))
-        _replace(self.rows, rows)
-        _replace(self.commands, commands)
-        if self.previous is not None and previous is not None:
-            _replace(self.previous, previous)
-
-
-def _replace(buffer: moderngl.Buffer, data: NDArray[np.generic]) -> None:
-    buffer.orphan(data.nbytes)  # draws that are under way keep their storage
-    buffer.write(data)
+        self._write_rows(rows.tobytes())
+        self._write_commands(commands.tobytes())
+        if self._write_previous is not None and previous is not None:
+            self._write_previous(previous.tobytes())
 
 
 class _Levels(NamedTuple):
@@ -395,12 +393,12 @@ class JointBuffer:
     def __init__(self, ctx: moderngl.Context, joints: int) -> None:
         self._rows = np.zeros((joints, 2, 3, 4), dtype=np.float32)
         self._buffer = gl.dynamic_buffer(ctx, self._rows.nbytes)
+        self._rewrite = gl.rewriter(ctx, self._buffer)
 
     def write(self, place_from_bind: Array, previous: Array) -> None:
         """Take (joints, 4, 4) matrices of `Skins.place_from_bind`."""
         self._rows[:, 0], self._rows[:, 1] = place_from_bind[:, :3], previous[:, :3]
-        self._buffer.orphan(self._rows.nbytes)  # draws that are under way keep their storage
-        self._buffer.write(self._rows)
+        self._rewrite(self._rows.tobytes())
 
     def bind(self) -> None:
         """Make the joints those that shaders see."""
@@ -416,13 +414,13 @@ class ClipBlocks:
     def __init__(self, ctx: moderngl.Context) -> None:
         self._stride = gl.uniform_stride(64)
         self._buffer = gl.dynamic_buffer(ctx, self._stride)
+        self._rewrite = gl.rewriter(ctx, self._buffer)
 
     def write(self, clips_from_relative: Array) -> None:
         """Take (views, 4, 4) matrices."""
         blocks = np.zeros((len(clips_from_relative), self._stride // 64, 4, 4), dtype=np.float32)
         blocks[:, 0] = clips_from_relative.swapaxes(-1, -2)  # GLSL stores columns
-        self._buffer.orphan(blocks.nbytes)
-        self._buffer.write(blocks)
+        self._rewrite(blocks.tobytes())
 
     def bind(self, view: int) -> None:
         """Make a view's matrix the one that shaders see."""

@@ -403,6 +403,7 @@ class EyeBlocks:
         self._lens, self._velocity = lens, velocity
         self._focus_offset = shaders.offset(view, "lens_focus")
         self._buffer = gl.dynamic_buffer(ctx, self._bytes.nbytes)
+        self._rewrite = gl.rewriter(ctx, self._buffer)
 
     def write(
         self,
@@ -424,8 +425,7 @@ class EyeBlocks:
                 self._write_lens(view, camera, camera.lens or PINHOLE)
         places = np.array([pose.numbers[:3] for pose in poses])
         self._light.look_from(places, None if shadow is None else shadow.uniforms)
-        self._buffer.orphan()  # draws that are under way keep their storage
-        self._buffer.write(self._bytes)
+        self._rewrite(self._bytes.tobytes())
 
     def bind(self, view: int = 0, lens_focus: moderngl.Texture | None = None) -> None:
         """Make an eye's blocks those that shaders see.

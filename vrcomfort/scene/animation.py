@@ -66,12 +66,12 @@ def sample(channel: Channel, time_s: float) -> Array:
     if channel.interpolation == "CUBICSPLINE":
         value = _hermite(channel.values[key], channel.values[after], t, span_s)
         return normalize(value) if channel.path == "rotation" else value
-    a, b = channel.values[key], channel.values[after]
     if channel.interpolation == "STEP":
-        return np.asarray(b if t >= 1.0 else a)
+        return np.asarray(channel.values[after if t >= 1.0 else key])
+    a, b = channel.values[key].tolist(), channel.values[after].tolist()
     if channel.path == "rotation":
-        return np.array(slerp_numbers(a.tolist(), b.tolist(), t))
-    return np.asarray(a + (b - a) * t)
+        return np.array(slerp_numbers(a, b, t))
+    return np.array([each + (other - each) * t for each, other in zip(a, b, strict=True)])
 
 
 def _hermite(a: Array, b: Array, t: float, span_s: float) -> Array:

@@ -111,6 +111,7 @@ class DepthToCoc:
         """Largest radius of the eye that constants were given for last."""
         self._block = shaders.Block("coc_of_depth.glsl", "CocOfEye", _MEMBERS)
         self._buffer = gl.dynamic_buffer(ctx, self._block.size_bytes)
+        self._rewrite = gl.rewriter(ctx, self._buffer)
         self.defines: dict[str, Any] = {
             **_law_defines(settings),
             **({} if settings.peripheral is None else {"PERIPHERAL": 1}),
@@ -170,8 +171,7 @@ class DepthToCoc:
             or (now.fov, now.near_m) != (fov, near_m)
         ):
             self._eye = _Eye(fov, near_m, head_from_eye, peripheral_axis)
-            self._buffer.orphan()  # draws that are under way keep their storage
-            self._buffer.write(self._block.packed(self._constants(self._eye)))
+            self._rewrite(self._block.packed(self._constants(self._eye)))
         self._buffer.bind_to_uniform_block(COC_BINDING)
 
     def _constants(self, eye: _Eye) -> tuple[float, ...]:
