@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from functools import partial
 from math import ceil
 from typing import Any, NamedTuple, Protocol
 
@@ -114,12 +113,11 @@ class FullscreenPass:
         framebuffer = ctx.framebuffer(self.targets, depth)
         flags = moderngl.NOTHING if depth is None else moderngl.DEPTH_TEST
         self._ctx, self._writes_depth = ctx, depth is not None
-        self._draw: Callable[[], None]
-        self._draw = partial(self._triangle.render, moderngl.TRIANGLES, vertices=3)
+        self._draw = _drawing(self._triangle, moderngl.TRIANGLES, 3)
         drawn_px = texel_px
         if tiles is not None:
             columns, rows = tiles
-            self._draw = partial(self._triangle.render, moderngl.POINTS, vertices=columns * rows)
+            self._draw = _drawing(self._triangle, moderngl.POINTS, columns * rows)
             flags = moderngl.PROGRAM_POINT_SIZE
             # Points whose middle is outside the viewport are not drawn: it is of whole tiles.
             point_px = int((defines or {})["POINT_PX"])
@@ -188,6 +186,11 @@ class FullscreenPass:
             member.write(value)
         else:
             member.value = value
+
+
+def _drawing(array: moderngl.VertexArray, mode: int, vertices: int) -> Callable[[], None]:
+    """Return what draws; the method is looked up at each draw, so that tests can count draws."""
+    return lambda: array.render(mode, vertices=vertices)
 
 
 def _textures(given: moderngl.Texture | Sequence[moderngl.Texture]) -> Sequence[moderngl.Texture]:
@@ -309,8 +312,7 @@ class MaxReductionPass:
         self._declared = Pass("common/max_reduction.frag", reads, writes, blends=True)
         of_texels = LimitedVertices.of_texels(self._points, reads[0], texel_px)
         count = texels.height if by_row else texels.width * texels.height
-        self._draw: Callable[[], None]
-        self._draw = partial(self._points.render, moderngl.POINTS, vertices=count)
+        self._draw = _drawing(self._points, moderngl.POINTS, count)
         if of_texels is not None:
             self._draw = of_texels.render
 

@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from struct import Struct
 from typing import Any, NamedTuple, Protocol
 
@@ -176,9 +175,8 @@ class FocusSearch:
         self.texture = now[0]
         """1×1 RGBA32F: x = focus, y = target of the refocus law, z = bits of the rays used."""
         self._target = ctx.framebuffer(now)
-        self._copy = partial(ctx.copy_framebuffer, ctx.framebuffer(self._before), self._target)
+        self._history = ctx.framebuffer(self._before)
         self._triangle = self._program()
-        self._draw = partial(self._triangle.render, vertices=3)
         self._values: dict[str, Any] = {}
         """Uniforms of the last frame."""
         now_images, before = (tuple(map(PassImage.of, each)) for each in (now, self._before))
@@ -222,14 +220,14 @@ class FocusSearch:
 
     def _decide(self, uniforms: dict[str, Any]) -> None:
         # A pass may not read the texture it draws into: the state of the frame before is a copy.
-        self._copied.run(self._copy)
+        self._copied.run(lambda: self._ctx.copy_framebuffer(self._history, self._target))
         self._target.use()
         for unit, texture in enumerate(self._before):
             texture.use(unit)
         for name, value in uniforms.items():
             if self._values.get(name) != value:  # a program keeps uniforms between draws
                 self._values[name] = self._triangle.program[name] = value
-        self._decided.run(self._draw)
+        self._decided.run(lambda: self._triangle.render(vertices=3))
 
     def _program(self) -> moderngl.VertexArray:
         probe, law = self._probe, self._law
