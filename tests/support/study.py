@@ -12,7 +12,7 @@ import numpy as np
 
 from tests.support.protocols import ASKED_AFTER_EACH, ASKED_BEFORE, explicit_order, protocol_text
 from vrcomfort.csv_table import CsvTable
-from vrcomfort.frame import Frame, HeadsetEvent
+from vrcomfort.frame import FocusSample, Frame, HeadsetEvent
 from vrcomfort.geometry import Fov, Pose, View
 from vrcomfort.protocol import Condition, Protocol, load_protocol
 from vrcomfort.questionnaire import Instrument
@@ -108,18 +108,14 @@ class AheadHeadset:
         self.submitted += 1
 
 
-@dataclass(frozen=True)
-class Sample:
-    frame_index: int
-    focus_m: float = 2.5
-    focus_raw_m: float = 3.5
-    rays_m: tuple[float, ...] = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 30_000.0)
-    used: tuple[bool, ...] = (True,) * 8 + (False,)
+def sample_of(frame_index: int) -> FocusSample:
+    """Return the focus of a frame: eight rays meet something, one the sky."""
+    return FocusSample(frame_index, 2.5, 3.5, np.array([*range(1, 9), 3e4]), np.arange(9) < 8)
 
 
 @dataclass(frozen=True)
 class Picture:
-    focus_samples: tuple[Sample, ...]
+    focus_samples: tuple[FocusSample, ...]
     eyes: tuple[None, None] = (None, None)
     max_blur_px: float | None = 1.5
     gpu_times: tuple[Any, ...] | None = None
@@ -143,16 +139,16 @@ class LateFocus:
     def begin(self, scene: Any, condition: Condition) -> None:
         self.begun.append((scene, condition.name))
         self._focus = condition.depth_of_field is not None
-        self._late: list[Sample] = []
+        self._late: list[FocusSample] = []
 
     def render(self, frame: Frame, _scene_time_s: float) -> Picture:
         if self._focus:
-            self._late.append(Sample(frame.index))
+            self._late.append(sample_of(frame.index))
         arrived = tuple(self._late[:-3])
         self._late = self._late[-3:]
         return Picture(arrived)
 
-    def drain(self) -> list[Sample]:
+    def drain(self) -> list[FocusSample]:
         late, self._late = self._late, []
         return late
 
