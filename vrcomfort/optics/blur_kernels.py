@@ -49,6 +49,27 @@ def coarser_behind(samples: int) -> bool:
     return samples // 4 >= LEAST_TEXELS
 
 
+# Gather at half resolution, for the fewest samples (``shaders/depth_of_field/half_gather.frag``).
+
+
+HALF_GATHER_SAMPLES = 12
+"""So many `samples` stand for it."""
+
+SMALL_FROM_PX, SMALL_PX = 2.25, 3.5
+"""Between these radii (px) a disc goes from taps in the pixels to the half image. Lower ones cost
+less and err more: ``python -m bench.blur --set samples=12 --size 640x800``."""
+
+HALF_TEXELS_PER_PX = 0.25
+"""By how much the radius (px) of a disc is multiplied for the side of the texels, in those of the
+half image, that it is summed on: of six to 25 there, and more below 5.6 px."""
+
+
+def half_gather_levels(max_radius_px: float) -> int:
+    """Return how many images it reads, each half as large as the one before."""
+    coarsest = log2(max(HALF_TEXELS_PER_PX * max_radius_px, 1.0))
+    return min(1 + max(0, ceil(coarsest - 0.4)), MOST_MIPS)
+
+
 # Poisson taps in a pixel's own circle of confusion, for ``depth_of_field/poisson12.frag`` (Hillaire
 # et al. 2008, Fig. 3) and ``depth_of_field/poisson15_near*.frag`` (Mantiuk et al. 2011, section 4).
 

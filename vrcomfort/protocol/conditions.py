@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from vrcomfort.errors import InputError
 from vrcomfort.installed import installed, load, package_of, place_of
+from vrcomfort.optics.blur_kernels import HALF_GATHER_SAMPLES, LEAST_TEXELS
 from vrcomfort.protocol.marks import LIVE, OnlyWith
 from vrcomfort.protocol.quality_levels import Quality, filled, with_level
 from vrcomfort.settings import Name, Settings, Word
@@ -255,9 +256,10 @@ class DepthOfField(Settings):
     `max_radius_percent`, also where `linear` and `dioptre` reach it."""
     peripheral: Peripheral | None = None
     """Peripheral blur on top; both together stay within the largest diameter."""
-    samples: Annotated[int, Field(ge=16, le=256), OnlyWith(kernel=("vrcomfort",))] = 36
+    samples: Annotated[int, Field(ge=12, le=256), OnlyWith(kernel=("vrcomfort",))] = 36
     """Speed against accuracy of `vrcomfort`: discs of up to this many pixels are summed pixel by
-    pixel, wider ones texel by texel on a level of the image on which they have no more. The other
+    pixel, wider ones texel by texel on a level of the image on which they have no more: 16 or more.
+    With 12, discs are gathered at half resolution, which is cheaper and errs more. The other
     kernels have the fixed numbers of their sources."""
     views: Annotated[int, Field(ge=1, le=256)] = 1
     """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
@@ -268,6 +270,17 @@ class DepthOfField(Settings):
     """Scales the blur of each of K views, whose radius is 2/√K of the lens at 1, at most half,
     and 0.97 of it with up to eleven (`views` from 2 on). From twelve on, less than 0.75 px per
     dioptre, in an image 90° wide, is left out."""
+
+    @field_validator("samples")
+    @classmethod
+    def _twelve_or_many(cls, value: int) -> int:
+        if HALF_GATHER_SAMPLES < value < LEAST_TEXELS:
+            raise PydanticCustomError(
+                "samples",
+                "must be {half} (gathered at half resolution) or from {least} on",
+                {"half": HALF_GATHER_SAMPLES, "least": LEAST_TEXELS},
+            )
+        return value
 
     @field_validator("slices_m")
     @classmethod

@@ -41,7 +41,8 @@ SHUTTER: dict[str, Any] = {"mode": "full", "shutter_fraction": 1.0, "max_radius_
 PER_PIXEL_SAMPLES = 8
 """Samples along every streak of the method without occlusion."""
 
-SAMPLES = (16, 20, 36, 72, 96)
+SAMPLES = (12, 16, 20, 36, 72, 96)
+QUICK_SAMPLES = (12, 16, 36, 96)
 STREAK_SAMPLES = (8, 16, 32)
 VIEWS = (1, 4, 16, 64, 256)
 
@@ -113,7 +114,13 @@ def _lens(quick: bool) -> list[BlurMethod]:
     return [
         no_blur("depth_of_field"),
         *_sources("depth_of_field", DepthOfField, "kernel", _lens_condition),
-        *_dial("depth_of_field", "ours", "samples", _few(SAMPLES, quick), _lens_condition),
+        *_dial(
+            "depth_of_field",
+            "ours",
+            "samples",
+            QUICK_SAMPLES if quick else SAMPLES,
+            _lens_condition,
+        ),
         *_views(quick),
     ]
 

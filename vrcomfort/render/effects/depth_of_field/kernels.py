@@ -26,6 +26,7 @@ from vrcomfort.render.effects.depth_of_field.engine_kernels import (
     SeparableGaussianKernel,
     TapUniforms,
 )
+from vrcomfort.render.effects.depth_of_field.half_gather import HalfGatherKernel
 from vrcomfort.render.effects.depth_of_field.layered_gather import (
     Aspect,
     BlurKernel,
@@ -269,4 +270,6 @@ _KERNELS: dict[Kernel, _Maker] = {
 
 def make_kernel(ctx: moderngl.Context, coc: CocPasses, settings: DepthOfField) -> BlurKernel:
     """Return the kernel that `settings` name, reading the points of `coc`."""
+    if settings.kernel == "vrcomfort" and settings.samples == blur_kernels.HALF_GATHER_SAMPLES:
+        return HalfGatherKernel(ctx, coc, settings)
     return _KERNELS[settings.kernel](ctx, coc, settings)

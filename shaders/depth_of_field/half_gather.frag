@@ -1,0 +1,121 @@
+#version 450 core
+// All texels in each texel's disc and, where discs from farther away reach it, those in theirs.
+//
+// Input:  surfaces_0, surfaces_1 … (half_surfaces.frag; signed CoC RADIUS, px of image width, negative in
+//         front of the focus), each half as large as the one before; dilated (half_tile_dilate.frag).
+//         LEVELS: how many; TILE: side of a tile in texels.
+// Output: rgb = light of a texel's own disc under what is nearer and spreads over it; a = opacity of that.
+//
+// What is as far as the texel or farther counts as seen in its own disc; nearer things cover it as far as
+// their discs come, 1 / area each. Discs are summed on the level on which they have up to 25 texels. In the composite a pixel that is less blurred than its texel shows only
+// `a` of this: there the light is that of what covers it. In front of the focus a texel covers itself, as
+// far as nothing behind it is seen. What is in focus hardly counts, and covers
+// nothing: where a texel is in focus, its light is that of its blurred surroundings, for reads between
+// texels. Texels are read one by one: a mean of two radii would be a surface that is not there.
+#include "coc.glsl"
+#include "discs.glsl"
+
+uniform sampler2D dilated;
+uniform sampler2D surfaces_0;
+#if LEVELS > 1
+uniform sampler2D surfaces_1;
+#endif
+#if LEVELS > 2
+uniform sampler2D surfaces_2;
+#endif
+#if LEVELS > 3
+uniform sampler2D surfaces_3;
+#endif
+#if LEVELS > 4
+uniform sampler2D surfaces_4;
+#endif
+
+out vec4 gathered;
+
+const float FILL_PX = 4.0;    // how far from a texel in focus its surroundings are
+const float ENLARGED_PX2 = 2.0;  // gather.frag
+// Part of the square of a texel that discs are wider by, beside what disc_texels takes back: with it a lamp's disc
+// has its second moment (tests/render/effects/test_half_gather.py).
+const float TEXEL_SHARE = 0.3;
+const float LEAST = 0.001;    // weight of what is in focus
+
+vec4 p = texelFetch(surfaces_0, ivec2(gl_FragCoord.xy), 0);
+vec4 seen = LEAST * vec4(p.rgb, 1.0);
+vec4 over = vec4(0.0);
+vec2 free = vec2(0.0);  // of the texel's own disc: where what is behind it is seen, all
+
+// Sides of the focus on which nearer things cover the texel.
+const int BEHIND = 1, IN_FRONT = 2;
+
+// What lies within a disc, on a level; `beyond`: only what covers the texel.
+void gather(sampler2D image, int level, float disc_px, float part, bool beyond, int sides) {
+    float texel_px = float(2 << level);
+    float wider_px2 = ENLARGED_PX2 + TEXEL_SHARE * texel_px * texel_px;
+    float narrower_px = sqrt(max(disc_px * disc_px - wider_px2, 0.2 * disc_px * disc_px));
+    float grid = grid_radius_px(disc_texels(narrower_px, texel_px));
+    float reach = grid + 0.5 * RIM_PX, rows = reach * pixel_aspect;
+    vec2 place = 2.0 * gl_FragCoord.xy / texel_px - 0.5;
+    int top = part > 0.0 ? int(floor(place.y + rows)) : -1000000;
+    ivec2 last = textureSize(image, 0) - 1;
+    for (int y = int(ceil(place.y - rows)); y <= top; ++y) {
+        float row = (float(y) - place.y) / pixel_aspect;
+        float cells = sqrt(max(reach * reach - row * row, 0.0));
+        int right = int(floor(place.x + cells));
+        for (int x = int(ceil(place.x - cells)); x <= right; ++x) {
+            vec4 q = texelFetch(image, clamp(ivec2(x, y), ivec2(0), last), 0);
+            float away = length(vec2(float(x) - place.x, row)), radius = abs(q.a);
+            float is_nearer = nearer(p.a, q.a);
+            float weight = beyond ? 0.0 : part * disc_share(away, grid);
+            float counts = mix(LEAST, 1.0, clamp(radius - 0.25, 0.0, 1.0));
+            seen += (1.0 - is_nearer) * counts * weight * vec4(q.rgb, 1.0);
+            free += weight * vec2(nearer(q.a, p.a), 1.0);
+            bool covers = radius > 0.5 && (sides & (q.a < 0.0 ? IN_FRONT : BEHIND)) != 0;
+            over += covers ? part * is_nearer / (PI * pixel_aspect)
+                           * disc_share(away, grid_radius_px(disc_texels(radius, texel_px))) * vec4(q.rgb, 1.0)
+                           : vec4(0.0);
+        }
+    }
+}
+
+// The part of a disc that is summed on this level.
+float level_part(int level, float radius_px) {
+    float wanted = log2(max(TEXELS_PER_PX * radius_px, 1e-3)) - float(level);
+    float finest = level == 0 ? 1.0 : clamp(5.0 * wanted + 3.0, 0.0, 1.0);
+    return finest - (level >= LEVELS - 1 ? 0.0 : clamp(5.0 * wanted - 2.0, 0.0, 1.0));
+}
+
+void disc(float radius_px, bool wanted, bool beyond, int sides) {
+    gather(surfaces_0, 0, radius_px, wanted ? level_part(0, radius_px) : 0.0, beyond, sides);
+#if LEVELS > 1
+    gather(surfaces_1, 1, radius_px, wanted ? level_part(1, radius_px) : 0.0, beyond, sides);
+#endif
+#if LEVELS > 2
+    gather(surfaces_2, 2, radius_px, wanted ? level_part(2, radius_px) : 0.0, beyond, sides);
+#endif
+#if LEVELS > 3
+    gather(surfaces_3, 3, radius_px, wanted ? level_part(3, radius_px) : 0.0, beyond, sides);
+#endif
+#if LEVELS > 4
+    gather(surfaces_4, 4, radius_px, wanted ? level_part(4, radius_px) : 0.0, beyond, sides);
+#endif
+}
+
+void main() {
+    vec4 tile = texelFetch(dilated, ivec2(gl_FragCoord.xy) / TILE, 0);
+    float own_px = abs(p.a);
+    // Slanted surfaces in front of the focus reach a little farther than a texel's own disc.
+    float beyond_px = tile.r > 1.25 * max(-p.a, 0.0) + 1.0 ? tile.r : 0.0;
+    bool blurred = tile.a > 0.0 && tile.g > SMALL_FROM_PX;
+    // Small discs are summed from pixels, and not here.
+    bool wanted = blurred && (own_px < 1.0 || own_px > 0.7 * SMALL_FROM_PX || beyond_px > 0.0);
+    disc(own_px < 1.0 ? FILL_PX : own_px, wanted, false, beyond_px > 0.0 ? BEHIND : BEHIND | IN_FRONT);
+    disc(beyond_px, blurred && beyond_px > 0.0, true, IN_FRONT);
+    float opacity = min(over.a, 1.0);
+    float wide = smoothstep(SMALL_FROM_PX, SMALL_PX, own_px);
+    float shown = wide + opacity - wide * opacity;  // in the composite
+    vec3 own = seen.rgb / seen.a;
+    vec3 front = over.a > 0.0 ? over.rgb / over.a : own;
+    const float UP = 1.0 + 1e-6;  // half floats may be cut off: a mean must not fall short by a float's rounding
+    gathered = vec4(min(UP * mix(own, front, shown > 0.0 ? opacity / shown : 0.0), 65504.0),
+                    p.a < 0.0 ? max(opacity, wide * (1.0 - free.x / max(free.y, 1e-4))) : opacity);
+}

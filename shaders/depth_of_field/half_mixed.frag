@@ -1,0 +1,37 @@
+#version 450 core
+// Tiles with small discs, from nine taps in the pixels, and what is blurred widely, from half an image.
+//
+// Input:  colour_and_coc (colour_and_coc.frag; signed CoC RADIUS, px of image width, negative in front of the
+//         focus), gathered (half_gather.frag; a = opacity of what spreads over the pixel); both read bilinearly.
+// Output: the blurred image, linear HDR, full resolution.
+//
+// SMALL_FROM_PX, SMALL_PX: between these radii a pixel goes from one to the other.
+#include "coc.glsl"
+
+uniform float pixel_aspect;
+uniform sampler2D colour_and_coc;
+uniform sampler2D gathered;
+
+out vec4 blurred;
+
+const float READ_PX2 = 0.3;  // what bilinear reads add to the square of a radius
+
+void main() {
+    vec2 size = vec2(textureSize(colour_and_coc, 0));
+    vec4 p = texelFetch(colour_and_coc, ivec2(gl_FragCoord.xy), 0);
+    float own_px = abs(p.a);
+    vec4 soft = textureLod(gathered, gl_FragCoord.xy / (2.0 * vec2(textureSize(gathered, 0))), 0.0);
+    float wide = smoothstep(SMALL_FROM_PX, SMALL_PX, own_px);
+    float alpha = wide + soft.a - wide * soft.a;
+    // The centre and eight on a ring have the second moment of a disc.
+    vec2 away = 0.75 * sqrt(max(own_px * own_px - READ_PX2, 0.0)) * vec2(0.92388, 0.38268);
+    int taps = own_px > 0.5 && alpha < 1.0 ? 8 : 0;
+    vec4 sum = vec4(p.rgb, 1.0);
+    for (int i = 0; i < taps; ++i) {
+        vec4 q = textureLod(colour_and_coc, (gl_FragCoord.xy + away * vec2(1.0, pixel_aspect)) / size, 0.0);
+        sum += (1.0 - nearer(p.a, q.a)) * vec4(q.rgb, 1.0);
+        away = 0.70711 * vec2(away.x - away.y, away.x + away.y);
+    }
+    vec3 own = taps > 0 ? sum.rgb / sum.a : p.rgb;
+    blurred = vec4(alpha > 0.0 ? min(mix(own, soft.rgb, alpha), 65504.0) : own, 1.0);
+}

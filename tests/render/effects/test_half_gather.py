@@ -1,0 +1,112 @@
+"""Twelve samples: blur at half resolution loses no light, and nothing in focus leaks or changes."""
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from tests.support.effects import depth_of_field
+from vrcomfort.protocol.conditions import DepthOfField
+
+WIDTH, HEIGHT = 160, 96
+
+
+def blurred(ctx, rgb, distance_m, radius_px, focus_m=1.0):
+    """Return (h, w, 3); something at infinity has this radius with focus at 1 m."""
+    lens = {
+        "law": "dioptre",
+        "full_blur_dioptre": 1.0,
+        "max_radius_percent": 100 * radius_px / rgb.shape[1],
+    }
+    found = depth_of_field(
+        ctx, rgb, distance_m, focus_m, samples=12, max_diameter_arcmin=None, **lens
+    )
+    return found.astype(float)
+
+
+def picture(seed=0, size_px=(WIDTH, HEIGHT), peak=4.0):
+    width, height = size_px
+    return np.random.default_rng(seed).uniform(0, peak, (height, width, 3)).astype("f2")
+
+
+def surfaces(seed=0, size_px=(WIDTH, HEIGHT)):
+    """Return (h, w) distances of rectangles before and behind the focus, in it and infinite."""
+    random = np.random.default_rng(seed)
+    width, height = size_px
+    distance = np.full((height, width), np.inf)
+    for metres in (4.0, 1.0, 0.7, 0.55, 1.0, 1.3):
+        x, y = random.integers(0, width), random.integers(0, height)
+        distance[y : y + height // 3, x : x + width // 3] = metres
+    return distance
+
+
+@pytest.mark.parametrize("radius_px", [1.0, 3.0, 8.0, 15.0])
+def test_a_constant_image_stays_constant(ctx, radius_px):
+    found = blurred(ctx, np.full((HEIGHT, WIDTH, 3), 0.3), surfaces(), radius_px)
+    np.testing.assert_allclose(found, np.float16(0.3), atol=2**-11)
+
+
+def test_what_is_in_focus_is_unchanged_where_nothing_nearer_is_blurred(ctx):
+    """A patch in focus before blurred ground: bit for bit, up to its edge."""
+    distance = np.full((HEIGHT, WIDTH), np.inf)
+    distance[31:62, 45:90] = 1.0
+    rgb = picture()
+    found = blurred(ctx, rgb, distance, 12.0)
+    np.testing.assert_array_equal(found[31:62, 45:90], rgb[31:62, 45:90])
+    assert np.abs(found - rgb)[:20].mean() > 0.1
+
+
+@pytest.mark.parametrize("radius_px", [1.5, 3.0, 6.0, 12.0])
+def test_nothing_leaks_from_a_sharp_foreground(ctx, radius_px):
+    """White in focus beside black at infinity; its edge lies on an odd pixel."""
+    rgb = np.zeros((HEIGHT, WIDTH, 3))
+    rgb[:, :75] = 1.0
+    distance = np.where(np.arange(WIDTH) < 75, 1.0, np.inf)[None].repeat(HEIGHT, 0)
+    found = blurred(ctx, rgb, distance, radius_px)
+    assert found[:, 75:].max() <= 1 / 255
+    assert found[:, :75].min() == 1.0
+
+
+@pytest.mark.parametrize("radius_px", [6.0, 10.0, 15.0])
+def test_a_blurred_foreground_spreads_over_what_is_in_focus(ctx, radius_px):
+    """A near half plane over a sharp one: beside its edge the share of the lens that it covers."""
+    rgb = np.zeros((HEIGHT, WIDTH, 3))
+    rgb[:, :80] = 1.0
+    distance = np.where(np.arange(WIDTH) < 80, 0.5, 1.0)[None].repeat(HEIGHT, 0)
+    row = blurred(ctx, rgb, distance, radius_px)[HEIGHT // 2, :, 0]
+    away = (np.arange(WIDTH) + 0.5 - 80) / radius_px
+    inside = np.clip(away, -1, 1)
+    covered = (np.arccos(inside) - inside * np.sqrt(1 - inside**2)) / np.pi
+    beside = (away > 0) & (away < 1.3)
+    np.testing.assert_allclose(row[beside], covered[beside], atol=0.12)
+    assert np.all(np.diff(row[beside]) < 0.03), "it falls"
+
+
+@pytest.mark.parametrize("radius_px", [1.5, 2.8, 5.0, 9.0, 14.0])
+def test_a_lamp_keeps_its_light_and_gets_the_width_of_a_disc(ctx, radius_px):
+    """One surface: four places within a tile, so that no texel is preferred."""
+    y, x = np.mgrid[0:HEIGHT, 0:WIDTH] + 0.5
+    for across, down in ((64, 40), (67, 43), (71, 46), (73, 49)):
+        rgb = np.zeros((HEIGHT, WIDTH, 3))
+        rgb[down : down + 2, across : across + 2] = 50.0
+        found = blurred(ctx, rgb, np.inf, radius_px)[..., 0]
+        assert found.sum() == pytest.approx(200, rel=0.02)
+        for place, middle in ((x, across + 1), (y, down + 1)):
+            variance = float((found * (place - middle) ** 2).sum() / found.sum())
+            near = 0.12 if radius_px < 10 else 0.2  # wider discs have as few as ten texels
+            assert variance == pytest.approx(radius_px**2 / 4 + 1 / 3, rel=near)
+
+
+@pytest.mark.parametrize("size_px", [(1, 1), (3, 5), (2, 200), (515, 9)])
+def test_no_size_and_no_light_gives_anything_but_numbers(ctx, size_px):
+    rgb = picture(1, size_px, peak=65504.0)
+    distance = np.where(surfaces(1, size_px) == 1.3, 1e-3, surfaces(1, size_px))
+    for focus_m in (1e-3, 1.0, 1e4):
+        found = blurred(ctx, rgb, distance, 0.05 * size_px[0], focus_m)
+        assert np.isfinite(found).all()
+        assert found.min() >= 0.0
+
+
+def test_numbers_between_the_two_engines_are_refused():
+    assert DepthOfField(samples=12).samples == 12
+    with pytest.raises(ValidationError, match="gathered at half resolution"):
+        DepthOfField(samples=13)
