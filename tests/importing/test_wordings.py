@@ -237,3 +237,61 @@ def test_a_part_of_a_workbook_that_is_no_xml_is_none_of_ours(tmp_path: Path) -> 
         archive.writestr("xl/metadata", b"\x0a\x03 <\x12\x00")
     (instrument,) = {i for i, _ in imported_from(tmp_path / "study.xlsx").responses}
     assert instrument == "nasa_tlx"
+
+
+def test_grades_behind_the_answers_and_yes_or_no_in_front_are_no_conditions(tmp_path: Path) -> None:
+    numbers = [f"Q{n}" for n in range(1, 11)]
+    graded: list[list[object]] = [["When", *numbers, "SUS Score", "Grade", "Meaning"]]
+    for n in range(8):
+        answers = [(n + k) % 5 + 1 for k in range(10)]
+        total = 2.5 * sum(a - 1 if k % 2 == 0 else 5 - a for k, a in enumerate(answers))
+        when = f"2025-12-2{n} 01:37:27"
+        graded.append([when, *answers, total, "BD"[n % 2], ("Good", "Poor")[n % 2]])
+    asked: list[list[object]] = [["When", "Q1. Is medicine your field?", *STATEMENTS]]
+    asked += [
+        [f"6/1{n}/2026 13:14", ("Yes", "No")[n % 2], *((n + k) % 5 + 1 for k in range(10))]
+        for n in range(8)
+    ]
+    for name, rows in (("sus_results.csv", graded), ("answers.csv", asked)):
+        places = [p for _, p in imported_from(write(tmp_path / name, rows)).responses]
+        assert len(places) == 8
+        assert {place.condition for place in places} == {"all"}
+
+
+def test_a_file_called_after_a_questionnaire_has_it_in_a_run_of_columns(tmp_path: Path) -> None:
+    questions = [f"Question.about.world.{letter}" for letter in "abcdefghijklmn"]
+    rows: list[list[object]] = [["Participant.ID", "Which.Condition.", *questions, "SP", "INV"]]
+    rows += [
+        [n, c, *((n + k) % 7 + 1 for k in range(14)), 24 + n, 19 + n]
+        for n in range(1, 9)
+        for c in ("flat", "deep")
+    ]
+    file = write(tmp_path / "ipq.csv", rows)
+    imported = imported_from(file)
+    assert {instrument for instrument, _ in imported.responses} == {"ipq"}
+    of_1 = next(r for (_, p), r in imported.responses.items() if p.participant == "1")
+    assert of_1.answers["ipq_g1"] == 1  # 2 of 1 to 7
+    asked = [str(doubt) for doubt in suggest_mapping([file]).doubts]
+    assert any("in published order?" in doubt for doubt in asked)
+
+
+def test_statements_and_agreement_in_polish_below_row_numbers_of_pandas(tmp_path: Path) -> None:
+    words = [
+        "zdecydowanie nie zgadzam się",
+        "raczej się nie zgadzam",
+        "nie mam zdania",
+        "raczej się zgadzam",
+        "zdecydowanie się zgadzam",
+    ]
+    long = "Obszary aktywowane przemieszczeniem spojrzenia"
+    statements = [f"{n}. Zdanie o tym sposobie, {n * 'x'}" for n in range(1, 11)]
+    rows: list[list[object]] = [["", "Kod badanego", "Testowany interfejs", *statements]]
+    for n in range(12):
+        answers = [words[(n + k) % 5] for k in range(10)]
+        rows.append([n, f"sub-{n // 2:02}", (long, "dotyk")[n % 2], *answers])
+    imported = imported_from(write(tmp_path / "sus.csv", rows))
+    assert {(p.participant, p.condition) for _, p in imported.responses} == {
+        (f"sub-{n:02}", c) for n in range(6) for c in (long, "dotyk")
+    }
+    first = next(iter(imported.responses.values()))
+    assert [*first.answers.values()][:5] == [1, 2, 3, 4, 5]

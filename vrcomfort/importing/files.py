@@ -271,7 +271,7 @@ def _is_heading(rows: Sequence[Sequence[str]]) -> bool:
         if (cells := [row[index] for row in below if index < len(row) and row[index]])
         and sum(map(is_number, cells)) * 2 > len(cells)
     ]
-    if numeric_below:
+    if any(first[index] for index in numeric_below):  # row numbers alone may have no heading
         named = [i for i in numeric_below if first[i] and not is_number(first[i])]
         return len(named) * 2 >= len(numeric_below)
     # All are words: a row of data has words that stand in its column again.

@@ -396,10 +396,14 @@ def _counted(context: Context) -> Iterator[int]:
 def _words_without_people(context: Context, column: int) -> bool:
     """Return whether one of the first columns has few words, where nothing tells people apart."""
     open_ = {*context.roles.unknown[:FIRST_COLUMNS]} - context.used
-    if context.participant is not None or column not in open_:
+    behind = column * 2 > len(context.table.headings)  # grades and verdicts follow the answers
+    if context.participant is not None or column not in open_ or behind:
         return False
-    if all(map(context.vocabulary.timepoint, texts(context.table, column))):
+    words = texts(context.table, column)
+    if all(map(context.vocabulary.timepoint, words)):
         return False
+    if all(plain(word) in context.vocabulary.yes_no for word in words):
+        return False  # an answer to a question of the lab's own
     numbers = is_numeric(context.table, column) or _measures(context.table, column)
     return not numbers and few_texts(context.table, column)
 

@@ -263,8 +263,8 @@ class Found(FoundAnswers):
 def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> list[Found]:
     """Return the questionnaires that the headings of a table name, no column twice.
 
-    By the names of the items, else by their numbers, else (where there are no headings) by where
-    the answers stand.
+    By the names of the items, else by their numbers, else (where there are no headings, or the
+    file is called after a questionnaire) by where the answers stand.
     """
     found: list[Found] = []
     other = {*range(len(table.headings))} - {*columns}
@@ -273,7 +273,10 @@ def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> lis
         blocks = [b for i in known.instruments for b in find(table, i, taken, known.vocabulary)]
         found += _best(table, blocks, known.instruments)
     if not found and not table.reading.heading_rows:
-        found = _runs(table, known) or _by_position(table, known)
+        found = _runs(table, known) or _by_position(table, known, known.instruments)
+    elif not found:
+        said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
+        found = _by_position(table, known, [i for i in known.instruments if i.name in said], other)
     found = _without_gaps(table, found, other)
     found = [replace(block, siblings=_siblings(block, found)) for block in found]
     return sorted(found, key=lambda block: block.columns)
@@ -558,16 +561,33 @@ def _holds_answers(table: SourceTable, column: int, vocabulary: LabVocabulary) -
 _SMALL = frozenset("01234")
 
 
-def _by_position(table: SourceTable, known: Known) -> list[Found]:
-    """Take as many columns of small whole numbers, side by side, as an instrument has items.
+def _agrees(instrument: Instrument) -> bool:
+    """Return whether answers go from strong disagreement to strong agreement, in five steps."""
+    return instrument.high - instrument.low == 4
 
-    In a longer run, that ends the table, they are the last ones.
+
+def _by_position(
+    table: SourceTable,
+    known: Known,
+    instruments: Sequence[Instrument],
+    other: Set[int] = frozenset(),
+) -> list[Found]:
+    """Take as many columns of answers, side by side, as an instrument has items.
+
+    Answers are small whole numbers, or words of agreement.
+
+    In a longer run, that ends the table, they are the last ones. None is of the other columns.
     """
     said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
-    for instrument in sorted(known.instruments, key=lambda each: each.name not in said):
+    for instrument in sorted(instruments, key=lambda each: each.name not in said):
         count = len(instrument.asked)
         answers = {*instrument.answers.plain, str(instrument.high + 1), ""}
-        fits = [{""} != {*table.column(c)} <= answers for c in range(len(table.headings))]
+        agreed = {*known.vocabulary.agreement} if _agrees(instrument) else set()
+        cells = [{*table.column(c)} - {""} for c in range(len(table.headings))]
+        fits = [
+            c not in other and bool(each) and (each <= answers or {*map(plain, each)} <= agreed)
+            for c, each in enumerate(cells)
+        ]
         ends = [c for c in range(len(fits)) if fits[c] and not any(fits[c + 1 : c + 2])]
         for end in reversed(ends):
             run = [*takewhile(fits.__getitem__, range(end, -1, -1))][::-1]
