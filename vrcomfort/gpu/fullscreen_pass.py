@@ -289,12 +289,12 @@ class MaxReductionPass:
         texel_px: tuple[int, int] | None = None,
         by_row: bool = False,
     ) -> None:
-        self._ctx, self._texels, self._least = ctx, texels, least
+        self._ctx, self._texels = ctx, texels
         self.target = gl.color_texture(ctx, (1, 1), components=components, dtype="f4")
         self._of_all = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
         self._framebuffer = ctx.framebuffer([self.target, self._of_all])
         self._framebuffer.clear()
-        self._fill = gl.clearer(ctx)
+        self._fill = gl.clearer(ctx, self._framebuffer, least)
         limited = texel_px is not None and visible_area.current() is not None
         program = shaders.program(
             ctx,
@@ -318,7 +318,7 @@ class MaxReductionPass:
 
     def render(self) -> None:
         """Take the present texels into account, and no others in `target`."""
-        self._cleared.run(lambda: self._fill(self._framebuffer, self._least))
+        self._cleared.run(self._fill)
         self._texels.use(0)
         self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)
         self._declared.run(self._draw)

@@ -130,15 +130,14 @@ def depth_texture(
     return _entered(ctx, point_sampled(texture, comparison=False), 1, "f4")
 
 
-def clearer(ctx: moderngl.Context) -> Callable[[moderngl.Framebuffer, Sequence[float]], None]:
+def clearer(
+    ctx: moderngl.Context, framebuffer: moderngl.Framebuffer, colour: Sequence[float]
+) -> Callable[[], None]:
     """Return a function that fills a framebuffer's first colour target; the others stay."""
     uint, pointer = ctypes.c_uint, ctypes.POINTER(ctypes.c_float)
     clear = function(ctx, "glClearNamedFramebufferfv", uint, uint, ctypes.c_int, pointer)
 
-    def fill(framebuffer: moderngl.Framebuffer, colour: Sequence[float]) -> None:
-        clear(framebuffer.glo, _COLOR, 0, (ctypes.c_float * 4)(*colour))
-
-    return fill
+    return partial(clear, framebuffer.glo, _COLOR, 0, (ctypes.c_float * 4)(*colour))
 
 
 def copier(ctx: moderngl.Context) -> Callable[[moderngl.Texture, moderngl.Texture], None]:

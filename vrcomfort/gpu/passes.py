@@ -11,11 +11,14 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import ParamSpec, TypeAlias, TypeVar
 
 import moderngl
 
 from vrcomfort.gpu.memory import texel_bytes, texture_bytes
+
+P = ParamSpec("P")
+Result = TypeVar("Result")
 
 AnyTexture: TypeAlias = moderngl.Texture | moderngl.TextureArray
 
@@ -161,6 +164,16 @@ def watched(watcher: Watcher) -> Iterator[None]:
 def part(name: str) -> AbstractContextManager[None]:
     """Return the context in which a part of a frame is drawn, such as an effect."""
     return _watchers[-1].part(name) if _watchers else _NOTHING
+
+
+def draw_part(
+    name: str, draw: Callable[P, Result], *arguments: P.args, **options: P.kwargs
+) -> Result:
+    """Draw a part of a frame, as inside :func:`part`: hot, it enters no context unwatched."""
+    if not _watchers:
+        return draw(*arguments, **options)
+    with part(name):
+        return draw(*arguments, **options)
 
 
 def clear(textures: Iterable[AnyTexture]) -> Pass:

@@ -12,7 +12,7 @@ import moderngl
 from vrcomfort.errors import InputError
 from vrcomfort.frame import FocusSample, Frame, GazeHit
 from vrcomfort.geometry import Array, Gaze, HiddenAreas, Pose
-from vrcomfort.gpu.passes import part
+from vrcomfort.gpu.passes import draw_part, part
 from vrcomfort.gpu.visible_area import VisibleArea
 from vrcomfort.optics.focus import Centre, GazeFollower
 from vrcomfort.protocol.conditions import CentredEffect, Condition
@@ -307,8 +307,7 @@ class ConditionPasses:
             scene_time_s,
             centre.tangents if centre and "autofocus_zone" in self._centred else (0.0, 0.0),
         )
-        with part("focus"):
-            return self.focus.render(view)
+        return draw_part("focus", self.focus.render, view)
 
     def place(self, eyes: Sequence[EyeFrame], scene_time_s: float, before_s: float) -> None:
         """Move the scene to a time, and place it for all eyes of a frame at once."""
@@ -330,12 +329,10 @@ class ConditionPasses:
         # The centre view comes last: its depth and velocity are those of the eye.
         self._draw(eye, self._of_eye, scene_time_s, before_s)
         tone_map = self.tone_maps[eye.eye_index]
-        with part("tone_map"):
-            tone_map.render()
+        draw_part("tone_map", tone_map.render)
         depth = self.scene.depth
         if self._seen_depth is not None:
-            with part("headset_depth"):
-                self._seen_depth.render(eye.camera)
+            draw_part("headset_depth", self._seen_depth.render, eye.camera)
             depth = self._seen_depth.target
         return EyeImages(
             eye.camera,
@@ -358,15 +355,12 @@ class ConditionPasses:
     ) -> None:
         previous = _previous(eye, before_s)
         camera = eye.camera if lens is None else replace(eye.camera, lens=lens)
-        with part("scene"):
-            self.scene.render(camera, scene_time_s, previous, resolve=False)
-        with part(RESOLVE):
-            self.scene.resolve.render(camera)
+        draw_part("scene", self.scene.render, camera, scene_time_s, previous, resolve=False)
+        draw_part(RESOLVE, self.scene.resolve.render, camera)
         self.triangles += self.scene.triangles
         seen = eye._replace(still=self.scene.still)
         for name, effect in effects.items():
-            with part(name):
-                effect.render(seen)
+            draw_part(name, effect.render, seen)
 
 
 def _previous(eye: EyeFrame, before_s: float) -> PreviousCamera:
