@@ -97,13 +97,14 @@ def test_a_lamp_keeps_its_light_and_gets_the_width_of_a_disc(ctx, radius_px):
 
 
 @pytest.mark.parametrize("size_px", [(1, 1), (3, 5), (2, 200), (515, 9)])
-def test_no_size_and_no_light_gives_anything_but_numbers(ctx, size_px):
+def test_at_any_size_and_focus_light_stays_within_that_of_the_image(ctx, size_px):
     rgb = picture(1, size_px, peak=65504.0)
     distance = np.where(surfaces(1, size_px) == 1.3, 1e-3, surfaces(1, size_px))
     for focus_m in (1e-3, 1.0, 1e4):
         found = blurred(ctx, rgb, distance, 0.05 * size_px[0], focus_m)
         assert np.isfinite(found).all()
-        assert found.min() >= 0.0
+        assert found.min() >= float(rgb.min()) * (1 - 2**-10)
+        assert found.max() <= float(rgb.max()) * (1 + 2**-10)
 
 
 def test_numbers_between_the_two_engines_are_refused():
