@@ -30,6 +30,10 @@ uniform sampler2D surfaces_3;
 uniform sampler2D surfaces_4;
 #endif
 
+const float LEAST_NARROWED = 0.2;  // part of a disc's variance that is always left
+const float BEYOND_OWN = 1.25;     // by which what reaches the tile is wider than the pixel's own disc
+const float BESIDE_SMALL = 0.7;    // pixels read between texels: one beside a wide disc may be narrower
+
 out vec4 gathered;
 
 const float FILL_PX = 4.0;    // how far from a texel in focus its surroundings are
@@ -51,7 +55,7 @@ const int BEHIND = 1, IN_FRONT = 2;
 void gather(sampler2D image, int level, float disc_px, float part, bool beyond, int sides) {
     float texel_px = float(2 << level);
     float wider_px2 = ENLARGED_PX2 + TEXEL_SHARE * texel_px * texel_px;
-    float narrower_px = sqrt(max(disc_px * disc_px - wider_px2, 0.2 * disc_px * disc_px));
+    float narrower_px = sqrt(max(disc_px * disc_px - wider_px2, LEAST_NARROWED * disc_px * disc_px));
     float grid = grid_radius_px(disc_texels(narrower_px, texel_px));
     float reach = grid + 0.5 * RIM_PX, rows = reach * pixel_aspect;
     vec2 place = 2.0 * gl_FragCoord.xy / texel_px - 0.5;
@@ -104,10 +108,10 @@ void main() {
     vec4 tile = texelFetch(dilated, ivec2(gl_FragCoord.xy) / TILE, 0);
     float own_px = abs(p.a);
     // Slanted surfaces in front of the focus reach a little farther than a texel's own disc.
-    float beyond_px = tile.r > 1.25 * max(-p.a, 0.0) + 1.0 ? tile.r : 0.0;
+    float beyond_px = tile.r > BEYOND_OWN * max(-p.a, 0.0) + 1.0 ? tile.r : 0.0;
     bool blurred = tile.a > 0.0 && tile.g > SMALL_FROM_PX;
     // Small discs are summed from pixels, and not here.
-    bool wanted = blurred && (own_px < 1.0 || own_px > 0.7 * SMALL_FROM_PX || beyond_px > 0.0);
+    bool wanted = blurred && (own_px < 1.0 || own_px > BESIDE_SMALL * SMALL_FROM_PX || beyond_px > 0.0);
     disc(own_px < 1.0 ? FILL_PX : own_px, wanted, false, beyond_px > 0.0 ? BEHIND : BEHIND | IN_FRONT);
     disc(beyond_px, blurred && beyond_px > 0.0, true, IN_FRONT);
     float opacity = min(over.a, 1.0);

@@ -12,6 +12,9 @@ uniform float pixel_aspect;
 uniform sampler2D colour_and_coc;
 uniform sampler2D gathered;
 
+const vec2 SIXTEENTH_TURN = vec2(0.92388, 0.38268);  // cosine and sine of 22.5 degrees
+const float SQRT_HALF = 0.70711;
+
 out vec4 blurred;
 
 const float READ_PX2 = 0.3;  // what bilinear reads add to the square of a radius
@@ -24,13 +27,13 @@ void main() {
     float wide = smoothstep(SMALL_FROM_PX, SMALL_PX, own_px);
     float alpha = wide + soft.a - wide * soft.a;
     // The centre and eight on a ring have the second moment of a disc.
-    vec2 away = 0.75 * sqrt(max(own_px * own_px - READ_PX2, 0.0)) * vec2(0.92388, 0.38268);
+    vec2 away = 0.75 * sqrt(max(own_px * own_px - READ_PX2, 0.0)) * SIXTEENTH_TURN;
     int taps = own_px > 0.5 && alpha < 1.0 ? 8 : 0;
     vec4 sum = vec4(p.rgb, 1.0);
     for (int i = 0; i < taps; ++i) {
         vec4 q = textureLod(colour_and_coc, (gl_FragCoord.xy + away * vec2(1.0, pixel_aspect)) / size, 0.0);
         sum += (1.0 - nearer(p.a, q.a)) * vec4(q.rgb, 1.0);
-        away = 0.70711 * vec2(away.x - away.y, away.x + away.y);
+        away = SQRT_HALF * vec2(away.x - away.y, away.x + away.y);
     }
     vec3 own = taps > 0 ? sum.rgb / sum.a : p.rgb;
     blurred = vec4(alpha > 0.0 ? min(mix(own, soft.rgb, alpha), 65504.0) : own, 1.0);

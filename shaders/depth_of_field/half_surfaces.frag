@@ -11,6 +11,8 @@
 
 uniform sampler2D finer;
 
+const float SHARP_WEIGHT = 0.001;  // of what is in focus, which has no part in a blur unless it is alone
+
 out vec4 surface;
 
 bool has_small(float radius) {
@@ -36,7 +38,7 @@ void main() {
     vec4 front = vec4(0.0), back = vec4(0.0);
     vec2 parts = vec2(0.0);
     for (int i = 0; i < 4; ++i) {
-        float weight = mix(0.001, 1.0, clamp(abs(texels[i].a) - 0.25, 0.0, 1.0));
+        float weight = mix(SHARP_WEIGHT, 1.0, clamp(abs(texels[i].a) - 0.25, 0.0, 1.0));
         bool nearer = texels[i].a < border;
         front += nearer ? weight * texels[i] : vec4(0.0);
         back += nearer ? vec4(0.0) : weight * texels[i];

@@ -27,6 +27,7 @@ DEFOCUS = DepthOfField(max_radius_percent=4)
 CONDITIONS = {
     "plain": {},
     "blur": {"depth_of_field": DEFOCUS},
+    "half": {"depth_of_field": DepthOfField(max_radius_percent=4, samples=12)},
     "streaks": {"motion_blur": MotionBlur(mode="full", max_radius_percent=4)},
     "both": {
         "depth_of_field": DEFOCUS,
