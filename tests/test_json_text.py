@@ -118,6 +118,12 @@ def test_a_damaged_scene_is_told_with_its_line(tmp_path):
     assert (caught.value.line, caught.value.column) == (3, 1)
 
 
+def test_a_text_of_more_values_than_a_file_may_have_is_refused_before_it_is_parsed():
+    assert parse_json('[{"a": 1}, {"b": 2}]', Path("a.json"), most_marks=4) == [{"a": 1}, {"b": 2}]
+    with pytest.raises(InputError, match="this manifest has more than 4 values"):
+        parse_json('[{"a": 1}, {"b": 2}, "no end', Path("a.json"), what="manifest", most_marks=4)
+
+
 def test_no_other_place_parses_json():
     root = Path(vrcomfort.__file__).parent
     texts = {file: file.read_text("utf-8") for file in root.rglob("*.py")}
