@@ -84,8 +84,12 @@ def test_nobody_is_seen_after_a_death_and_opponents_hide_and_sway():
         seen[round(time_s, 2)] = next((ball for ball in task.balls()[:2] if ball), None)
     # It has won after a second, and is away for four.
     assert [seen[at] is not None for at in (0.5, 1.5, 4.5, 5.5, 6.5)] == [1, 0, 0, 1, 0]
-    apart = np.linalg.norm(seen[0.2].position_m - seen[0.8].position_m)
-    assert apart > 0.01  # it moves
+    place = seen[0.2].position_m
+    moved = seen[0.8].position_m - place
+    assert np.linalg.norm(moved) > 0.01
+    flat = place * (1, 0, 1)  # from a head at the origin
+    across = abs(moved @ flat) / np.linalg.norm(moved) / np.linalg.norm(flat)
+    assert across < np.sin(np.radians(settings().sway_deg))
 
 
 def test_a_held_trigger_shoots_at_the_rate_of_the_weapon():
