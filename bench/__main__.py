@@ -27,6 +27,7 @@ from bench import (
     simulated,
     smaller,
     unseen,
+    unseen_motion,
 )
 from bench.table import Result, write
 from vrcomfort.gpu.gl import create_context
@@ -65,6 +66,9 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
     "mask": lambda ctx, options: mask.measure(ctx, rounds=options.rounds),
     "unseen": lambda _, options: unseen.measure(options.seeds, samples=options.views),
     "resolve": lambda ctx, _: resolve.measure(ctx),
+    "unseen_motion": lambda _, options: unseen_motion.measure(
+        options.seeds, samples=options.views, rounds=options.rounds
+    ),
     "smaller": lambda ctx, options: smaller.measure(ctx, rounds=options.rounds),
 }
 

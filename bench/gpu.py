@@ -4,6 +4,8 @@
 times every step and method of `vrcomfort tradeoff` on whole stereo frames, part by part, and
 the copy of an image beside them: no effect can be faster than its bytes are moved. It writes
 ``gpu.json`` and ``gpu.md``, which name the GPU. On a software rasteriser times are the processor's.
+
+``--model`` needs no GPU: it counts bytes and says how long known GPUs take at least to move them.
 """
 
 from __future__ import annotations
@@ -52,6 +54,37 @@ def measure(
         f"{BUDGET:.0%} of a period at {REFRESH_HZ:g} Hz.",
     ]
     return Result("Frame times on this GPU", rows, notes)
+
+
+GPUS = {"GeForce RTX 3060": 360.0, "GeForce RTX 4070": 504.0, "GeForce RTX 4090": 1008.0}
+"""GB/s between memory and GPU, of the maker's data sheets."""
+
+
+def model(size_px: tuple[int, int], scenes: Sequence[str], names: tuple[str, ...] | None) -> Result:
+    """Count the bytes of effects, and divide them by the bandwidth of GPUs."""
+    scope = Scope(size_px=size_px, methods=names)
+    pixels = 2 * size_px[0] * size_px[1]
+    rows = []
+    for scene in scenes:
+        for effect in ("depth_of_field", "motion_blur"):
+            case = Case(scene, 1, "still" if effect == "depth_of_field" else "walk", effect)
+            for method in pick(methods(effect), names):
+                if method == no_blur(effect):
+                    continue
+                moved = traffic_of_method(method, case, scope)
+                found = moved["bytes_per_pixel"]
+                least = {
+                    f"{name}, ms": found * pixels / per_s / 1e6 for name, per_s in GPUS.items()
+                }
+                rows.append({
+                    "scene": scene, "method": method.name, "bytes per pixel": found,
+                    "reads per pixel": moved["reads_per_pixel"], **least, "measured": "",
+                })  # fmt: skip
+    notes = [
+        f"Both eyes at {size_px[0]}×{size_px[1]}: least times of the effects, from bytes alone. "
+        "No cache but a perfect one within a pass, no arithmetic, no waiting.",
+    ]
+    return Result("Least times by bandwidth", rows, notes)
 
 
 def copy_bytes_per_s(ctx: moderngl.Context, size_px: tuple[int, int]) -> float:
@@ -108,9 +141,13 @@ def main() -> None:
     parser.add_argument("--sizes", nargs="+", metavar="WIDTHxHEIGHT", help="of one eye's image")
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=SCENES)
     parser.add_argument("--methods", nargs="+", help="only these, as `vrcomfort tradeoff` has it")
+    parser.add_argument("--model", action="store_true", help="by bandwidth; measures nothing")
     options = parser.parse_args()
     sizes = [tuple(map(int, text.split("x"))) for text in options.sizes or ()] or SIZES_PX
     names = tuple(options.methods) if options.methods else None
+    if options.model:
+        write(options.out, "gpu_model", model(sizes[0], options.scenes, names))
+        return
     write(options.out, "gpu", measure(sizes, options.scenes, names))
 
 

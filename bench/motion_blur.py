@@ -72,18 +72,19 @@ def _measure(
     exposure = scene.environment.exposure
     seen = sure(reference.halves, exposure=exposure)
     settings = {each: {**SHUTTER, **METHODS[each], **opening} for each in METHODS}
-    passes = {each: _pass(context(), capture, settings[each]) for each in METHODS}
+    passes = {each: blur_pass(context(), capture, settings[each]) for each in METHODS}
     frame = EyeFrame(0, 0, Pose(), capture.camera, capture.previous)
-    seconds = _processor_s({k: lambda p=p: p.render(frame) for k, p in passes.items()}, rounds)
+    seconds = processor_s({k: lambda p=p: p.render(frame) for k, p in passes.items()}, rounds)
     cost = {each: np.median(seconds[each] / seconds["per_pixel 8"]) for each in METHODS}
     for each, effect in passes.items():
         image = judged(read_rgb(effect.target), seen, exposure)
         error = 1e3 * rms(image, judged(reference.image, seen, exposure))
-        moved = _traffic(capture, settings[each], frame)
-        print(f"| {name} | {each} | {cost[each]:.2f} | {moved} | {error:.2f} |")
+        reads, moved = traffic(capture, settings[each], frame)
+        print(f"| {name} | {each} | {cost[each]:.2f} | {reads:.1f} | {moved:.1f} | {error:.2f} |")
 
 
-def _pass(ctx: moderngl.Context, capture: Capture, settings: dict[str, Any]) -> MotionBlurPass:
+def blur_pass(ctx: moderngl.Context, capture: Capture, settings: dict[str, Any]) -> MotionBlurPass:
+    """Return motion blur of a captured image."""
     height, width = capture.depth.shape
     size_px = width, height
     alpha = np.ones((height, width, 1), np.float32)
@@ -103,22 +104,22 @@ def _pass(ctx: moderngl.Context, capture: Capture, settings: dict[str, Any]) -> 
     )
 
 
-def _traffic(capture: Capture, settings: dict[str, Any], frame: EyeFrame) -> str:
-    """Return texture reads and bytes for each pixel, as two cells of the table."""
+def traffic(capture: Capture, settings: dict[str, Any], frame: EyeFrame) -> tuple[float, float]:
+    """Return texture reads and bytes for each pixel."""
     with shaders.counting_reads():
-        effect = _pass(context(), capture, settings)
+        effect = blur_pass(context(), capture, settings)
     counter = TrafficCounter(context())
     with watched(counter):
         effect.render(frame)
     moved, pixels = added_up(counter.drawn), capture.depth.size
-    return f"{(moved.reads or 0) / pixels:.1f} | {moved.bytes / pixels:.1f}"
+    return (moved.reads or 0) / pixels, moved.bytes / pixels
 
 
 def _half(values: NDArray[np.float32]) -> bytes:
     return values.astype(np.float16).tobytes()
 
 
-def _processor_s(
+def processor_s(
     draws: dict[str, Callable[[], None]], rounds: int
 ) -> dict[str, NDArray[np.float64]]:
     """Return (rounds,) seconds of each, after one that warms up."""

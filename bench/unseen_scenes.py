@@ -21,7 +21,7 @@ from scenes.kit.shapes import ball, box, plane, tube
 from scenes.kit.texture import rgb_png
 from vrcomfort.geometry import Array, Fov, Pose
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
-from vrcomfort.rotations import yaw_pitch_roll
+from vrcomfort.rotations import axis_angle, normalize, yaw_pitch_roll
 
 EYE_M = 1.6
 NEAREST_M = 0.3
@@ -80,8 +80,11 @@ class UnseenView:
         )
 
 
-def build(seed: int, out: Path) -> UnseenView:
-    """Write the scene of a seed to `out` (.glb, with its side-car) and return its view."""
+def build(seed: int, out: Path, *, passing: bool = False) -> UnseenView:
+    """Write the scene of a seed to `out` (.glb, with its side-car) and return its view.
+
+    With `passing`, things fly and turn through the view; they are where they are drawn at 1 s.
+    """
     rng = np.random.default_rng([31, seed])
     writer = GlbWriter()
     things = _Things(rng, writer)
@@ -96,6 +99,8 @@ def build(seed: int, out: Path) -> UnseenView:
     things.leaves()
     near += things.lamps()
     things.moving()
+    if passing:
+        near += things.passing()
     writer.save(out)
     text = SIDE_CAR.format(
         exposure=round(float(rng.uniform(0.7, 1.5)), 3),
@@ -246,6 +251,29 @@ class _Things:
         node = self.writer.node("moving", mesh, at=place)
         keys = [place + np.array([x, 0.0, 0.0]) for x in (-reach, reach, -reach)]
         self.writer.animate("moves", node, "translation", [0, 2, 4], np.array(keys))
+
+    def passing(self) -> list[Array]:
+        """Add things that fly past each other at up to 6 m/s, and turn; return where."""
+        places = []
+        for _ in range(self.rng.integers(3, 8)):
+            place = self._place(0.6, 4, -0.3, 0.3)
+            sides = self.rng.uniform(0.02, 0.4, 3)
+            body = ball(sides[0] / 2) if self.rng.random() < 0.3 else box(sides, uv_m=0.2)
+            checks = self._texture(_checks(self.rng))
+            self._count += 1
+            name = f"passing_{self._count}"
+            mesh = self.writer.mesh(name, [(body.at(0, -sides[1] / 2), checks)])
+            node = self.writer.node(name, mesh, at=place)
+            speed = self.rng.uniform(0, 6) * normalize(self.rng.normal(size=3) * [1, 1, 0.5])
+            ways = [place + speed * (time_s - 1) for time_s in (0, 2)]
+            self.writer.animate(f"{name}_flies", node, "translation", [0, 2], np.array(ways))
+            times_s = np.linspace(0, 2, 81)
+            turns_rad = self.rng.uniform(-4, 4) * np.pi * times_s
+            axis = normalize(self.rng.normal(size=3))
+            turns = [axis_angle(axis, angle) for angle in turns_rad]
+            self.writer.animate(f"{name}_turns", node, "rotation", times_s, turns)
+            places.append(place)
+        return places
 
     def _place(self, near: float, far: float, low: float, high: float) -> Array:
         """Draw a place before the eye: even in 1 / distance, `low` to `high` up for each metre."""

@@ -178,10 +178,14 @@ def count_objects(session_context: moderngl.Context) -> Callable[[], dict[str, i
     with session_context:
         idle = session_context.simple_framebuffer((1, 1))
         idle_draw = session_context.vertex_array(session_context.program(*stages), [])
+        idle_dispatch = session_context.compute_shader(
+            "#version 450\nlayout(local_size_x = 1) in;\nvoid main() {}"
+        )
 
     def count() -> dict[str, int]:
         gc.collect()
         idle.use()  # what was used last outlives its last reference
+        idle_dispatch.run()
         idle_draw.render(vertices=3)
         use_program(0)
         gl.collect(session_context)

@@ -64,7 +64,7 @@ float class_of(vec2 around, float shortest, float steepness) {
     return steepness <= jump_px(shortest) ? FAST : COMPLEX;
 }
 
-// Whether any tile of a frame may be COMPLEX; frame: of all its tiles (frame_streaks.vert).
+// Whether any tile of a frame may be COMPLEX; frame: of all its tiles (frame_streaks.comp).
 bool may_be_complex(vec3 frame) {
-    return frame.x >= LEAST_PX && frame.y > jump_px(-frame.z);
+    return frame.x >= LEAST_PX && frame.y > jump_px(frame.z);
 }

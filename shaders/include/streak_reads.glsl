@@ -4,7 +4,12 @@
 
 uniform sampler2D source;  // linear HDR, filtered
 
-vec2 texel = 1.0 / vec2(textureSize(source, 0));
+// Pixels along each axis for which there is one texel.
+#ifndef PX_PER_TEXEL
+#define PX_PER_TEXEL vec2(1.0)
+#endif
+
+vec2 texel = 1.0 / (PX_PER_TEXEL * vec2(textureSize(source, 0)));
 
 vec3 read(vec2 at_px) {
     return textureLod(source, at_px * texel, 0.0).rgb;
@@ -31,6 +36,17 @@ vec3 read_across(vec2 at_px, vec2 across) {
 #else
 vec3 read_across(vec2 at_px, vec2 across) {
     return read(at_px);
+}
+#endif
+
+#ifdef HALVED
+// Means of two pixels, and reads between them, add 1/4 + 1/2 px^2 to the variance u^2 / 3 of a streak:
+// it is made as much shorter.
+const float WIDENED_PX2 = 3.0 * (0.25 + 0.5);
+
+vec2 shortened(vec2 half_velocity) {
+    float squared = max(dot(half_velocity, half_velocity), WIDENED_PX2);
+    return half_velocity * sqrt(1.0 - WIDENED_PX2 / squared);
 }
 #endif
 

@@ -2,7 +2,8 @@
 // Motion blur where streaks are long and change slowly: the second of two steps. It
 // covers the whole image in frames that have a long streak (frame_of_streaks.vert).
 //
-// Input:  source = the averages (streak_average.frag, filtered), velocity (half_velocity.glsl).
+// Input:  source = the averages of that KIND of frames (streak_average.frag, filtered), velocity
+//         (half_velocity.glsl).
 // Output: the image as a shutter would see it, open around the frame's own time; full resolution.
 // Half velocities are RADII, px: a point spreads from -u to +u around where it is drawn.
 //
@@ -21,9 +22,14 @@ out vec4 blurred;
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec2 half_velocity = half_velocity_at(pixel);
+#ifdef HALVED
+    half_velocity = shortened(half_velocity);
+    blurred = vec4(read(gl_FragCoord.xy), 1.0);
+#else
     blurred = texelFetch(source, pixel, 0);
     if (dot(half_velocity, half_velocity) < LEAST_PX * LEAST_PX)
         return;
+#endif
     vec2 step = half_velocity * (2.0 / float(PARTS)), across = axis_across(half_velocity);
     vec3 sum = blurred.rgb;
     for (int i = 1; i <= PARTS / 2; ++i) {

@@ -2,7 +2,7 @@
 // A square point on each tile of one CLASS; the other tiles are put outside the image.
 //
 // Input:  gl_VertexID, one for each tile; longest (tile_max_dilate.frag), which is of this frame only
-//         with velocity discontinuities; frame (frame_streaks.vert).
+//         with velocity discontinuities; frame (frame_streaks.comp).
 // Output: the point (tile_points.glsl).
 #include "motion_tile_classes.glsl"
 #include "tile_points.glsl"

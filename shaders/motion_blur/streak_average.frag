@@ -3,11 +3,14 @@
 //
 // Input:  source = the image (linear HDR, filtered), velocity (half_velocity.glsl).
 // Output: average = the mean between -u / PARTS and +u / PARTS of the pixel's half velocity u; what
-//         does not move is copied. Full resolution, in frames that have a long streak.
+//         does not move is copied. Full resolution, in frames of KIND LONG (frame_kinds.glsl); HALVED: in
+//         those of KIND LONG_X or LONG_Y, of two pixels along that axis.
 // Half velocities are RADII, px: a point spreads from -u to +u around where it is drawn.
 //
 // PARTS such averages, end to end, are the average of the whole streak (motion_blur_long.frag), which
 // so gets TAPS * PARTS samples for TAPS + PARTS reads. Both are odd: the pixel itself is one of them.
+// Where all moves along one axis, light changes slowly along it after the first step: half as many
+// averages tell it all, and a read between two pixels is of twice as much light.
 // Source: ours; the midpoint rule. NumPy twin: tests/oracles/motion.py, streak_weights.
 #include "velocity.glsl"
 #include "half_velocity.glsl"
@@ -18,16 +21,22 @@
 out vec4 average;
 
 void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec2 at = gl_FragCoord.xy * PX_PER_AVERAGE;
+    ivec2 pixel = min(ivec2(at), textureSize(velocity, 0) - 1);
     vec2 half_velocity = half_velocity_at(pixel);
+#ifdef HALVED
+    half_velocity = shortened(half_velocity);
+    average = vec4(read(at), 1.0);
+#else
     average = texelFetch(source, pixel, 0);
     if (dot(half_velocity, half_velocity) < LEAST_PX * LEAST_PX)
         return;
+#endif
     vec2 step = half_velocity * (2.0 / float(TAPS * PARTS)), across = axis_across(half_velocity);
     vec3 sum = average.rgb;
     for (int i = 1; i <= TAPS / 2; ++i) {
-        sum += read_across(gl_FragCoord.xy - float(i) * step, across);
-        sum += read_across(gl_FragCoord.xy + float(i) * step, across);
+        sum += read_across(at - float(i) * step, across);
+        sum += read_across(at + float(i) * step, across);
     }
     average.rgb = mean_of_reads(sum / float(TAPS), average.rgb);
 }

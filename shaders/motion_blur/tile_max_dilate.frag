@@ -2,7 +2,7 @@
 // What can reach a tile (McGuire et al. 2012, NeighborMax): of the half velocities around it that are
 // long enough to come here, the longest and the one that crosses it.
 //
-// Input:  tile_max, tile_max_crossing (tile_max.frag); frame (frame_streaks.vert), which says how far one
+// Input:  tile_max, tile_max_crossing (tile_max.frag); frame (frame_streaks.comp), which says how far one
 //         has to look. Drawn in frames in which a tile may be COMPLEX (frame_of_streaks.vert).
 // Output: longest: xy = longest half velocity that reaches this tile, at most max_radius_px;
 //         z = which pass the tile needs (motion_tile_classes.glsl); w = in tiles of class COMPLEX, steepness

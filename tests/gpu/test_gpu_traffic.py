@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MaxReductionPass
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, max_reduction
 from vrcomfort.gpu.passes import Pass, PassImage, check_order, watched
 from vrcomfort.gpu.shaders import with_counted_reads
-from vrcomfort.gpu.traffic import TrafficCounter, added_up
+from vrcomfort.gpu.traffic import DrawnPass, TrafficCounter, added_up
 
 SIZE = (12, 10)
 PIXELS = 120
@@ -123,22 +123,29 @@ def test_samples_are_written_one_by_one_and_overdrawn_ones_again(ctx):
 def test_copies_and_clears_are_bytes_and_no_draws(ctx):
     source, target = (gl.color_texture(ctx, SIZE) for _ in range(2))
     copy = gl.copier(ctx)
-    largest = MaxReductionPass(ctx, source)
+    largest = max_reduction(ctx, source)
     drawn = counted(ctx, lambda: copy(source, target), largest.reset)
     copy(source, target)
     assert [(each.declared.name, each.bytes) for each in drawn] == [
         ("copy", PIXELS * 16),
-        ("clear", 8),
+        ("clear", 4),
     ]
-    assert added_up(drawn) == (0, 0, PIXELS * 16 + 8, None)
+    assert added_up(drawn) == (0, 0, PIXELS * 16 + 4, None)
 
 
-def test_what_is_blended_is_read_too(ctx):
-    largest = MaxReductionPass(ctx, gl.color_texture(ctx, SIZE))
-    cleared, drawn = counted(ctx, largest.render)
-    assert (cleared.declared.name, cleared.bytes) == ("clear", 4)
-    assert drawn.samples == PIXELS
-    assert drawn.bytes == PIXELS * 8 + PIXELS * 2 * 8
+def test_what_is_blended_is_read_too():
+    read, written = PassImage(1, SIZE, PIXELS * 8), PassImage(2, SIZE, PIXELS * 4)
+    added = Pass("added.frag", (read,), (written,), blends=True)
+    assert DrawnPass(added, 1, PIXELS, 0).bytes == PIXELS * 8 + PIXELS * 2 * 4
+
+
+def test_a_dispatch_reads_each_texel_once_and_draws_no_samples(ctx):
+    with shaders.counting_reads():
+        largest = max_reduction(ctx, gl.color_texture(ctx, SIZE))
+    (drawn,) = counted(ctx, largest.render)
+    assert (drawn.draws, drawn.samples, drawn.reads) == (1, 0, PIXELS + 1)
+    # The texels, the maximum of all frames before and after, and that of this one.
+    assert drawn.bytes == PIXELS * 8 + 3 * 4
 
 
 def test_a_pass_that_reads_what_it_writes_is_refused(ctx):

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vrcomfort.geometry import Array
-from vrcomfort.optics.motion import sampling_of
+from vrcomfort.optics.motion import Sampling, sampling_of
 
 SPEED_LIMIT_PX = 16_384.0
 """No velocity is longer than this, so that half floats hold it; far above every streak limit."""
@@ -115,6 +115,46 @@ def streak_weights(reach_px: float, /, *, samples: int, width_px: int) -> Array:
     return both
 
 
+def frame_kind(shortest_px: float, longest_px: float, slopes: ArrayLike, /, how: Sampling) -> int:
+    """Return how a frame is averaged: 0 one step, 1 two, 2 and 3 with half the averages on x or y.
+
+    Twin of ``kind_of`` in ``shaders/include/frame_kinds.glsl``.
+
+    Parameters
+    ----------
+    shortest_px, longest_px
+        Of the frame's half velocities.
+    slopes
+        (2,) greatest |y| / |x| and |x| / |y| of the tiles' longest half velocities.
+    """
+    along_x, along_y = np.asarray(slopes, dtype=np.float64) <= MOST_SLOPE
+    if longest_px <= how.one_step_px:
+        return 0
+    if not how.halves or shortest_px <= how.one_step_px:
+        return 1
+    return 2 if along_x else 3 if along_y else 1
+
+
+MOST_SLOPE = 4 / 3
+
+
+def halved_weights(reach_px: float, at: int, pixels: ArrayLike, /, how: Sampling) -> Array:
+    """Return (n,): how much each of the `pixels` of a row counts in the average of pixel `at`.
+
+    Where all streaks lie along the row and are alike, in frames that halve averages. Those of
+    pixels 0 and 1, 2 and 3, … are at 0.5, 2.5, …
+    """
+    places = np.asarray(pixels, dtype=np.float64)
+    reach_px = float(np.sqrt(reach_px**2 - 2.25))
+    ends = at + _comb_px(reach_px, how.parts)
+    found = np.zeros_like(places)
+    for texel in range(int(ends.min()) // 2 - 2, int(ends.max()) // 2 + 2):
+        share = np.maximum(1 - np.abs((ends - 0.5) / 2 - texel), 0).sum() / how.parts
+        reads = 2 * texel + 0.5 + _comb_px(reach_px / how.parts, how.taps)
+        found += share * _tents(places, reads) / how.taps
+    return found
+
+
 def _one_step_weights(reach_px: float, pixels: Array, pairs: int) -> Array:
     even = min(2 * reach_px / (2 * pairs + 1), reach_px - 2 * pairs + 0.5)
     own = max(float(time_over(0.0, reach_px)), even)
@@ -127,8 +167,12 @@ def _one_step_weights(reach_px: float, pixels: Array, pairs: int) -> Array:
 
 
 def _comb_weights(reach_px: float, pixels: Array, samples: int) -> Array:
-    at_px = 2 * reach_px * (np.arange(samples) - samples // 2) / samples
-    return _tents(pixels, at_px) / samples
+    return _tents(pixels, _comb_px(reach_px, samples)) / samples
+
+
+def _comb_px(reach_px: float, samples: int) -> Array:
+    comb: Array = 2 * reach_px * (np.arange(samples) - samples // 2) / samples
+    return comb
 
 
 def _tents(pixels: Array, at_px: Array) -> Array:

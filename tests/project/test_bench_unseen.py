@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench import unseen
+from bench import unseen, unseen_motion
 from bench.unseen_scenes import build
 from vrcomfort.render.reference import Reference
 from vrcomfort.tradeoff.captures import context
@@ -51,3 +51,16 @@ def test_a_cut_along_a_column_is_found_and_a_slanted_edge_is_not():
     assert unseen.cuts(straight.T) > 70
     assert unseen.cuts(slanted) == unseen.cuts(slope) == 0
     assert unseen.cuts(np.random.default_rng(1).normal(0, 0.02, (96, 96))) < 10
+
+
+def test_a_shutter_that_is_open_for_an_instant_sees_the_sharp_image(tmp_path):
+    """The oracle's cameras and times are the engine's."""
+    case, size_px = unseen_motion.moving_case(1, tmp_path), (96, 80)
+    sharp = unseen_motion.captured(case, size_px)
+    instant = unseen_motion.through_the_shutter(case, 1, size_px)
+    np.testing.assert_allclose(instant, sharp.sharp, rtol=1e-2, atol=1e-3)
+    open_long = unseen_motion.through_the_shutter(case, 16, size_px)
+    near = unseen_motion.jumps(np.asarray(sharp.velocity_px, dtype=np.float64))
+    changed = np.abs(open_long - sharp.sharp).sum(axis=-1) > 0.02
+    assert near.any()
+    assert changed[near].mean() > 5 * changed[~near].mean()

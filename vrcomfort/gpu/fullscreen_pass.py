@@ -1,4 +1,4 @@
-"""Post-processing passes from textures to textures: full-screen, mip chain, running maximum."""
+"""Post-processing passes from textures to textures: full-screen, mip chain, reductions."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Any, NamedTuple, Protocol
 import moderngl
 import numpy as np
 
-from vrcomfort.gpu import gl, shaders, visible_area
+from vrcomfort.gpu import gl, passes, shaders, visible_area
 from vrcomfort.gpu.passes import Pass, PassImage
-from vrcomfort.gpu.visible_area import DRAWN, LimitedVertices
+from vrcomfort.gpu.visible_area import DRAWN, LimitedVertices, TexelList
 
 
 class Uniforms(Protocol):
@@ -253,81 +253,95 @@ class MipChain:
             half.render()
 
 
-class MaxReductionPass:
-    """Keeps the greatest values of an image's texels in one pixel, `target`, and of all images.
+class ReductionPass:
+    """Sums up all texels of a texture in one pixel, by one work group: `target`.
 
-    Points on one pixel are blended by their maximum: one draw, and no frame waits for it; only
-    :meth:`read` does.
+    The greatest value of all frames is kept as well; no frame waits for it: only :meth:`read` does.
 
     Parameters
     ----------
-    vertex
-        Makes a point of each texel, or with `by_row` of each row of them: ``greatest`` of
-        ``common/max_reduction.frag``. The first component alone is kept over all images.
-    value
-        Components of a texel whose length counts, with the vertex shader that is given here.
-    components
-        Of `target`.
-    least
-        Where the maximum of each component of an image starts from.
+    shader
+        Stores its result at image binding 0, and the greatest of all frames at 1.
+    texels
+        The name of its sampler, and the texture.
     texel_px
         (width, height) of a texel in pixels of the eye's image: those that are not seen are left
-        out. Without it all count.
-    by_row
-        A point looks at a row of texels, or where some are left out, with EACH_TEXEL, at one.
+        out (``include/summed_texels.glsl``). Without it all count.
+    components
+        Of `target`, 32-bit float.
     """
 
     def __init__(
         self,
         ctx: moderngl.Context,
-        texels: moderngl.Texture,
+        shader: str,
+        texels: tuple[str, moderngl.Texture],
         *,
-        vertex: str = "common/max_reduction.vert",
-        value: str = "xy",
-        components: int = 1,
-        least: Sequence[float] = (0.0, 0.0, 0.0, 0.0),
         texel_px: tuple[int, int] | None = None,
-        by_row: bool = False,
+        components: int = 1,
+        defines: shaders.Defines | None = None,
+        constants: Uniforms | None = None,
     ) -> None:
-        self._ctx, self._texels = ctx, texels
+        self._ctx = ctx
+        name, self._texels = texels
         self.target = gl.color_texture(ctx, (1, 1), components=components, dtype="f4")
         self._of_all = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
-        self._framebuffer = ctx.framebuffer([self.target, self._of_all])
+        self._framebuffer = ctx.framebuffer([self._of_all])
         self._framebuffer.clear()
-        self._fill = gl.clearer(ctx, self._framebuffer, least)
-        limited = texel_px is not None and visible_area.current() is not None
-        program = shaders.program(
-            ctx,
-            "common/max_reduction.frag",
-            vertex,
-            {"VALUE": value, **({"EACH_TEXEL": 1} if limited else {})},
-        )
-        self._points = ctx.vertex_array(program, [])
-        self._points.program["texels"] = 0
-        self._points.scope = ctx.scope(self._framebuffer, moderngl.BLEND)
-        reads = (PassImage.of(texels, reach_px=DRAWN if limited else math.inf),)
-        writes = PassImage.of(self.target), PassImage.of(self._of_all)
-        self._cleared = Pass("clear", (), writes[:1])
-        self._reset = Pass("clear", (), writes)
-        self._declared = Pass("common/max_reduction.frag", reads, writes, blends=True)
-        of_texels = LimitedVertices.of_texels(self._points, reads[0], texel_px)
-        count = texels.height if by_row else texels.width * texels.height
-        self._draw = _drawing(self._points, moderngl.POINTS, count)
-        if of_texels is not None:
-            self._draw = of_texels.render
+        area = None if texel_px is None else visible_area.current()
+        defines = {**(defines or {}), **({} if area is None else {"LISTED": 1})}
+        self._program = shaders.compute(ctx, shader, defines)
+        self._program[name] = 0
+        if constants is not None:
+            for uniform, value in zip(constants._fields, constants, strict=True):
+                self._program[uniform] = value
+        of_all = PassImage.of(self._of_all)
+        reads = (PassImage.of(self._texels, reach_px=math.inf if area is None else DRAWN),)
+        writes = PassImage.of(self.target), of_all
+        self.declared = Pass(shader, reads, writes, earlier=(of_all,), computes=True)
+        self._listed: TexelList | None = None
+        if area is not None:
+            self._listed = TexelList(ctx, area, reads[0], texel_px or (1, 1))
+        self._clear = passes.clear([self._of_all])
 
     def render(self) -> None:
         """Take the present texels into account, and no others in `target`."""
-        self._cleared.run(self._fill)
         self._texels.use(0)
-        self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)
-        self._declared.run(self._draw)
-        self._ctx.blend_equation = (moderngl.FUNC_ADD, moderngl.FUNC_ADD)
+        self.target.bind_to_image(0, read=False, write=True)
+        self._of_all.bind_to_image(1, read=True, write=True)
+        self.declared.run(self._dispatch)
+
+    def _dispatch(self) -> None:
+        if self._listed is not None:
+            self._listed.bind()
+        self._program.run()
+        self._ctx.memory_barrier(_AFTER_IMAGE_STORES)
 
     def read(self) -> float:
-        """Return the greatest first component of all images; waits for the GPU."""
+        """Return the greatest value since the pass was made; waits for the GPU."""
         return float(np.frombuffer(self._of_all.read(), dtype=np.float32)[0])
 
     def reset(self) -> None:
         """Start again from 0."""
-        self._reset.run(self._framebuffer.clear)
+        self._clear.run(self._framebuffer.clear)
+
+
+def max_reduction(
+    ctx: moderngl.Context,
+    texels: moderngl.Texture,
+    *,
+    value: str = "xy",
+    texel_px: tuple[int, int] | None = None,
+) -> ReductionPass:
+    """Return the pass that finds the greatest length of some components."""
+    return ReductionPass(
+        ctx,
+        "common/max_reduction.comp",
+        ("texels", texels),
+        texel_px=texel_px,
+        defines={"VALUE": value},
+    )
+
+
+_AFTER_IMAGE_STORES = 0x8 | 0x20 | 0x100 | 0x400
+"""Texture fetches, image loads, copies to the CPU and clears see what a compute pass has stored."""

@@ -87,12 +87,13 @@ def collected() -> Iterator[list[Pass]]:
 
 @dataclass(frozen=True, eq=False)
 class Pass:
-    """A draw, clear or copy.
+    """A draw, compute dispatch, clear or copy.
 
     Parameters
     ----------
     name
-        File of its fragment shader; ``clear``, ``copy`` and ``geometry`` have none of their own.
+        File of its fragment or compute shader; ``clear``, ``copy`` and ``geometry`` have none of
+        their own.
     reads, writes
         Its textures, depth among them. Nothing is both: a pass cannot read what it writes.
     blends
@@ -101,6 +102,8 @@ class Pass:
         Read as the frame before left them.
     texel_px
         (width, height) of a texel, or a tile that is drawn whole, in pixels of the eye's image.
+    computes
+        Whether it is a dispatch: no samples are drawn, and its textures are read and written whole.
 
     Raises
     ------
@@ -114,6 +117,7 @@ class Pass:
     blends: bool = False
     earlier: tuple[PassImage, ...] = ()
     texel_px: tuple[int, int] = (1, 1)
+    computes: bool = False
 
     def __post_init__(self) -> None:
         written = {image.name for image in self.writes}

@@ -99,17 +99,22 @@ def program(
     return made
 
 
-def compute(ctx: moderngl.Context, name: str) -> moderngl.ComputeShader:
-    """Compile a compute shader.
+def compute(
+    ctx: moderngl.Context, name: str, defines: Defines | None = None
+) -> moderngl.ComputeShader:
+    """Compile a compute shader, with defines as in :func:`program`.
 
     Raises
     ------
     RuntimeError
         If the driver rejects the code; the message starts with the name of the file.
     """
-    _register_includes(ctx, source(name))
+    text = _with_defines(source(name), defines or {})
+    if _counting.get():
+        text = with_counted_reads(text, _included)
+    _register_includes(ctx, text)
     try:
-        return ctx.compute_shader(source(name))
+        return ctx.compute_shader(text)
     except moderngl.Error as error:
         raise RuntimeError(f"{name}: {error}") from error
 

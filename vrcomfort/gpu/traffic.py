@@ -34,7 +34,7 @@ class DrawnPass:
     Parameters
     ----------
     draws
-        Draw calls; clears and copies are none.
+        Draw calls and dispatches; clears and copies are none.
     samples
         How many were drawn.
     reads
@@ -51,7 +51,7 @@ class DrawnPass:
         """Return the bytes read and written."""
         reads, writes = self.declared.reads, self.declared.writes
         whole = sum(image.bytes for image in (*reads, *self.declared.earlier))
-        if not self.draws:
+        if not self.draws or self.declared.computes:
             return whole + sum(image.bytes for image in writes)
         target = max(writes, key=lambda image: image.size_px[0] * image.size_px[1])
         covered = self.samples / (target.size_px[0] * target.size_px[1] * target.samples)

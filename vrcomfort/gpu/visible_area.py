@@ -167,16 +167,6 @@ class LimitedVertices:
         self._texel_px, self._points, self._elsewhere = texel_px, points, elsewhere
         self._of_eye: dict[int, tuple[int, moderngl.VertexArray | None]] = {}
 
-    @classmethod
-    def of_texels(
-        cls, whole: moderngl.VertexArray, image: PassImage, texel_px: tuple[int, int] | None
-    ) -> LimitedVertices | None:
-        """Return a point for each texel; None where there is no mask, or no size of texels."""
-        area = current()
-        if area is None or texel_px is None:
-            return None
-        return cls(area, whole, image, texel_px=texel_px, points=image.size_px)
-
     def render(self) -> None:
         """Draw them, in the scope of the whole."""
         area = self._area
@@ -210,6 +200,37 @@ class LimitedVertices:
     def _scoped(self, made: moderngl.VertexArray) -> moderngl.VertexArray:
         made.scope = self._whole.scope
         return made
+
+
+class TexelList:
+    """The texels of a texture that are drawn for the present eye: ``include/summed_texels.glsl``.
+
+    Parameters
+    ----------
+    texel_px
+        (width, height) in pixels of the eye's image.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        area: VisibleArea,
+        image: PassImage,
+        texel_px: tuple[int, int],
+    ) -> None:
+        self._ctx, self._area, self._image, self._texel_px = ctx, area, image, texel_px
+        self._of_eye: dict[int, tuple[int, moderngl.Buffer]] = {}
+
+    def bind(self) -> None:
+        """Bind the list, its number first, to storage buffer 0."""
+        area = self._area
+        state, listed = self._of_eye.get(area.eye, (-1, None))
+        if listed is None or state != area.state:
+            drawn = texels_of(area.tiles(self._image.name), self._image.size_px, self._texel_px)
+            texels = np.flatnonzero(drawn)
+            listed = gl.buffer(self._ctx, np.array([len(texels), *texels], np.uint32).tobytes())
+            self._of_eye[area.eye] = area.state, listed
+        listed.bind_to_storage_buffer(0)
 
 
 def margins(declared: Iterable[Pass], pixel_aspect: float = 1.0) -> dict[int, float]:

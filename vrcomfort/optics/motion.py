@@ -26,6 +26,9 @@ _READS_BY_SAMPLES = (
 )
 """Most samples, then taps and parts of narrow images, of others, and of wide ones: chosen by error
 and cost with ``python -m bench.motion_blur`` (docs/motion_blur.md)."""
+_HALVES_UP_TO = 8
+"""Samples up to which two pixels share an average: more are close enough to each other without, and
+would only be softened (``python -m bench.motion_blur``)."""
 _CUBIC_ABOVE = 16
 """Samples above which each read is cubic across the streak."""
 
@@ -47,6 +50,8 @@ class Sampling(NamedTuple):
 
     taps: int
     parts: int
+    halves: bool
+    """Whether two pixels along a streak share an average, in frames that move along one axis."""
     cubic: bool
     """Whether each read is sharper across the streak: three reads in place of one."""
     stride_px: int
@@ -73,7 +78,8 @@ def sampling_of(samples: int, width_px: int) -> Sampling:
     by_width = next(rest for most, *rest in _READS_BY_SAMPLES if samples <= most)
     taps, parts = by_width[(width_px > _NARROW_PX) + (width_px > _WIDE_PX)]
     stride_px, most_taps, jump = (3, 32, 0.2) if samples <= 8 else (1, 64, 0.1)
-    return Sampling(taps, parts, samples > _CUBIC_ABOVE, stride_px, most_taps, jump)
+    halves = taps > 1 and samples <= _HALVES_UP_TO
+    return Sampling(taps, parts, halves, samples > _CUBIC_ABOVE, stride_px, most_taps, jump)
 
 
 def turn_deg_s(before: Pose, now: Pose, /, *, seconds: float) -> float:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.oracles.motion import streak_weights
+from tests.oracles.motion import frame_kind, halved_weights, streak_weights
 from tests.support.effects import motion_blur, motion_blur_pass, rgb_of, seen, texels_of
 from vrcomfort.geometry import Pose, axis_angle
 from vrcomfort.optics.motion import sampling_of
@@ -120,10 +120,26 @@ def test_a_point_is_spread_as_the_twin_says(ctx, half_velocity_px, samples):
     line = motion_blur(ctx, rgb, 2.0, [2 * half_velocity_px, 0.0], samples=samples, **WHOLE)[
         48, :, 0
     ]
-    weights = streak_weights(float(np.float16(half_velocity_px)), samples=samples, width_px=128)
+    reach_px, how = float(np.float16(half_velocity_px)), sampling_of(samples, 128)
+    if frame_kind(reach_px, reach_px, (0, 1e6), how) == 2:
+        weights = [halved_weights(reach_px, at, [64], how)[0] for at in range(128)]
+        np.testing.assert_allclose(line, weights, atol=2e-3)
+        assert np.sum(weights) == pytest.approx(1, abs=2e-2)
+        return
+    weights = streak_weights(reach_px, samples=samples, width_px=128)
     n = len(weights) // 2
     np.testing.assert_allclose(line[64 - n : 65 + n], weights, atol=2e-3)
     assert line.astype(float).sum() == pytest.approx(1, abs=5e-3)
+
+
+def test_halved_averages_lie_along_the_streak(ctx, rng):
+    """Where all moves up and down, they are those of a frame on its side."""
+    rgb = rng.uniform(0, 1, (128, 128, 3))
+    across = motion_blur(ctx, rgb, 2.0, [23.0, 0.0], samples=8, **WHOLE)
+    up = motion_blur(ctx, rgb.transpose(1, 0, 2)[::-1], 2.0, [0.0, 23.0], samples=8, **WHOLE)
+    np.testing.assert_allclose(up[::-1].transpose(1, 0, 2), across, atol=2e-3)
+    rows = motion_blur(ctx, rgb[:, :1].repeat(128, axis=1), 2.0, [23.0, 0.0], samples=8, **WHOLE)
+    np.testing.assert_allclose(rows, rgb[:, :1].repeat(128, axis=1), atol=1e-3)
 
 
 def waves(at_px):

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from tests.oracles import motion
 from tests.render.effects.test_optics import evaluate
 from tests.support.effects import motion_blur, motion_blur_pass, texels_of
+from vrcomfort.optics.motion import sampling_of
 
 WIDTH, HEIGHT, FINER = 160, 128, 4
 WHOLE = {"shutter_fraction": 1.0, "max_radius_percent": 20.0, "samples": 16}
@@ -136,7 +137,7 @@ def test_shader_thresholds_are_the_twins(ctx, rng):
     ]
     assert set(kinds.tolist()) == {0.0, 1.0, 2.0}
     np.testing.assert_array_equal(kinds == 1, alike)
-    of_one_tile = "vec4(may_be_complex(vec3(length(x.xy), x.w, -x.z)))"
+    of_one_tile = "vec4(may_be_complex(vec3(length(x.xy), x.w, x.z)))"
     mixed = evaluate(ctx, "motion_tile_classes.glsl", of_one_tile, x)[:, 0]
     np.testing.assert_array_equal(mixed == 1, kinds == 2)
     call = "vec4(tolerance_px(x.x), jump_px(x.x), LEAST_PX, 0)"
@@ -144,6 +145,22 @@ def test_shader_thresholds_are_the_twins(ctx, rng):
     np.testing.assert_allclose(tolerance, motion.tolerance_px(x[:, 0]), rtol=1e-6)
     np.testing.assert_allclose(jump, motion.jump_px(x[:, 0]), rtol=1e-6)
     np.testing.assert_array_equal(least, motion.LEAST_PX)
+
+
+def test_kinds_of_frames_are_the_twins(ctx, rng):
+    """On either side of each threshold."""
+    x = rng.uniform(0, 30, (400, 4)).astype("f4")  # shortest, longest, two slopes
+    x[:, 1] = np.maximum(x[:, 0], x[:, 1])
+    x[:, 2] = np.exp(rng.uniform(-1, 1, 400))
+    x[:, 3] = np.exp(rng.uniform(-0.5, 2, 400)) / x[:, 2]
+    for samples in (8, 16):
+        how = sampling_of(samples, 640)
+        names = ("ONE_STEP_PX", how.one_step_px), ("HALVES", int(how.halves))
+        call = "vec4(kind_of(x.x, x.y, x.zw))"
+        found = evaluate(ctx, "frame_kinds.glsl", call, x, defines=names)[:, 0]
+        wanted = [motion.frame_kind(*row[:2], row[2:], how) for row in x.astype(float)]
+        np.testing.assert_array_equal(found, wanted)
+        assert set(wanted) == ({0, 1, 2, 3} if samples == 8 else {0, 1})
 
 
 def test_shader_crossings_and_shares_are_the_twins(ctx, rng):

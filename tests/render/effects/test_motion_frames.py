@@ -440,10 +440,10 @@ def test_all_programs_are_drawn_with_before_the_first_frame(ctx, count_primitive
         count_primitives(lambda: renderer.begin(still_life(), condition))  # noqa: B023 - called now
         for condition in (PLAIN, fast)
     )
-    # A tile pass, the sum of 3 rows of tiles, neighbours, the averages of long streaks (in one
+    # A tile pass, neighbours, the averages of long streaks (in one
     # step: the image is narrow) and of short ones, a point for each of 3 x 3 tiles in which things
     # may pass each other; two Gaussians.
-    assert warm - plain == 1 + 3 + 1 + 2 + 9 + 2
+    assert warm - plain == 1 + 1 + 2 + 9 + 2
 
 
 def turned_30_degrees(index, **known):

@@ -33,15 +33,18 @@ void main() {{
 """
 
 
-def evaluate(ctx, include, expression, arguments, *, constants=((0,) * 4,) * 2, law="linear"):
+def evaluate(
+    ctx, include, expression, arguments, *, constants=((0,) * 4,) * 2, law="linear", defines=()
+):
     """Return (n, 4) results of a GLSL expression in x (row of `arguments`), a and b.
 
-    `include` names files of shaders/include, in order.
+    `include` names files of shaders/include, in order; `defines` are pairs of names and values.
     """
     rows = np.asarray(arguments, "f4")
     for name in include.split():
         ctx.includes[name] = shaders.source(f"include/{name}")
-    includes = "\n".join(f'#include "{name}"' for name in include.split())
+    lines = [f"#define {name} {value}" for name, value in defines]
+    includes = "\n".join(lines + [f'#include "{name}"' for name in include.split()])
     text = EVALUATE.format(includes=includes, expression=expression, law=law.upper())
     program = ctx.program(shaders.source("common/fullscreen.vert"), text)
     if "constants" in program:

@@ -2,7 +2,7 @@
 
 ::
 
-    velocity ─► TileMaxPass ─► frame            longest streak of the frame, in one texel
+    velocity ─► TileMaxPass ─► ReductionPass    longest streak and kind of the frame, in one texel
                     │              │
                 dilation ◄─────────┤            tiles that streaks reach, and their class
                     │              ▼
@@ -16,6 +16,7 @@ not need give triangles without area. ``docs/motion_blur.md`` tells more.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import ceil
 from typing import NamedTuple
 
@@ -23,9 +24,9 @@ import moderngl
 import numpy as np
 
 from vrcomfort.gpu import gl
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MaxReductionPass, copier
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, ReductionPass, copier
 from vrcomfort.gpu.shaders import Defines
-from vrcomfort.optics.motion import ramp, sampling_of
+from vrcomfort.optics.motion import Sampling, ramp, sampling_of
 from vrcomfort.protocol.conditions import Condition, MotionBlur
 from vrcomfort.render.camera import HeadStep
 from vrcomfort.render.effects.effect import EffectInputs, EyeFrame, RegisteredEffect
@@ -216,39 +217,49 @@ class Reconstruction:
         self._max_radius_px = max_radius_px
         self._sampling = sampling = sampling_of(samples, colour.width)
         self._tile_max = TileMaxPass(
-            ctx, velocity=velocity, max_radius_px=max_radius_px, jump=sampling.jump
+            ctx, velocity=velocity, max_radius_px=max_radius_px, sampling=sampling
         )
         self._dilate = _dilation(ctx, self._tile_max, max_radius_px, sampling.jump)
         self.target = gl.color_texture(ctx, colour.size)
-        part_px = max_radius_px / sampling.parts
-        average = (
-            None if sampling.taps == 1 else self._average("streak_average", colour, None, part_px)
-        )
-        in_parts = colour if average is None else average.target
-        rest_px = max_radius_px - part_px
-        short = {"PAIRS": sampling.pairs}
+        kinds = {
+            "LONG": (1, 1),
+            **({"LONG_X": (2, 1), "LONG_Y": (1, 2)} if sampling.halves else {}),
+        }
         self._averages = (
-            *(() if average is None else (average,)),
-            self._average("motion_blur_long", in_parts, self.target, rest_px),
-            self._average("motion_blur", colour, self.target, max_radius_px, short),
+            *(each for kind, px in kinds.items() for each in self._two_steps(kind, px)),
+            self._average("motion_blur", colour, "SHORT", max_radius_px, {"PAIRS": sampling.pairs}),
         )
         self._foreground = self._complex_tiles(depth)
+
+    def _two_steps(self, kind: str, px: tuple[int, int]) -> Iterator[FullscreenPass]:
+        """Yield the two steps in frames of a kind, where an average is of `px` pixels."""
+        halved: Defines = {"HALVED": 1} if max(px) > 1 else {}
+        per = f"vec2({px[0]}.0, {px[1]}.0)"
+        source, rest_px = self._colour, self._max_radius_px
+        if self._sampling.taps > 1:
+            part_px = self._max_radius_px / self._sampling.parts
+            first = {**halved, "PX_PER_AVERAGE": per}
+            yield (average := self._average("streak_average", source, kind, part_px, first, px))
+            source, rest_px = average.target, rest_px - part_px
+        second = {**halved, "PX_PER_TEXEL": per}
+        yield self._average("motion_blur_long", source, kind, rest_px, second)
 
     def _average(
         self,
         name: str,
         source: moderngl.Texture,
-        target: moderngl.Texture | None,
+        kind: str,
         reach_px: float,
-        short: Defines | None = None,
+        defines: Defines,
+        px: tuple[int, int] | None = None,
     ) -> FullscreenPass:
-        """Return a pass over the whole image: in frames with long streaks, or in `short` ones."""
-        sampling = self._sampling
-        steps = {"LONG": 1, "TAPS": sampling.taps, "PARTS": sampling.parts}
+        """Return a pass over the image in frames of a kind, into `target` where no `px` is."""
+        sampling, (width, height) = self._sampling, self._colour.size
+        across, up = px or (1, 1)
         return FullscreenPass(
             self._ctx,
             f"motion_blur/{name}.frag",
-            size_px=self._colour.size,
+            size_px=(ceil(width / across), ceil(height / up)),
             inputs={
                 "frame": self._tile_max.frame.target,
                 "velocity": self._velocity,
@@ -256,13 +267,17 @@ class Reconstruction:
             },
             filtered={"source"},
             defines={
-                "ONE_STEP_PX": sampling.one_step_px,
-                **(steps if short is None else short),
+                **self._tile_max.frame_defines,
+                **defines,
+                "KIND": kind,
+                "TAPS": sampling.taps,
+                "PARTS": sampling.parts,
                 **({"CUBIC": 1} if sampling.cubic else {}),
             },
             vertex="motion_blur/frame_of_streaks.vert",
-            target=target,
+            target=None if px else self.target,
             reach_px={"velocity": 0.0, "source": reach_px + ACROSS_PX},
+            texel_px=px or (1, 1),
         )
 
     def _complex_tiles(self, depth: moderngl.Texture) -> FullscreenPass:
@@ -338,7 +353,7 @@ def _dilation(
         },
         more_components=(2,),
         constants=_Limit(max_radius_px),
-        defines={"TILE": tile_px, "JUMP": jump, "PASSING": 1},
+        defines={**tile_max.frame_defines, "TILE": tile_px, "JUMP": jump, "PASSING": 1},
         vertex="motion_blur/frame_of_streaks.vert",
         reach_px=dict.fromkeys(("tile_max", "tile_max_crossing"), max_radius_px + tile_px),
         texel_px=(tile_px, tile_px),
@@ -354,8 +369,6 @@ ROWS = 4
 """Rows of pixels that are summed up first; a tile has a multiple of them."""
 AT_ONCE_PX = 400
 """Images up to so wide have few tiles: each is summed up at once."""
-_LEAST = -1e30
-"""Where a maximum starts from: less than the value of any tile."""
 
 
 class _Opening(NamedTuple):
@@ -371,15 +384,17 @@ class TileMaxPass:
         RG16F (px per frame, +x right, +y up).
     max_radius_px
         No half velocity counts for more.
-    jump
-        Part of the shorter half velocity: a larger difference is a velocity discontinuity.
+    sampling
+        How streaks are averaged: says of what kind a frame is.
 
     Attributes
     ----------
     target, crossing
         RGBA16F and RG16F, see ``tile_max.frag``; one texel for `tile_px` pixels each way.
     frame
-        The streaks of the whole frame.
+        The streaks of the whole frame: ``frame_streaks.comp``.
+    frame_defines
+        Those of ``frame_kinds.glsl``.
     """
 
     def __init__(
@@ -388,7 +403,7 @@ class TileMaxPass:
         *,
         velocity: moderngl.Texture,
         max_radius_px: float,
-        jump: float,
+        sampling: Sampling,
     ) -> None:
         width, height = velocity.size
         self.tile_px = max(LEAST_TILE_PX, ROWS * ceil(max_radius_px / MOST_TILES / ROWS))
@@ -400,20 +415,24 @@ class TileMaxPass:
             size_px=(ceil(width / self.tile_px), ceil(height / rows)),
             inputs={"velocity": velocity},
             more_components=(2,),
-            defines={"TILE": self.tile_px, "ROWS": rows, "JUMP": jump},
+            defines={"TILE": self.tile_px, "ROWS": rows, "JUMP": sampling.jump},
             reach_px=1.0,
             texel_px=(self.tile_px, rows),
         )
         self._tiles = None if at_once else self._of_strips(ctx, height)
         self.target, self.crossing = (self._tiles or self._strips).targets
-        self.frame = MaxReductionPass(
+        self.frame_defines: Defines = {
+            "ONE_STEP_PX": sampling.one_step_px,
+            "HALVES": int(sampling.halves),
+        }
+        self.frame = ReductionPass(
             ctx,
-            self.target,
-            vertex="motion_blur/frame_streaks.vert",
-            components=4,
-            least=(0.0, 0.0, _LEAST, 0.0),
+            "motion_blur/frame_streaks.comp",
+            ("tile_max", self.target),
             texel_px=(self.tile_px, self.tile_px),
-            by_row=True,
+            components=4,
+            defines=self.frame_defines,
+            constants=_Limit(max_radius_px),
         )
 
     def _of_strips(self, ctx: moderngl.Context, height: int) -> FullscreenPass:

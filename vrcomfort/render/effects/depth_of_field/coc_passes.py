@@ -10,7 +10,7 @@ import numpy as np
 
 from vrcomfort.geometry import Array, Fov, Pose, focal_length_px, rotate
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MaxReductionPass
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, max_reduction
 from vrcomfort.optics import blur_kernels
 from vrcomfort.optics.circle_of_confusion import CLOSEST_FOCUS
 from vrcomfort.protocol.conditions import DepthOfField
@@ -393,22 +393,22 @@ class CocTileMinMax:
         self.target = self._tiles.target
         """RGBA32F, pixels of image width: least and greatest signed radius of each tile of the last
         eye; largest radius before the limit; bits of ``coc_tile_min_max.frag``."""
-        self._of_eye = MaxReductionPass(ctx, self.target, value="z", texel_px=(tile_px, tile_px))
-        self.widest = self._of_eye.target
+        self._largest = max_reduction(ctx, self.target, value="z", texel_px=(tile_px, tile_px))
+        self.widest = self._largest.target
         """1×1: the largest radius of the last eye before its limit."""
 
     def render(self) -> None:
         """Add the image of the eye that radii are given for."""
         self._tiles.render()
-        self._of_eye.render()
+        self._largest.render()
 
     def read(self) -> float:
         """Return the largest radius of all frames; waits for the GPU."""
-        return self._of_eye.read()
+        return self._largest.read()
 
     def reset(self) -> None:
         """Start again from 0."""
-        self._of_eye.reset()
+        self._largest.reset()
 
 
 def _limit_and_scale(
