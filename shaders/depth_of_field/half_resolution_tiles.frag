@@ -4,7 +4,7 @@
 // Input:  half_image of half_resolution.frag (signed CoC RADIUS, px of the whole image, negative in
 //         front of the focus). With DILATE: tiles of this shader.
 // Output: r = least RADIUS, g = greatest, signed; a texel is TILE x TILE texels. With DILATE: of the
-//         3x3 tiles around.
+//         3x3 tiles around whose discs are wider than FROM_PX.
 // NumPy twin: tests/oracles/half_resolution.py. As the tiles of Filament's depth of field.
 uniform sampler2D source;
 
@@ -17,6 +17,9 @@ void main() {
     for (int i = 0; i < 9; ++i) {
         ivec2 tile = ivec2(gl_FragCoord.xy) + ivec2(i % 3, i / 3) - 1;
         vec2 other_px = texelFetch(source, clamp(tile, ivec2(0), last), 0).rg;
+        // Of tiles that have come this far, discs that are narrower cannot reach this one.
+        other_px = i == 4 || FROM_PX == 0.0 ? other_px : vec2(other_px.r < -FROM_PX ? other_px.r : 65504.0,
+                                                            other_px.g > FROM_PX ? other_px.g : -65504.0);
         radii_px = vec2(min(radii_px.r, other_px.r), max(radii_px.g, other_px.g));
     }
 #else

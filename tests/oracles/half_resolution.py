@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.ndimage import maximum_filter, median_filter, minimum_filter
+from scipy.ndimage import maximum_filter, median_filter
 
 from tests.oracles import pyramid
 from vrcomfort.geometry import Array
@@ -239,12 +239,14 @@ def _tiles(radius_px: Array, dilations: int) -> Array:
     rows, columns = (range(0, size, side) for size in radius_px.shape)
     height, width = radius_px.shape
     found = []
-    for pick, dilated in ((np.min, minimum_filter), (np.max, maximum_filter)):
-        tiles = np.array(
-            [[pick(radius_px[y : y + side, x : x + side]) for x in columns] for y in rows]
+    for sign in (-1, 1):
+        widest = np.array(
+            [[(sign * radius_px[y : y + side, x : x + side]).max() for x in columns] for y in rows]
         )
-        for _ in range(dilations):
-            tiles = dilated(tiles, 3, mode="nearest")
+        for dilation in range(dilations):
+            reaching = np.where((widest > 2 * side * dilation) | (dilation == 0), widest, -65504)
+            widest = np.maximum(widest, maximum_filter(reaching, 3, mode="nearest"))
+        tiles = sign * widest
         found.append(tiles.repeat(side, axis=0).repeat(side, axis=1)[:height, :width])
     return np.stack(found, axis=-1)
 

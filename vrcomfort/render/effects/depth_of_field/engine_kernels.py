@@ -216,13 +216,15 @@ def _tiles(
     made: list[FullscreenPass] = []
     source = half_image
     for dilation in range(dilations + 1):
+        # A disc that is to reach another tile this many steps away crosses all tiles between.
+        dilate = {"DILATE": 1, "FROM_PX": float(2 * RING_TILE * (dilation - 1))}
         made.append(
             FullscreenPass(
                 ctx,
                 "depth_of_field/half_resolution_tiles.frag",
                 size_px=(ceil(width / RING_TILE), ceil(height / RING_TILE)),
                 inputs={"source": source},
-                defines={"DILATE": 1} if dilation else {"TILE": RING_TILE},
+                defines=dilate if dilation else {"TILE": RING_TILE},
                 components=2,
             )
         )
