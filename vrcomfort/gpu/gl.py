@@ -33,7 +33,6 @@ LATENCY = 4
 not wait. Nothing that is read back is shown."""
 
 _LOWER_LEFT, _ZERO_TO_ONE = 0x8CA1, 0x935F
-_COLOR = 0x1800
 _TEXTURE_2D, _TEXTURE_2D_MULTISAMPLE = 0x0DE1, 0x9100
 _DEPTH_COMPONENT, _DEPTH_COMPONENT32F, _FLOAT = 0x1902, 0x8CAC, 0x1406
 _SRGB8_ALPHA8, _TEXTURE_SAMPLES, _SAMPLE_POSITION = 0x8C43, 0x9106, 0x8E50
@@ -128,16 +127,6 @@ def depth_texture(
     allocate = function(ctx, "glTexImage2D", *[ctypes.c_int] * 8, ctypes.c_void_p)
     allocate(_TEXTURE_2D, 0, _DEPTH_COMPONENT32F, *size_px, 0, _DEPTH_COMPONENT, _FLOAT, None)
     return _entered(ctx, point_sampled(texture, comparison=False), 1, "f4")
-
-
-def clearer(
-    ctx: moderngl.Context, framebuffer: moderngl.Framebuffer, colour: Sequence[float]
-) -> Callable[[], None]:
-    """Return a function that fills a framebuffer's first colour target; the others stay."""
-    uint, pointer = ctypes.c_uint, ctypes.POINTER(ctypes.c_float)
-    clear = function(ctx, "glClearNamedFramebufferfv", uint, uint, ctypes.c_int, pointer)
-
-    return partial(clear, framebuffer.glo, _COLOR, 0, (ctypes.c_float * 4)(*colour))
 
 
 def copier(ctx: moderngl.Context) -> Callable[[moderngl.Texture, moderngl.Texture], None]:
