@@ -34,7 +34,8 @@ void main() {
         farthest = max(farthest, texels[i].a);
         small = small || has_small(texels[i].a);
     }
-    float border = farthest - 1.5 * margin_px(farthest);
+    // Surfaces that are both blurred behind the focus share a texel: thin ones would be lost.
+    float border = min(farthest - 1.5 * margin_px(farthest), 0.5);
     vec4 front = vec4(0.0), back = vec4(0.0);
     vec2 parts = vec2(0.0);
     for (int i = 0; i < 4; ++i) {

@@ -23,8 +23,8 @@ class HalfGatherKernel:
 
     Notes
     -----
-    Half an image keeps one surface in each texel, so that thin things are lost behind others. Tiles
-    in focus are copied; tiles without small discs are half the image, enlarged.
+    Half an image keeps one surface in each texel: of thin things before the focus some are lost.
+    Tiles in focus are copied; tiles without small discs are half the image, enlarged.
     """
 
     def __init__(
