@@ -8,6 +8,7 @@ from pathlib import Path
 from openpyxl import Workbook
 
 from tests.support.layouts import ENGLISH, write
+from vrcomfort.importing import import_files, load_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.suggest import suggest_mapping
 
@@ -295,3 +296,22 @@ def test_statements_and_agreement_in_polish_below_row_numbers_of_pandas(tmp_path
     }
     first = next(iter(imported.responses.values()))
     assert [*first.answers.values()][:5] == [1, 2, 3, 4, 5]
+
+
+def test_performance_whose_highest_number_is_success_is_asked_for_and_turned(
+    tmp_path: Path,
+) -> None:
+    names = ["Mental", "Physical", "Temporal", "Performance", "Effort", "Frustration"]
+    rows: list[list[object]] = [["Code", *(f"TLX {name}" for name in names)]]
+    rows += [[f"P{n}", 10 * n, 20, 30, 90, 50, 60] for n in range(1, 7)]
+    file = write(tmp_path / "load.csv", rows)
+    suggestion = suggest_mapping([file])
+    asked = " ".join(str(each) for each in suggestion.doubts)
+    assert "Does the highest number of performance mean 'failure'?" in asked
+    assert {answers[3] for answers in answers_in(imported_from(file))} == {90}
+    mapping = tmp_path / "turned.toml"
+    turned = "[tables.questionnaires.item_coding.performance]\nreverse_coded = true\n"
+    agreed = suggestion.text.replace('answer = ""', 'answer = "yes"')
+    mapping.write_text(f"{agreed}\n{turned}", encoding="utf-8")
+    imported = import_files([file], load_mapping(mapping).mapping)
+    assert {answers[3] for answers in answers_in(imported)} == {10}

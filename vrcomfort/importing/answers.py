@@ -62,6 +62,7 @@ class AnswerReader:
         self._answers = found.answers
         self._coded_from = source.coded_from if own.coded_from is None else own.coded_from
         self._times = own.times or source.times or 1
+        self._reverse_coded = own.reverse_coded or source.reverse_coded
         self._words = {" ".join(word.split()): answer for word, answer in words.items()}
         self._folded = {word.casefold(): answer for word, answer in self._words.items()}
         self._missing = {"", *missing, *source.missing, *own.missing}
@@ -88,6 +89,8 @@ class AnswerReader:
             if value is None:
                 raise self._table.fault(self._no_answer(text), row, column)
             answer = self._stretched(value)
+            if self._reverse_coded:
+                answer = self._answers.low + self._answers.high - answer
         answer = int(answer) if float(answer).is_integer() else answer
         if not self._answers.low <= answer <= self._answers.high:
             raise self._table.fault(self._out_of_range(text, answer), row, column)

@@ -92,6 +92,8 @@ class AnswerCoding(Settings):
     """The number that stands for the lowest answer, where that is not the instrument's own."""
     times: Annotated[float, Field(gt=0, le=1e6)] | None = None
     """What the file's numbers are multiplied by: 5 for marks of 0 to 20 in place of 0 to 100."""
+    reverse_coded: bool = False
+    """Whether the file's highest number is the instrument's lowest answer."""
     missing: tuple[str, ...] = ()
     """Texts that mean that there is no answer, beside the blank."""
 

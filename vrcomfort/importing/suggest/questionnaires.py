@@ -13,6 +13,7 @@ from vrcomfort.importing.suggest.codings import Coding, coding_of, coding_of_tex
 from vrcomfort.importing.suggest.draft import (
     CODING,
     CURIOUS,
+    DIRECTION,
     INSTRUMENT,
     ITEM,
     ITEM_ORDER,
@@ -109,6 +110,7 @@ def draft_block(
         draft.put("instrument", block.instrument.name)
     _coded(draft, coding)
     doubts += coding.doubts
+    doubts += _direction_doubts(block, coding)
     order = [item.name for item in block.instrument.items if item.name in block.items]
     headings = {item: table.headings[block.items[item].column] for item in order}
     doubts += _name_doubts(block, headings)
@@ -202,6 +204,25 @@ def _coded(draft: TomlDraft, coding: Coding) -> None:
         draft.put("missing", list(coding.missing))
 
 
+def _direction_doubts(block: Found, coding: Coding) -> list[OpenDoubt]:
+    """Return a question for each item whose ends are its own, as those of performance in the TLX.
+
+    Labs turn such an item round so that it runs like the others: its numbers look the same.
+    """
+    if coding.answers:
+        return []
+    asked = (item for item in block.instrument.items if item.name in block.items)
+    own = (item for item in asked if item.answers.labels[-1:] != block.instrument.labels[-1:])
+    return [
+        OpenDoubt(
+            f"Does the highest number of {item.name} mean {item.answers.labels[-1]!r}?",
+            f"it does; else add item_coding.{item.name}.reverse_coded = true",
+            *DIRECTION,
+        )
+        for item in own
+    ]
+
+
 def _of_single_items(
     table: SourceTable, block: Found, whole: Coding, draft: TomlDraft, doubts: list[OpenDoubt]
 ) -> None:
@@ -246,7 +267,8 @@ def draft_long(
     }
     block = Found(long.instrument, (), named)
     order = [item.name for item in long.instrument.items if item.name in long.items]
-    doubts = [*coding.doubts, *_name_doubts(block, {item: long.items[item] for item in order})]
+    doubts = [*coding.doubts, *_direction_doubts(block, coding)]
+    doubts += _name_doubts(block, {item: long.items[item] for item in order})
     if long.instrument_column is None:
         doubts += _instrument_doubts(table, block, known)
     else:
