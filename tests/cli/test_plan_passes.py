@@ -72,6 +72,13 @@ def watched(ctx):
     with pytest.MonkeyPatch.context() as patch:
         for name in ("render", "render_indirect"):
             patch.setattr(moderngl.VertexArray, name, watching(getattr(moderngl.VertexArray, name)))
+        dispatch = moderngl.ComputeShader.run
+
+        def run(shader, *groups, **options):
+            seen.append(("dispatch", shader.glo))
+            dispatch(shader, *groups, **options)
+
+        patch.setattr(moderngl.ComputeShader, "run", run)
         yield seen
 
 

@@ -134,7 +134,7 @@ def test_all_faults_of_a_file_are_told_with_their_places(tmp_path, run):
     with pytest.raises(InputError) as caught:
         tiny_protocol(tmp_path, text.replace("every_s = 3.0", 'every_s = "3"'))
     told = [caught.value.alone, *caught.value.others]
-    assert [(each.line, each.column) for each in told] == [(4, 1), (15, 1), (38, 1)]
+    assert [(each.line, each.column) for each in told] == [(5, 1), (15, 1), (38, 1)]
     assert "did you mean `training_s`?" in told[0].message
     assert "did you mean `explicit`?" in told[1].message
     assert "2 more problems in this file" in str(caught.value)
@@ -152,7 +152,7 @@ def test_faults_that_types_do_not_see_are_all_told(tmp_path):
     with pytest.raises(InputError) as caught:
         tiny_protocol(tmp_path, text.replace('["room.glb"]', '["room.glb", "hall.glb"]'))
     told = [caught.value.alone, *caught.value.others]
-    assert [each.line for each in told] == [5, 19, 20]
+    assert [each.line for each in told] == [4, 19, 20]
     assert "no scene file" in told[0].message
     assert all("did you mean `plain`?" in each.message for each in told[1:])
 

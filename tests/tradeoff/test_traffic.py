@@ -42,6 +42,6 @@ def test_a_record_of_limits_is_counted_where_it_is_asked_for():
         traffic_of(context(), scene, condition, pair, SCOPE.size_px, records=each)
         for each in (True, False)
     )
-    assert with_records["depth_of_field"].draws == without["depth_of_field"].draws + 3
+    assert with_records["depth_of_field"].draws == without["depth_of_field"].draws + 2
     assert without["depth_of_field"].reads is None
     assert {"scene", "tone_map"} <= set(without)

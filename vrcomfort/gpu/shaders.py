@@ -110,8 +110,8 @@ def compute(
         If the driver rejects the code; the message starts with the name of the file.
     """
     text = _with_defines(source(name), defines or {})
-    if _counting.get():
-        text = with_counted_reads(text, _included)
+    if counting := _counting.get():
+        text = with_counted_reads(text, _included, undrawn=counting == "undrawn")
     _register_includes(ctx, text)
     try:
         return ctx.compute_shader(text)
@@ -176,7 +176,7 @@ def _members(include: str, what: str) -> np.dtype[Any]:
     return found
 
 
-class Block:
+class UniformBlock:
     """Packs the members of a std140 uniform block: a tenth of the time of a structured array.
 
     Raises

@@ -45,7 +45,7 @@ class Option(NamedTuple):
     flip: float
 
 
-class Choice(NamedTuple):
+class Recommendation(NamedTuple):
     """What to choose for one effect.
 
     Parameters
@@ -82,7 +82,7 @@ class Choice(NamedTuple):
         return fitting[-1] if fitting else 0
 
 
-def choices(found: dict[str, Any], budget_ms: float = BUDGET_MS) -> list[Choice]:
+def choices(found: dict[str, Any], budget_ms: float = BUDGET_MS) -> list[Recommendation]:
     """Return a choice for each effect and lens of a run's results; none where nothing was timed."""
     made: dict[tuple[str, str], dict[str, list[dict[str, Any]]]] = {}
     for row in found["table"]:
@@ -104,7 +104,7 @@ def _plain_ms(found: dict[str, Any]) -> dict[Key, float]:
 
 def _choice(
     rows: dict[str, list[dict[str, Any]]], plain: dict[Key, float], budget_ms: float
-) -> Choice | None:
+) -> Recommendation | None:
     scenes = max(len(each) for each in rows.values())
     key = key_of_row(next(iter(rows.values()))[0])
     conditions = {method.name: method.condition for method in methods(_effect(key[1]))}
@@ -118,7 +118,7 @@ def _choice(
     points = front([Point(each.method, each.frame_ms, each.rms) for each in options])
     by_name = {each.method: each for each in options}
     on_front = tuple(by_name[point.name] for point in points)
-    return Choice(
+    return Recommendation(
         key,
         title(key).partition(", ")[2],
         budget_ms,

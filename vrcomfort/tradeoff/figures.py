@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
 from vrcomfort.tradeoff import results
-from vrcomfort.tradeoff.choice import Choice
+from vrcomfort.tradeoff.choice import Recommendation
 from vrcomfort.tradeoff.measure import SCATTER
 from vrcomfort.tradeoff.results import by_dial
 
@@ -125,13 +125,13 @@ def _decorate(axes: Axes, rows: Sequence[Row]) -> None:
     _frame(axes, "cost: 1 + effect ÷ plain frame")
 
 
-def front_figure(choice: Choice, folder: Path) -> str:
+def front_figure(choice: Recommendation, folder: Path) -> str:
     """Write the front of a choice as `choice_….svg` and `.png`; return the SVG text."""
     name = f"choice_{results.figure_name(('all', *choice.key[1:]))}"
     return _write(name, lambda: draw_front(choice), folder)
 
 
-def draw_front(choice: Choice) -> Figure:
+def draw_front(choice: Recommendation) -> Figure:
     """Return error against milliseconds of a frame: the front, with what is chosen on it."""
     figure = Figure(figsize=(7.2, 3.9), layout=ConstrainedLayoutEngine(w_pad=0.08))
     FigureCanvasAgg(figure)

@@ -23,7 +23,7 @@ from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.text_layout import TextCanvas
 from vrcomfort.tradeoff import tables
 from vrcomfort.tradeoff.cases import Case
-from vrcomfort.tradeoff.choice import BUDGET_MS, Choice, choices
+from vrcomfort.tradeoff.choice import BUDGET_MS, Recommendation, choices
 from vrcomfort.tradeoff.figures import front_figure, pareto_figure
 from vrcomfort.tradeoff.measure import MeasuredCase
 from vrcomfort.tradeoff.methods import EFFECTS
@@ -158,7 +158,7 @@ def render_page(
     sheets
         Paths of contact sheets, from the page, by case.
     chosen
-        For each :class:`Choice` its figure (SVG text) and its crops by scene.
+        For each :class:`Recommendation` its figure (SVG text) and its crops by scene.
     """
     groups = list(dict.fromkeys(key_of_row(row) for row in found["table"]))
     sections = [
@@ -250,7 +250,7 @@ def _faded(image: Array, counted: NDArray[np.bool_]) -> Array:
 
 
 def _crops(
-    choice: Choice, found: dict[str, Any], measured: Sequence[MeasuredCase]
+    choice: Recommendation, found: dict[str, Any], measured: Sequence[MeasuredCase]
 ) -> dict[str, list[tuple[str, str]]]:
     """Return for each scene names and pictures (data URIs) around what is chosen, at 100 %.
 

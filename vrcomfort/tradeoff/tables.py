@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
-from vrcomfort.tradeoff.choice import Choice, Option
+from vrcomfort.tradeoff.choice import Option, Recommendation
 from vrcomfort.tradeoff.costs import LONGEST_S, SLOW_S
 from vrcomfort.tradeoff.error_measures import REGIONS
 from vrcomfort.tradeoff.measure import SCATTER
@@ -223,7 +223,7 @@ OPTION_COLUMNS: tuple[tuple[str, Callable[[Option], str]], ...] = (
 """Heading and text of each column of a front by its milliseconds."""
 
 
-def answer(choice: Choice, size_px: Sequence[int]) -> str:
+def answer(choice: Recommendation, size_px: Sequence[int]) -> str:
     """Return what to choose, in words."""
     width, height = size_px
     one = choice.front[choice.chosen]

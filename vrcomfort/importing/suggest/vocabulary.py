@@ -41,7 +41,7 @@ FEWEST_OF_SENTENCE = 4
 """Words of a heading, or of an item, that is taken for a sentence."""
 
 
-class Sentence(NamedTuple):
+class WeighedSentence(NamedTuple):
     """A sentence that asks for an item, as words and their weights."""
 
     item: str
@@ -268,7 +268,7 @@ class LabVocabulary:
         self._initials = {name: _looked_up(items) for name, items in merged["initials"].items()}
         self._items: Mapping[str, _Words] = merged["items"]
         self._spellings: dict[Instrument, dict[str, str]] = {}
-        self._sentences: dict[Instrument, tuple[Sentence, ...]] = {}
+        self._sentences: dict[Instrument, tuple[WeighedSentence, ...]] = {}
 
     def spellings(self, instrument: Instrument) -> Mapping[str, str]:
         """Return spelling → item; the instrument's own spellings win."""
@@ -283,7 +283,7 @@ class LabVocabulary:
             self._spellings[instrument] = found
         return self._spellings[instrument]
 
-    def sentences(self, instrument: Instrument) -> tuple[Sentence, ...]:
+    def sentences(self, instrument: Instrument) -> tuple[WeighedSentence, ...]:
         """Return the sentences of an instrument's items, each word weighed by how rare it is."""
         if instrument not in self._sentences:
             sentences = [
@@ -294,7 +294,7 @@ class LabVocabulary:
             ]
             often = Counter(word for word, _ in {(w, i) for i, each in sentences for w in each})
             self._sentences[instrument] = tuple(
-                Sentence(item, {word: 1 / often[word] ** 2 for word in words})
+                WeighedSentence(item, {word: 1 / often[word] ** 2 for word in words})
                 for item, words in sentences
             )
         return self._sentences[instrument]
