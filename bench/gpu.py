@@ -57,7 +57,7 @@ def measure(
 
 
 GPUS = {"GeForce RTX 3060": 360.0, "GeForce RTX 4070": 504.0, "GeForce RTX 4090": 1008.0}
-"""GB/s between memory and GPU, of the maker's data sheets."""
+"""GB/s between memory and GPU, as published for them."""
 
 
 def model(size_px: tuple[int, int], scenes: Sequence[str], names: tuple[str, ...] | None) -> Result:
