@@ -77,7 +77,7 @@ def test_any_setting_of_a_condition_can_be_set_for_a_picture(run, tmp_path):
     assert "vignette" in found["passes"]
     found, said = drawn(run, tmp_path, "motion_blur=none", "focus.zone_ratio=0.5", "quality=fast")
     assert found["condition"]["motion_blur"] is None
-    assert found["condition"]["depth_of_field"]["samples"] == 16
+    assert found["condition"]["depth_of_field"]["samples"] == 12
     assert 'focus.zone_ratio does nothing with method = "nine_ray"' in said
 
 
