@@ -1,13 +1,14 @@
 """Cost and error of each level of the setting `quality`; writes the shipped table.
 
 ``python -m bench.quality`` measures and puts the figures into ``analysis/measured/quality.toml``.
+With ``--levels fast`` the figures of all other levels stay, and the file says when they were taken.
 """
 
 from __future__ import annotations
 
 import argparse
 import datetime
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import get_args
 
 import moderngl
@@ -17,7 +18,13 @@ from bench.effects import frame_seconds
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.quality import write_figures
-from vrcomfort.protocol.quality_levels import Effects, MeasurementSource, Quality, QualityFigure
+from vrcomfort.protocol.quality_levels import (
+    Effects,
+    MeasurementSource,
+    Quality,
+    QualityFigure,
+    quality_table,
+)
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
@@ -49,10 +56,12 @@ def condition_of(effects: Effects, level: Quality) -> Condition:
     )
 
 
-def measure(ctx: moderngl.Context, *, scope: Scope, rounds: int) -> Iterator[QualityFigure]:
-    """Yield the figures of every level, effect and scene."""
-    errors = _errors(scope)
-    kinds = [(effects, level) for effects in get_args(Effects) for level in get_args(Quality)]
+def measure(
+    ctx: moderngl.Context, *, scope: Scope, rounds: int, levels: Sequence[Quality]
+) -> Iterator[QualityFigure]:
+    """Yield the figures of these levels, of every effect and scene."""
+    errors = _errors(scope, levels)
+    kinds = [(effects, level) for effects in get_args(Effects) for level in levels]
     for name in scope.scenes:
         scene = load_scene(name)
         conditions = {kind: condition_of(*kind) for kind in kinds}
@@ -89,22 +98,21 @@ def _reads(ctx: moderngl.Context, scene: Scene, condition: Condition) -> float:
     return (of_effects(parts).reads or 0) / (COST_SIZE_PX[0] * COST_SIZE_PX[1])
 
 
-def _errors(scope: Scope) -> dict[tuple[str, str, str], dict[str, float]]:
+def _errors(
+    scope: Scope, levels: Sequence[Quality]
+) -> dict[tuple[str, str, str], dict[str, float]]:
     """Return the errors, means over views, by scene, effects and level."""
     store = Store(default_folder())
     rows = [
         row
         for case in cases(scope)
-        for row in measure_errors(case, scope, store, _levels(case.effect)).rows
+        for row in measure_errors(case, scope, store, _methods(case.effect, levels)).rows
     ]
     return {(row["scene"], row["effect"], row["method"]): row for row in means(rows)}
 
 
-def _levels(effects: Effects) -> list[BlurMethod]:
-    return [
-        BlurMethod(level, effects, "ours", condition_of(effects, level))
-        for level in get_args(Quality)
-    ]
+def _methods(effects: Effects, levels: Sequence[Quality]) -> list[BlurMethod]:
+    return [BlurMethod(level, effects, "ours", condition_of(effects, level)) for level in levels]
 
 
 def main() -> None:
@@ -112,22 +120,32 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m bench.quality", description=__doc__)
     parser.add_argument("--samples", type=int, default=1024, help="of each reference")
     parser.add_argument("--rounds", type=int, default=12, help="timed stereo frames of each level")
+    known = get_args(Quality)
+    parser.add_argument("--levels", nargs="+", choices=known, default=known, help="only these")
     options = parser.parse_args()
+    table = quality_table()
+    others = [each for each in table.figures if each.level not in options.levels]
+    earlier, only = "", ""
+    if others and table.measured:
+        only = f" --levels {' '.join(options.levels)}"
+        earlier = f". Other levels: {table.measured.command}, {table.measured.date}"
     ctx = create_context()
     scope = Scope(motions=("walk",), samples=options.samples)
     cost, error = ("×".join(map(str, size)) for size in (COST_SIZE_PX, scope.size_px))
     measured = MeasurementSource(
-        command=f"python -m bench.quality --samples {options.samples} --rounds {options.rounds}",
+        command=f"python -m bench.quality --samples {options.samples} --rounds {options.rounds}"
+        + only,
         device=str(ctx.info["GL_RENDERER"]),
         date=datetime.datetime.now(datetime.UTC).date().isoformat(),
         how=f"cost (of processor time on a software rasteriser) and texture reads at {cost} per "
         f"eye, error at {error}; lens: law {LENS['law']}, "
         f"r_max {LENS['max_radius_percent']:g} % at {LENS['full_blur_dioptre']:g} D; shutter: "
         f"fully open, mode {SHUTTER['mode']}; references of {options.samples} samples "
-        "(a quarter for motion blur alone)",
+        "(a quarter for motion blur alone)" + earlier,
     )
-    figures = list(measure(ctx, scope=scope, rounds=options.rounds))
-    write_figures(data_folder("analysis") / "measured" / "quality.toml", measured, figures)
+    figures = list(measure(ctx, scope=scope, rounds=options.rounds, levels=options.levels))
+    file = data_folder("analysis") / "measured" / "quality.toml"
+    write_figures(file, measured, [*figures, *others])
     for figure in figures:
         print(figure)
 
