@@ -62,7 +62,7 @@ StereoRenderer(context, (16, 16)).begin(scene, layers)
 for kernel in get_args(Kernel):
     wide = DepthOfField(kernel=kernel, max_radius_percent=10)
     StereoRenderer(context, (128, 16)).begin(scene, Condition(name="k", depth_of_field=wide))
-for samples in (16, 36):
+for samples in (12, 16, 36):
     few = DepthOfField(samples=samples, max_radius_percent=10)
     StereoRenderer(context, (64, 16)).begin(scene, Condition(name="samples", depth_of_field=few))
 script = [(0.0, 2.0), (1.0, 0.5)]
@@ -80,6 +80,9 @@ EyePainter(context)  # reads its own pair
 ImageHasher(context)
 views = DepthOfField(law="dioptre", views=16, max_radius_percent=10)
 StereoRenderer(context, (64, 16)).begin(scene, Condition(name="views", depth_of_field=views))
+edge = np.array([[-2, -2], [-0.9, -2], [-2, 2]], np.float32)
+hidden = HiddenArea(edge, np.array([[0, 1, 2]], np.uint32))
+StereoRenderer(context, (64, 64), hidden=(hidden,) * 2).begin(scene, later)
 print(*read, "display/picture.vert", "display/picture.frag")
 """
 

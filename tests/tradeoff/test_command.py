@@ -179,6 +179,7 @@ def test_pictures_of_an_earlier_run_do_not_stay_and_other_files_do(run, tmp_path
     assert there == {
         *("figures/mine.png", "sheets/mine.png"),
         *(f"figures/temple_depth_of_field_lens3.5.{kind}" for kind in ("svg", "png")),
+        *(f"figures/choice_all_depth_of_field_lens3.5.{kind}" for kind in ("svg", "png")),
         "sheets/temple_depth_of_field_pose1_still_lens3.5.png",
     }
 

@@ -254,6 +254,7 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     read = {
         "display/picture.vert",
         "display/picture.frag",  # tried above
+        *("common/copy.frag", "scene/hidden_tiles.vert"),  # render/test_visibility_mask.py
         "display/image_hash.comp",  # sums whole numbers of any pixels: render/test_image_hash.py
     }
     source = shaders.source
@@ -261,6 +262,7 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     rng = np.random.default_rng(2)
     wide = Condition(name="wide", depth_of_field=DepthOfField(max_radius_percent=5))
     few = Condition(name="few", depth_of_field=DepthOfField(samples=16))
+    half = Condition(name="half", depth_of_field=DepthOfField(samples=12, max_radius_percent=5))
     focus = Focus(method="autofocus_zone")
     zone = Condition(name="zone", focus=focus, depth_of_field=DepthOfField())
     order = ("motion_blur", "depth_of_field")
@@ -269,7 +271,7 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
         Condition(name=law, focus=Focus(law=law), depth_of_field=DepthOfField())
         for law in get_args(RefocusLawName)
     ]
-    for condition in (*every_choice(rng), *laws, wide, few, zone, later):
+    for condition in (*every_choice(rng), *laws, wide, few, half, zone, later):
         # Wide enough for discs of every kind.
         renderer = StereoRenderer(ctx, (320, 5), headset_depth="blur_aware")
         renderer.build(scene(rng), condition)
