@@ -24,6 +24,8 @@ from vrcomfort.protocol.conditions import (
     BackgroundBlur, FocusRuleName, Kernel, MoveRamp, RefocusLawName, RelocationBlur, SpeedBlur,
     Vignette,
 )
+import numpy as np
+from vrcomfort.geometry import HiddenArea
 from vrcomfort.gpu import shaders
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.scene.load import load_scene
