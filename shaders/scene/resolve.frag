@@ -14,9 +14,10 @@
 //
 // Input:  multisampled colour, depth; BY_BRIGHTNESS: the exposure; VELOCITY: velocity, or AS_THE_EYE; sample_place, of each sample in
 //         its pixel; COC: what include/coc_of_depth.glsl needs.
+//         BEHIND_NEAR: depth, resolved; drawn on tiles of that class.
 // Output: colour with alpha 1, gl_FragDepth; VELOCITY: velocity, px per frame; COC: finite colour, alpha
 //         = signed CoC RADIUS in pixels of image width, negative in front of the focus. A half float
-//         holds 11 px to 1/256 px.
+//         holds 11 px to 1/256 px. BEHIND_NEAR: colour and radius alone, where the resolved depth is a near thing's.
 // Source: of the radius, Carnegie & Rhee 2015, Algorithm 1; PERIPHERAL: Hillaire et al. 2008, Eq. 5 and 6.
 #ifdef VELOCITY
 #include "view.glsl"
@@ -26,6 +27,10 @@
 #include "coc.glsl"
 #include "coc_of_depth.glsl"
 #include "finite.glsl"
+#endif
+#ifdef BEHIND_NEAR
+#include "near.glsl"
+uniform sampler2D depth;
 #endif
 uniform sampler2DMS colors;
 uniform sampler2DMS depths;
@@ -46,7 +51,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 sum = vec3(0.0);
     float weights = 0.0;
-    float depth = -1.0;
+    float sample_depth = -1.0;
     int nearest = 0;
     for (int i = 0; i < SAMPLES; ++i) {
         vec3 c = texelFetch(colors, pixel, i).rgb;
@@ -57,22 +62,28 @@ void main() {
 #endif
         sum += c;
         float d = texelFetch(depths, pixel, i).r;
-        nearest = d > depth ? i : nearest;
-        depth = max(d, depth);
+        nearest = d > sample_depth ? i : nearest;
+        sample_depth = max(d, sample_depth);
     }
 #ifdef BY_BRIGHTNESS
     color = vec4(sum / weights, 1.0);
 #else
     color = vec4(sum * (1.0 / float(SAMPLES)), 1.0);
 #endif
-    gl_FragDepth = depth;
+#ifndef BEHIND_NEAR
+    gl_FragDepth = sample_depth;
+#endif
 #ifdef COC
     vec2 at = gl_FragCoord.xy * (1.0 / vec2(textureSize(colors)));
-    color = vec4(finite(color.rgb), radius_at(depth, at));
+    color = vec4(finite(color.rgb), radius_at(sample_depth, at));
+#endif
+#ifdef BEHIND_NEAR
+    if (radius_at(texelFetch(depth, pixel, 0).r, at) > -NEAR_PX)
+        discard;
 #endif
 #ifdef VELOCITY
     velocity = texelFetch(velocities, pixel, nearest).rg;
     if (velocity.x == AS_THE_EYE)
-        velocity = velocity_of_eye(vec2(pixel) + sample_place[nearest], depth);
+        velocity = velocity_of_eye(vec2(pixel) + sample_place[nearest], sample_depth);
 #endif
 }

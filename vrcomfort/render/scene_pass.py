@@ -18,7 +18,7 @@ from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl, passes, shaders, visible_area
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.passes import Pass, PassImage
-from vrcomfort.gpu.visible_area import LimitedVertices, VisibleArea
+from vrcomfort.gpu.visible_area import DRAWN, LimitedVertices, VisibleArea
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import lighting
 from vrcomfort.render.background_blur import MipLevelPass, foreground
@@ -33,6 +33,7 @@ from vrcomfort.render.camera import (
 )
 from vrcomfort.render.gpu_scene import GpuScene, ViewFrustum
 from vrcomfort.render.lighting import Light
+from vrcomfort.render.materials import NEAREST_UNIT
 from vrcomfort.render.shadow import ShadowMap
 from vrcomfort.scene.data import Scene
 
@@ -102,6 +103,7 @@ class ScenePass:
         self._previous: tuple[PreviousCamera, ...] = ()
         self._placed: tuple[float, float, Pose] | None = None
         self._shadow_triangles = 0
+        self._view_drawn = 0
         self.lens_focus: moderngl.Texture | None = None
         """1×1 RGBA32F, x = where lenses focus (m); without it each `Lens` says so itself."""
         self.resolve = self._targets.resolve
@@ -179,6 +181,34 @@ class ScenePass:
         if resolve:
             self.resolve.render(camera)
 
+    def prepare_behind(self, nearest: moderngl.Texture, tile_px: int) -> None:
+        """Compile what :meth:`draw_behind` draws.
+
+        Parameters
+        ----------
+        nearest
+            R32F on the corners of tiles of `tile_px`: the reverse-Z depth of the nearest thing.
+        """
+        self._nearest = nearest
+        self.gpu.make_behind(tile_px)
+        limit = passes.PassImage.of(nearest)
+        self._opaque_behind = replace(self._opaque, reads=(*self._opaque.reads, limit))
+        self._blended_behind = replace(self._blended, reads=(*self._blended.reads, limit))
+
+    def draw_behind(self) -> None:
+        """Draw the last view again, over the samples whose depth is infinity, without what is near.
+
+        Samples hold the result, and all others what they held, until `resolve` reads them.
+        """
+        if self._shadow is not None:
+            self._shadow.bind()
+        self._nearest.use(NEAREST_UNIT)
+        self._targets.use()
+        counted = self.gpu.draws
+        self._draw_layers(self._view_drawn, behind=True)
+        self.gpu.draws = counted  # whether these are drawn is left to the GPU
+        self._ctx.enable_only(moderngl.NOTHING)
+
     def _bind_blocks(self, view: int, camera: EyeCamera, before: PreviousCamera) -> None:
         """Bind the blocks of an eye; they are there where `update` knew all of it."""
         if camera.lens is None and self._previous and self._previous[view] == before:
@@ -199,11 +229,8 @@ class ScenePass:
         if self._shadow is not None:
             self._shadow.bind()
         self._targets.begin()
-        self.triangles = self._draw_opaque(view)
-        self._ctx.enable_only(moderngl.DEPTH_TEST)
-        self._ctx.depth_func = ">="  # the sky lies at infinity: depth 0, as the clear value
-        self._behind.run(self._sky.draw)
-        self.triangles += self._draw_blended(view)
+        self.triangles = self._draw_layers(view)
+        self._view_drawn = view
         if self._background is not None:
             self._ctx.enable_only(moderngl.NOTHING)
             self.resolve.render(camera)
@@ -215,21 +242,31 @@ class ScenePass:
             self.triangles += self._draw_blended(view, foreground=True)
         self._ctx.enable_only(moderngl.NOTHING)
 
-    def _draw_opaque(self, view: int, *, foreground: bool = False) -> int:
+    def _draw_layers(self, view: int, *, behind: bool = False) -> int:
+        """Draw opaque surfaces, the sky where none is, and blended ones; return the triangles."""
+        triangles = self._draw_opaque(view, behind=behind)
+        self._ctx.enable_only(moderngl.DEPTH_TEST)
+        self._ctx.depth_func = ">="  # the sky lies at infinity: depth 0, as the clear value
+        self._behind.run(self._sky.draw)
+        return triangles + self._draw_blended(view, behind=behind)
+
+    def _draw_opaque(self, view: int, *, foreground: bool = False, behind: bool = False) -> int:
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = gl.DEPTH_FUNC
         return self.gpu.run(
-            self._opaque, lambda: self.gpu.draw(view, blended=False, foreground=foreground)
+            self._opaque_behind if behind else self._opaque,
+            lambda: self.gpu.draw(view, blended=False, foreground=foreground, behind=behind),
         )
 
-    def _draw_blended(self, view: int, *, foreground: bool = False) -> int:
+    def _draw_blended(self, view: int, *, foreground: bool = False, behind: bool = False) -> int:
         if not self.gpu.has_blended:
             return 0
         self._targets.blend()
         self._ctx.depth_func = gl.DEPTH_FUNC
         self._ctx.enable(moderngl.BLEND)
         return self.gpu.run(
-            self._blended, lambda: self.gpu.draw(view, blended=True, foreground=foreground)
+            self._blended_behind if behind else self._blended,
+            lambda: self.gpu.draw(view, blended=True, foreground=foreground, behind=behind),
         )
 
 
@@ -523,19 +560,52 @@ class ResolvePass:
             self._radii.see_with(camera)
         self._pass.render(self._places)
 
+    @property
+    def sample_depth(self) -> moderngl.Texture:
+        """Return the depth of all samples."""
+        return self._samples.depth
+
+    def make_behind(
+        self, inputs: dict[str, moderngl.Texture], defines: dict[str, Any], **on_tiles: Any
+    ) -> FullscreenPass:
+        """Return the pass that writes colour and radii alone, over those of near things.
+
+        `inputs`, `defines`, `on_tiles`: on which tiles, as those of a :class:`FullscreenPass`.
+        """
+        radii, many = self._radii, self._samples
+        if radii is None:
+            raise RuntimeError("write_radii comes first")
+        known = {"colors": many.colour, "depths": many.depth, "depth": self.depth, **radii.inputs}
+        own = {**self._defines, "COC": 1, "BEHIND_NEAR": 1, **radii.defines}
+        return FullscreenPass(
+            self._ctx,
+            "scene/resolve.frag",
+            size_px=self.colour.size,
+            inputs={**known, **inputs},
+            defines={**own, **defines},
+            target=self.colour,
+            reach_px={"colors": 0.0, "depths": 0.0, "depth": 0.0, **dict.fromkeys(inputs, DRAWN)},
+            **on_tiles,
+        )
+
     def learn_sample_places(self) -> None:
         """Ask the driver where samples lie; it tells of the framebuffer in use only."""
         if self.velocity is not None and self._places is None:
             places = gl.sample_places(self._ctx, self._samples.colour.samples)
             self._places = _SamplePlaces(places if len(places) > 1 else places[0])
 
+    @property
+    def _defines(self) -> dict[str, Any]:
+        samples: dict[str, Any] = {"SAMPLES": self._samples.colour.samples}
+        if self._by_brightness is not None:
+            samples["BY_BRIGHTNESS"] = self._by_brightness
+        return samples
+
     def _make(self) -> FullscreenPass:
         many, radii = self._samples, self._radii
         inputs = {"colors": many.colour, "depths": many.depth}
         targets = [self.colour]
-        defines: dict[str, Any] = {"SAMPLES": many.colour.samples}
-        if self._by_brightness is not None:
-            defines["BY_BRIGHTNESS"] = self._by_brightness
+        defines = self._defines
         if many.velocity is not None and self.velocity is not None:
             inputs["velocities"] = many.velocity
             targets.append(self.velocity)
