@@ -141,7 +141,7 @@ class NearThings:
 
     def _tile_passes(self) -> tuple[FullscreenPass, FullscreenPass]:
         coc, (inputs, defines) = self._coc, self._coc.reach
-        away_tiles = ceil(SILHOUETTE * coc.max_radius_px / coc.tile_px) + 2
+        away_tiles = ceil(SILHOUETTE * coc.max_radius_px / coc.tile_px) + 4
         away = {**defines, "AWAY": float(away_tiles)}
         reach_px = float(away_tiles * coc.tile_px)
         tiles = {"tiles": coc.tile_min_max, **inputs}
