@@ -11,7 +11,7 @@ uniform sampler2D depth;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    if (radius_at(texelFetch(depth, pixel, 0).r, gl_FragCoord.xy / vec2(textureSize(depth, 0))) > -NEAR_PX)
+    if (radius_at(texelFetch(depth, pixel, 0).r, gl_FragCoord.xy / vec2(textureSize(depth, 0))) > -BEHIND_PX)
         discard;
     gl_FragDepth = 0.0;
 }

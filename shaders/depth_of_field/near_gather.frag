@@ -37,7 +37,11 @@ const float ENLARGED_PX2 = 2.0;
 vec4 p = texelFetch(light_1, ivec2(gl_FragCoord.xy), 0);
 float own_radius = p.a > 0.0 ? texelFetch(radius_1, ivec2(gl_FragCoord.xy), 0).r / p.a : 0.0;
 
+// Of a disc: from this part on that is drawn apart, p is drawn apart in full, too.
+const float CONTINUED_PART = 0.125;
+
 vec4 own = vec4(0.0);        // of p's surface
+float own_apart = 0.0;       // part of its disc that the picture behind lacks
 vec4 nearer_only = vec4(0.0);  // of what is nearer than p
 vec4 all = vec4(0.0);        // of all that is near
 
@@ -64,7 +68,7 @@ void gather(sampler2D light, sampler2D radius, int level) {
     int top = comes || own_part > 0.0 ? int(floor(place.y + rows)) : -1000000;
     ivec2 last = textureSize(light, 0) - 1;
     vec4 found = vec4(0.0), over = vec4(0.0), over_own = vec4(0.0);
-    float seen = 0.0;
+    float seen = 0.0, found_apart = 0.0;
     for (int y = int(ceil(place.y - rows)); y <= top; ++y) {
         float row = (float(y) - place.y) / pixel_aspect;
         float cells = sqrt(max(reach * reach - row * row, 0.0));
@@ -77,16 +81,19 @@ void gather(sampler2D light, sampler2D radius, int level) {
             if (q.a > 0.0) {
                 float q_radius = texelFetch(radius, at, 0).r / q.a;
                 float is_nearer = nearer(own_radius, q_radius);
-                vec4 comes_here = part_on(level, -q_radius) * disc_share(away, texels_of(-q_radius, texel_px)) * q;
+                float q_apart = apart(q_radius);
+                vec4 comes_here = q_apart * part_on(level, -q_radius) * disc_share(away, texels_of(-q_radius, texel_px)) * q;
                 over += comes_here;
                 over_own += is_nearer * comes_here;
                 found += (1.0 - is_nearer) * share * q;
+                found_apart += q_apart * (1.0 - is_nearer) * share * q.a;
                 seen -= is_nearer * share * q.a;
             }
             seen += share;
         }
     }
     own += own_part > 0.0 && seen > 1e-5 ? own_part * found / seen : vec4(0.0);
+    own_apart += own_part > 0.0 && seen > 1e-5 ? own_part * found_apart / seen : 0.0;
     all += over / (PI * pixel_aspect);
     nearer_only += over_own / (PI * pixel_aspect);
 }
@@ -108,5 +115,6 @@ void main() {
     gather(light_4, radius_4, 4);
 #endif
     vec4 over = limited(nearer_only);
-    over_all = min(mix(limited(all), over + (1.0 - over.a) * limited(own), p.a), 65504.0);
+    float part = p.a * max(apart(own_radius), min(own_apart / CONTINUED_PART, 1.0));
+    over_all = min(mix(limited(all), over + (1.0 - over.a) * limited(own), part), 65504.0);
 }

@@ -23,9 +23,9 @@ void main() {
     float widest = 0.0, least = 1e4;
     for (int x = -around; x <= around; ++x) {
         vec4 t = texelFetch(tiles, ivec2(clamp(middle.x + x, 0, last.x), middle.y), 0);
-        bool comes = t.r < -NEAR_PX && -t.r + 1.0 >= gap_px(ivec2(x, 0));
+        bool comes = t.r < FADES_PX - BEHIND_PX && -t.r + 1.0 >= gap_px(ivec2(x, 0));
         widest = comes ? max(widest, -t.r) : widest;
-        least = comes ? min(least, max(-t.g, NEAR_PX)) : least;
+        least = comes ? min(least, max(-t.g, BEHIND_PX - FADES_PX)) : least;
     }
     row = vec4(float(away), widest, least, 0.0);
 }

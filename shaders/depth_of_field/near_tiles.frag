@@ -36,7 +36,7 @@ void main() {
         within = min(within, int(away));
     }
     float away_px = float(TILE) * max(away - 1.0, 0.0) / max(pixel_aspect, 1.0);
-    bool needs_behind = own_px > NEAR_PX && away_px <= 2.0 * own_px;
+    bool needs_behind = own_px > BEHIND_PX && away_px <= 2.0 * own_px;
     // The discs of pixels where nothing is drawn apart must not meet tiles where it is.
     bool is_near = widest > 0.0 && away_px <= 3.0 * widest + 2.0 * float(TILE);
     near_tile = vec4(widest, least, 0.0, float(is_near && needs_behind ? BEHIND : is_near ? NEAR : 0));

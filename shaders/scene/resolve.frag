@@ -78,7 +78,7 @@ void main() {
     color = vec4(finite(color.rgb), radius_at(sample_depth, at));
 #endif
 #ifdef BEHIND_NEAR
-    if (radius_at(texelFetch(depth, pixel, 0).r, at) > -NEAR_PX)
+    if (radius_at(texelFetch(depth, pixel, 0).r, at) > -BEHIND_PX)
         discard;
 #endif
 #ifdef VELOCITY
