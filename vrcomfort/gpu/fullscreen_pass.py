@@ -152,14 +152,8 @@ class FullscreenPass:
         """Return the first of `targets`."""
         return self.targets[0]
 
-    def render(self, uniforms: Uniforms | None = None, *, watched: bool = True) -> None:
-        """Draw, after setting the uniforms of this frame.
-
-        Parameters
-        ----------
-        watched
-            False: whoever watches passes is not told.
-        """
+    def render(self, uniforms: Uniforms | None = None) -> None:
+        """Draw, after setting the uniforms of this frame."""
         if uniforms is not None and (uniforms != self._last or type(uniforms) is not self._kind):
             self._set(uniforms)
             self._last, self._kind = uniforms, type(uniforms)
@@ -170,10 +164,7 @@ class FullscreenPass:
             self._ctx.depth_func = "1"  # moderngl's GL_ALWAYS: fragments replace any depth
         if self._over:
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
-        if watched:
-            self.declared.run(self._draw)
-        else:
-            self._draw()
+        self.declared.run(self._draw)
         for unit, sampler in self._samplers:
             sampler.clear(unit)  # samplers override the textures of passes that follow
 

@@ -12,6 +12,7 @@ from math import ceil
 from typing import NamedTuple
 
 import moderngl
+import numpy as np
 
 from vrcomfort.gpu.conditional import ConditionalDraws
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
@@ -30,6 +31,10 @@ BEHIND_PX = 2.25
 
 SILHOUETTE = 3.0
 """Farther from a silhouette, in radii of its disc, a near thing is not drawn apart."""
+
+
+_BEHIND = 2
+"""As in ``include/tile_classes.glsl``."""
 
 
 class _Size(NamedTuple):
@@ -58,7 +63,7 @@ class NearThings:
         colour = coc.colour_and_coc
         self._tiles = self._tile_passes()
         self._classes = self._tiles[-1].target
-        self._if_any = ConditionalDraws(ctx)
+        self._if_any = ConditionalDraws(ctx, self._any_behind)
         self._open = coc.depth_to_coc.make_pass(
             "depth_of_field/near_depth.frag",
             size_px=coc.size_px,
@@ -113,9 +118,7 @@ class NearThings:
         """Draw what is behind the near things of the last eye, whose radii are known."""
         for each in self._tiles:
             each.render(Aspect(pixel_aspect))
-        self._open.render()
-        # Again, which changes nothing: queries do not nest, and whoever watches has one.
-        self._if_any.ask(lambda: self._open.render(watched=False))
+        self._if_any.ask(self._open.render)
         self._if_any.run(self._draw_behind)
 
     def draw_over(self, pixel_aspect: float) -> None:
@@ -126,6 +129,10 @@ class NearThings:
         """Draw once what frames without near things skip."""
         self._draw_behind()
         self._draw_over(1.0)
+
+    def _any_behind(self) -> bool:
+        classes = np.frombuffer(self._classes.read(), np.float16)[3::4]
+        return bool((classes == _BEHIND).any())
 
     def _draw_behind(self) -> None:
         for each in self._layers:
