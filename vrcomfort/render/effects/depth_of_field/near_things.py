@@ -26,7 +26,7 @@ from vrcomfort.render.effects.depth_of_field.layered_gather import (
 )
 from vrcomfort.render.scene_pass import ScenePass
 
-BEHIND_PX = 2.25
+BEHIND_PX = 2.0
 """As in ``include/near.glsl``: without wider discs nothing is drawn apart."""
 
 SILHOUETTE = 3.0
