@@ -37,11 +37,7 @@ const float ENLARGED_PX2 = 2.0;
 vec4 p = texelFetch(light_1, ivec2(gl_FragCoord.xy), 0);
 float own_radius = p.a > 0.0 ? texelFetch(radius_1, ivec2(gl_FragCoord.xy), 0).r / p.a : 0.0;
 
-// Of a disc: from this part on that is drawn apart, p is drawn apart in full, too.
-const float CONTINUED_PART = 0.125;
-
 vec4 own = vec4(0.0);        // of p's surface
-float own_apart = 0.0;       // part of its disc that the picture behind lacks
 vec4 nearer_only = vec4(0.0);  // of what is nearer than p
 vec4 all = vec4(0.0);        // of all that is near
 
@@ -68,7 +64,7 @@ void gather(sampler2D light, sampler2D radius, int level) {
     int top = comes || own_part > 0.0 ? int(floor(place.y + rows)) : -1000000;
     ivec2 last = textureSize(light, 0) - 1;
     vec4 found = vec4(0.0), over = vec4(0.0), over_own = vec4(0.0);
-    float seen = 0.0, found_apart = 0.0;
+    float seen = 0.0;
     for (int y = int(ceil(place.y - rows)); y <= top; ++y) {
         float row = (float(y) - place.y) / pixel_aspect;
         float cells = sqrt(max(reach * reach - row * row, 0.0));
@@ -81,21 +77,32 @@ void gather(sampler2D light, sampler2D radius, int level) {
             if (q.a > 0.0) {
                 float q_radius = texelFetch(radius, at, 0).r / q.a;
                 float is_nearer = nearer(own_radius, q_radius);
-                float q_apart = apart(q_radius);
-                vec4 comes_here = q_apart * part_on(level, -q_radius) * disc_share(away, texels_of(-q_radius, texel_px)) * q;
+                vec4 comes_here = apart(q_radius) * part_on(level, -q_radius) * disc_share(away, texels_of(-q_radius, texel_px)) * q;
                 over += comes_here;
                 over_own += is_nearer * comes_here;
                 found += (1.0 - is_nearer) * share * q;
-                found_apart += q_apart * (1.0 - is_nearer) * share * q.a;
                 seen -= is_nearer * share * q.a;
             }
             seen += share;
         }
     }
     own += own_part > 0.0 && seen > 1e-5 ? own_part * found / seen : vec4(0.0);
-    own_apart += own_part > 0.0 && seen > 1e-5 ? own_part * found_apart / seen : 0.0;
     all += over / (PI * pixel_aspect);
     nearer_only += over_own / (PI * pixel_aspect);
+}
+
+// Part of p that is drawn apart, or goes on beside what is: a straight end takes 3 texels of 9.
+float part_apart() {
+    float found = 3.0 * apart(own_radius);
+    int around = p.a > 0.0 && found < 3.0 ? 1 : -1;
+    ivec2 last = textureSize(light_1, 0) - 1;
+    for (int y = -around; y <= around; ++y)
+        for (int x = -around; x <= around; ++x) {
+            ivec2 at = clamp(ivec2(gl_FragCoord.xy) + ivec2(x, y), ivec2(0), last);
+            float q_part = texelFetch(light_1, at, 0).a;
+            found += q_part > 0.0 ? q_part * apart(texelFetch(radius_1, at, 0).r / q_part) : 0.0;
+        }
+    return p.a * min(found / 3.0, 1.0);
 }
 
 // Opacity adds up to 1 at most.
@@ -115,6 +122,5 @@ void main() {
     gather(light_4, radius_4, 4);
 #endif
     vec4 over = limited(nearer_only);
-    float part = p.a * max(apart(own_radius), min(own_apart / CONTINUED_PART, 1.0));
-    over_all = min(mix(limited(all), over + (1.0 - over.a) * limited(own), part), 65504.0);
+    over_all = min(mix(limited(all), over + (1.0 - over.a) * limited(own), part_apart()), 65504.0);
 }
