@@ -7,8 +7,8 @@
 // less would be blurred in both.
 
 const float NEAR_PX = 0.5;    // what is blurred less is sharp: no surface is continued in it
-// At 1.5 and 2.5 px the error of rims is larger (python -m bench.blur --set samples=36 --rounds 1): narrower
-// discs are too wide at half resolution.
+// At 2.5 px the error of rims was larger (python -m bench.blur --set samples=36 --rounds 1). Narrower discs are
+// too wide at half resolution.
 const float BEHIND_PX = 2.0;  // what is blurred more, in front of the focus, is not in the picture behind
 const float FADES_PX = 0.1;    // of radius, in which a surface is taken over
 
