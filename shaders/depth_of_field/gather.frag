@@ -34,9 +34,6 @@ vec3 colour_of(usampler2D layers, ivec2 at) {
 #define IMAGE usampler2D
 #include "footprint.glsl"
 
-// Four times what bilinear enlargement adds to the variance: 0.75 px^2, less what the rims have too little.
-const float ENLARGED_PX2 = 2.0;  // Fitted: python -m bench --only fitted
-
 // Of a disc about a texel, centred on one, the sums of mean_over are wider than a disc: about a tenth in
 // variance. This takes it back, to about 0.1 px^2.
 const float TOO_WIDE_AT = 1.12;      // Fitted: python -m bench --only fitted

@@ -7,11 +7,12 @@
 // Output: rgb = light of a texel's own disc under what is nearer and spreads over it; a = opacity of that.
 //
 // What is as far as the texel or farther counts as seen in its own disc; nearer things cover it as far as
-// their discs come, 1 / area each. Discs are summed on the level on which they have up to 25 texels. In the composite a pixel that is less blurred than its texel shows only
-// `a` of this: there the light is that of what covers it. In front of the focus a texel covers itself, as
-// far as nothing behind it is seen. What is in focus hardly counts, and covers
-// nothing: where a texel is in focus, its light is that of its blurred surroundings, for reads between
-// texels. Texels are read one by one: a mean of two radii would be a surface that is not there.
+// their discs come, 1 / area each. Discs are summed on the level on which they have up to 25 texels.
+// In the composite a pixel that is less blurred than its texel shows only `a` of this: there the light is
+// that of what covers it. In front of the focus a texel covers itself, as far as nothing behind it is
+// seen. What is in focus hardly counts, and covers nothing: where a texel is in focus, its light is that
+// of its blurred surroundings, for reads between texels. Texels are read one by one: a mean of two radii
+// would be a surface that is not there.
 #include "coc.glsl"
 #include "discs.glsl"
 
@@ -37,7 +38,6 @@ const float BESIDE_SMALL = 0.7;    // pixels read between texels: one beside a w
 out vec4 gathered;
 
 const float FILL_PX = 4.0;    // how far from a texel in focus its surroundings are
-const float ENLARGED_PX2 = 2.0;  // gather.frag
 // Part of the square of a texel that discs are wider by, beside what disc_texels takes back: with it a lamp's disc
 // has its second moment (tests/render/effects/test_half_gather.py).
 const float TEXEL_SHARE = 0.3;

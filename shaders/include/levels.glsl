@@ -4,7 +4,8 @@
 // EXACT_PX: RADIUS (px of image width) up to which a disc is summed over its pixels; WIDER: how many times
 // more texels a radius may have on the other levels; LEVELS: how many there are; FADED: part of its widest disc
 // from which a level shares with the next.
-// Each class of tiles shares discs between the same levels: a disc that lies in several is of one piece. Twin: vrcomfort/optics/blur_kernels.py.
+// Each class of tiles shares discs between the same levels: a disc that lies in several is of one piece.
+// Twin: vrcomfort/optics/blur_kernels.py.
 
 // Bits of a tile: its levels, and above them one for each quadrant in which a surface ends, in order of rows.
 const int LEVEL_BITS = 8;
