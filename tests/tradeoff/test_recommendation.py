@@ -4,8 +4,8 @@ import matplotlib as mpl
 import pytest
 
 from vrcomfort.tradeoff import tables
-from vrcomfort.tradeoff.choice import choices
 from vrcomfort.tradeoff.figures import STYLE, draw_front
+from vrcomfort.tradeoff.recommendation import recommendations
 
 PLAIN_MS = {"temple": 4.0, "mountain": 5.0}  # of one eye
 
@@ -50,7 +50,7 @@ METHODS = (
     ],
 )
 def test_the_closest_that_fits_in_the_slower_scene_is_chosen(budget_ms, chosen, fits):
-    (choice,) = choices(found(*METHODS), budget_ms)
+    (choice,) = recommendations(found(*METHODS), budget_ms)
     assert (choice.front[choice.chosen].method, choice.fits) == (chosen, fits)
     assert choice.plain_ms == pytest.approx(10.0)
     assert [each.method for each in choice.others] == ["mip"]
@@ -60,7 +60,7 @@ def test_the_closest_that_fits_in_the_slower_scene_is_chosen(budget_ms, chosen, 
 
 
 def test_a_choice_is_told_as_lines_of_a_protocol():
-    (choice,) = choices(found(*METHODS))
+    (choice,) = recommendations(found(*METHODS))
     lines = {each.method: each.lines for each in choice.front}
     assert lines["ours 36 samples"] == ('quality = "balanced"',)
     assert lines["ours 20 samples"] == ("depth_of_field.samples = 20",)
@@ -72,13 +72,13 @@ def test_a_choice_is_told_as_lines_of_a_protocol():
 def test_what_one_scene_lacks_is_no_choice():
     results = found(*METHODS)
     results["table"].pop()  # 16 views in the mountain
-    (choice,) = choices(results, 1000.0)
+    (choice,) = recommendations(results, 1000.0)
     assert choice.front[choice.chosen].method == "ours 36 samples"
-    assert choices(found()) == []
+    assert recommendations(found()) == []
 
 
 def test_the_figure_names_the_front_and_rings_the_chosen():
-    (choice,) = choices(found(*METHODS), 14.5)
+    (choice,) = recommendations(found(*METHODS), 14.5)
     with mpl.rc_context(STYLE):
         (axes,) = draw_front(choice).axes
     names = {text.get_text(): text.get_fontweight() for text in axes.texts}

@@ -147,9 +147,9 @@ def tradeoff(
     # Before anything loads OpenMP: FLIP's threads would wait for each other's cores.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     from vrcomfort.tradeoff.cases import Scope
-    from vrcomfort.tradeoff.choice import BUDGET_MS
     from vrcomfort.tradeoff.effect_costs import NAMES
     from vrcomfort.tradeoff.methods import EFFECTS, LENS_NAMES
+    from vrcomfort.tradeoff.recommendation import BUDGET_MS
     from vrcomfort.tradeoff.run import tradeoff as run
     from vrcomfort.tradeoff.store import default_folder
     from vrcomfort.tradeoff.walk import SCENES
@@ -188,7 +188,7 @@ def tradeoff(
         rounds=rounds,
         lenses=_chosen("--lens", lens, ("3.5",), LENS_NAMES),
         windows=windows,
-        eyes=1 if (eyes or (1 if quick else 2)) == 1 else 2,
+        eyes=1 if eyes == 1 or (quick and eyes is None) else 2,
         flicker=flicker,
     )
     with ExitStack() as bars:

@@ -1,4 +1,4 @@
-"""The visibility mask as tiles: passes draw what the lenses show, and what is read around it.
+"""The visibility mask as tiles: passes draw those that the lenses show, and a margin for reads.
 
 A pass says how far from a texel it reads each of its textures (`PassImage.reach_px`). From this
 follows by which margin each texture has to be drawn around what is seen, so that nothing is read

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
 from vrcomfort.tradeoff import results
-from vrcomfort.tradeoff.choice import Recommendation
 from vrcomfort.tradeoff.measure import SCATTER
+from vrcomfort.tradeoff.recommendation import Recommendation
 from vrcomfort.tradeoff.results import by_dial
 
 if TYPE_CHECKING:

@@ -23,10 +23,10 @@ from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.text_layout import TextCanvas
 from vrcomfort.tradeoff import tables
 from vrcomfort.tradeoff.cases import Case
-from vrcomfort.tradeoff.choice import BUDGET_MS, Recommendation, choices
 from vrcomfort.tradeoff.figures import front_figure, pareto_figure
 from vrcomfort.tradeoff.measure import MeasuredCase
 from vrcomfort.tradeoff.methods import EFFECTS
+from vrcomfort.tradeoff.recommendation import BUDGET_MS, Recommendation, recommendations
 from vrcomfort.tradeoff.results import (
     COUNTS,
     REGION_RMS,
@@ -77,7 +77,7 @@ def write_all(
     chosen = [
         {"choice": each, "figure": front_figure(each, out / "figures"),
          "crops": _crops(each, found, measured)}
-        for each in choices(found, budget_ms)
+        for each in recommendations(found, budget_ms)
     ]  # fmt: skip
     page.write_text(render_page(found, figures, sheets, chosen), encoding="utf-8")
     return page

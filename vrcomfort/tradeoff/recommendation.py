@@ -82,14 +82,14 @@ class Recommendation(NamedTuple):
         return fitting[-1] if fitting else 0
 
 
-def choices(found: dict[str, Any], budget_ms: float = BUDGET_MS) -> list[Recommendation]:
-    """Return a choice for each effect and lens of a run's results; none where nothing was timed."""
+def recommendations(found: dict[str, Any], budget_ms: float = BUDGET_MS) -> list[Recommendation]:
+    """Return one for each effect and lens of a run's results; none where nothing was timed."""
     made: dict[tuple[str, str], dict[str, list[dict[str, Any]]]] = {}
     for row in found["table"]:
         by_method = made.setdefault((row["effect"], row["lens"]), {})
         by_method.setdefault(row["method"], []).append(row)
     plain = _plain_ms(found)
-    maybe = [_choice(rows, plain, budget_ms) for rows in made.values()]
+    maybe = [_recommendation(rows, plain, budget_ms) for rows in made.values()]
     return [each for each in maybe if each is not None]
 
 
@@ -102,7 +102,7 @@ def _plain_ms(found: dict[str, Any]) -> dict[Key, float]:
     return {key: both * float(np.median(values)) for key, values in times.items()}
 
 
-def _choice(
+def _recommendation(
     rows: dict[str, list[dict[str, Any]]], plain: dict[Key, float], budget_ms: float
 ) -> Recommendation | None:
     scenes = max(len(each) for each in rows.values())

@@ -13,11 +13,11 @@ from vrcomfort.gpu.gl import describe, is_software
 from vrcomfort.render.image_error import margin_px, require_flip
 from vrcomfort.tradeoff.captures import context
 from vrcomfort.tradeoff.cases import Case, Scope, cases, eyes_of
-from vrcomfort.tradeoff.choice import BUDGET_MS
 from vrcomfort.tradeoff.costs import CaseTime, rounds_of, time_case, traffic_of_method
 from vrcomfort.tradeoff.files import write_all
 from vrcomfort.tradeoff.measure import MeasuredCase, measure
 from vrcomfort.tradeoff.methods import BlurMethod, effects_with, methods, pick
+from vrcomfort.tradeoff.recommendation import BUDGET_MS
 from vrcomfort.tradeoff.references import DrawnSamples, draw_reference
 from vrcomfort.tradeoff.results import results
 from vrcomfort.tradeoff.store import Store, scene_and_hash

@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
-from vrcomfort.tradeoff.choice import Option, Recommendation
 from vrcomfort.tradeoff.costs import LONGEST_S, SLOW_S
 from vrcomfort.tradeoff.error_measures import REGIONS
 from vrcomfort.tradeoff.measure import SCATTER
+from vrcomfort.tradeoff.recommendation import Option, Recommendation
 from vrcomfort.tradeoff.results import key_of_row, title
 from vrcomfort.tradeoff.walk import TURN_DEG_PER_S
 

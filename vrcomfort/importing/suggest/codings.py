@@ -199,7 +199,7 @@ def _doubled(found: Coding, instrument: Instrument) -> None:
 def _numbers(
     values: dict[int, int], instrument: Instrument, found: Coding, shifts: Set[int]
 ) -> None:
-    """Find what the numbers among answers mean.
+    """Find the coding of the numbers among answers.
 
     Parameters
     ----------

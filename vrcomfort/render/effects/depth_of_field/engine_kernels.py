@@ -1,8 +1,8 @@
 """Kernels of depth of field as three engines have them, for `vrcomfort tradeoff`.
 
-Each was written anew after the engine's published passes; docs/tradeoff_methods.md says where it
-differs. Two blur at half resolution: they draw half an image with its radii, blur it, and put it
-over the sharp image.
+Each was written anew after the engine's published passes; docs/sources.md says where it differs.
+Two blur at half resolution: they draw half an image with its radii, blur it, and put it over the
+sharp image.
 """
 
 from __future__ import annotations
