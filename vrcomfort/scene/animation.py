@@ -55,8 +55,8 @@ class Animation:
     duration_s: float
 
 
-def sample(channel: Channel, time_s: float) -> Array:
-    """Return the channel's (3,) or (4,) value at `time_s`, clamped to its first and last key."""
+def sample(channel: Channel, time_s: float) -> list[float]:
+    """Return the channel's 3 or 4 numbers at `time_s`, clamped to its first and last key."""
     times = channel.times
     last = max(len(times) - 2, 0)
     key = min(max(bisect_right(times, time_s) - 1, 0), last)
@@ -65,13 +65,15 @@ def sample(channel: Channel, time_s: float) -> Array:
     t = 0.0 if span_s <= 0 else min(max((time_s - times[key]) / span_s, 0.0), 1.0)
     if channel.interpolation == "CUBICSPLINE":
         value = _hermite(channel.values[key], channel.values[after], t, span_s)
-        return normalize(value) if channel.path == "rotation" else value
+        found: list[float] = (normalize(value) if channel.path == "rotation" else value).tolist()
+        return found
+    a: list[float] = channel.values[key].tolist()
+    b: list[float] = channel.values[after].tolist()
     if channel.interpolation == "STEP":
-        return np.asarray(channel.values[after if t >= 1.0 else key])
-    a, b = channel.values[key].tolist(), channel.values[after].tolist()
+        return b if t >= 1.0 else a
     if channel.path == "rotation":
-        return np.array(slerp_numbers(a, b, t))
-    return np.array([each + (other - each) * t for each, other in zip(a, b, strict=True)])
+        return slerp_numbers(a, b, t)
+    return [each + (other - each) * t for each, other in zip(a, b, strict=True)]
 
 
 def _hermite(a: Array, b: Array, t: float, span_s: float) -> Array:
@@ -85,7 +87,9 @@ def _hermite(a: Array, b: Array, t: float, span_s: float) -> Array:
     )
 
 
-def sample_all(animations: tuple[Animation, ...], time_s: float) -> dict[tuple[int, str], Array]:
+def sample_all(
+    animations: tuple[Animation, ...], time_s: float
+) -> dict[tuple[int, str], list[float]]:
     """Return the value of every animated (node, path) at `time_s`, animations looping."""
     return {
         (channel.node, channel.path): sample(

@@ -6,7 +6,7 @@ Indices into the scene's lists are plain integers; `None` or -1 means "there is 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal, TypeAlias
@@ -368,33 +368,41 @@ class Scene:
 
 
 def parent_from_node(
-    nodes: tuple[Node, ...], animations: tuple[Animation, ...], time_s: float
+    nodes: Sequence[Node],
+    animations: tuple[Animation, ...],
+    time_s: float,
+    indices: Iterable[int] | None = None,
 ) -> Array:
-    """Return (n, 4, 4) parent-from-node of all nodes at `time_s`, animations looping."""
+    """Return (n, 4, 4) parent-from-node at `time_s`, animations looping.
+
+    Of the nodes at `indices`, or of all.
+    """
     moved = sample_all(animations, time_s)
-    local = [_local(node, index, moved) for index, node in enumerate(nodes)]
+    wanted = range(len(nodes)) if indices is None else indices
+    local = [_local(nodes[index], index, moved) for index in wanted]
     return np.array(local, dtype=np.float64).reshape(-1, 4, 4)  # a scene may be all sky
 
 
-def _local(node: Node, index: int, moved: dict[tuple[int, str], Array]) -> Array:
+def _local(node: Node, index: int, moved: dict[tuple[int, str], list[float]]) -> list[list[float]]:
     if node.matrix is not None:
-        return node.matrix
-    return trs_matrix(
-        moved.get((index, "translation"), node.translation),
-        moved.get((index, "rotation"), node.rotation),
-        moved.get((index, "scale"), node.scale),
+        rows: list[list[float]] = node.matrix.tolist()
+        return rows
+    return trs_rows(
+        moved.get((index, "translation")) or node.translation.tolist(),
+        moved.get((index, "rotation")) or node.rotation.tolist(),
+        moved.get((index, "scale")) or node.scale.tolist(),
     )
 
 
-def trs_matrix(translation: Array, rotation: Array, scale: Array) -> Array:
-    """Return (4, 4) parent-from-node of a translation, a quaternion (x, y, z, w) and a scale."""
-    (a, b, c), (d, e, f), (g, h, i) = rotation_rows(*np.asarray(rotation).tolist())
-    (x, y, z), (sx, sy, sz) = np.asarray(translation).tolist(), np.asarray(scale).tolist()
-    return np.array(  # in a third of the time of operations on arrays
-        [
-            [a * sx, b * sy, c * sz, x],
-            [d * sx, e * sy, f * sz, y],
-            [g * sx, h * sy, i * sz, z],
-            [0.0, 0.0, 0.0, 1.0],
-        ]
-    )
+def trs_rows(
+    translation: Sequence[float], rotation: Sequence[float], scale: Sequence[float]
+) -> list[list[float]]:
+    """Return the 4 rows of parent-from-node of a translation, a quaternion and a scale: hot."""
+    (a, b, c), (d, e, f), (g, h, i) = rotation_rows(*rotation)
+    (x, y, z), (sx, sy, sz) = translation, scale
+    return [
+        [a * sx, b * sy, c * sz, x],
+        [d * sx, e * sy, f * sz, y],
+        [g * sx, h * sy, i * sz, z],
+        [0.0, 0.0, 0.0, 1.0],
+    ]

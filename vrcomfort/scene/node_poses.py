@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
-from vrcomfort.scene.animation import sample_all
-from vrcomfort.scene.data import Scene, trs_matrix
+from vrcomfort.scene.data import Scene, parent_from_node
 
 NOT_DRAWN = np.diag([0.0, 0.0, 0.0, 1.0])
 """Shrinks a thing to a point, which covers no pixel."""
@@ -55,7 +54,8 @@ class NodePoses:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._static = scene.world_from_joint(0.0)
+        # Ended by the world itself, the parent -1 of nodes at the root.
+        self._static = np.concatenate([scene.world_from_joint(0.0), np.eye(4)[None]])
         head_locked = _locked(scene)
         self._of_hand = [_in_hand(scene, hand) for hand in HandPoses._fields]
         self.in_hand = self._of_hand[0] | self._of_hand[1]
@@ -63,7 +63,8 @@ class NodePoses:
         self.locked: NDArray[np.bool_] = head_locked | self.in_hand
         self.hands = self.hands_before = NO_HANDS
         self.moving = np.array([node.moving for node in scene.nodes], dtype=bool)
-        self._walk = np.flatnonzero(self.moving).tolist()
+        self._generations = _generations(scene)
+        self._walk = [node for nodes, _ in self._generations for node in nodes]
         self.any_moving = bool(self._walk)
         self._any_locked = bool(self.locked.any())
         self._placed: dict[float, Placed] = {}
@@ -104,19 +105,27 @@ class NodePoses:
         return world
 
     def _place(self, time_s: float) -> Array:
-        world = self._static.copy()
-        moved = sample_all(self._scene.animations, time_s) if self._walk else {}
-        for index in self._walk:
-            node = self._scene.nodes[index]
-            local = node.matrix
-            if local is None:
-                local = trs_matrix(
-                    moved.get((index, "translation"), node.translation),
-                    moved.get((index, "rotation"), node.rotation),
-                    moved.get((index, "scale"), node.scale),
-                )
-            world[index] = local if node.parent < 0 else world[node.parent] @ local
-        return world
+        world, scene = self._static.copy(), self._scene
+        if self._walk:
+            local = parent_from_node(scene.nodes, scene.animations, time_s, self._walk)
+            for nodes, parents in self._generations:
+                of_these, local = local[: len(nodes)], local[len(nodes) :]
+                world[nodes] = world[parents] @ of_these
+        return world[:-1]
+
+
+def _generations(scene: Scene) -> list[tuple[list[int], list[int]]]:
+    """Return the moving nodes and their parents: first those with static parents, and so on."""
+    found: list[tuple[list[int], list[int]]] = []
+    generation: dict[int, int] = {}
+    for index, node in enumerate(scene.nodes):
+        if node.moving:
+            own = generation[index] = generation.get(node.parent, -1) + 1
+            if own == len(found):
+                found.append(([], []))
+            found[own][0].append(index)
+            found[own][1].append(node.parent)
+    return found
 
 
 def relative_rows(world_from_node: Array, nodes: NDArray[np.intp], origin_m: Array) -> Array:
