@@ -7,6 +7,7 @@
 #include "where.glsl"
 #include "coc.glsl"
 #include "discs.glsl"
+#include "finite.glsl"
 #include "levels.glsl"
 
 uniform sampler2D colour_and_coc;

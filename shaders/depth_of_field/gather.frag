@@ -1,26 +1,18 @@
 #version 450 core
 // Wide discs of one surface, at half resolution.
 //
-// Input:  layers_1, layers_2 … (layers.frag), of which each texel's mean is taken.
-// Output: rgb of discs about the middles of texels of layers_1, where they are not summed over pixels.
+// Input:  layers of level 1, 2 … (layers.frag), of which each texel's mean is taken.
+// Output: rgb of discs about the middles of texels of level 1, where they are not summed over pixels.
 //
 // A disc is summed on the level on which it has not too many texels; two levels share the discs
 // between them. Texels blur by themselves: the discs are narrower by that variance.
 #include "coc.glsl"
 #include "discs.glsl"
+#include "finite.glsl"
 #include "levels.glsl"
 #include "layers.glsl"
 
-uniform usampler2D layers_1;
-#if LEVELS > 2
-uniform usampler2D layers_2;
-#endif
-#if LEVELS > 3
-uniform usampler2D layers_3;
-#endif
-#if LEVELS > 4
-uniform usampler2D layers_4;
-#endif
+uniform usampler2D layers[LEVELS - 1];  // of level 1, 2, …
 
 out vec4 gathered;
 
@@ -45,31 +37,23 @@ float centred_on_texel(float texels) {
     return texels - TOO_WIDE_BY * max(1.0 - about * about, 0.0);
 }
 
-float radius_px = abs(mean_of(unpack_layers(texelFetch(layers_1, ivec2(gl_FragCoord.xy), 0))).a);
+float radius_px = abs(mean_of(unpack_layers(texelFetch(layers[0], ivec2(gl_FragCoord.xy), 0))).a);
 const float NEIGHBOURS = 0.9;  // pixels read between texels: one beside a disc that is wanted may be narrower
 bool wanted = radius_px >= NEIGHBOURS * FADED * EXACT_PX;
 
-void gather(usampler2D layers, int level) {
+void gather(usampler2D image, int level) {
     // What is shared with the pixels counts in full: fast.frag mixes.
     float part = level > 1 ? level_part(level, radius_px) : 1.0 - coarser_part(1, radius_px);
     float texel_px = float(1 << level);
     float texels = disc_texels(sqrt(max(radius_px * radius_px - ENLARGED_PX2, 0.0)), texel_px);
     texels = level == 1 ? centred_on_texel(texels) : texels;
     vec2 place = 2.0 * gl_FragCoord.xy / texel_px - 0.5;
-    vec3 mean = mean_over(layers, place, texels, wanted && part > 0.0);
+    vec3 mean = mean_over(image, place, texels, wanted && part > 0.0);
     gathered.rgb += part > 0.0 ? part * mean : vec3(0.0);
 }
 
 void main() {
     gathered = vec4(0.0, 0.0, 0.0, 1.0);
-    gather(layers_1, 1);
-#if LEVELS > 2
-    gather(layers_2, 2);
-#endif
-#if LEVELS > 3
-    gather(layers_3, 3);
-#endif
-#if LEVELS > 4
-    gather(layers_4, 4);
-#endif
+    for (int level = 1; level < LEVELS; ++level)
+        gather(layers[level - 1], level);
 }

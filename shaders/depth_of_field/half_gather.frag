@@ -1,9 +1,10 @@
 #version 450 core
 // All texels in each texel's disc and, where discs from farther away reach it, those in theirs.
 //
-// Input:  surfaces_0, surfaces_1 … (half_surfaces.frag; signed CoC RADIUS, px of image width, negative in
-//         front of the focus), each half as large as the one before; dilated (half_tile_dilate.frag).
-//         LEVELS: how many; TILE: side of a tile in texels.
+// Input:  surfaces (half_surfaces.frag; signed CoC RADIUS, px of image width, negative in front of the
+//         focus), each half as large as the one before; dilated (half_tile_dilate.frag).
+//         LEVELS: how many; TILE: side of a tile in texels; FILL_PX: how far from a texel in focus its
+//         surroundings are.
 // Output: rgb = light of a texel's own disc under what is nearer and spreads over it; a = opacity of that.
 //
 // What is as far as the texel or farther counts as seen in its own disc; nearer things cover it as far as
@@ -15,21 +16,10 @@
 // would be a surface that is not there.
 #include "coc.glsl"
 #include "discs.glsl"
+#include "finite.glsl"
 
 uniform sampler2D dilated;
-uniform sampler2D surfaces_0;
-#if LEVELS > 1
-uniform sampler2D surfaces_1;
-#endif
-#if LEVELS > 2
-uniform sampler2D surfaces_2;
-#endif
-#if LEVELS > 3
-uniform sampler2D surfaces_3;
-#endif
-#if LEVELS > 4
-uniform sampler2D surfaces_4;
-#endif
+uniform sampler2D surfaces[LEVELS];
 
 const float LEAST_NARROWED = 0.2;  // part of a disc's variance that is always left
 const float BEYOND_OWN = 1.25;     // by which what reaches the tile is wider than the pixel's own disc
@@ -37,13 +27,12 @@ const float BESIDE_SMALL = 0.7;    // pixels read between texels: one beside a w
 
 out vec4 gathered;
 
-const float FILL_PX = 4.0;    // how far from a texel in focus its surroundings are
 // Part of the square of a texel that discs are wider by, beside what disc_texels takes back: with it a lamp's disc
 // has its second moment (tests/render/effects/test_half_gather.py).
 const float TEXEL_SHARE = 0.3;
 const float LEAST = 0.001;    // weight of what is in focus
 
-vec4 p = texelFetch(surfaces_0, ivec2(gl_FragCoord.xy), 0);
+vec4 p = texelFetch(surfaces[0], ivec2(gl_FragCoord.xy), 0);
 vec4 seen = LEAST * vec4(p.rgb, 1.0);
 vec4 over = vec4(0.0);
 vec2 free = vec2(0.0);  // of the texel's own disc: where what is behind it is seen, all
@@ -89,19 +78,8 @@ float level_part(int level, float radius_px) {
 }
 
 void disc(float radius_px, bool wanted, bool beyond, int sides) {
-    gather(surfaces_0, 0, radius_px, wanted ? level_part(0, radius_px) : 0.0, beyond, sides);
-#if LEVELS > 1
-    gather(surfaces_1, 1, radius_px, wanted ? level_part(1, radius_px) : 0.0, beyond, sides);
-#endif
-#if LEVELS > 2
-    gather(surfaces_2, 2, radius_px, wanted ? level_part(2, radius_px) : 0.0, beyond, sides);
-#endif
-#if LEVELS > 3
-    gather(surfaces_3, 3, radius_px, wanted ? level_part(3, radius_px) : 0.0, beyond, sides);
-#endif
-#if LEVELS > 4
-    gather(surfaces_4, 4, radius_px, wanted ? level_part(4, radius_px) : 0.0, beyond, sides);
-#endif
+    for (int level = 0; level < LEVELS; ++level)
+        gather(surfaces[level], level, radius_px, wanted ? level_part(level, radius_px) : 0.0, beyond, sides);
 }
 
 void main() {
@@ -119,7 +97,6 @@ void main() {
     float shown = wide + opacity - wide * opacity;  // in the composite
     vec3 own = seen.rgb / seen.a;
     vec3 front = over.a > 0.0 ? over.rgb / over.a : own;
-    const float UP = 1.0 + 1e-6;  // half floats may be cut off: a mean must not fall short by a float's rounding
-    gathered = vec4(min(UP * mix(own, front, shown > 0.0 ? opacity / shown : 0.0), 65504.0),
+    gathered = vec4(min(UP * mix(own, front, shown > 0.0 ? opacity / shown : 0.0), HALF_MAX),
                     p.a < 0.0 ? max(opacity, wide * (1.0 - free.x / max(free.y, 1e-4))) : opacity);
 }

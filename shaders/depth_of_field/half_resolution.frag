@@ -1,30 +1,34 @@
 #version 450 core
-// Half of an image, with one radius for each 2x2 pixels.
+// Half of an image, with one radius for each 2x2 pixels, and half of that again.
 //
-// Input:  colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width, negative in
-//         front of the focus).
+// Input:  source: colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width, negative in
+//         front of the focus); of LEVELS above half an image, the finer level.
 // Output: rgb = mean of the pixels that exist, in which bright ones weigh less, 1 / (1 + brightest
-//         channel), so that one alone does not flicker; a = RADIUS, px of the whole image. Size / 2,
-//         rounded up.
+//         channel), so that one alone does not flicker, and on LEVELS all the same; a = RADIUS, px of the
+//         whole image. Size / 2, rounded up.
 //
 // BY_RADIUS: pixels count as much as they are blurred, and the radius is their mean. Without it, it is
 //         the least, which is the foremost pixel's, and 0 below IN_FOCUS_PX.
-// NumPy twin: tests/oracles/half_resolution.py. As the prefilters of KinoBokeh and of Filament.
-uniform sampler2D colour_and_coc;
+// NumPy twin: tests/oracles/half_resolution.py. As the prefilters of KinoBokeh and of Filament, and
+// Filament's levels.
+uniform sampler2D source;
 
 out vec4 half_image;
 
 void main() {
     ivec2 first = 2 * ivec2(gl_FragCoord.xy);
-    ivec2 last = textureSize(colour_and_coc, 0) - 1;
+    ivec2 last = textureSize(source, 0) - 1;
     vec4 blurred = vec4(0.0), any_pixel = vec4(0.0);
     float sum_px = 0.0, least_px = 65504.0, pixels = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 pixel = first + ivec2(i & 1, i >> 1);
         if (any(greaterThan(pixel, last)))
             continue;
-        vec4 p = texelFetch(colour_and_coc, pixel, 0);
-        vec4 share = vec4(p.rgb, 1.0) / (1.0 + max(p.r, max(p.g, p.b)));
+        vec4 p = texelFetch(source, pixel, 0);
+        vec4 share = vec4(p.rgb, 1.0);
+#ifndef LEVELS
+        share /= 1.0 + max(p.r, max(p.g, p.b));
+#endif
         any_pixel += share;
         blurred += abs(p.a) * share;
         sum_px += p.a;

@@ -8,6 +8,7 @@
 //
 // Texels in focus hardly count: no halo, and what is blurred goes on behind them.
 #include "coc.glsl"
+#include "finite.glsl"
 
 uniform sampler2D finer;
 
@@ -45,8 +46,7 @@ void main() {
         back += nearer ? vec4(0.0) : weight * texels[i];
         parts += nearer ? vec2(weight, 0.0) : vec2(0.0, weight);
     }
-    const float UP = 1.0 + 1e-6;  // a half float may be cut off: a mean must not fall short by a float's rounding
     vec4 mean = parts.x > parts.y ? front / parts.x : back / parts.y;
     uint radius = (packHalf2x16(vec2(mean.a, 0.0)) & ~1u) | (small ? 1u : 0u);
-    surface = vec4(min(UP * mean.rgb, 65504.0), unpackHalf2x16(radius).x);
+    surface = vec4(min(UP * mean.rgb, HALF_MAX), unpackHalf2x16(radius).x);
 }

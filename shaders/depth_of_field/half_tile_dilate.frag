@@ -5,6 +5,7 @@
 // Output: r = widest RADIUS of what is in front of the focus and reaches the tile, 0 for none (px of image
 //         width); g = widest of the tile, those beside it, and r; b = 0; a = class (include/tile_classes.glsl):
 //         FAST where all is blurred widely, COMPLEX where some is not.
+// SLACK_PX: a tile's ranges are of texels of two pixels, and read bilinearly.
 #include "tile_dilate.glsl"
 #include "tile_classes.glsl"
 
@@ -13,7 +14,6 @@ uniform sampler2D tiles;
 out vec4 dilated;
 
 void main() {
-    const float SLACK_PX = 4.0;  // a tile's ranges are of texels of two pixels, and read bilinearly
     ivec2 last = textureSize(tiles, 0) - 1;
     ivec2 middle = ivec2(gl_FragCoord.xy);
     float front_px = 0.0, widest_px = 0.0;

@@ -7,6 +7,7 @@
 //
 // What is nearer than the farthest surface by the margin that tells surfaces apart is the foreground.
 #include "coc.glsl"
+#include "finite.glsl"
 #include "layers.glsl"
 
 #ifdef FROM_LAYERS
@@ -59,7 +60,6 @@ void main() {
         back += (parts[i] - part) * surfaces[i];
         in_front += part;
     }
-    const float UP = 1.0 + 1e-6;  // packing may cut off: a mean must not fall short by a float's rounding
     back *= UP / max(4.0 - in_front, 1e-3);
     layers = pack_layers(Layers(UP * front / max(in_front, 1e-3), back, 0.25 * in_front));
 }

@@ -1,9 +1,6 @@
 // The mean over a disc of one surface: every texel that it covers counts once.
 //
-// Radii in texels of the IMAGE that is read, by colour_of(image, texel). Include after discs.glsl.
-
-// Some renderers cut half floats off instead of rounding them: means must not fall short by a float's rounding.
-const float UP = 1.0 + 1e-6;
+// Radii in texels of the IMAGE that is read, by colour_of(image, texel). Include after discs.glsl and finite.glsl.
 
 // `place`: of the disc's middle, 0 is that of the first texel. `wanted`: whether anything is to be read.
 vec3 mean_over(IMAGE image, vec2 place, float radius, bool wanted) {
@@ -23,5 +20,5 @@ vec3 mean_over(IMAGE image, vec2 place, float radius, bool wanted) {
             sum += weight * vec4(colour_of(image, clamp(ivec2(x, y), ivec2(0), last)), 1.0);
         }
     }
-    return min(UP * sum.rgb / max(sum.a, 1e-4), 65504.0);
+    return min(UP * sum.rgb / max(sum.a, 1e-4), HALF_MAX);
 }

@@ -1,7 +1,7 @@
 """Motion on the image: velocity, shutter and streaks.
 
 NumPy twins, in float64, of ``shaders/include/velocity.glsl`` and ``motion_tile_classes.glsl``, and
-of the averages of ``motion_blur.frag``, ``streak_average.frag`` and ``motion_blur_long.frag``.
+of the averages of ``motion_blur.frag`` and ``streak_average.frag``.
 Thresholds are ours.
 """
 
@@ -94,7 +94,7 @@ def streak_weights(reach_px: float, /, *, samples: int, width_px: int) -> Array:
     """Return (2 n + 1,): how much each pixel from -n to n px away counts in a streak's average.
 
     Where all streaks are alike and lie along a row. ``motion_blur.frag`` averages in one step,
-    ``streak_average.frag`` and ``motion_blur_long.frag`` in two.
+    ``streak_average.frag``, drawn twice, in two.
 
     Parameters
     ----------

@@ -1,5 +1,7 @@
 """What no lens shows is neither drawn nor read; what is seen has the bits it has without a mask."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from vrcomfort.protocol.conditions import (
     Condition,
     DepthOfField,
     Focus,
+    Kernel,
     MotionBlur,
     RelocationBlur,
     SpeedBlur,
@@ -38,7 +41,7 @@ CONDITIONS = {
     "relocation": {"relocation_blur": RelocationBlur(level=2.5)},
     **{
         kernel: {"depth_of_field": replace_kernel}
-        for kernel in ("poisson12", "scatter", "mip", "ring_gather")
+        for kernel in get_args(Kernel)
         for replace_kernel in [DepthOfField(max_radius_percent=4, kernel=kernel)]
     },
 }
@@ -83,6 +86,16 @@ def reads_of_undrawn(ctx, condition, size=LARGE):
 def test_no_pass_reads_what_was_not_drawn(ctx, name):
     condition = Condition(name=name, focus=WIDE, **CONDITIONS[name])
     assert reads_of_undrawn(ctx, condition) == {}
+
+
+@pytest.mark.parametrize("name", sorted({"half", *get_args(Kernel)} - {"scatter"}))
+def test_no_kernel_has_the_whole_image_drawn(ctx, name):
+    """Each of its passes says how far it reads; only discs of `scatter` may come from anywhere."""
+    renderer = StereoRenderer(ctx, LARGE, hidden=HIDDEN[:1], eyes=1)
+    renderer.build(still_life(), Condition(name=name, focus=WIDE, **CONDITIONS[name]))
+    renderer.area.look([RIGHT_ANGLE])
+    margin = renderer.area.margin(renderer.scene_pass.colour.glo)
+    assert margin < min(LARGE) / visible_area.TILE_PX
 
 
 def test_at_rest_what_is_seen_is_copied_and_nothing_else(ctx):

@@ -12,7 +12,7 @@ import numpy as np
 
 from vrcomfort.gpu import gl, passes, shaders, visible_area
 from vrcomfort.gpu.passes import Pass, PassImage
-from vrcomfort.gpu.visible_area import DRAWN, LimitedVertices, TexelList
+from vrcomfort.gpu.visible_area import DRAWN, limited_draw, texel_list
 
 
 class Uniforms(Protocol):
@@ -138,9 +138,9 @@ class FullscreenPass:
         self._framebuffer = framebuffer
         if area is not None:
             area.add(self)
-            self._draw = LimitedVertices(
+            self._draw = limited_draw(
                 area, self._triangle, self.declared.writes[0], texel_px=drawn_px, points=tiles
-            ).render
+            )
 
     @property
     def target(self) -> moderngl.Texture:
@@ -299,9 +299,7 @@ class ReductionPass:
         reads = (PassImage.of(self._texels, reach_px=math.inf if area is None else DRAWN),)
         writes = PassImage.of(self.target), of_all
         self.declared = Pass(shader, reads, writes, earlier=(of_all,), computes=True)
-        self._listed: TexelList | None = None
-        if area is not None:
-            self._listed = TexelList(ctx, area, reads[0], texel_px or (1, 1))
+        self._listed = texel_list(ctx, area, reads[0], texel_px or (1, 1)) if area else None
         self._clear = passes.clear([self._of_all])
 
     def render(self) -> None:
@@ -313,7 +311,7 @@ class ReductionPass:
 
     def _dispatch(self) -> None:
         if self._listed is not None:
-            self._listed.bind()
+            self._listed().bind_to_storage_buffer(0)
         self._program.run()
         self._ctx.memory_barrier(_AFTER_IMAGE_STORES)
 

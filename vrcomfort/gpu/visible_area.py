@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import math
 import weakref
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TypeVar
 
 import moderngl
 import numpy as np
@@ -32,6 +32,8 @@ ANYWHERE = math.inf
 
 DRAWN = -math.inf
 """Reach of a pass that reads a texture exactly where it is drawn, such as the sum of its texels."""
+
+Made = TypeVar("Made")
 
 Tiles = NDArray[np.bool_]
 """(rows, columns) of an image, the lowest row first."""
@@ -128,6 +130,17 @@ class VisibleArea:
         """Return which tiles of the present eye's image a texture, OpenGL's `name`, is drawn in."""
         return widened(self._visible[self.eye], self.margin(name))
 
+    def by_eye(self, make: Callable[[], Made]) -> Callable[[], Made]:
+        """Return a function that gives what `make` makes of the present eye's tiles, made once."""
+        kept: dict[int, tuple[int, Made]] = {}
+
+        def present() -> Made:
+            if self.eye not in kept or kept[self.eye][0] != self.state:
+                kept[self.eye] = self.state, make()
+            return kept[self.eye][1]
+
+        return present
+
 
 _current: ContextVar[VisibleArea | None] = ContextVar("visible_area", default=None)
 
@@ -137,8 +150,16 @@ def current() -> VisibleArea | None:
     return _current.get()
 
 
-class LimitedVertices:
-    """Vertices that draw what the present eye needs of a texture.
+def limited_draw(
+    area: VisibleArea,
+    whole: moderngl.VertexArray,
+    image: PassImage,
+    *,
+    texel_px: tuple[int, int] = (1, 1),
+    points: tuple[int, int] | None = None,
+    elsewhere: bool = False,
+) -> Callable[[], None]:
+    """Return a function that draws what the present eye needs of a texture.
 
     Parameters
     ----------
@@ -152,58 +173,42 @@ class LimitedVertices:
     elsewhere
         Draw the rest instead.
     """
+    ctx = whole.ctx
 
-    def __init__(
-        self,
-        area: VisibleArea,
-        whole: moderngl.VertexArray,
-        image: PassImage,
-        *,
-        texel_px: tuple[int, int] = (1, 1),
-        points: tuple[int, int] | None = None,
-        elsewhere: bool = False,
-    ) -> None:
-        self._area, self._whole, self._image = area, whole, image
-        self._texel_px, self._points, self._elsewhere = texel_px, points, elsewhere
-        self._of_eye: dict[int, tuple[int, moderngl.VertexArray | None]] = {}
-
-    def render(self) -> None:
-        """Draw them, in the scope of the whole."""
-        area = self._area
-        state, drawn = self._of_eye.get(area.eye, (-1, None))
-        if state != area.state:
-            drawn = self._made_points() if self._points else self._made_triangles()
-            self._of_eye[area.eye] = area.state, drawn
-        if drawn is not None:
-            drawn.render(moderngl.POINTS if self._points else moderngl.TRIANGLES)
-
-    def _made_points(self) -> moderngl.VertexArray | None:
-        tiles = self._area.tiles(self._image.name)
-        needed = texels_of(tiles, self._points or self._image.size_px, self._texel_px)
-        indices = np.flatnonzero(needed).astype(np.uint32)
-        if not len(indices):
-            return None
-        ctx = self._whole.ctx
-        buffer = gl.buffer(ctx, indices.tobytes())
-        return self._scoped(ctx.vertex_array(self._whole.program, [], index_buffer=buffer))
-
-    def _made_triangles(self) -> moderngl.VertexArray | None:
-        tiles, size_px = self._area.tiles(self._image.name), self._image.size_px
-        wanted = ~tiles if self._elsewhere else tiles
-        places = corners(list(covering(wanted, size_px, self._texel_px)), size_px)
+    def made() -> moderngl.VertexArray | None:
+        tiles = area.tiles(image.name)
+        places: NDArray[np.uint32] | NDArray[np.float32]
+        if points is not None:
+            places = _texels_in(tiles, points, texel_px)
+        else:
+            rectangles = covering(~tiles if elsewhere else tiles, image.size_px, texel_px)
+            places = corners(list(rectangles), image.size_px)
         if not len(places):
             return None
-        ctx = self._whole.ctx
-        content = [(gl.buffer(ctx, places.tobytes()), "2f", "corner")]
-        return self._scoped(ctx.vertex_array(self._whole.program, content))
+        buffer = gl.buffer(ctx, places.tobytes())
+        drawn = (
+            ctx.vertex_array(whole.program, [(buffer, "2f", "corner")])
+            if points is None
+            else ctx.vertex_array(whole.program, [], index_buffer=buffer)
+        )
+        drawn.scope = whole.scope
+        return drawn
 
-    def _scoped(self, made: moderngl.VertexArray) -> moderngl.VertexArray:
-        made.scope = self._whole.scope
-        return made
+    of_eye = area.by_eye(made)
+
+    def draw() -> None:
+        if (drawn := of_eye()) is not None:
+            drawn.render(moderngl.TRIANGLES if points is None else moderngl.POINTS)
+
+    return draw
 
 
-class TexelList:
-    """The texels of a texture that are drawn for the present eye: ``include/summed_texels.glsl``.
+def texel_list(
+    ctx: moderngl.Context, area: VisibleArea, image: PassImage, texel_px: tuple[int, int]
+) -> Callable[[], moderngl.Buffer]:
+    """Return a function that lists a texture's texels that are drawn for the present eye.
+
+    Their number stands first: ``include/summed_texels.glsl``.
 
     Parameters
     ----------
@@ -211,26 +216,18 @@ class TexelList:
         (width, height) in pixels of the eye's image.
     """
 
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        area: VisibleArea,
-        image: PassImage,
-        texel_px: tuple[int, int],
-    ) -> None:
-        self._ctx, self._area, self._image, self._texel_px = ctx, area, image, texel_px
-        self._of_eye: dict[int, tuple[int, moderngl.Buffer]] = {}
+    def made() -> moderngl.Buffer:
+        texels = _texels_in(area.tiles(image.name), image.size_px, texel_px)
+        return gl.buffer(ctx, np.array([len(texels), *texels], np.uint32).tobytes())
 
-    def bind(self) -> None:
-        """Bind the list, its number first, to storage buffer 0."""
-        area = self._area
-        state, listed = self._of_eye.get(area.eye, (-1, None))
-        if listed is None or state != area.state:
-            drawn = texels_of(area.tiles(self._image.name), self._image.size_px, self._texel_px)
-            texels = np.flatnonzero(drawn)
-            listed = gl.buffer(self._ctx, np.array([len(texels), *texels], np.uint32).tobytes())
-            self._of_eye[area.eye] = area.state, listed
-        listed.bind_to_storage_buffer(0)
+    return area.by_eye(made)
+
+
+def _texels_in(
+    tiles: Tiles, size_px: tuple[int, int], texel_px: tuple[int, int]
+) -> NDArray[np.uint32]:
+    """Return which texels of a texture touch tiles, counted row by row."""
+    return np.flatnonzero(texels_of(tiles, size_px, texel_px)).astype(np.uint32)
 
 
 def margins(declared: Iterable[Pass], pixel_aspect: float = 1.0) -> dict[int, float]:

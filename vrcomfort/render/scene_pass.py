@@ -18,7 +18,7 @@ from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl, passes, shaders, visible_area
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.passes import Pass, PassImage
-from vrcomfort.gpu.visible_area import LimitedVertices, VisibleArea
+from vrcomfort.gpu.visible_area import VisibleArea, limited_draw
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import lighting
 from vrcomfort.render.background_blur import MipLevelPass, foreground
@@ -331,12 +331,12 @@ class _HiddenTiles:
         whole = ctx.vertex_array(shaders.program(ctx, None, "scene/hidden_tiles.vert"), [])
         whole.scope = ctx.scope(ctx.framebuffer([], depth), moderngl.DEPTH_TEST)
         self._declared = Pass("scene/hidden_tiles.vert", (), (PassImage.of(depth),))
-        self._vertices = LimitedVertices(area, whole, self._declared.writes[0], elsewhere=True)
+        self._draw = limited_draw(area, whole, self._declared.writes[0], elsewhere=True)
 
     def render(self) -> None:
         """Draw them over a depth that was cleared."""
         self._ctx.depth_func = gl.DEPTH_FUNC
-        self._declared.run(self._vertices.render)
+        self._declared.run(self._draw)
 
 
 def _colours(

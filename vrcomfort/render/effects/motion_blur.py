@@ -233,16 +233,19 @@ class Reconstruction:
 
     def _two_steps(self, kind: str, px: tuple[int, int]) -> Iterator[FullscreenPass]:
         """Yield the two steps in frames of a kind, where an average is of `px` pixels."""
+        sampling, source, rest_px = self._sampling, self._colour, self._max_radius_px
         halved: Defines = {"HALVED": 1} if max(px) > 1 else {}
         per = f"vec2({px[0]}.0, {px[1]}.0)"
-        source, rest_px = self._colour, self._max_radius_px
-        if self._sampling.taps > 1:
-            part_px = self._max_radius_px / self._sampling.parts
-            first = {**halved, "PX_PER_AVERAGE": per}
-            yield (average := self._average("streak_average", source, kind, part_px, first, px))
+        defines: Defines
+        if sampling.taps > 1:
+            part_px = rest_px / sampling.parts
+            samples = {"SAMPLES": sampling.taps, "PARTS": sampling.parts}
+            defines = {**samples, "PX_PER_AVERAGE": per, **halved}
+            average = self._average("streak_average", source, kind, part_px, defines, px)
+            yield average
             source, rest_px = average.target, rest_px - part_px
-        second = {**halved, "PX_PER_TEXEL": per}
-        yield self._average("motion_blur_long", source, kind, rest_px, second)
+        defines = {"SAMPLES": sampling.parts, "PARTS": 1, "PX_PER_TEXEL": per, **halved}
+        yield self._average("streak_average", source, kind, rest_px, defines)
 
     def _average(
         self,
@@ -254,7 +257,7 @@ class Reconstruction:
         px: tuple[int, int] | None = None,
     ) -> FullscreenPass:
         """Return a pass over the image in frames of a kind, into `target` where no `px` is."""
-        sampling, (width, height) = self._sampling, self._colour.size
+        width, height = self._colour.size
         across, up = px or (1, 1)
         return FullscreenPass(
             self._ctx,
@@ -270,14 +273,12 @@ class Reconstruction:
                 **self._tile_max.frame_defines,
                 **defines,
                 "KIND": kind,
-                "TAPS": sampling.taps,
-                "PARTS": sampling.parts,
-                **({"CUBIC": 1} if sampling.cubic else {}),
+                **({"CUBIC": 1} if self._sampling.cubic else {}),
             },
             vertex="motion_blur/frame_of_streaks.vert",
             target=None if px else self.target,
             reach_px={"velocity": 0.0, "source": reach_px + ACROSS_PX},
-            texel_px=px or (1, 1),
+            texel_px=(across, up),
         )
 
     def _complex_tiles(self, depth: moderngl.Texture) -> FullscreenPass:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from math import ceil
 from typing import Any, NamedTuple
 
@@ -28,6 +29,9 @@ TILE_PX = 8
 
 
 COC_BINDING = 4
+
+Inputs = Mapping[str, moderngl.Texture | Sequence[moderngl.Texture]]
+"""Textures by sampler, as in `FullscreenPass`."""
 
 
 class EyeInHead(NamedTuple):
@@ -241,7 +245,8 @@ class CocPasses:
     ) -> None:
         self.size_px = size_px
         self._resolve = resolve
-        self._ctx, self._colour, self._settings = ctx, colour, settings
+        self.ctx, self._colour = ctx, colour
+        self.settings = settings
         self.max_radius_px = max_radius_of(settings, size_px)
         """No eye's image can have a larger radius."""
         self.max_radius_now_px = self.max_radius_px
@@ -286,7 +291,7 @@ class CocPasses:
         None with peripheral blur: tiles only sample it.
         """
         self._tiles_are_read = True
-        return None if self._settings.peripheral else self._tile_min_max.widest
+        return None if self.settings.peripheral else self._tile_min_max.widest
 
     @property
     def colour_and_coc(self) -> moderngl.Texture:
@@ -332,9 +337,31 @@ class CocPasses:
         if self.tells_clamps or self._tiles_are_read:
             self._tile_min_max.render()
 
+    def make_pass(
+        self, name: str, inputs: Inputs, *, texel_px: int = 1, **options: Any
+    ) -> FullscreenPass:
+        """Return the pass ``depth_of_field/NAME.frag`` of this image.
+
+        Parameters
+        ----------
+        texel_px
+            Side of the square of pixels that a texel of its target stands for.
+        options
+            Those of :class:`FullscreenPass`.
+        """
+        width, height = self.size_px
+        return FullscreenPass(
+            self.ctx,
+            f"depth_of_field/{name}.frag",
+            size_px=(ceil(width / texel_px), ceil(height / texel_px)),
+            inputs=inputs,
+            texel_px=(texel_px, texel_px),
+            **options,
+        )
+
     def adjust(self, settings: DepthOfField) -> None:
         """Find radii by other settings from now on; see :meth:`DepthToCoc.adjust`."""
-        self._settings = settings
+        self.settings = settings
         self.depth_to_coc.adjust(settings)
 
     def adjust_infinity(self, infinity_m: float) -> None:

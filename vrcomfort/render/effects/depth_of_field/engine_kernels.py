@@ -15,7 +15,6 @@ import numpy as np
 
 from vrcomfort.geometry import Array
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.layered_gather import Aspect
 
@@ -27,37 +26,29 @@ class TapUniforms(NamedTuple):
     max_radius_px: float
 
 
-def half_size(size_px: tuple[int, int]) -> tuple[int, int]:
-    """Return half a size, rounded up."""
-    width, height = size_px
-    return ceil(width / 2), ceil(height / 2)
-
+HALF_PX = 2
+"""Side of a texel of half an image: how far beyond a pixel a bilinear read of it goes."""
 
 IN_FOCUS_PX = 1.0
 """Below this radius Filament leaves the sharp image."""
 
 
-def halved(ctx: moderngl.Context, coc: CocPasses, *, by_radius: bool) -> FullscreenPass:
+def halved(
+    coc: CocPasses, source: moderngl.Texture, texel_px: int, **defines: float
+) -> FullscreenPass:
     """Return the pass that draws half of an image with its radii (``half_resolution.frag``)."""
-    return FullscreenPass(
-        ctx,
-        "depth_of_field/half_resolution.frag",
-        size_px=half_size(coc.size_px),
-        inputs={"colour_and_coc": coc.colour_and_coc},
-        defines={"BY_RADIUS": 1} if by_radius else {"IN_FOCUS_PX": IN_FOCUS_PX},
+    return coc.make_pass(
+        "half_resolution", {"source": source}, texel_px=texel_px, defines=defines, reach_px=0.0
     )
 
 
-def composite(
-    ctx: moderngl.Context, coc: CocPasses, half_image: moderngl.Texture
-) -> FullscreenPass:
+def composite(coc: CocPasses, half_image: moderngl.Texture) -> FullscreenPass:
     """Return the pass ``half_resolution_composite.frag``: half an image over the whole."""
-    return FullscreenPass(
-        ctx,
-        "depth_of_field/half_resolution_composite.frag",
-        size_px=coc.size_px,
-        inputs={"colour_and_coc": coc.colour_and_coc, "half_image": half_image},
+    return coc.make_pass(
+        "half_resolution_composite",
+        {"colour_and_coc": coc.colour_and_coc, "half_image": half_image},
         filtered={"half_image"},
+        reach_px={"colour_and_coc": 0.0, "half_image": HALF_PX},
     )
 
 
@@ -85,32 +76,27 @@ class HalfResolutionDiscKernel:
     constant image stays constant.
     """
 
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        coc: CocPasses,
-        settings: DepthOfField,  # noqa: ARG002 - the method has no numbers
-    ) -> None:
-        self._half = halved(ctx, coc, by_radius=True)
+    def __init__(self, coc: CocPasses) -> None:
+        self._half = halved(coc, coc.colour_and_coc, HALF_PX, BY_RADIUS=1)
         offsets = disc_taps().astype(np.float32)
         widest = {} if coc.widest is None else {"widest": coc.widest}
-        self._gather = FullscreenPass(
-            ctx,
-            "depth_of_field/half_resolution_disc.frag",
-            size_px=half_size(coc.size_px),
-            inputs={"half_image": self._half.target, **widest},
+        self._gather = coc.make_pass(
+            "half_resolution_disc",
+            {"half_image": self._half.target, **widest},
+            texel_px=HALF_PX,
             filtered={"half_image"},
             constants=TapUniforms(offsets.tobytes(), coc.max_radius_px),
             defines={"TAPS": len(offsets), **({"WIDEST": 1} if widest else {})},
+            reach_px={"half_image": coc.max_radius_px + HALF_PX},
         )
-        self._tent = FullscreenPass(
-            ctx,
-            "depth_of_field/tent.frag",
-            size_px=half_size(coc.size_px),
-            inputs={"source": self._gather.target},
+        self._tent = coc.make_pass(
+            "tent",
+            {"source": self._gather.target},
+            texel_px=HALF_PX,
             filtered={"source"},
+            reach_px=HALF_PX,
         )
-        self._composite = composite(ctx, coc, self._tent.target)
+        self._composite = composite(coc, self._tent.target)
         self.target = self._composite.target
 
     def render(self, pixel_aspect: float) -> None:
@@ -148,37 +134,39 @@ class HalfResolutionRingsKernel:
     are one read, where Filament makes two.
     """
 
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        coc: CocPasses,
-        settings: DepthOfField,  # noqa: ARG002 - the method has no numbers
-    ) -> None:
-        size = half_size(coc.size_px)
-        in_focus = {"IN_FOCUS_PX": IN_FOCUS_PX}
-        half = halved(ctx, coc, by_radius=False)
-        levels = _levels(ctx, half.target, ring_levels(coc.max_radius_px))
-        tiles = _tiles(ctx, half.target, ring_dilations(coc.max_radius_px))
-        self._gather = FullscreenPass(
-            ctx,
-            "depth_of_field/half_resolution_rings.frag",
-            size_px=size,
-            inputs={
+    def __init__(self, coc: CocPasses) -> None:
+        half = halved(coc, coc.colour_and_coc, HALF_PX, IN_FOCUS_PX=IN_FOCUS_PX)
+        levels = _levels(coc, half.target)
+        tiles = _tiles(coc, half.target)
+        coarsest_px = HALF_PX * 2 ** len(levels)
+        self._gather = coc.make_pass(
+            "half_resolution_rings",
+            {
                 "half_image": half.target,
                 "levels": [level.target for level in levels],
                 "tiles": tiles[-1].target,
             },
+            texel_px=HALF_PX,
             filtered={"half_image", "levels"},
-            defines={"RINGS": RINGS, "CHAIN": len(levels), "TILE": RING_TILE, **in_focus},
+            defines={
+                "RINGS": RINGS,
+                "CHAIN": len(levels),
+                "TILE": RING_TILE,
+                "IN_FOCUS_PX": IN_FOCUS_PX,
+            },
+            reach_px={
+                **dict.fromkeys(("half_image", "levels"), coc.max_radius_px + coarsest_px),
+                "tiles": 0.0,
+            },
         )
-        median = FullscreenPass(
-            ctx,
-            "depth_of_field/median.frag",
-            size_px=size,
-            inputs={"source": self._gather.target, "tiles": tiles[-1].target},
-            defines={"TILE": RING_TILE, **in_focus},
+        median = coc.make_pass(
+            "median",
+            {"source": self._gather.target, "tiles": tiles[-1].target},
+            texel_px=HALF_PX,
+            defines={"TILE": RING_TILE, "IN_FOCUS_PX": IN_FOCUS_PX},
+            reach_px={"source": HALF_PX, "tiles": 0.0},
         )
-        shown = composite(ctx, coc, median.target)
+        shown = composite(coc, median.target)
         self._before, self._after = (half, *levels, *tiles), (median, shown)
         self.target = shown.target
 
@@ -191,44 +179,30 @@ class HalfResolutionRingsKernel:
             each.render()
 
 
-def _levels(
-    ctx: moderngl.Context, half_image: moderngl.Texture, count: int
-) -> list[FullscreenPass]:
+def _levels(coc: CocPasses, half_image: moderngl.Texture) -> list[FullscreenPass]:
     made: list[FullscreenPass] = []
-    source = half_image
-    for _ in range(count):
-        made.append(
-            FullscreenPass(
-                ctx,
-                "depth_of_field/half_resolution_halved.frag",
-                size_px=half_size(source.size),
-                inputs={"source": source},
-            )
-        )
-        source = made[-1].target
+    for level in range(1, ring_levels(coc.max_radius_px) + 1):
+        source = made[-1].target if made else half_image
+        made.append(halved(coc, source, HALF_PX * 2**level, LEVELS=1, IN_FOCUS_PX=IN_FOCUS_PX))
     return made
 
 
-def _tiles(
-    ctx: moderngl.Context, half_image: moderngl.Texture, dilations: int
-) -> list[FullscreenPass]:
-    width, height = half_image.size
+def _tiles(coc: CocPasses, half_image: moderngl.Texture) -> list[FullscreenPass]:
     made: list[FullscreenPass] = []
-    source = half_image
-    for dilation in range(dilations + 1):
+    side_px = HALF_PX * RING_TILE
+    for dilation in range(ring_dilations(coc.max_radius_px) + 1):
         # A disc that is to reach another tile this many steps away crosses all tiles between.
-        dilate = {"DILATE": 1, "FROM_PX": float(2 * RING_TILE * (dilation - 1))}
+        dilate = {"DILATE": 1, "FROM_PX": float(side_px * (dilation - 1))}
         made.append(
-            FullscreenPass(
-                ctx,
-                "depth_of_field/half_resolution_tiles.frag",
-                size_px=(ceil(width / RING_TILE), ceil(height / RING_TILE)),
-                inputs={"source": source},
+            coc.make_pass(
+                "half_resolution_tiles",
+                {"source": made[-1].target if made else half_image},
+                texel_px=side_px,
                 defines=dilate if dilation else {"TILE": RING_TILE},
                 components=2,
+                reach_px=float(side_px) if dilation else 0.0,
             )
         )
-        source = made[-1].target
     return made
 
 
@@ -250,14 +224,9 @@ class SeparableGaussianKernel:
     blurred background, and a blurred foreground ends at its silhouette edge.
     """
 
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        coc: CocPasses,
-        settings: DepthOfField,  # noqa: ARG002 - the method has no numbers
-    ) -> None:
-        self._rows = _along(ctx, coc.colour_and_coc)
-        self._columns = _along(ctx, self._rows.target)
+    def __init__(self, coc: CocPasses) -> None:
+        self._rows = _along(coc, coc.colour_and_coc)
+        self._columns = _along(coc, self._rows.target)
         self.target = self._columns.target
 
     def render(self, pixel_aspect: float) -> None:
@@ -266,12 +235,12 @@ class SeparableGaussianKernel:
         self._columns.render(_Axis((0.0, pixel_aspect)))
 
 
-def _along(ctx: moderngl.Context, source: moderngl.Texture) -> FullscreenPass:
-    return FullscreenPass(
-        ctx,
-        "depth_of_field/separable_gaussian.frag",
-        size_px=source.size,
-        inputs={"source": source},
+def _along(coc: CocPasses, source: moderngl.Texture) -> FullscreenPass:
+    return coc.make_pass(
+        "separable_gaussian",
+        {"source": source},
         filtered={"source"},
         defines={"REACH": GAUSSIAN_REACH},
+        # Sigma is half a radius. The last pair of texels may begin beyond, and is read between two.
+        reach_px=0.5 * GAUSSIAN_REACH * coc.max_radius_px + 3,
     )

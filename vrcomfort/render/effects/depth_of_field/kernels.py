@@ -8,18 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from math import ceil
 from typing import NamedTuple
 
 import moderngl
 import numpy as np
 
 from vrcomfort.gpu import gl, passes, shaders
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MipChain
+from vrcomfort.gpu.fullscreen_pass import MipChain
 from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.optics import blur_kernels
 from vrcomfort.protocol.conditions import DepthOfField, Kernel
-from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs
 from vrcomfort.render.effects.depth_of_field.engine_kernels import (
     HalfResolutionDiscKernel,
     HalfResolutionRingsKernel,
@@ -47,24 +46,19 @@ class Poisson12Kernel:
     the head turns. Without `rotate_taps` all angles are 0, and ghosts stay.
     """
 
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        coc: CocPasses,
-        settings: DepthOfField,
-    ) -> None:
+    def __init__(self, coc: CocPasses) -> None:
         taps = blur_kernels.POISSON_12.astype(np.float32)
-        turns = blur_kernels.rotations() if settings.rotate_taps else np.array([[[1.0, 0.0]]])
-        rotations = gl.color_texture(ctx, turns.shape[1::-1], components=2, dtype="f4")
+        turned = coc.settings.rotate_taps
+        turns = blur_kernels.rotations() if turned else np.array([[[1.0, 0.0]]])
+        rotations = gl.color_texture(coc.ctx, turns.shape[1::-1], components=2, dtype="f4")
         rotations.write(turns.astype(np.float32).tobytes())
-        self._pass = FullscreenPass(
-            ctx,
-            "depth_of_field/poisson12.frag",
-            size_px=coc.size_px,
-            inputs={"colour_and_coc": coc.colour_and_coc, "rotations": rotations},
+        self._pass = coc.make_pass(
+            "poisson12",
+            {"colour_and_coc": coc.colour_and_coc, "rotations": rotations},
             filtered={"colour_and_coc"},
             constants=TapUniforms(taps.tobytes(), coc.max_radius_px),
             defines={"TAPS": len(taps)},
+            reach_px=coc.max_radius_px + 1,  # read between pixels
         )
         self.target = self._pass.target
 
@@ -85,31 +79,24 @@ class Poisson15NearKernel:
     leaks into a blurred background, as the paper says of methods of this kind.
     """
 
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        coc: CocPasses,
-        settings: DepthOfField,  # noqa: ARG002 - the paper's numbers are fixed
-    ) -> None:
-        width, height = coc.size_px
-        cell = {"CELL": 2**blur_kernels.NEAR_LEVEL}
-        self._near_mean = FullscreenPass(
-            ctx,
-            "depth_of_field/poisson15_near_mean.frag",
-            size_px=(ceil(width / cell["CELL"]), ceil(height / cell["CELL"])),
-            inputs={"colour_and_coc": coc.colour_and_coc},
-            defines=cell,
+    def __init__(self, coc: CocPasses) -> None:
+        points, cell_px = {"colour_and_coc": coc.colour_and_coc}, 2**blur_kernels.NEAR_LEVEL
+        self._near_mean = coc.make_pass(
+            "poisson15_near_mean",
+            points,
+            texel_px=cell_px,
+            defines={"CELL": cell_px},
             components=1,
+            reach_px=0.0,
         )
         taps = blur_kernels.POISSON_15.astype(np.float32)
-        self._gather = FullscreenPass(
-            ctx,
-            "depth_of_field/poisson15_near.frag",
-            size_px=coc.size_px,
-            inputs={"colour_and_coc": coc.colour_and_coc, "near_mean": self._near_mean.target},
+        self._gather = coc.make_pass(
+            "poisson15_near",
+            {**points, "near_mean": self._near_mean.target},
             filtered={"near_mean", "colour_and_coc"},
             constants=TapUniforms(taps.tobytes(), coc.max_radius_px),
-            defines={"TAPS": len(taps), **cell},
+            defines={"TAPS": len(taps), "CELL": cell_px},
+            reach_px={"colour_and_coc": coc.max_radius_px + 1, "near_mean": float(cell_px)},
         )
         self.target = self._gather.target
 
@@ -142,29 +129,24 @@ class MipKernel:
     billboard. Blur is square and round in pixels, even where pixels are not.
     """
 
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        coc: CocPasses,
-        settings: DepthOfField,
-        *,
-        slices: bool = False,
-    ) -> None:
-        self._slices_m = settings.slices_m if slices else None
-        levels = len(self._slices_m or ()) or blur_kernels.pyramid_levels(coc.max_radius_px)
-        self._chain = MipChain(ctx, coc.colour_and_coc, levels, coc.size_px)
-        self._shown = FullscreenPass(
-            ctx,
-            "depth_of_field/mip.frag",
-            size_px=coc.size_px,
-            inputs={
-                "colour_and_coc": coc.colour_and_coc,
-                "levels": self._chain.levels,
-                **({"depth": coc.depth_to_coc.depth} if self._slices_m else {}),
-            },
-            constants=self._places(),
+    def __init__(self, coc: CocPasses, *, slices: bool = False) -> None:
+        slices_m = coc.settings.slices_m if slices else None
+        levels = len(slices_m or ()) or blur_kernels.pyramid_levels(coc.max_radius_px)
+        self._chain = MipChain(coc.ctx, coc.colour_and_coc, levels, coc.size_px)
+        inputs: Inputs = {"colour_and_coc": coc.colour_and_coc, "levels": self._chain.levels}
+        defines = {"CHAIN": levels, **({"SLICES": 1} if slices else {})}
+        constants = None
+        if slices_m:
+            inputs = {**inputs, "depth": coc.depth_to_coc.depth}
+            defines["AT_DISTANCES"] = 1
+            constants = _Slices(np.array(slices_m, dtype=np.float32).tobytes())
+        self._shown = coc.make_pass(
+            "mip",
+            inputs,
+            constants=constants,
             filtered={"levels"},
-            defines={"CHAIN": levels, **self._defines(slices=slices)},
+            defines=defines,
+            reach_px={"colour_and_coc": 0.0, "depth": 0.0, "levels": 2.0**levels},
         )
         self.target = self._shown.target
 
@@ -172,16 +154,6 @@ class MipKernel:
         """Blur the present points."""
         self._chain.render()
         self._shown.render()
-
-    def _defines(self, *, slices: bool) -> dict[str, int]:
-        if not slices:
-            return {}
-        return {"SLICES": 1} | ({"AT_DISTANCES": 1} if self._slices_m else {})
-
-    def _places(self) -> _Slices | None:
-        if self._slices_m is None:
-            return None
-        return _Slices(np.array(self._slices_m, dtype=np.float32).tobytes())
 
 
 TALLEST_PIXEL = 1.5
@@ -204,13 +176,8 @@ class ScatterKernel:
     The cost is the sum of the areas of all discs, each at most that of `CocPasses.max_radius_px`.
     """
 
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        coc: CocPasses,
-        settings: DepthOfField,  # noqa: ARG002 - the algorithm has no further numbers
-    ) -> None:
-        self._ctx = ctx
+    def __init__(self, coc: CocPasses) -> None:
+        self._ctx = ctx = coc.ctx
         self._colour_and_coc = coc.colour_and_coc
         # 32-bit floats: half floats lose small shares beside the sum of many discs.
         shares = gl.color_texture(ctx, coc.size_px, dtype="f4")
@@ -228,12 +195,7 @@ class ScatterKernel:
         )
         program["colour_and_coc"] = 0
         self._sprites = ctx.vertex_array(program, [])
-        self._mean = FullscreenPass(
-            ctx,
-            "depth_of_field/scatter_mean.frag",
-            size_px=coc.size_px,
-            inputs={"shares": shares},
-        )
+        self._mean = coc.make_pass("scatter_mean", {"shares": shares}, reach_px=0.0)
         self.target = self._mean.target
 
     def render(self, pixel_aspect: float) -> None:
@@ -254,9 +216,7 @@ class ScatterKernel:
                 self._sprites.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=pixels)
 
 
-_Maker = Callable[[moderngl.Context, CocPasses, DepthOfField], BlurKernel]
-_KERNELS: dict[Kernel, _Maker] = {
-    "vrcomfort": LayeredGatherKernel,
+_KERNELS: dict[Kernel, Callable[[CocPasses], BlurKernel]] = {
     "scatter": ScatterKernel,
     "poisson12": Poisson12Kernel,
     "poisson15_near": Poisson15NearKernel,
@@ -270,6 +230,8 @@ _KERNELS: dict[Kernel, _Maker] = {
 
 def make_kernel(ctx: moderngl.Context, coc: CocPasses, settings: DepthOfField) -> BlurKernel:
     """Return the kernel that `settings` name, reading the points of `coc`."""
-    if settings.kernel == "vrcomfort" and settings.samples == blur_kernels.HALF_GATHER_SAMPLES:
-        return HalfGatherKernel(ctx, coc, settings)
-    return _KERNELS[settings.kernel](ctx, coc, settings)
+    if settings.kernel != "vrcomfort":
+        return _KERNELS[settings.kernel](coc)
+    if settings.samples == blur_kernels.HALF_GATHER_SAMPLES:
+        return HalfGatherKernel(coc)
+    return LayeredGatherKernel(ctx, coc, settings)

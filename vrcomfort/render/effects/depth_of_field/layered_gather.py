@@ -11,7 +11,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import blur_kernels
 from vrcomfort.protocol.conditions import DepthOfField
-from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs
 
 
 class Aspect(NamedTuple):
@@ -64,7 +64,7 @@ class LayeredGatherKernel:
         self._composite.append(self._tiles("COMPLEX", "complex", layers, defines=coarser))
         self._gather: FullscreenPass | None = None
         if self._layers:
-            self._gather = self._gather_pass(layers)
+            self._gather = self._gather_pass()
             gathered = {"gathered": self._gather.target}
             wide = {"WITH_HALF_RESOLUTION": 1}
             self._composite.append(
@@ -121,18 +121,18 @@ class LayeredGatherKernel:
             )
         return found
 
-    def _gather_pass(self, layers: dict[str, moderngl.Texture]) -> FullscreenPass:
+    def _gather_pass(self) -> FullscreenPass:
         """Return the pass that sums wide discs, in tiles of that class and beside them."""
         return self._pass(
             "gather",
-            {**layers, "dilated": self._dilate.target},
+            {"layers": [each.target for each in self._layers], "dilated": self._dilate.target},
             size_px=self._size_of(1),
             defines={
                 **self._defines,
                 **_of_class("FAST_HALF_RESOLUTION", self._coc.tile_px // 2, beside=1),
             },
             reach_px={
-                **dict.fromkeys(layers, self._disc_px),
+                "layers": self._disc_px,
                 "dilated": self._coc.tile_px,
             },
             texel_px=(2, 2),
@@ -175,9 +175,7 @@ class LayeredGatherKernel:
         width, height = self._coc.size_px
         return ceil(width / 2**level), ceil(height / 2**level)
 
-    def _pass(
-        self, name: str, inputs: dict[str, moderngl.Texture], **options: Any
-    ) -> FullscreenPass:
+    def _pass(self, name: str, inputs: Inputs, **options: Any) -> FullscreenPass:
         fragment = f"depth_of_field/{name}.frag"
         return FullscreenPass(self._ctx, fragment, inputs=inputs, **options)
 
