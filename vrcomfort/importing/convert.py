@@ -357,6 +357,8 @@ class TableImport:
     ) -> None:
         found = self._items(block, cells, row)
         answers = {i: self._read(place, block, i, cells[c], row, c) for c, i in found}
+        if not found:
+            return
         if block.item_column is None and not any(a is not None for a in answers.values()):
             self._blank[administration.timepoint] += 1
             return

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence, Set
 from typing import Literal, NamedTuple, TypeAlias
 
 from vrcomfort.csv_table import plain_digits
+from vrcomfort.importing.answers import number
 from vrcomfort.importing.columns import conditions_in
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
@@ -159,6 +160,45 @@ def without_repeats(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[F
             columns = [column for block in numbered for column in block.columns]
             return [block for block in blocks if block not in numbered], columns
     return [*blocks], []
+
+
+def without_products(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[Found], list[int]]:
+    """Return the blocks without those of answers times weights, and the columns of the latter.
+
+    The weights of a task load index are 0 to 5, so its products exceed the highest rating.
+    """
+    products = [
+        block
+        for block in blocks
+        if any(scale.weights_sum for scale in block.instrument.scales)
+        and any(value > block.instrument.high for c in block.columns for value in _of(table, c))
+        and not any(value < 0 for c in block.columns for value in _of(table, c))
+        and _mostly_multiples(table, block)
+    ]
+    columns = [column for block in products for column in block.columns]
+    return [block for block in blocks if block not in products], columns
+
+
+def _of(table: SourceTable, column: int) -> list[float]:
+    read = (number(cell, table.reading.decimal or ".") for cell in table.column(column) if cell)
+    return [value for value in read if value is not None]
+
+
+_MOST_CHOSEN = 5
+"""Of 15 comparisons, each of six scales is in five."""
+
+
+def _mostly_multiples(table: SourceTable, block: Found) -> bool:
+    """Return whether values can be ratings times weights: at most five times the highest one."""
+    values = [value for column in block.columns for value in _of(table, column)]
+    above = [value for value in values if value > block.instrument.high]
+    return (
+        max(values) <= _MOST_CHOSEN * block.instrument.high and len(above) * _RARE >= len(values)
+    )
+
+
+_RARE = 20
+"""A few values beyond the highest rating are typing errors."""
 
 
 def _same(table: SourceTable, one: Sequence[Found], other: Sequence[Found]) -> bool:

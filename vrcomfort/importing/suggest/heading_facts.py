@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from itertools import takewhile
 from typing import NamedTuple
 
@@ -29,6 +29,7 @@ def heading_facts(
     if len(contexts) == 1:
         return _of_one(contexts[0], vocabulary)
     shared = set.intersection(*map(set, contexts))
+    telling = _telling(contexts, vocabulary)
     if any(set(context) <= shared for context in contexts) and max(map(len, contexts)) <= 4:
         shared = set()  # such as Blur and No Blur
     facts: list[dict[str, str]] = []
@@ -40,12 +41,32 @@ def heading_facts(
             for word in context
             if word not in shared or word in vocabulary.timepoints or word in vocabulary.numbered
         ]
-        facts.append(_facts(rest, vocabulary))
+        facts.append(_facts(rest, vocabulary, telling))
     _numbered_times(facts, doubts)
     _later(facts, doubts)
     _two_unnamed(facts, doubts)
     _name_the_rest(facts, doubts, numbers)
     return facts, doubts
+
+
+def _telling(contexts: Sequence[Sequence[str]], vocabulary: LabVocabulary) -> set[str]:
+    """Return the words that say a condition, as others stand in their place: ``VR`` beside ``AR``.
+
+    Fillers do, and codes of two letters that could be timepoints: ``po`` beside ``pd`` and ``pe``.
+    """
+    if len({*map(len, contexts)}) > 1:
+        return set()
+    fillers, times = vocabulary.condition_fillers, vocabulary.timepoints
+    return {
+        word
+        for words in zip(*contexts, strict=True)
+        for word in words
+        if word in fillers or (word in times and len(word) <= _CODE)
+        if any(w not in fillers and w not in times for w in words)
+    }
+
+
+_CODE = 2
 
 
 def _unglued(word: str, vocabulary: LabVocabulary) -> str:
@@ -68,7 +89,9 @@ def _of_one(
     return [{"timepoint": when[0]} if len(set(when)) == 1 else {}], []
 
 
-def _facts(words: Sequence[str], vocabulary: LabVocabulary) -> dict[str, str]:
+def _facts(
+    words: Sequence[str], vocabulary: LabVocabulary, telling: Set[str] = frozenset()
+) -> dict[str, str]:
     numbered, timepoints = vocabulary.numbered, vocabulary.timepoints
     facts: dict[str, str] = {}
     rest: list[str] = []
@@ -83,9 +106,11 @@ def _facts(words: Sequence[str], vocabulary: LabVocabulary) -> dict[str, str]:
         elif word.isdecimal() and following in _UNITS and "timepoint" not in facts:
             facts["timepoint"] = f"{word}{following}"
             place += 1
-        elif word in timepoints and "timepoint" not in facts:
+        elif word in timepoints and "timepoint" not in facts and word not in telling:
             facts["timepoint"] = timepoints[word]
-        elif fact in {"", "timepoint"} and word not in vocabulary.condition_fillers:
+        elif fact in {"", "timepoint"} and (
+            word not in vocabulary.condition_fillers or word in telling
+        ):
             rest.append(word)
         place += 1
     if rest:

@@ -268,7 +268,7 @@ def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> lis
     """
     found: list[Found] = []
     other = {*range(len(table.headings))} - {*columns}
-    for find in (_by_name, _by_number, _by_initials):
+    for find in (_by_codes, _by_name, _by_number, _by_initials):
         taken = other.union(*(block.columns for block in found))
         blocks = [b for i in known.instruments for b in find(table, i, taken, known.vocabulary)]
         found += _best(table, blocks, known.instruments)
@@ -277,9 +277,52 @@ def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> lis
     elif not found:
         said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
         found = _by_position(table, known, [i for i in known.instruments if i.name in said], other)
-    found = _without_gaps(table, found, other)
+    found = _without_gaps(table, _with_weights(found), other)
     found = [replace(block, siblings=_siblings(block, found)) for block in found]
     return sorted(found, key=lambda block: block.columns)
+
+
+def _by_codes(
+    table: SourceTable, instrument: Instrument, taken: set[int], vocabulary: LabVocabulary
+) -> list[Found]:
+    """Find ``PD_MD``, ``PD_PD``: codes of conditions that look like those of items.
+
+    The item is where each condition has all of them.
+    """
+    known = {**vocabulary.initials(instrument), **vocabulary.spellings(instrument)}
+    asked = {item.name for item in instrument.asked}
+    codes = {word: item for word, item in known.items() if item in asked and len(word) < 4}
+    split = {c: tokens(h) for c, h in enumerate(table.headings) if c not in taken}
+    pairs = {c: (w[0], w[-1]) for c, w in split.items() if len(w) == 2}
+    if len(asked) < FEWEST or not any(a in codes and b in codes for a, b in pairs.values()):
+        return []
+    for item_place in (1, 0):
+        groups: dict[Context, dict[str, Named]] = defaultdict(dict)
+        for column, words in pairs.items():
+            item, other = codes.get(words[item_place]), words[1 - item_place]
+            if item is not None:
+                named = Named(column, instrument.name, item, "initials", (), ())
+                groups[(other,)].setdefault(item, named)
+        if len(groups) > 1 and all({*items} == asked for items in groups.values()):
+            return [Found(instrument, context, items) for context, items in groups.items()]
+    return []
+
+
+def _with_weights(found: Sequence[Found]) -> list[Found]:
+    """Put weights, which are asked beside the items, into the block with most of their words."""
+    weights = [b for b in found if not {*b.items} & {item.name for item in b.instrument.asked}]
+    blocks = [block for block in found if block not in weights]
+    for each in weights:
+        free = [
+            block
+            for block in blocks
+            if block.instrument is each.instrument and not {*block.items} & {*each.items}
+        ]
+        if free:
+            best = max(free, key=lambda block: len({*block.context} & {*each.context}))
+            whole = replace(best, items={**best.items, **each.items})
+            blocks[blocks.index(best)] = whole
+    return blocks
 
 
 def _without_gaps(table: SourceTable, found: Sequence[Found], other: Set[int]) -> list[Found]:

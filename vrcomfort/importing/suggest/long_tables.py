@@ -9,7 +9,12 @@ from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import Grid, SourceTable
 from vrcomfort.importing.suggest.evidence import texts
 from vrcomfort.importing.suggest.items import FoundAnswers, How, mentions, named_item
-from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
+from vrcomfort.importing.suggest.vocabulary import (
+    FEWEST_OF_SENTENCE,
+    Known,
+    LabVocabulary,
+    tokens,
+)
 from vrcomfort.questionnaire import Instrument, plain
 
 
@@ -157,10 +162,29 @@ def _numbered_in_rows(
             numbers.setdefault(int(digits[0]), word)
     count = len(instrument.asked)
     first = min(numbers, default=9)
+    if _asks_otherwise(table, column, [*numbers.values()], instrument, known):
+        return None
     if first > 1 or sorted(numbers) != list(range(first, first + count)) or count < 4:
         return None
     items = {item.name: numbers[n] for n, item in enumerate(instrument.asked, start=first)}
     return items, dict.fromkeys(items, "number")
+
+
+def _asks_otherwise(
+    table: SourceTable, column: int, words: Sequence[str], instrument: Instrument, known: Known
+) -> bool:
+    """Return whether a column beside the numbers has the questions, and they are other ones."""
+    if instrument.name in mentions(f"{table.file.stem} {table.sheet}", [instrument]):
+        return False
+    for other in range(len(table.headings)):
+        asked = {row[column]: row[other] for row in table.rows if row[column] in words}
+        always = all(asked.get(row[column], row[other]) == row[other] for row in table.rows)
+        sentences = [text for text in asked.values() if len(tokens(text)) >= FEWEST_OF_SENTENCE]
+        if other == column or not always or len({*sentences}) < len(words):
+            continue
+        found = (named_item(other, t, "", instrument, known.vocabulary) for t in sentences)
+        return sum(each is not None for each in found) * 2 < len(sentences)
+    return False
 
 
 def _response_column(table: SourceTable, item_column: int, vocabulary: LabVocabulary) -> int | None:

@@ -212,7 +212,8 @@ def _direction_doubts(block: Found, coding: Coding) -> list[OpenDoubt]:
     if coding.answers:
         return []
     asked = (item for item in block.instrument.items if item.name in block.items)
-    own = (item for item in asked if item.answers.labels[-1:] != block.instrument.labels[-1:])
+    usual = block.instrument.labels[-1:]
+    own = (item for item in asked if item.answers.labels[-1:] not in {(), usual})
     return [
         OpenDoubt(
             f"Does the highest number of {item.name} mean {item.answers.labels[-1]!r}?",

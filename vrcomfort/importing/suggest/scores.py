@@ -121,12 +121,16 @@ def _scale(
     if not rest:
         said = set(tokens(heading))
         return (instrument.primary, ()) if said & own and said & {*fillers, "total"} else None
-    for word in sorted(rest, key=len, reverse=True):
+    for word in sorted(rest, key=lambda word: (word not in _WHOLES, -len(word))):
         if word in words:
             others = list(rest)
             others.remove(word)
             return words[word], tuple(w for w in others if w != "total")
     return None
+
+
+_WHOLES = frozenset(["total", "overall"])
+"""Words for the total, which win over words for other scales."""
 
 
 def _bare_total(
@@ -187,6 +191,14 @@ def rise_from_first(table: SourceTable, found: Sequence[FoundScores]) -> bool:
         return False
     first, *later = (float(np.mean(each)) for each in values)
     return 2 * first <= max(later)
+
+
+def weighted(found: FoundScores) -> FoundScores:
+    """Return scores beside products of answers and weights: their totals are weighted ones."""
+    names = {scale.name for scale in found.instrument.scales if scale.weights_sum}
+    if not names or {*found.scales} != {found.instrument.primary}:
+        return found
+    return replace(found, scales={min(names): column for column in found.columns})
 
 
 def _numeric(table: SourceTable, column: int) -> bool:

@@ -17,6 +17,7 @@ from vrcomfort.importing.suggest.block_conditions import (
     number_in_words,
     numbered_conditions,
     order_column,
+    without_products,
     without_repeats,
 )
 from vrcomfort.importing.suggest.draft import (
@@ -62,6 +63,7 @@ from vrcomfort.importing.suggest.scores import (
     by_kind,
     find_scores,
     rise_from_first,
+    weighted,
 )
 from vrcomfort.importing.suggest.vocabulary import Known, words_of
 from vrcomfort.settings import toml_value
@@ -109,6 +111,8 @@ class AnswerColumns:
         """Columns of answers."""
         self.repeated: list[int] = []
         """Those that say again what others say."""
+        self.products: list[int] = []
+        """Those of answers times their weights."""
         for layout in sorted(LAYOUTS, key=lambda each: -each.weight):
             left = [c for c in range(len(table.headings)) if c not in self.taken]
             closed = layout.whole and any(
@@ -116,8 +120,11 @@ class AnswerColumns:
             )
             self._found[layout] = [] if closed else layout.find(table, left, known)
             if layout is BLOCKS:
+                self._found[layout], self.products = without_products(table, self._found[layout])
                 self._found[layout], self.repeated = without_repeats(table, self._found[layout])
-                self.taken.update(self.repeated)
+                self.taken.update((*self.repeated, *self.products))
+            if layout is SCORES and self.products:
+                self._found[layout] = [weighted(each) for each in self._found[layout]]
             self.taken.update(c for each in self._found[layout] for c in each.columns)
 
     def __getitem__(self, layout: Layout[FoundT]) -> list[FoundT]:
@@ -205,9 +212,10 @@ class TableDraft:
         """Layout → what the headings of its answers say."""
         self._beside: list[str | None] = []
         """For each block, the column of its condition, where conditions stand beside them."""
-        self._made: dict[int, str] = dict.fromkeys(
-            self._answers.repeated, "the same answers, by their order"
-        )
+        self._made: dict[int, str] = {
+            **dict.fromkeys(self._answers.repeated, "the same answers, by their order"),
+            **dict.fromkeys(self._answers.products, "an answer times its weight"),
+        }
         """Column of a score whose answers are there → why it is ignored."""
         self._write()
 
