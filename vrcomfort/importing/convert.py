@@ -49,7 +49,8 @@ from vrcomfort.importing.rows import (
     administration_of,
     suspects,
 )
-from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.sections import sections
+from vrcomfort.importing.source import Grid, Reading, SourceTable
 from vrcomfort.questionnaire import Answer, Instrument, Scale, plain, shipped_instruments
 from vrcomfort.settings import KeyPath, Problem, did_you_mean
 
@@ -570,7 +571,8 @@ def import_files(
             for each in _sheets(file, table):
                 taken.append(TableImport(each, table, known, imported, numbers, made).run())
                 seen[index] |= texts_in(each, table)
-        _require_sheets(file, mapping, [sheet for sheet in taken if sheet])
+        reading = mapping.tables[found[0]].read.reading
+        _require_sheets(file, mapping, reading, [sheet for sheet in taken if sheet])
     for index, table in enumerate(mapping.tables):
         if index not in used:
             names = ", ".join(table.files)
@@ -594,17 +596,24 @@ def _is_of(file: Path, table: TableMapping) -> bool:
     return any(fnmatchcase(file.name, pattern) for pattern in table.files)
 
 
+def _grids(file: Path, reading: Reading) -> list[Grid]:
+    grids = read_grids(file, reading)
+    return [part for grid in grids for part in (sections(grid) if reading.sections else [grid])]
+
+
 def _sheets(file: Path, table: TableMapping) -> list[SourceTable]:
-    grids = read_grids(file, table.read.reading)
+    grids = _grids(file, table.read.reading)
     kept = [g for g in grids if not g.sheet or any(fnmatchcase(g.sheet, p) for p in table.sheets)]
     return [as_table(grid) for grid in kept]
 
 
-def _require_sheets(file: Path, mapping: LabMapping, taken: Sequence[str]) -> None:
+def _require_sheets(
+    file: Path, mapping: LabMapping, reading: Reading, taken: Sequence[str]
+) -> None:
     """Raise `InputError` where a sheet of a workbook is left out without a word."""
-    if file.suffix.lower() not in {".xlsx", ".xlsm"}:
+    if file.suffix.lower() not in {".xlsx", ".xlsm"} and not reading.sections:
         return
-    for grid in read_grids(file, mapping.tables[0].read.reading):
+    for grid in _grids(file, reading):
         ignored = any(fnmatchcase(grid.sheet, pattern) for pattern in mapping.ignore_sheets)
         if grid.sheet not in taken and not ignored:
             message = f"the sheet {grid.sheet!r} is in no table of the mapping"

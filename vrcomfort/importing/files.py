@@ -217,7 +217,7 @@ def _detected(grid: Grid) -> Reading:
     if upper := _upper_headings(rest):
         several = tuple(numbers[first : first + upper + 1])
         return reading._replace(heading_rows=several, skip_rows=titles)
-    if not _is_heading(rest):
+    if not is_heading(rest):
         return reading._replace(heading_rows=(), skip_rows=titles)
     return reading._replace(heading_rows=(numbers[first],), skip_rows=titles)
 
@@ -257,7 +257,7 @@ def is_number(cell: str) -> bool:
     return _NUMBER.fullmatch(cell) is not None
 
 
-def _is_heading(rows: Sequence[Sequence[str]]) -> bool:
+def is_heading(rows: Sequence[Sequence[str]]) -> bool:
     """Return whether the first row names columns: it differs from the rows below it."""
     first, below = rows[0], rows[1:60]
     if not below:
@@ -302,7 +302,7 @@ def _is_upper_heading(rows: Sequence[Sequence[str]]) -> bool:
     words = [cell for cell in lower if cell]
     no_data = sum(map(is_number, words)) * 2 < len(words) or _counts_up(words)
     repeats = len(set(words)) < len(words)
-    return bool(spans and no_data and texts and repeats and _is_heading(rows[1:]))
+    return bool(spans and no_data and texts and repeats and is_heading(rows[1:]))
 
 
 def _counts_up(words: Sequence[str]) -> bool:

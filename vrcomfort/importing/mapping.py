@@ -68,6 +68,8 @@ class Read(Settings):
     """Participants stand side by side, items one below the other."""
     stack: bool = False
     """The headings repeat in the row: each run of them is a table, one below the other."""
+    sections: bool = False
+    """Several tables stand one below the other: each is a sheet, called ``sheet: title``."""
 
     @property
     def reading(self) -> Reading:
@@ -80,6 +82,7 @@ class Read(Settings):
             self.skip_rows,
             self.transpose,
             self.stack,
+            self.sections,
         )
 
 

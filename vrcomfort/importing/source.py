@@ -36,6 +36,8 @@ class Reading(NamedTuple):
     stack
         The headings repeat from column to column: what stands below each run of them is read as
         rows of one table.
+    sections
+        A sheet has several tables, one below the other: each is read as a sheet of its own.
     """
 
     encoding: str | None = None
@@ -45,6 +47,7 @@ class Reading(NamedTuple):
     skip_rows: tuple[int, ...] = ()
     transpose: bool = False
     stack: bool = False
+    sections: bool = False
 
 
 def require_room(rows: int, width: int, file: Path, longest: str) -> None:

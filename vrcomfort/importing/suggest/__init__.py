@@ -13,6 +13,7 @@ from vrcomfort.importing.convert import import_files
 from vrcomfort.importing.files import as_table, read_grids, repeated_runs
 from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
+from vrcomfort.importing.sections import sections
 from vrcomfort.importing.source import Grid, Reading, SourceTable
 from vrcomfort.importing.suggest.draft import (
     REFUSED,
@@ -91,7 +92,8 @@ def suggest_mapping(
     read = [table for file in files for table in _tables(file, known)]
     groups: dict[tuple[object, ...], list[SourceTable]] = {}
     for table in read:
-        groups.setdefault((table.headings, table.reading.heading_rows), []).append(table)
+        rows = None if table.reading.sections else table.reading.heading_rows
+        groups.setdefault((table.headings, rows), []).append(table)
     drafts = [TableDraft(tables, known) for tables in groups.values()]
     useful = [draft for draft in drafts if draft.gives] or drafts
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
@@ -126,7 +128,11 @@ def suggest_mapping(
 
 
 def _tables(file: Path, known: Known) -> list[SourceTable]:
-    return [_table(grid, known) for grid in read_grids(file, Reading()) if grid.rows]
+    grids = [grid for grid in read_grids(file, Reading()) if grid.rows]
+    parts = [sections(grid) for grid in grids]
+    if any(len(each) > 1 for each in parts):
+        grids = [replace(g, reading=g.reading._replace(sections=True)) for p in parts for g in p]
+    return [_table(grid, known) for grid in grids]
 
 
 def _table(grid: Grid, known: Known) -> SourceTable:

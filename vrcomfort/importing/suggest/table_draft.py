@@ -236,9 +236,13 @@ class TableDraft:
             values["separator"] = read.separator
         if read.decimal == ",":
             values["decimal"] = ","
-        if self.table.file.suffix.lower() not in {".json", ".jsonl", ".ndjson"}:
+        if read.sections:
+            values["sections"] = True
+            question = "Do several tables stand one below the other, each below a title or a gap?"
+            self.doubts.append(OpenDoubt(question, f"they do: {', '.join(sheets)}", *LAYOUT))
+        elif self.table.file.suffix.lower() not in {".json", ".jsonl", ".ndjson"}:
             values["heading_rows"] = list(read.heading_rows or ())
-        if read.skip_rows:
+        if read.skip_rows and not read.sections:
             values["skip_rows"] = list(read.skip_rows)
         if read.transpose:
             values["transpose"] = True
