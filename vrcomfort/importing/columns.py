@@ -474,7 +474,9 @@ class RowFacts:
             text = self._said(name, fact, columns, cells)
             if text or (not columns and "" in fact.values):
                 facts[name] = self.renamed(name, text, row) if fact.values else text
-        if self._mapping.participant.count:
+        if self._mapping.participant.count and "participant" in facts:
+            facts["participant"] = self._numbers.of(("participant",), facts["participant"])
+        elif self._mapping.participant.count:
             facts["participant"] = f"R{row:03d}"
         return facts
 

@@ -53,7 +53,8 @@ class Fact(Settings):
     """With `order`: the fact that numbers the questionnaires of a row."""
     count: bool = False
     """Number what is met, from 1 for each participant, in the order of the rows: the different
-    texts of the column, or (without one) each exposure. For participants: number the rows."""
+    texts of the column, or (without one) each exposure. For participants: number the texts, which
+    may be names of people, or (without a column) the rows."""
 
 
 class Read(Settings):

@@ -85,6 +85,8 @@ class Context:
         Name → its column, as decided so far.
     derived
         Columns that are sums or means of others.
+    symptoms
+        The answers are to symptoms, which are asked before exposure, too.
     """
 
     table: SourceTable
@@ -97,6 +99,7 @@ class Context:
     columns: dict[str, tuple[int, ...]] = field(default_factory=dict)
     covariates: dict[str, int] = field(default_factory=dict)
     derived: frozenset[int] = frozenset()
+    symptoms: bool = True
 
 
 class HeadingEvidence(NamedTuple):
@@ -301,6 +304,14 @@ def _codes_of_people(context: Context, column: int) -> bool:
     return column in context.roles.metadata and personal and len(words) > 1 and codes
 
 
+def _recurring_names(context: Context, column: int) -> bool:
+    """Return whether a column under a heading for names has each of several people a few times."""
+    words = texts(context.table, column)
+    personal = is_personal(context.table.headings[column], context.vocabulary)
+    several = 1 < len(words) <= len(context.table.rows) * 2 / 3
+    return column in context.roles.metadata and personal and several
+
+
 def _timepoints_under_heading(context: Context, column: int) -> bool:
     return column in context.roles.facts["timepoint"] and bool(_timepoints(context, column))
 
@@ -319,8 +330,12 @@ def _timepoints(context: Context, column: int) -> list[str]:
 def _baseline_among_conditions(context: Context, column: int) -> bool:
     """Return whether some texts of a column mean before exposure, and others conditions."""
     roles = context.roles.facts
-    if column not in {*roles["timepoint"], *roles["condition"]} or context.time is not None:
-        return False  # ratings are given during exposure
+    open_ = {*roles["timepoint"], *roles["condition"]}
+    if context.table.reading.transpose and column == 0:
+        open_.add(column)
+    # Ratings are given during exposure, and a system is judged after its use.
+    if column not in open_ or context.time is not None or not context.symptoms:
+        return False
     said = [context.vocabulary.timepoint(word) for word in texts(context.table, column)]
     return "baseline" in said and None in said and len(said) <= MOST_CONDITIONS
 
@@ -437,6 +452,14 @@ BASELINE_AMONG_CONDITIONS = CellEvidence(
 OTHER_TIMEPOINTS = CellEvidence(
     "timepoint", "a few other texts under its heading", 10, _other_texts_under_timepoint
 )
+CODES_IN_ROWS = CellEvidence(
+    "participant", "codes, each in several rows", 25, _codes_in_equally_many_rows,
+    "Does {heading!r} tell participants apart?", "it does",
+)  # fmt: skip
+RECURRING_NAMES = CellEvidence(
+    "participant", "names, each in several rows", 15, _recurring_names,
+    "Does {heading!r} tell participants apart?", "it does; they are numbered, without their names",
+)  # fmt: skip
 COUNTS_EXPOSURES = CellEvidence(
     "condition", "a number of exposures", 20, _counts_exposures,
     "Is {heading!r} the condition?", "it is, for want of another",
@@ -452,10 +475,7 @@ CELLS: tuple[CellEvidence, ...] = (
         "participant", "short texts, others for each row or person", 30, _tells_people_apart,
         "Does {heading!r} tell participants apart?", "it does",
     ),
-    CellEvidence(
-        "participant", "codes, each in several rows", 25, _codes_in_equally_many_rows,
-        "Does {heading!r} tell participants apart?", "it does",
-    ),
+    CODES_IN_ROWS,
     CellEvidence(
         "participant", "numbers of rows without a heading", 5, _counts_rows,
         "Does {heading!r} tell participants apart?", "it does, for want of another",
@@ -464,6 +484,7 @@ CELLS: tuple[CellEvidence, ...] = (
         "participant", "codes under a heading for names", 20, _codes_of_people,
         "Does {heading!r} tell participants apart?", "it does; it holds codes, no names of people",
     ),
+    RECURRING_NAMES,
     CellEvidence("timepoint", "timepoints under their heading", 40, _timepoints_under_heading),
     CellEvidence("timepoint", "two timepoints or more, any heading", 30, _several_timepoints),
     BASELINE_AMONG_CONDITIONS,
@@ -574,6 +595,20 @@ def total_rows(table: SourceTable, column: int, totals: Collection[str]) -> list
     ]
     found = found if len(cells) >= 2 * len(found) else []
     return found + _between_codes(cells)
+
+
+def scores_of_others(
+    table: SourceTable, column: int, vocabulary: LabVocabulary
+) -> list[str]:
+    """Return the texts such as ``Score P01``, which name what was computed for another text."""
+    cells = texts(table, column)
+    bare = {plain(cell) for cell in cells}
+    words = vocabulary.scale_fillers | {plain(word) for word in vocabulary.totals if len(word) > 2}
+
+    def rest(text: str) -> str:
+        return plain(" ".join(word for word in text.split() if plain(word) not in words))
+
+    return [text for text in cells if rest(text) != plain(text) and rest(text) in bare]
 
 
 def _is_total(text: str, totals: Collection[str]) -> bool:

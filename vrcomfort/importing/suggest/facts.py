@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from vrcomfort.importing.suggest.codes import codes_in
 from vrcomfort.importing.suggest.conditions import Conditions
 from vrcomfort.importing.suggest.draft import (
     CURIOUS,
@@ -14,7 +15,10 @@ from vrcomfort.importing.suggest.draft import (
 )
 from vrcomfort.importing.suggest.evidence import (
     BASELINE_AMONG_CONDITIONS,
+    FIRST_COLUMNS,
+    CODES_IN_ROWS,
     OTHER_TIMEPOINTS,
+    RECURRING_NAMES,
     Context,
     candidates,
     is_numeric,
@@ -37,6 +41,7 @@ class _Facts(FactDraft):
     def __init__(self, context: Context, answers: AnswersFound) -> None:
         super().__init__(answers, DraftedFacts(context), {})
         self._varying: list[int] = []
+        self._codes()
         self._participant_column()
         self._order()
         self._names_of_files()
@@ -73,7 +78,36 @@ class _Facts(FactDraft):
         named = "condition" in self._answers.said or "condition" in self._named
         return named or any(texts(self._table, column) for column in columns)
 
+    def _codes(self) -> None:
+        """Take participant and timepoint, or condition, from codes that say both."""
+        facts = self._roles.facts
+        columns = sorted({*facts["participant"], *facts["timepoint"], *self._roles.unknown})
+        for column in columns[:FIRST_COLUMNS]:
+            codes = codes_in(self._table.column(column), self._vocabulary)
+            if codes is None:
+                continue
+            fact = "timepoint" if codes.timepoints else "condition"
+            if fact in self._answers.said or any(c != column for c in facts[fact]):
+                return
+            self._roles.forget(column)
+            facts["participant"].insert(0, column)
+            words = {
+                code: (self._vocabulary.timepoint(word) or word) if codes.timepoints else word
+                for code, word in codes.words.items()
+            }
+            self._context.participant = column
+            self.use(fact, column, values=words)
+            self.use("participant", column, values=codes.people)
+            code = next(iter(words))
+            question = f"Does {code!r} in {self.heading(column)!r} mean two things?"
+            self.doubt(
+                question, f"participant {codes.people[code]}, {fact} {words[code]}", PEOPLE
+            )
+            return
+
     def _participant_column(self) -> None:
+        if self._context.participant is not None:
+            return
         columns = self._roles.facts.get("participant", [])
         columns = [c for c in columns if len(texts(self._table, c)) > 1] or columns
         columns = [c for c in columns if not self._has_codes(c)] or columns
@@ -102,14 +136,15 @@ class _Facts(FactDraft):
     def _names_of_files(self) -> None:
         """Take facts from the names of sheets, or of files."""
         answers = self._answers
-        wanted = [] if self._context.participant is not None else ["participant"]
-        wanted += (
-            []
-            if "condition" in answers.said or self._roles.facts.get("condition")
-            else ["condition"]
-        )
-        if "timepoint" not in answers.said and not self._roles.facts.get("timepoint"):
-            wanted.append("timepoint")
+        people = candidates("participant", self._roles.unknown, self._context)
+        coded = any(each.evidence is CODES_IN_ROWS for each in people)
+        wanted = [] if coded or self._context.participant is not None else ["participant"]
+        known = {*answers.said, *self._context.columns}
+        wanted += [
+            fact
+            for fact in ("condition", "timepoint")
+            if fact not in known and not self._roles.facts.get(fact)
+        ]
         if not self._roles.facts.get("session"):
             wanted.append("session")
         sheets = list(dict.fromkeys(table.sheet for table in answers.tables))
@@ -135,13 +170,17 @@ class _Facts(FactDraft):
 
     def _participant(self) -> None:
         column = self._context.participant
-        if "participant" in self._named:
+        if "participant" in self._named or "participant" in self._context.columns:
             return
         if column is None:
             columns = (*self._roles.unknown, *self._roles.metadata)
             for found in candidates("participant", columns, self._context)[:1]:
                 column = found.column
                 self.doubt_of(found)
+                if found.evidence is RECURRING_NAMES:
+                    self._context.participant = column
+                    self.use("participant", column, "numbered, without the names", count=True)
+                    return
                 if column in self._roles.unknown:
                     self._roles.unknown.remove(column)
         if column is not None:
@@ -203,7 +242,7 @@ class _Facts(FactDraft):
         )
 
     def _timepoint(self) -> None:
-        if "timepoint" in self._answers.said:
+        if "timepoint" in self._answers.said or "timepoint" in self._context.columns:
             return
         facts = self._roles.facts
         columns = (*facts["timepoint"], *self._roles.unknown, *facts["condition"])

@@ -85,14 +85,30 @@ def stands_on_its_side(grid: Grid, known: Known) -> bool:
         return False
     first = [row[0] for row in grid.rows if row[0]]
     others = {cell for row in grid.rows[1:] for cell in row[1:] if cell}
-    if len(set(first)) < len(first) or len(others) > 30:
+    if len(set(first)) < len(first):
         return False
+    if len(others) > _MOST_ANSWERS:
+        return _numbered_on_its_side(grid, first, known)
     for instrument in known.instruments:
         spellings = known.vocabulary.spellings(instrument)
         named = {spellings[plain(text)] for text in first if plain(text) in spellings}
         if len(named) >= 4 and len(named) * 2 >= len(first):
             return True
-    return False
+    return _numbered_on_its_side(grid, first, known)
+
+
+def _numbered_on_its_side(grid: Grid, first: Sequence[str], known: Known) -> bool:
+    """Return whether the numbers of an instrument's items stand in front, people at the top."""
+    top = [cell for cell in grid.rows[0][1:] if cell]
+    people = len({*top}) == len(top) > 1 and not any(map(is_number, top))
+    numbers = [int(text) for text in first if text.isdecimal()]
+    said = mentions(f"{grid.file.stem} {grid.sheet}", known.instruments)
+    counts = {len(i.asked) for i in known.instruments if i.name in said and len(i.asked) > 1}
+    return people and len(numbers) in counts and numbers == [*range(1, len(numbers) + 1)]
+
+
+_MOST_ANSWERS = 30
+"""Different answers to a questionnaire."""
 
 
 def _best_long(found: list[Long]) -> list[Long]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, Generic, TypeVar
 
 from vrcomfort.importing.answers import number, time_in_words_s
@@ -39,6 +40,7 @@ from vrcomfort.importing.suggest.evidence import (
     is_personal,
     repeated_headings,
     roles_of,
+    scores_of_others,
     texts,
     total_rows,
 )
@@ -134,10 +136,19 @@ class AnswerColumns:
         return any(self._found.values())
 
     @property
+    def instruments(self) -> set[str]:
+        """Return the names of the instruments that were found."""
+        return {each.instrument.name for found in self._found.values() for each in found}
+
+    @property
     def leading(self) -> Layout[Any] | None:
         """Return the layout with the facts of a row in its headings, if there is one."""
         leading: tuple[Layout[Any], ...] = (BLOCKS, SCORES, RATINGS)
         return next((each for each in leading if self[each]), None)
+
+
+_OF_WHAT_WAS_USED = frozenset(["ipq", "nasa_tlx", "sus"])
+"""Instruments about a system, a task or a scene: none is asked before its use."""
 
 
 def _placed_in_short(drafts: Sequence[TomlDraft]) -> list[TomlDraft]:
@@ -164,6 +175,13 @@ def _together(one: object, other: object) -> object:
     return [
         *(one if isinstance(one, list) else [one]), *(other if isinstance(other, list) else [other])
     ]  # fmt: skip
+
+
+def _blanks_recur(cells: Sequence[str]) -> bool:
+    """Return whether most codes have blanks below them: the last one alone may have notes there."""
+    places = [place for place, cell in enumerate(cells) if cell]
+    below = [b - a - 1 for a, b in pairwise([*places, len(cells)])]
+    return sum(map(bool, below)) * 2 > len(below)
 
 
 _AGAIN = re.compile(r" ?\(\d\)$")
@@ -388,6 +406,7 @@ class TableDraft:
             one_row_each=single,
             time=time,
             derived=self._derived(),
+            symptoms=not self._answers.instruments <= _OF_WHAT_WAS_USED,
         )
 
     def _derived(self) -> frozenset[int]:
@@ -413,6 +432,7 @@ class TableDraft:
                 for text in total_rows(table, column, self._vocabulary.totals)
             ]
             found += repeated_headings(self.table, column)
+            found += scores_of_others(self.table, column, self._vocabulary)
             if found:
                 rows = tuple(row for row in self.table.rows if row[column] not in found)
                 self.table = replace(self.table, rows=rows)
@@ -425,7 +445,7 @@ class TableDraft:
         columns = roles_of(self.table, first, self._vocabulary).facts.get("participant", [])
         for column in columns or ([0] if self.table.reading.transpose else []):
             cells = self.table.column(column)
-            if cells[0] and cells.count("") * 4 >= len(cells):
+            if cells[0] and cells.count("") * 4 >= len(cells) and _blanks_recur(cells):
                 name, above, rows = self.table.headings[column], "", []
                 for row in self.table.rows:
                     above = row[column] or above
