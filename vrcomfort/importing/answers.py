@@ -8,7 +8,8 @@ from difflib import get_close_matches
 
 from vrcomfort.importing.mapping import AnswerCoding, Questionnaire
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.questionnaire import Answer, Instrument
+from vrcomfort.questionnaire import Answer, Answers, Instrument
+from vrcomfort.questionnaire.answers import exact
 
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?")
 
@@ -36,6 +37,14 @@ def time_in_words_s(text: str) -> float | None:
         return None
     hours, minutes, seconds = (float(each or 0) for each in match.groups())
     return 3600 * hours + 60 * minutes + seconds
+
+
+def rounded(answer: float, answers: Answers) -> float:
+    """Return an answer rounded to the steps of answers that have fractions, as sliders give."""
+    if answers.step >= 1:
+        return answer
+    step = exact(answers.step)
+    return float(round(exact(answer) / step) * step)
 
 
 class AnswerReader:
@@ -91,6 +100,7 @@ class AnswerReader:
             answer = self._stretched(value)
             if self._reverse_coded:
                 answer = self._answers.low + self._answers.high - answer
+            answer = rounded(answer, self._answers)
         answer = int(answer) if float(answer).is_integer() else answer
         if not self._answers.low <= answer <= self._answers.high:
             raise self._table.fault(self._out_of_range(text, answer), row, column)

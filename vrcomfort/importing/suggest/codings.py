@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import CODING, INSTRUMENT, REFUSED, OpenDoubt
+from vrcomfort.importing.suggest.draft import CODING, INSTRUMENT, REFUSED, ROWS, OpenDoubt
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 from vrcomfort.questionnaire import Instrument, never_zero, plain, shipped_instruments
 
@@ -82,9 +82,11 @@ def coding_of_texts(
     values: dict[int, int] = {}
     words: dict[str, int] = {}
     broken: list[str] = []
+    fractions: list[float] = []
     for text, count in counts.items():
         value = number(text, decimal)
-        if value is not None and not value.is_integer() and instrument.answers.has(value):
+        if value is not None and not value.is_integer() and _has_fraction(instrument, value):
+            fractions.append(value)
             continue
         if value is not None and value.is_integer():
             values[int(value)] = values.get(int(value), 0) + count
@@ -97,12 +99,28 @@ def coding_of_texts(
         question = f"Why are answers {shown}, where those of {instrument.name} are whole numbers?"
         found.doubts.append(OpenDoubt(question, "the import will refuse them", *REFUSED))
     numbered, shifts = _words(words, values, instrument, found, vocabulary)
-    _numbers(values, instrument, found, shifts)
+    _numbers(values, instrument, found, shifts, fractions)
+    _rounded(fractions, instrument, found)
     _doubled(found, instrument)
     for text, number_said in numbered.items():
         found.answers[text] = found.answer_of(number_said, instrument)
     found.answers = dict(sorted(found.answers.items(), key=lambda each: each[1]))
     return found
+
+
+def _has_fraction(instrument: Instrument, value: float) -> bool:
+    """Return whether a value is an answer of an instrument with fractions, perhaps a finer one."""
+    answers = instrument.answers
+    return answers.has(value) or (answers.step < 1 and answers.low <= value <= answers.high)
+
+
+def _rounded(fractions: Sequence[float], instrument: Instrument, found: Coding) -> None:
+    """Ask whether answers of sliders may be rounded, where they are finer than ours."""
+    finer = [v for v in fractions if not instrument.answers.has(v * (found.times or 1))]
+    if finer:
+        step = instrument.answers.step
+        question = f"May answers such as {finer[0]:g} be rounded to {step}, as this scale has them?"
+        found.doubts.append(OpenDoubt(question, "they are rounded", *ROWS))
 
 
 def _words(
@@ -197,7 +215,11 @@ def _doubled(found: Coding, instrument: Instrument) -> None:
 
 
 def _numbers(
-    values: dict[int, int], instrument: Instrument, found: Coding, shifts: Set[int]
+    values: dict[int, int],
+    instrument: Instrument,
+    found: Coding,
+    shifts: Set[int],
+    fractions: Sequence[float],
 ) -> None:
     """Find the coding of the numbers among answers.
 
@@ -205,6 +227,8 @@ def _numbers(
     ----------
     shifts
         By how much numbers exceed the answers that words beside them say: ``1 (none)`` is 0.
+    fractions
+        Answers that are no whole numbers.
     """
     low, high = int(instrument.low), int(instrument.high)
     outside = sorted(value for value in values if not low <= value <= high)
@@ -244,15 +268,14 @@ def _numbers(
         question = f"What do the answers {shown} mean? {instrument.name} has {low} to {high}."
         found.doubts.append(OpenDoubt(question, "the import will refuse them", *REFUSED))
     # The task load index is printed with 21 marks, of which labs type the number.
-    elif high >= 100 and inside and max(inside) <= 21:
-        found.times = 10 if max(inside) <= 10 else 5
-        found.coded_from = 1 if max(inside) == 21 else None
-        question = f"Answers of {instrument.short} are {low} to {high}, these {min(inside)} to"
-        doubt = OpenDoubt(
-            f"{question} {max(inside)}: are they marks?", f"times {found.times}", *CODING
-        )
+    elif high >= 100 and 0 < max([*inside, *fractions], default=0) <= 21:
+        least, most = min([*inside, *fractions]), max([*inside, *fractions])
+        found.times = 100 if fractions and most <= 1 else 10 if most <= 10 else 5
+        found.coded_from = 1 if most == 21 else None
+        question = f"Answers of {instrument.short} are {low} to {high}, these {least:g} to"
+        doubt = OpenDoubt(f"{question} {most:g}: are they marks?", f"times {found.times}", *CODING)
         found.doubts.append(doubt)
-    elif not found.answers and (
+    elif not found.answers and not fractions and (
         count := never_zero(instrument, {value: values[value] for value in inside})
     ):
         found.coded_from = low + 1

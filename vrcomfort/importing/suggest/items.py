@@ -625,6 +625,10 @@ def _by_position(
     for instrument in sorted(instruments, key=lambda each: each.name not in said):
         count = len(instrument.asked)
         answers = {*instrument.answers.plain, str(instrument.high + 1), ""}
+        if not instrument.answers.plain:  # too many to list
+            texts = {text for c in range(len(table.headings)) for text in table.column(c)}
+            read = {text: number(text, table.reading.decimal or ".") for text in texts}
+            answers |= {t for t, v in read.items() if v is not None and instrument.answers.has(v)}
         agreed = {*known.vocabulary.agreement} if _agrees(instrument) else set()
         cells = [{*table.column(c)} - {""} for c in range(len(table.headings))]
         fits = [

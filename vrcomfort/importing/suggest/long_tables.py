@@ -155,6 +155,10 @@ def _named_in_rows(
     sure = sum(how == "name" for how in hows.values())
     if sure >= min(4, len(instrument.asked)) and len(instrument.asked) > 1:
         return items, hows
+    initials = known.vocabulary.initials(instrument)
+    short = {initials[plain(w)]: w for w in words if plain(w) in initials}
+    if len(short) == len(words) == len(instrument.asked):
+        return short, dict.fromkeys(short, "initials")
     return _numbered_in_rows(table, column, words, instrument, known)
 
 

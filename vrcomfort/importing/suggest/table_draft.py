@@ -216,6 +216,7 @@ class TableDraft:
         """Condition that headings say → how they write it."""
         self._totals = self._total_rows()
         self._fill_down()
+        self._rows_below()
         self.gives = False
         """Whether there is anything to import."""
         self._files()
@@ -456,6 +457,18 @@ class TableDraft:
                 self.doubts.append(OpenDoubt(question, "they do", *PEOPLE))
                 return
 
+    def _rows_below(self) -> None:
+        """Take rows below the last participant out of the table: statistics stand there."""
+        first = range(min(FIRST_COLUMNS, len(self.table.headings)))
+        named = roles_of(self.table, first, self._vocabulary).facts.get("participant", [])
+        named = named or ([0] if self.table.reading.transpose else [])
+        cells = self.table.column(named[0]) if named else []
+        last = max((place for place, cell in enumerate(cells) if cell), default=-1)
+        if 0 <= last < len(cells) - 1:
+            kept = self.table.rows[: last + 1]
+            self.table = replace(self.table, rows=kept)
+            self._totals[named[0]] = [*self._totals.get(named[0], []), ""]
+
     def _nobodys_rows(self) -> None:
         """Take rows without a participant out of the table: means often stand in them."""
         named = self._roles.facts.get("participant", [])
@@ -467,9 +480,9 @@ class TableDraft:
             self._totals[named[0]] = [*self._totals.get(named[0], []), ""]
 
     def _leave_out(self, participant: int | None) -> None:
-        out = dict(self._totals)
+        out = {column: list(dict.fromkeys(found)) for column, found in self._totals.items()}
         if participant is not None and not all(self.table.column(participant)):
-            out[participant] = [*out.get(participant, []), ""]
+            out[participant] = list(dict.fromkeys([*out.get(participant, []), ""]))
         if not out:
             return
         names = self.table.headings
