@@ -151,6 +151,19 @@ def _fact_word(text: str, vocabulary: LabVocabulary, *, most: int) -> list[str]:
     return [fact for fact, known in vocabulary.fact_words.items() if words & known]
 
 
+def _label_inside(text: str, vocabulary: LabVocabulary) -> list[str]:
+    """Return the role of a label in a heading of a language that is written without spaces."""
+    key = plain(text)
+    if len(key) > _LONGEST_UNSPACED:
+        return []
+    inside = [label for label in vocabulary.roles if label in key and _UNSPACED.search(label)]
+    return [vocabulary.roles[max(inside, key=len)]] if inside else []
+
+
+_UNSPACED = re.compile("[\u3040-\u30ff\u3400-\u9fff\uac00-\ud7af]")
+_LONGEST_UNSPACED = 20
+
+
 def _label(text: str, vocabulary: LabVocabulary, kind: Callable[[str], bool]) -> list[str]:
     role = vocabulary.roles.get(plain(text), "")
     return [role] if role and kind(role) else []
@@ -204,6 +217,7 @@ HEADINGS: tuple[HeadingEvidence, ...] = (
         60,
         lambda t, v: _label(t, v, lambda r: r not in {*FACTS, IGNORED}),
     ),
+    HeadingEvidence("a label in a heading without spaces", 55, _label_inside),
     HeadingEvidence("a word for a covariate, among at most 6 words", 50, _covariate_word),
     HeadingEvidence(
         "a word that is a covariate's label, among at most 3 words", 40, _word_of_covariate_label

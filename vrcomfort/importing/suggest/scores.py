@@ -12,6 +12,7 @@ from vrcomfort.importing.made_instruments import on_scale
 from vrcomfort.importing.mapping import ScoreKind, scale_named
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.block_conditions import numbers_in_words
+from vrcomfort.importing.suggest.evidence import roles_of
 from vrcomfort.importing.suggest.items import FoundAnswers, mentions
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
@@ -49,7 +50,39 @@ def find_scores(table: SourceTable, columns: Sequence[int], known: Known) -> lis
             own = _of_instrument(table, left, instrument, known.vocabulary)
             left = [c for c in left if all(c not in each.scales.values() for each in own)]
             found += own
-    return found
+    return found or _by_condition(table, left, known)
+
+
+def _by_condition(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundScores]:
+    """Return columns of totals that are called after their conditions, in a file called ``SUS``.
+
+    None is called after a person, a covariate or a measure, and all numbers can be totals.
+    """
+    said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
+    named = [each for each in known.instruments if each.name in said and len(each.asked) > 1]
+    for instrument in named if len(named) == 1 else ():
+        free = [*roles_of(table, columns, known.vocabulary).unknown]
+        totals = [c for c in free if _are_totals(table, c, instrument)]
+        values = [value for column in totals for value in values_of(table, column)]
+        above = sum(value > instrument.high or not value.is_integer() for value in values)
+        words = [tuple(tokens(table.headings[column])) for column in totals]
+        if len(totals) > 1 and above * 2 > len(values) and all(words):
+            scale = instrument.primary
+            return [
+                FoundScores(instrument, context, {scale: column})
+                for context, column in zip(words, totals, strict=True)
+            ]
+    return []
+
+
+def _are_totals(table: SourceTable, column: int, instrument: Instrument) -> bool:
+    """Return whether all cells of a column are numbers that a total can be."""
+    scale = scale_named(instrument, instrument.primary)
+    cells = [cell for cell in table.column(column) if cell]
+    values = values_of(table, column)
+    if scale is None or len(values) < max(len(cells), 2):
+        return False
+    return all(on_scale(value, scale, "score") is not None for value in values)
 
 
 def _of_instrument(
