@@ -562,8 +562,11 @@ def import_files(
     seen: list[set[tuple[str, str]]] = [set() for _ in mapping.tables]
     for file in files:
         found = [i for i, each in enumerate(mapping.tables) if _is_of(file, each)]
+        if not found and any(fnmatchcase(file.name, each) for each in mapping.ignore_files):
+            continue
         if not found:
-            raise InputError("no table of the mapping names this file; add it", file=file)
+            message = "no table of the mapping names this file; add it, or list it under"
+            raise InputError(f"{message} ignore_files", file=file)
         used.update(found)
         taken = []
         for index in found:

@@ -251,6 +251,8 @@ class LabMapping(Settings):
     instruments: tuple[str, ...] = ()
     """A lab's own instruments: their TOML files, beside the mapping."""
     ignore_sheets: tuple[str, ...] = ()
+    ignore_files: tuple[str, ...] = ()
+    """Names of files that hold no answers; ``*`` and ``?`` as in a terminal."""
     tables: Annotated[tuple[TableMapping, ...], Field(min_length=1)]
     doubts: tuple[Doubt, ...] = ()
     guesses: tuple[Guess, ...] = ()

@@ -96,6 +96,6 @@ def _alike(row: Sequence[str], heading: Sequence[str]) -> bool:
 def _begins(rows: Sequence[Sequence[str]]) -> bool:
     """Return whether rows are headings and data below them."""
     words = [cell for cell in rows[0] if cell]
-    named = len(words) >= _FEWEST_WORDS and not any(map(is_number, words))
+    named = len({*words}) >= _FEWEST_WORDS and not any(map(is_number, words))
     numbers = sum(is_number(cell) for row in rows[1 : 1 + _FEWEST_ROWS] for cell in row)
     return named and len(rows) > _FEWEST_ROWS and numbers >= _FEWEST_ROWS and is_heading(rows)

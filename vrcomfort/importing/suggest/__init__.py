@@ -172,13 +172,19 @@ _FEWEST_ALIKE = 24
 def _ignored_sheets(
     top: TomlDraft, drafts: list[TableDraft], useful: list[TableDraft]
 ) -> list[OpenDoubt]:
-    """List sheets in which no answers were found, and ask."""
-    others = [d.table.sheet for d in drafts if d not in useful and d.table.sheet]
-    if not others:
-        return []
-    top.put("ignore_sheets", [*map(pattern_of, others)])
-    question = f"May the sheets {', '.join(others)} be left out? No other answers were found."
-    return [OpenDoubt(question, "yes", *ROWS)]
+    """List sheets and files in which no answers were found, and ask."""
+    doubts = []
+    rest = [draft for draft in drafts if draft not in useful]
+    used = {name for draft in useful for name in draft.files}
+    sheets = [d.table.sheet for d in rest if d.table.sheet]
+    files = [name for draft in rest for name in draft.files if name not in used]
+    for what, others in (("sheets", sheets), ("files", files)):
+        if others:
+            top.put(f"ignore_{what}", [*map(pattern_of, dict.fromkeys(others))])
+            shown = ", ".join(dict.fromkeys(others))
+            question = f"May the {what} {shown} be left out? No other answers were found."
+            doubts.append(OpenDoubt(question, "yes", *ROWS))
+    return doubts
 
 
 def _tried(

@@ -87,6 +87,8 @@ class _Facts(FactDraft):
             if codes is None:
                 continue
             fact = "timepoint" if codes.timepoints else "condition"
+            if any(c != column for c in facts["participant"]):
+                return  # a column of keys, made of that of the people
             if fact in self._answers.said or any(c != column for c in facts[fact]):
                 return
             self._roles.forget(column)
@@ -186,6 +188,12 @@ class _Facts(FactDraft):
         if column is not None:
             self._context.participant = column
             self.use("participant", column)
+            return
+        if not self._context.one_row_each:
+            person = self._table.file.name.removesuffix(self._table.file.suffix)
+            self.found.draft.put("participant", {"constant": person})
+            question = "No column tells participants apart: are all answers of one person?"
+            self.doubt(question, f"they are, of {person!r}", PEOPLE)
             return
         self.found.draft.put("participant", {"count": True}, "the number of the row")
         self.doubt(

@@ -83,6 +83,9 @@ def stands_on_its_side(grid: Grid, known: Known) -> bool:
     responses = known.vocabulary.response_labels
     if grid.named or width < 3 or any(plain(cell) in responses for cell in grid.rows[0]):
         return False
+    top = {plain(word) for cell in grid.rows[0] for word in (cell, *tokens(cell)) if len(word) > 1}
+    if top & {*map(plain, known.vocabulary.totals)}:
+        return False  # means and deviations of groups
     first = [row[0] for row in grid.rows if row[0]]
     others = {cell for row in grid.rows[1:] for cell in row[1:] if cell}
     if len(set(first)) < len(first):

@@ -12,7 +12,7 @@ from vrcomfort.importing.made_instruments import on_scale
 from vrcomfort.importing.mapping import ScoreKind, scale_named
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.block_conditions import numbers_in_words
-from vrcomfort.importing.suggest.evidence import roles_of
+from vrcomfort.importing.suggest.evidence import roles_of, texts
 from vrcomfort.importing.suggest.items import FoundAnswers, mentions
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
@@ -60,12 +60,17 @@ def _by_condition(table: SourceTable, columns: Sequence[int], known: Known) -> l
     """
     said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
     named = [each for each in known.instruments if each.name in said and len(each.asked) > 1]
+    words = {word for heading in table.headings for word in (plain(heading), *tokens(heading))}
+    if {word for word in words if len(word) > 1} & {*map(plain, known.vocabulary.totals)}:
+        return []  # means and deviations
     for instrument in named if len(named) == 1 else ():
         free = [*roles_of(table, columns, known.vocabulary).unknown]
         totals = [c for c in free if _are_totals(table, c, instrument)]
         values = [value for column in totals for value in values_of(table, column)]
         above = sum(value > instrument.high or not value.is_integer() for value in values)
         words = [tuple(tokens(table.headings[column])) for column in totals]
+        if _has_items_in_rows(table, instrument, known.vocabulary):
+            return []
         if len(totals) > 1 and above * 2 > len(values) and all(words):
             scale = instrument.primary
             return [
@@ -73,6 +78,18 @@ def _by_condition(table: SourceTable, columns: Sequence[int], known: Known) -> l
                 for context, column in zip(words, totals, strict=True)
             ]
     return []
+
+
+def _has_items_in_rows(
+    table: SourceTable, instrument: Instrument, vocabulary: LabVocabulary
+) -> bool:
+    """Return whether the rows are items or scales, and not people."""
+    known = {*vocabulary.spellings(instrument), *_scale_words(instrument, vocabulary)}
+    columns = (texts(table, column) for column in range(len(table.headings)))
+    return any(sum(plain(text) in known for text in each) >= _FEWEST_NAMED for each in columns)
+
+
+_FEWEST_NAMED = 3
 
 
 def _are_totals(table: SourceTable, column: int, instrument: Instrument) -> bool:

@@ -238,8 +238,13 @@ class TableDraft:
         """Column of a score whose answers are there → why it is ignored."""
         self._write()
 
+    @property
+    def files(self) -> list[str]:
+        """Return the names of the files."""
+        return list(dict.fromkeys(table.file.name for table in self._tables))
+
     def _files(self) -> None:
-        names = list(dict.fromkeys(table.file.name for table in self._tables))
+        names = self.files
         self.draft.put("files", [*map(pattern_of, names)])
         sheets = list(dict.fromkeys(table.sheet for table in self._tables if table.sheet))
         if sheets:
