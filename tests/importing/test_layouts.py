@@ -152,7 +152,7 @@ def test_who_has_a_row_twice_is_named(tmp_path: Path) -> None:
     assert "row 18 is the same as row 5" in doubt
 
 
-def test_codes_under_name_tell_people_apart_and_names_do_not(tmp_path: Path) -> None:
+def test_codes_under_name_tell_people_apart_and_names_are_numbered(tmp_path: Path) -> None:
     rows = crossover(["a", "b"])
     rows[0][0] = "Name"
     coded = suggest_mapping([write(tmp_path / "x.csv", rows)])
@@ -162,7 +162,9 @@ def test_codes_under_name_tell_people_apart_and_names_do_not(tmp_path: Path) -> 
         row[0] = f"Anna {'ABCDEFGH'[int(str(row[0])[1])]}."
     named = suggest_mapping([write(tmp_path / "y.csv", rows)])
     assert "Anna" not in named.text
-    assert any("No column tells participants apart" in doubt for doubt in named.doubts)
+    assert named.imported is not None
+    assert [*named.imported.participants] == [str(n) for n in range(1, 9)]
+    assert any("numbered, without their names" in doubt for doubt in named.doubts)
 
 
 @pytest.mark.parametrize("title", [(), ("Study 3", "", "exported 2024")])

@@ -192,9 +192,7 @@ def _mostly_multiples(table: SourceTable, block: Found) -> bool:
     """Return whether values can be ratings times weights: at most five times the highest one."""
     values = [value for column in block.columns for value in _of(table, column)]
     above = [value for value in values if value > block.instrument.high]
-    return (
-        max(values) <= _MOST_CHOSEN * block.instrument.high and len(above) * _RARE >= len(values)
-    )
+    return max(values) <= _MOST_CHOSEN * block.instrument.high and len(above) * _RARE >= len(values)
 
 
 _RARE = 20

@@ -275,8 +275,10 @@ def _numbers(
         question = f"Answers of {instrument.short} are {low} to {high}, these {least:g} to"
         doubt = OpenDoubt(f"{question} {most:g}: are they marks?", f"times {found.times}", *CODING)
         found.doubts.append(doubt)
-    elif not found.answers and not fractions and (
-        count := never_zero(instrument, {value: values[value] for value in inside})
+    elif (
+        not found.answers
+        and not fractions
+        and (count := never_zero(instrument, {value: values[value] for value in inside}))
     ):
         found.coded_from = low + 1
         question = (

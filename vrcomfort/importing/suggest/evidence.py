@@ -320,10 +320,12 @@ def _codes_of_people(context: Context, column: int) -> bool:
 
 def _recurring_names(context: Context, column: int) -> bool:
     """Return whether a column under a heading for names has each of several people a few times."""
-    words = texts(context.table, column)
+    counts = Counter(cell for cell in context.table.column(column) if cell)
     personal = is_personal(context.table.headings[column], context.vocabulary)
-    several = 1 < len(words) <= len(context.table.rows) * 2 / 3
-    return column in context.roles.metadata and personal and several
+    again = sum(count > 1 for count in counts.values())
+    several = len(counts) > 1 and again * 5 >= len(counts) * 4
+    filled = sum(counts.values()) * 5 >= len(context.table.rows) * 4
+    return column in context.roles.metadata and personal and several and filled
 
 
 def _timepoints_under_heading(context: Context, column: int) -> bool:
@@ -611,9 +613,7 @@ def total_rows(table: SourceTable, column: int, totals: Collection[str]) -> list
     return found + _between_codes(cells)
 
 
-def scores_of_others(
-    table: SourceTable, column: int, vocabulary: LabVocabulary
-) -> list[str]:
+def scores_of_others(table: SourceTable, column: int, vocabulary: LabVocabulary) -> list[str]:
     """Return the texts such as ``Score P01``, which name what was computed for another text."""
     cells = texts(table, column)
     bare = {plain(cell) for cell in cells}

@@ -15,8 +15,8 @@ from vrcomfort.importing.suggest.draft import (
 )
 from vrcomfort.importing.suggest.evidence import (
     BASELINE_AMONG_CONDITIONS,
-    FIRST_COLUMNS,
     CODES_IN_ROWS,
+    FIRST_COLUMNS,
     OTHER_TIMEPOINTS,
     RECURRING_NAMES,
     Context,
@@ -102,9 +102,7 @@ class _Facts(FactDraft):
             self.use("participant", column, values=codes.people)
             code = next(iter(words))
             question = f"Does {code!r} in {self.heading(column)!r} mean two things?"
-            self.doubt(
-                question, f"participant {codes.people[code]}, {fact} {words[code]}", PEOPLE
-            )
+            self.doubt(question, f"participant {codes.people[code]}, {fact} {words[code]}", PEOPLE)
             return
 
     def _participant_column(self) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from os.path import commonprefix
+from itertools import takewhile
 
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 
@@ -109,15 +109,20 @@ def _whole(names: Sequence[str], wanted: Sequence[str]) -> NameParts | None:
     """Take what differs between names, from its first word to its last, for one fact."""
     fact = "condition" if "condition" in wanted else wanted[0]
     split = [_PART.split(name) for name in names]
-    start = len(commonprefix(split))
+    start = _same(split)
     left = min(map(len, split)) - start - 1  # at least a word has to differ
-    end = min(len(commonprefix([parts[::-1] for parts in split])), max(left, 0))
+    end = min(_same([parts[::-1] for parts in split]), max(left, 0))
     before, after = split[0][:start], split[0][len(split[0]) - end :]
     texts = ["".join(parts[start : len(parts) - end]) for parts in split]
     if not all(texts):
         before, after, texts = [], [], list(names)
     template = f"{''.join(before)}{{{fact}}}{''.join(after)}"
     return NameParts(template, {fact: list(dict.fromkeys(texts))})
+
+
+def _same(split: Sequence[Sequence[str]]) -> int:
+    """Return how many parts at the start are the same in all names."""
+    return sum(1 for _ in takewhile(lambda p: len({*p}) == 1, zip(*split, strict=False)))
 
 
 def _made(columns: Sequence[Sequence[str]], roles: dict[int, str]) -> NameParts | None:

@@ -68,14 +68,14 @@ def _by_condition(table: SourceTable, columns: Sequence[int], known: Known) -> l
         totals = [c for c in free if _are_totals(table, c, instrument)]
         values = [value for column in totals for value in values_of(table, column)]
         above = sum(value > instrument.high or not value.is_integer() for value in values)
-        words = [tuple(tokens(table.headings[column])) for column in totals]
+        contexts = [tuple(tokens(table.headings[column])) for column in totals]
         if _has_items_in_rows(table, instrument, known.vocabulary):
             return []
-        if len(totals) > 1 and above * 2 > len(values) and all(words):
+        if len(totals) > 1 and above * 2 > len(values) and all(contexts):
             scale = instrument.primary
             return [
                 FoundScores(instrument, context, {scale: column})
-                for context, column in zip(words, totals, strict=True)
+                for context, column in zip(contexts, totals, strict=True)
             ]
     return []
 
