@@ -9,7 +9,7 @@ from vrcomfort.gpu import shaders
 from vrcomfort.render.draw_list import DrawList
 from vrcomfort.render.materials import materials_per_block
 from vrcomfort.render.output import read_depth, read_linear
-from vrcomfort.render.scene_buffers import MovingRows
+from vrcomfort.render.scene_buffers import PlacedRows
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Image, Material
 from vrcomfort.scene.load import load_scene
@@ -121,12 +121,18 @@ def test_eyes_that_are_looked_for_together_see_what_each_sees_alone(ctx):
 def test_boxes_and_levels_of_what_moves_are_those_of_the_whole_scene(name):
     content = load_scene(name)
     table, poses = DrawList.of(content), NodePoses(content)
-    moving = MovingRows(table, poses.moving[table.node])
+    moving = PlacedRows(table, poses.moving[table.node])
+    every = PlacedRows(table, np.ones(len(table.node), dtype=bool))
     world = content.world_from_node(1.7)
-    centers, halves = table.world_boxes(world, np.arange(len(table.node)))
+    centers, halves = every.boxes(world)
     found = moving.boxes(world)
     np.testing.assert_allclose(found, (centers[moving.rows], halves[moving.rows]))
-    of_nodes = table.node_centers(centers, halves, len(content.nodes))
-    expected = of_nodes[table.node[moving.with_levels]]
-    np.testing.assert_allclose(moving.level_centers(*found), expected)
+    for placed, boxes in ((moving, found), (every, (centers, halves))):
+        expected = np.zeros((0, 3))
+        for row in placed.with_levels:
+            finest = (table.node == table.node[row]) & table.base_level
+            corners = [(centers - halves)[finest].min(0), (centers + halves)[finest].max(0)]
+            expected = np.concatenate([expected, [np.mean(corners, axis=0)]])
+        np.testing.assert_allclose(placed.level_centers(*boxes), expected)
     assert len(moving.rows)
+    assert len(every.with_levels) > len(moving.with_levels)

@@ -17,6 +17,7 @@ from tests.oracles.raycast import cast
 from vrcomfort.geometry import Fov, clip_from_view, rotate, rotation_matrix, yaw_pitch_roll
 from vrcomfort.render import culling
 from vrcomfort.render.draw_list import DrawList
+from vrcomfort.render.scene_buffers import DetailLevels, PlacedRows
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene
 
@@ -165,13 +166,15 @@ def test_at_most_thirty_thousand_triangles_are_in_view(name):
     scene = load_scene(name)
     table = DrawList.of(scene)
     world = scene.world_from_node(0.0)
-    centers, halves = table.world_boxes(world, np.arange(len(table.node)))
-    node_centers = table.node_centers(centers, halves, len(scene.nodes))
+    rows = PlacedRows(table, np.ones(len(table.node), dtype=bool))
+    centers, halves = rows.boxes(world)
+    places = np.zeros((3, len(table.node)))
+    places[:, rows.with_levels] = rows.level_centers(centers, halves).T
+    levels = DetailLevels.of(table, rows.rows)
     triangles = table.commands["index_count"] // 3
     worst = 0
     for point in floor_points(scene, 2.5) + EYE:
-        distance_m = np.linalg.norm(node_centers[table.node] - point, axis=1)
-        level = table.level_in_use(distance_m, np.arange(len(table.node)))
+        level = levels.in_use(places, point)
         for yaw in range(0, 360, 45):
             planes = culling.planes(_clip_from_relative(yaw))
             seen = culling.visible(planes, culling.boxes(centers - point, halves))

@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import operator
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
-from vrcomfort.render import culling
 from vrcomfort.render.culling import SkinBoxes
 from vrcomfort.render.materials import BatchKey, ImageArrays, batch_key, materials_per_block
 from vrcomfort.scene.data import Node, Scene
@@ -115,43 +113,10 @@ class DrawList:
             skin_boxes=SkinBoxes.of(scene, [(item.node, item.primitive) for item in items]),
         )
 
-    def world_boxes(self, world_from_node: Array, rows: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Return centres and half extents of the world-space boxes of some rows."""
-        return culling.transformed_boxes(
-            world_from_node[self.node[rows]], self.centers[rows], self.halves[rows]
-        )
-
-    def level_in_use(self, distance_m: Array, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """Return (rows,) True where a row's level of detail is the one for its distance.
-
-        Parameters
-        ----------
-        distance_m
-            (rows,) from the viewpoint to the `node_centers` of a row's node.
-        """
-        return (distance_m >= self.from_m[rows]) & (distance_m < self.until_m[rows])
-
-    def node_centers(self, centers: Array, halves: Array, nodes: int) -> Array:
-        """Return (nodes, 3) centres of the world boxes around the finest level of each node."""
-        found = np.zeros((nodes, 3))
-        rows, first = self._finest
-        if len(rows):
-            center, half = centers[rows], halves[rows]
-            lower = np.minimum.reduceat(center - half, first)
-            upper = np.maximum.reduceat(center + half, first)
-            found[self.node[rows[first]]] = (lower + upper) / 2
-        return found
-
     @property
     def has_levels(self) -> NDArray[np.bool_]:
         """Return (items,) whether a row is not for every distance."""
         return (self.from_m > 0) | (self.until_m < np.inf)
-
-    @cached_property
-    def _finest(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Return the rows of the finest levels, and where among them each node begins."""
-        rows = np.flatnonzero(self.base_level)  # rows of a node stand together
-        return rows, np.flatnonzero(np.diff(self.node[rows], prepend=-1))
 
 
 def batches(keys: NDArray[np.intp], states: int) -> tuple[list[int], list[Batch]]:

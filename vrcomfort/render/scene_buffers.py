@@ -142,7 +142,7 @@ class RowBuffers:
             self._write_previous(previous.tobytes())
 
 
-class _Levels(NamedTuple):
+class DetailLevels(NamedTuple):
     """Rows, and the distances from and until which each is drawn."""
 
     rows: Rows
@@ -150,14 +150,14 @@ class _Levels(NamedTuple):
     until_m: Array
 
     @classmethod
-    def of(cls, table: DrawList, rows: Rows) -> _Levels:
+    def of(cls, table: DrawList, rows: Rows) -> DetailLevels:
         """Return those of some rows of a table."""
         return cls(rows, table.from_m[rows], table.until_m[rows])
 
     def in_use(self, centers: Array, viewpoint_m: Array) -> NDArray[np.bool_]:
         """Return (rows,) whether each is at the level of detail for this viewpoint.
 
-        `centers` is (3, n) of all rows.
+        `centers` is (3, n) of all rows, of which those with levels count.
         """
         distance_m = culling.lengths(centers.take(self.rows, axis=1) - viewpoint_m[:, None])
         return (distance_m >= self.from_m) & (distance_m < self.until_m)
@@ -193,31 +193,28 @@ class SceneRows:
         table = self._list
         self._locked = self._poses.locked[table.node]
         self._moving = self._poses.moving[table.node] | self._locked
-        self._moves = MovingRows(table, self._moving)
+        self._moves = PlacedRows(table, self._moving)
         casts = table.casts_shadow & ~self._locked & ~table.blended
-        self._casting: dict[Movement, _Levels] = {
-            "all": _Levels.of(table, casts.nonzero()[0]),
-            "static": _Levels.of(table, (casts & ~self._moving).nonzero()[0]),
-            "moving": _Levels.of(table, (casts & self._moving).nonzero()[0]),
+        self._casting: dict[Movement, DetailLevels] = {
+            "all": DetailLevels.of(table, casts.nonzero()[0]),
+            "static": DetailLevels.of(table, (casts & ~self._moving).nonzero()[0]),
+            "moving": DetailLevels.of(table, (casts & self._moving).nonzero()[0]),
         }
-        self._leveled = _Levels.of(table, table.has_levels.nonzero()[0])
+        self._leveled = DetailLevels.of(table, table.has_levels.nonzero()[0])
         self._is_in_use = np.ones(len(table.node), dtype=bool)
         self._commands = table.commands.view(np.uint32).reshape(-1, 5)
         world = self._poses.world_from_node(0.0, Pose())
         self.joints = self.previous_joints = self._poses.place_from_bind(0.0)
         self._world = self._previous_world = world
-        every = np.arange(len(table.node))
-        centers, halves = self._bent(every, *table.world_boxes(world, every))
-        self._boxes = culling.boxes(centers, halves)
+        self._boxes = np.ones((7, len(table.node)))
+        self._level_centers = np.zeros((3, len(table.node)))
         self._rows = np.zeros((len(table.node), _ROW), dtype=np.float32)
         self._rows[:, _AMBIENT] = table.ambient
         self._rows[:, _LOCKED] = self._locked
-        self._rows[:, _LAMPS] = self._reach.bits(centers, halves)
         self._rows[:, _WEIGHT] = table.semantic_weight
         self._rows[:, _MATERIAL] = table.material
         self._rows[:, _FIRST_JOINT] = table.first_joint
-        of_nodes = table.node_centers(centers, halves, len(self._scene.nodes))
-        self._level_centers = np.ascontiguousarray(of_nodes[table.node].T)
+        self._place(PlacedRows(table, np.ones(len(table.node), dtype=bool)))
         self._updated: tuple[float, float, Pose] | None = None
         self.update(0.0, Pose(), 0.0)
 
@@ -260,7 +257,7 @@ class SceneRows:
         if self._scene.skins:
             self.joints = self._poses.place_from_bind(time_s)
             self.previous_joints = self._poses.place_from_bind(before_s)
-        self._update_moving()
+        self._place(self._moves)
         self._head_m = head.position
         leveled = self._leveled
         self._is_in_use[leveled.rows] = leveled.in_use(self._level_centers, self._head_m)
@@ -268,14 +265,15 @@ class SceneRows:
         self._in_use_from_head = self._from_head(self.in_use)
         self.distance_m = culling.lengths(self._in_use_from_head[:3])
 
-    def _update_moving(self) -> None:
-        moves = self._moves
-        if not len(moves.rows):
+    def _place(self, placed: PlacedRows) -> None:
+        """Compute the boxes and lamps of some rows."""
+        rows = placed.rows
+        if not len(rows):
             return
-        centers, halves = self._bent(moves.rows, *moves.boxes(self._world))
-        self._boxes[:3, moves.rows], self._boxes[3:6, moves.rows] = centers.T, halves.T
-        self._rows[moves.rows, _LAMPS] = self._reach.bits(centers, halves)
-        self._level_centers[:, moves.with_levels] = moves.level_centers(centers, halves).T
+        centers, halves = self._bent(rows, *placed.boxes(self._world))
+        self._boxes[:3, rows], self._boxes[3:6, rows] = centers.T, halves.T
+        self._rows[rows, _LAMPS] = self._reach.bits(centers, halves)
+        self._level_centers[:, placed.with_levels] = placed.level_centers(centers, halves).T
 
     def _bent(self, rows: Rows, centers: Array, halves: Array) -> tuple[Array, Array]:
         """Return the boxes of (ascending) rows, of skinned ones as their joints bend them."""
@@ -342,12 +340,12 @@ class SceneRows:
         buffers.write(rows, self._commands[order], before)
 
 
-class MovingRows:
-    """Some rows of a scene.
+class PlacedRows:
+    """Some rows of a scene, and where they are.
 
     Parameters
     ----------
-    moving
+    chosen
         (rows of `table`,) which ones; all rows of a node, or none.
 
     Attributes
@@ -358,8 +356,8 @@ class MovingRows:
         Those of them that are not for every distance.
     """
 
-    def __init__(self, table: DrawList, moving: NDArray[np.bool_]) -> None:
-        self.rows = np.flatnonzero(moving)
+    def __init__(self, table: DrawList, chosen: NDArray[np.bool_]) -> None:
+        self.rows = np.flatnonzero(chosen)
         self._node = table.node[self.rows]
         self._centers, self._halves = table.centers[self.rows], table.halves[self.rows]
         # Rows of a node stand together; those of its finest level say where it is.
