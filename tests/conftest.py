@@ -58,7 +58,9 @@ def pytest_collection() -> None:
 
 
 def pytest_collection_finish() -> None:
-    """See `pytest_collection`."""
+    """Leave alone what has been imported; look for new cycles less often than Python does."""
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)
     gc.enable()
 
 
@@ -82,6 +84,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
     """Let the run fail where a test was skipped that may not be."""
+    gc.unfreeze()  # what is never collected, packages call leaked
     reporter = session.config.pluginmanager.getplugin("terminalreporter")
     if _may_not_skip() and reporter and reporter.stats.get("skipped"):
         session.exitstatus = pytest.ExitCode.TESTS_FAILED

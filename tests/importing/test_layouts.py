@@ -45,19 +45,19 @@ def _code(answer: float | None) -> int:
     return -1 if answer is None else int(answer)
 
 
-@pytest.fixture(params=ALL)
-def layout(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[list[Path], Truth]:
+@pytest.mark.parametrize("name", ALL)
+def test_every_answer_is_read_and_at_most_five_doubts_are_asked_with_their_consequences(
+    name: str, tmp_path: Path
+) -> None:
     folder = tmp_path / "lab"
     folder.mkdir()
-    return ALL[request.param](folder)
-
-
-def test_suggested_mapping_reads_every_answer(
-    layout: tuple[list[Path], Truth], tmp_path: Path
-) -> None:
-    files, truth = layout
+    files, truth = ALL[name](folder)
+    text = suggest_mapping(files).text
+    doubts = tomllib.loads(text).get("doubts", [])
+    assert len(doubts) <= 5
+    assert all(doubt["assumed"] and doubt["otherwise"] for doubt in doubts)
     file = tmp_path / "map.toml"
-    file.write_text(answered(suggest_mapping(files).text), encoding="utf-8")
+    file.write_text(answered(text), encoding="utf-8")
     mapping = load_mapping(file)
     imported = import_files(files, mapping.mapping)
     assert answers_of(imported) == truth
@@ -69,14 +69,6 @@ def test_suggested_mapping_reads_every_answer(
         if ITEMS[0] in s.answers
     }
     assert read == truth
-
-
-@pytest.mark.parametrize("name", ALL)
-def test_at_most_five_doubts_are_asked_each_with_its_consequence(name: str, tmp_path: Path) -> None:
-    text = suggest_mapping(ALL[name](tmp_path)[0]).text
-    doubts = tomllib.loads(text).get("doubts", [])
-    assert len(doubts) <= 5
-    assert all(doubt["assumed"] and doubt["otherwise"] for doubt in doubts)
 
 
 @pytest.mark.parametrize("name", ["limesurvey", "headerless", "long_numbers", "misspelt"])

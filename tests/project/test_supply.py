@@ -13,6 +13,7 @@ import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import Distribution, PackageNotFoundError, distribution, version
+from importlib.util import source_from_cache
 from itertools import chain
 from pathlib import Path
 
@@ -71,11 +72,24 @@ def needed_by(requirements: list[Requirement]) -> dict[str, Distribution]:
 
 def megabytes(distributions: Iterator[Distribution] | list[Distribution]) -> float:
     """Return the size of all files, those that Python has compiled among them."""
-    files = {Path(str(file.locate())) for each in distributions for file in each.files or ()}
-    compiled = {
-        each for file in files for each in file.parent.glob(f"__pycache__/{file.stem}.*.pyc")
-    }
-    return sum(file.stat().st_size for file in files | compiled if file.is_file()) / 1e6
+    files = {str(file.locate()) for each in distributions for file in each.files or ()}
+    folders = {folder for file in files for folder in (parent(file), f"{parent(file)}/__pycache__")}
+    sizes = {entry.path: entry.stat().st_size for each in folders for entry in entries(each)}
+    compiled = {each for each in sizes if each.endswith(".pyc") and source_from_cache(each) in files}
+    return sum(sizes[each] for each in sizes.keys() & (files | compiled)) / 1e6
+
+
+def parent(file: str) -> str:
+    return file.rpartition("/")[0]
+
+
+def entries(folder: str) -> list[os.DirEntry[str]]:
+    """Return the files of a folder, which need not be there."""
+    try:
+        with os.scandir(folder) as found:
+            return [entry for entry in found if entry.is_file()]
+    except FileNotFoundError:
+        return []
 
 
 @pytest.mark.smoke

@@ -8,6 +8,7 @@ import pty
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -60,6 +61,8 @@ FILES = {
     "not_imported.py": MARKS % 0,
 }
 IMPORTED = FILES.keys() - {"not_imported.py"}
+OWN_MODULES = {"helper", "later", "counting", "counting.deep"}
+Run = Callable[..., tuple[int, str, str]]
 
 
 PROGRAM = "from vrcomfort.cli import main; main()"
@@ -83,6 +86,23 @@ def folder(tmp_path: Path) -> Path:
 def home(tmp_path: Path) -> Path:
     """Return where this user's consents are kept."""
     return tmp_path / "home"
+
+
+@pytest.fixture
+def here(
+    folder: Path, home: Path, monkeypatch: pytest.MonkeyPatch, run: Run
+) -> Iterator[Run]:
+    """Return what runs a command in this process, as `vrcomfort` in one of its own."""
+    for name in ("XDG_CONFIG_HOME", "APPDATA"):
+        monkeypatch.setenv(name, str(home))
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(sys, "path", ["", *sys.path])
+    monkeypatch.setattr(sys, "meta_path", [*sys.meta_path])
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    known = set(sys.modules)
+    yield run
+    for name in OWN_MODULES - known:
+        sys.modules.pop(name, None)
 
 
 def vrcomfort(
@@ -124,11 +144,11 @@ RUN = ("run", "study.toml", "--participant", "P01", "--respondent", "simulated",
        "--size", "64x64", "--exposure-s", "0.2")  # fmt: skip
 
 
-def refused_hash(done: subprocess.CompletedProcess[str]) -> str:
+def refused_hash(code: int, err: str) -> str:
     """Return the hash that a refusal names."""
-    assert done.returncode == 2, done.stderr
-    assert done.stderr.count("\n") == 1
-    return done.stderr.rpartition("--trust ")[2].strip()
+    assert code == 2, err
+    assert err.count("\n") == 1
+    return err.rpartition("--trust ")[2].strip()
 
 
 @pytest.mark.parametrize(
@@ -159,33 +179,34 @@ def test_a_preflight_runs_no_code_and_writes_one_file(folder, home):
 def test_without_a_consent_nothing_runs_and_nothing_is_written(folder, home, command):
     before = files(folder)
     done = vrcomfort(folder, home, *command)
-    assert refused_hash(done) == task_code_of(load_protocol(folder / "study.toml")).sha256
+    assert refused_hash(done.returncode, done.stderr) == task_code_of(load_protocol(folder / "study.toml")).sha256
     assert all(name in done.stderr for name in IMPORTED)
     assert files(folder, home / "vrcomfort") == before
 
 
-def test_a_consent_is_kept_until_an_imported_file_changes(folder, home):
-    given = refused_hash(vrcomfort(folder, home, *SIMULATE))
-    done = vrcomfort(folder, home, *SIMULATE, "--trust", given)
-    assert done.returncode == 0, done.stderr
+def test_a_consent_is_kept_until_an_imported_file_changes(folder, here):
+    code, _, err = here(*SIMULATE)
+    given = refused_hash(code, err)
+    code, _, err = here(*SIMULATE, "--trust", given)
+    assert code == 0, err
     (folder / "ran").unlink()
     session = folder / "data/sub-P01/ses-1"
     manifest = json.loads((session / "manifest.json").read_text())
     assert manifest["task_code"].keys() == IMPORTED
     assert "8.0" in (session / "tasks.csv").read_text()  # 7 of the helper and 1 of the package
     for command in (("verify", "data"), ("report", "data", "--out", "r", "--figures", "none")):
-        assert vrcomfort(folder, home, *command).returncode == 0
+        assert here(*command)[0] == 0
     assert not (folder / "ran").exists()
     again = [*SIMULATE[:3], "2", *SIMULATE[4:]]
-    assert vrcomfort(folder, home, *again).returncode == 0  # it was kept
+    assert here(*again)[0] == 0  # it was kept
     (folder / "ran").unlink()
     (folder / "not_imported.py").write_text("")
-    assert vrcomfort(folder, home, *again, "--out", "others").returncode == 0
+    assert here(*again, "--out", "others")[0] == 0
     (folder / "ran").unlink()
     (folder / "counting/deep.py").write_text("MORE = 2.0\n")
-    changed = vrcomfort(folder, home, *again, "--out", "more")
-    assert refused_hash(changed) != given
-    assert "hash of other files" in vrcomfort(folder, home, *again, "--trust", given).stderr
+    code, _, err = here(*again, "--out", "more")
+    assert refused_hash(code, err) != given
+    assert "hash of other files" in here(*again, "--trust", given)[2]
     assert not (folder / "ran").exists()
     assert not (folder / "more").exists()
 
