@@ -75,7 +75,9 @@ def megabytes(distributions: Iterator[Distribution] | list[Distribution]) -> flo
     files = {str(file.locate()) for each in distributions for file in each.files or ()}
     folders = {folder for file in files for folder in (parent(file), f"{parent(file)}/__pycache__")}
     sizes = {entry.path: entry.stat().st_size for each in folders for entry in entries(each)}
-    compiled = {each for each in sizes if each.endswith(".pyc") and source_from_cache(each) in files}
+    compiled = {
+        each for each in sizes if each.endswith(".pyc") and source_from_cache(each) in files
+    }
     return sum(sizes[each] for each in sizes.keys() & (files | compiled)) / 1e6
 
 

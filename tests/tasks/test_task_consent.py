@@ -89,9 +89,7 @@ def home(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def here(
-    folder: Path, home: Path, monkeypatch: pytest.MonkeyPatch, run: Run
-) -> Iterator[Run]:
+def here(folder: Path, home: Path, monkeypatch: pytest.MonkeyPatch, run: Run) -> Iterator[Run]:
     """Return what runs a command in this process, as `vrcomfort` in one of its own."""
     for name in ("XDG_CONFIG_HOME", "APPDATA"):
         monkeypatch.setenv(name, str(home))
@@ -179,7 +177,8 @@ def test_a_preflight_runs_no_code_and_writes_one_file(folder, home):
 def test_without_a_consent_nothing_runs_and_nothing_is_written(folder, home, command):
     before = files(folder)
     done = vrcomfort(folder, home, *command)
-    assert refused_hash(done.returncode, done.stderr) == task_code_of(load_protocol(folder / "study.toml")).sha256
+    code = task_code_of(load_protocol(folder / "study.toml"))
+    assert refused_hash(done.returncode, done.stderr) == code.sha256
     assert all(name in done.stderr for name in IMPORTED)
     assert files(folder, home / "vrcomfort") == before
 
