@@ -219,7 +219,7 @@ def test_answers_in_decimal_steps_are_exact():
         ("[[scales]]", '[translations.de]\nlabel = ["a"]\n[[scales]]', 21, "did you mean `labels`"),
         ("[[scales]]", '[translations.de]\nitems = {ill = 1}\n[[scales]]', 21, "`ill`: should be"),
         ("low = 1", 'low = "1"', 5, "`low`: should be a number, got '1'"),
-        ("[[scales]]", '[translations.de.items]\nil = "krank"\n[[scales]]', 21, "no item `il`"),
+        ("[[scales]]", '[translations.de.items]\nil = "krank"\n[[scales]]', 21, "mean `ill`?"),
     ],
 )  # fmt: skip
 def test_every_fault_of_a_file_is_told_with_its_place(old, new, line, says):

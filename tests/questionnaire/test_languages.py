@@ -121,6 +121,8 @@ def test_shipped_german_is_whole_and_scores_as_the_english(name):
     german = english.in_language("de")
     assert german is not None
     assert english.wording_source("de")
+    assert english.wording_source("en") == english.licence
+    assert english.wording_source("nl") == ""
     assert [item.name for item in german.items] == [item.name for item in english.items]
     for here, there in zip(german.items, english.items, strict=True):
         assert here.text != there.text

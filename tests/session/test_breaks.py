@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from tests.session.test_panel import ScriptedScreen, choose
@@ -186,3 +188,12 @@ def test_breaks_that_cannot_be_are_refused(tmp_path, more, head, says):
     with pytest.raises(InputError) as caught:
         tiny_protocol(tmp_path, head + PROTOCOL + more)
     assert any(says in str(each) for each in (caught.value.alone, *caught.value.others))
+
+
+def test_an_order_without_any_trial_is_all_that_is_told(tmp_path):
+    """And not every break, practice and instruction that has no trial then."""
+    text = re.sub(r"\[\[order\.sequences\]\]\n.+?\n\]\n", "", PROTOCOL, flags=re.DOTALL)
+    with pytest.raises(InputError) as caught:
+        tiny_protocol(tmp_path, text + BREAKS + "after_trials = [1]\n")
+    assert "needs at least one [[order.sequences]]" in caught.value.message
+    assert caught.value.others == ()

@@ -131,6 +131,15 @@ def test_a_wish_to_stop_an_exposure_is_asked_once_more_in_the_scene() -> None:
     assert screen.pictures[-1] is None
 
 
+def test_an_exposure_begins_with_a_clear_view() -> None:
+    screen = ScriptedScreen([])
+    person = PanelRespondent(screen)
+    assert person.resting(30.0)
+    assert screen.pictures[-1] is not None
+    person.start_exposure(Exposure(1, 1, "temple", "none", 60.0))
+    assert screen.pictures[-1] is None
+
+
 def test_a_scale_is_there_again_after_a_wish_to_stop_was_taken_back() -> None:
     screen = ScriptedScreen([])
     person = PanelRespondent(screen)
