@@ -308,6 +308,107 @@ def chinese_survey(folder: Path) -> Made:
     return [table(folder / "data.csv", rows)], truth
 
 
+@layout
+def sheets_called_after_moments(folder: Path) -> Made:
+    truth: Truth = {}
+    sheets: dict[str, list[Row]] = {}
+    for name, moment in (("Pre", "baseline"), ("Post", "post"), ("30 min later", "recovery")):
+        sheets[name] = [["Subject", *ENGLISH]]
+        for person in PEOPLE:
+            answers = ssq()
+            truth["ssq", person, "all", moment] = dict(zip(ITEMS, answers, strict=True))
+            sheets[name].append([person, *answers])
+    return [workbook(folder / "SSQ_results.xlsx", sheets)], truth
+
+
+@layout
+def as_many_row_numbers_as_items(folder: Path) -> Made:
+    truth: Truth = {}
+    rows: list[Row] = [["", "Participant", "Condition", *(f"Q{n}" for n in range(1, 17))]]
+    for person in PEOPLE:
+        for condition in ("1", "2"):
+            answers = ssq()
+            truth["ssq", person, condition, "post"] = dict(zip(ITEMS, answers, strict=True))
+            rows.append([len(rows), person, condition, *answers])
+    return [table(folder / "ssq_long.csv", rows)], truth
+
+
+@layout
+def answers_around_zero(folder: Path) -> Made:
+    truth: Truth = {}
+    items = [item.name for item in shipped_instruments()["ipq"].asked]
+    rows: list[Row] = [["PID", "Condition", *(f"IPQ{n}" for n in range(1, 15))]]
+    for person in PEOPLE:
+        for condition in ("HMD", "CAVE"):
+            answers = [RANDOM.randint(-3, 3) for _ in items]
+            said = [answer + 3 for answer in answers]
+            truth["ipq", person, condition, "post"] = dict(zip(items, said, strict=True))
+            rows.append([person, condition, *answers])
+    return [table(folder / "presence.csv", rows)], truth
+
+
+@layout
+def letters_beside_initials(folder: Path) -> Made:
+    truth: Truth = {}
+    rows: list[Row] = [["Participant", "Technique", "MD", "PD", "TD", "P", "E", "F", "Total"]]
+    for person in PEOPLE:
+        for condition in ("Ray", "Hand"):
+            answers = tlx()
+            truth["nasa_tlx", person, condition, "post"] = dict(zip(TLX, answers, strict=True))
+            rows.append([person, condition, *answers, round(sum(answers) / 6, 2)])
+    return [workbook(folder / "NASA TLX.xlsx", {"Sheet1": rows})], truth
+
+
+@layout
+def merged_cells_of_person_and_condition(folder: Path) -> Made:
+    truth: Truth = {}
+    rows: list[Row] = [["Participant", "Condition", "Scale", "Rating"]]
+    for person in PEOPLE:
+        for number, condition in enumerate(("A", "B")):
+            answers = tlx()
+            truth["nasa_tlx", person, condition, "post"] = dict(zip(TLX, answers, strict=True))
+            for n, (text, answer) in enumerate(zip(LOADS, answers, strict=True)):
+                who, what = "" if n or number else person, "" if n else condition
+                rows.append([who, what, text, answer])
+    return [workbook(folder / "TLX raw.xlsx", {"Sheet1": rows})], truth
+
+
+@layout
+def moments_under_session(folder: Path) -> Made:
+    truth: Truth = {}
+    rows: list[Row] = [["User ID", "Session", *ENGLISH]]
+    for person in PEOPLE:
+        for session, moment in (("Pre-exposure", "baseline"), ("Post-exposure", "post")):
+            answers = ssq()
+            truth["ssq", person, "all", moment] = dict(zip(ITEMS, answers, strict=True))
+            rows.append([person, session, *answers])
+    return [table(folder / "answers.csv", rows)], truth
+
+
+@layout
+def tables_side_by_side_in_orders_of_their_own(folder: Path) -> Made:
+    truth: Truth = {}
+    rows: list[Row] = [["Joystick", *[""] * 7, "Teleport"], ["ID", *LOADS, "", "ID", *LOADS]]
+    for number, person in enumerate(PEOPLE):
+        other, one, two = PEOPLE[(number + 3) % len(PEOPLE)], tlx(), tlx()
+        truth["nasa_tlx", person, "Joystick", "post"] = dict(zip(TLX, one, strict=True))
+        truth["nasa_tlx", other, "Teleport", "post"] = dict(zip(TLX, two, strict=True))
+        rows.append([person, *one, "", other, *two])
+    return [workbook(folder / "tlx.xlsx", {"Sheet1": rows})], truth
+
+
+@layout
+def a_row_for_each_item_and_a_column_for_each_condition(folder: Path) -> Made:
+    truth: Truth = {}
+    rows: list[Row] = [["Participant", "Item", "Blur", "Sharp"]]
+    for person in PEOPLE:
+        one, two = tlx(), [answer // 10 for answer in tlx()]
+        truth["nasa_tlx", person, "Blur", "post"] = dict(zip(TLX, one, strict=True))
+        truth["nasa_tlx", person, "Sharp", "post"] = dict(zip(TLX, two, strict=True))
+        rows += [[person, *cells] for cells in zip(LOADS, one, two, strict=True)]
+    return [table(folder / "tlx_items.csv", rows)], truth
+
+
 @pytest.fixture(params=LAYOUTS)
 def made(request: pytest.FixtureRequest, tmp_path: Path) -> Made:
     RANDOM.seed(5)
@@ -369,3 +470,26 @@ def test_long_file_of_one_person_is_one_questionnaire(tmp_path: Path) -> None:
     assert found.imported is not None
     ((_, administration),) = found.imported.responses
     assert administration.participant == "fourth"
+
+
+def test_times_of_ratings_in_minutes_and_numbered_columns(tmp_path: Path) -> None:
+    RANDOM.seed(5)
+    courses = {(p, c): [RANDOM.randint(0, 12) for _ in range(6)] for p in PEOPLE for c in "AB"}
+    long = [[p, c, m, v] for (p, c), course in courses.items() for m, v in enumerate(course)]
+    wide = [[p, c, *course] for (p, c), course in courses.items()]
+    minutes = suggested_for(
+        tmp_path / "x.csv", [["participant", "condition", "minute", "FMS"], *long]
+    )
+    numbered = suggested_for(
+        tmp_path / "FMS_scores.csv",
+        [["Participant", "Technique", *(f"t{n}" for n in range(6))], *wide],
+    )
+    for suggested, seconds in ((minutes, 60), (numbered, 60)):
+        assert suggested.imported is not None, suggested.doubts
+        found: dict[tuple[str, str], list[tuple[float, object]]] = {}
+        for m, _, onset_s, response in suggested.imported.ratings:
+            found.setdefault((m.participant, m.condition), []).append((onset_s, response))
+        assert found == {
+            key: [(seconds * n, answer) for n, answer in enumerate(course)]
+            for key, course in courses.items()
+        }

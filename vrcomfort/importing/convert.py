@@ -387,9 +387,11 @@ class TableImport:
         if block.time_column is not None:
             decimal = self._table.reading.decimal or "."
             onset_s = number(cells[block.time_column], decimal)
+            in_minutes = isinstance(block.source, Questionnaire) and block.source.time_unit == "min"
+            onset_s = None if onset_s is None else onset_s * (60 if in_minutes else 1)
         if onset_s is None:
             text = "" if block.time_column is None else cells[block.time_column]
-            raise self._table.fault(f"{text!r} is no time in seconds", row, block.time_column)
+            raise self._table.fault(f"{text!r} is no time", row, block.time_column)
         for column, item in self._items(block, cells, row):
             response = self._read(place, block, item, cells[column], row, column)
             rating = Rating(administration, block.instrument.name, onset_s, response)

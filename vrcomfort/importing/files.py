@@ -121,6 +121,8 @@ def repeated_runs(headings: Sequence[str]) -> list[int]:
     """Return where runs of the same headings begin, side by side; one place where none repeats."""
     first = headings[0] if headings else ""
     starts = [place for place, heading in enumerate(headings) if first and heading == first]
+    if not starts:
+        return [0]
     ends = [*starts[1:], len(headings)]
     runs = [[*headings[a:b]] for a, b in zip(starts, ends, strict=True)]
     for run in runs:

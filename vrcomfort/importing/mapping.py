@@ -152,7 +152,8 @@ class Questionnaire(_Columns, AnswerCoding):
     item_coding: dict[str, AnswerCoding] = Field(default_factory=dict)
     """Item → how its answers stand in the file, where they differ from the others'."""
     time: str | None = None
-    """For ratings during exposure: the column of the seconds since its start."""
+    """For ratings during exposure: the column of the times since its start."""
+    time_unit: Literal["s", "min"] = "s"
     summaries: tuple[Summary, ...] = ()
     """What the report is to have of each course of ratings: its highest, mean and last one."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from vrcomfort.importing.files import is_heading, is_number
+from vrcomfort.importing.files import is_heading, is_number, repeated_runs
 from vrcomfort.importing.source import Grid
 from vrcomfort.questionnaire import plain
 
@@ -33,6 +33,8 @@ def sections(grid: Grid) -> list[Grid]:
     """
     if grid.named:
         return [grid]
+    if beside := _side_by_side(grid):
+        return beside
     parts = _parts(grid)
     headings = [[*map(plain, grid.rows[part.start])] for part in parts]
     if len(parts) > 1 and all(row[1:] == headings[0][1:] for row in headings):
@@ -57,6 +59,45 @@ def sections(grid: Grid) -> list[Grid]:
         )
         for name, part in zip(names, parts, strict=True)
     ]
+
+
+def _side_by_side(grid: Grid) -> list[Grid]:
+    """Return tables with the same headings side by side, each below its title; or nothing.
+
+    People who are the same from row to row make one table of them.
+    """
+    for index, row in enumerate(grid.rows[1:_MOST_ABOVE], start=1):
+        starts = repeated_runs(row)
+        above = grid.rows[index - 1]
+        if len(starts) < 2 or [place for place, cell in enumerate(above) if cell] != starts:
+            continue
+        if len({above[start] for start in starts}) < len(starts) or not _begins(grid.rows[index:]):
+            continue
+        ends = [*starts[1:], max(map(len, grid.rows))]
+        parts = [_Part(index, len(grid.rows), above[start]) for start in starts]
+        cut = [
+            _columns(grid, index, (a, b), name)
+            for name, a, b in zip(_names(grid.sheet, parts), starts, ends, strict=True)
+        ]
+        people = [[cells[0] for cells in part.rows] for part in cut]
+        return [] if all(each == people[0] for each in people) else cut
+    return []
+
+
+_MOST_ABOVE = 6
+"""Rows above and with the headings of tables side by side."""
+
+
+def _columns(grid: Grid, first: int, between: tuple[int, int], name: str) -> Grid:
+    """Return some columns of a grid, from a row on; blank rows are left out."""
+    start, end = between
+    rows = [
+        (number, tuple(row[start:end]))
+        for number, row in zip(grid.numbers[first:], grid.rows[first:], strict=True)
+        if any(row[start:end])
+    ]
+    cells, numbers = tuple(row for _, row in rows), tuple(number for number, _ in rows)
+    return replace(grid, sheet=name, rows=cells, numbers=numbers)
 
 
 def _names(sheet: str, parts: Sequence[_Part]) -> list[str]:

@@ -114,6 +114,12 @@ def _has_fraction(instrument: Instrument, value: float) -> bool:
     return answers.has(value) or (answers.step < 1 and answers.low <= value <= answers.high)
 
 
+def _around_zero(values: Iterable[int], instrument: Instrument) -> bool:
+    """Return whether answers are coded from minus to plus a number, as -3 to 3 for 0 to 6."""
+    half, odd = divmod(int(instrument.high - instrument.low), 2)
+    return not odd and half > 1 and all(-half <= value <= half for value in values)
+
+
 def _rounded(fractions: Sequence[float], instrument: Instrument, found: Coding) -> None:
     """Ask whether answers of sliders may be rounded, where they are finer than ours."""
     finer = [v for v in fractions if not instrument.answers.has(v * (found.times or 1))]
@@ -235,6 +241,8 @@ def _numbers(
     inside = [value for value in values if low <= value <= high]
     # One above the highest answer is an answer counted from 1, not a code.
     codes = [value for value in outside if value in _CODES and value != high + 1]
+    around_zero = bool(values) and min(values) < 0 and _around_zero(values, instrument)
+    codes = [] if around_zero else codes
     for code in codes:
         found.missing.append(str(code))
     if codes:
@@ -255,6 +263,11 @@ def _numbers(
         found.doubts.append(
             OpenDoubt(question, f"they are: {low + shift} stands for {low}", *CODING)
         )
+    elif around_zero:
+        found.coded_from = -(high - low) // 2
+        question = f"Are the answers {found.coded_from} to {-found.coded_from}, around 0?"
+        assumed = f"they are: {found.coded_from} stands for {low}"
+        found.doubts.append(OpenDoubt(question, assumed, *CODING))
     elif rest == [low - 1] and high not in values:
         found.coded_from = low - 1
         question = f"Are the answers {low - 1} to {high - 1} in place of {low} to {high}?"

@@ -41,6 +41,7 @@ class _Facts(FactDraft):
     def __init__(self, context: Context, answers: AnswersFound) -> None:
         super().__init__(answers, DraftedFacts(context), {})
         self._varying: list[int] = []
+        self._times_under_other_headings()
         self._codes()
         self._participant_column()
         self._order()
@@ -77,6 +78,16 @@ class _Facts(FactDraft):
         columns = self._roles.facts.get("condition", [])
         named = "condition" in self._answers.said or "condition" in self._named
         return named or any(texts(self._table, column) for column in columns)
+
+    def _times_under_other_headings(self) -> None:
+        """Take texts such as ``Pre-exposure`` for timepoints, though they stand under Session."""
+        facts, timepoint = self._roles.facts, self._vocabulary.timepoint
+        for fact in ("session", "period", "block", "trial"):
+            for column in list(facts[fact]):
+                words = texts(self._table, column)
+                if len({*words}) > 1 and all(map(timepoint, words)):
+                    facts[fact].remove(column)
+                    facts["timepoint"].append(column)
 
     def _codes(self) -> None:
         """Take participant and timepoint, or condition, from codes that say both."""
@@ -136,8 +147,7 @@ class _Facts(FactDraft):
     def _names_of_files(self) -> None:
         """Take facts from the names of sheets, or of files."""
         answers = self._answers
-        people = candidates("participant", self._roles.unknown, self._context)
-        coded = any(each.evidence is CODES_IN_ROWS for each in people)
+        coded = any(CODES_IN_ROWS.test(self._context, c) for c in self._roles.unknown)
         wanted = [] if coded or self._context.participant is not None else ["participant"]
         known = {*answers.said, *self._context.columns}
         wanted += [

@@ -277,7 +277,8 @@ def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> lis
     elif not found:
         said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
         found = _by_position(table, known, [i for i in known.instruments if i.name in said], other)
-    found = _without_gaps(table, _with_weights(found), other)
+    found = _with_letters(table, _with_weights(found), other, known.vocabulary)
+    found = _without_gaps(table, found, other)
     found = [replace(block, siblings=_siblings(block, found)) for block in found]
     return sorted(found, key=lambda block: block.columns)
 
@@ -323,6 +324,31 @@ def _with_weights(found: Sequence[Found]) -> list[Found]:
             whole = replace(best, items={**best.items, **each.items})
             blocks[blocks.index(best)] = whole
     return blocks
+
+
+def _with_letters(
+    table: SourceTable, found: Sequence[Found], other: Set[int], vocabulary: LabVocabulary
+) -> list[Found]:
+    """Find items whose letter stands beside the others: ``P``, ``E`` and ``F`` behind ``MD``."""
+    taken = {c for block in found for c in block.columns} | other
+    filled = []
+    for block in found:
+        initials = vocabulary.initials(block.instrument)
+        items = dict(block.items)
+        for place in (-1, 1):
+            column = (block.columns[0] if place < 0 else block.columns[-1]) + place
+            while 0 <= column < len(table.headings) and column not in taken:
+                words = [w for w in tokens(table.headings[column]) if w not in block.context]
+                item = initials.get(words[0], "") if len(words) == 1 else ""
+                if item in items or item not in block.absent:
+                    break
+                if not _fit(table, [column], block.instrument):
+                    break
+                items[item] = Named(column, block.instrument.name, item, "initials", (), ())
+                taken.add(column)
+                column += place
+        filled.append(replace(block, items=items))
+    return filled
 
 
 def _without_gaps(table: SourceTable, found: Sequence[Found], other: Set[int]) -> list[Found]:
@@ -516,6 +542,9 @@ def _fit(table: SourceTable, columns: Sequence[int], instrument: Instrument) -> 
     cells = [cell for column in columns for cell in table.column(column) if cell]
     values = [value for cell in cells if (value := number(cell, decimal)) is not None]
     low, high = float(instrument.low), float(instrument.high)
+    half = (high - low) / 2
+    if any(value < 0 for value in values) and all(-half <= value <= half for value in values):
+        return _are_answers(table, columns)  # coded around 0
     inside = sum(low <= value <= high + 1 for value in values)
     many = high - low > _MOST_ANSWERS and len(values) == len(cells) > 0
     return (many or _are_answers(table, columns)) and inside * 10 >= len(values) * 8

@@ -32,6 +32,8 @@ class Long(FoundAnswers):
         Texts of the item column that are no item.
     instrument_column
         Where the questionnaire is named, and the text there.
+    siblings
+        Columns of the answers of all administrations, which are coded alike.
     """
 
     item_column: int
@@ -40,6 +42,7 @@ class Long(FoundAnswers):
     hows: dict[str, How]
     others: list[str]
     instrument_column: tuple[int, str] | None
+    siblings: tuple[int, ...] = ()
 
     @property
     def row_keys(self) -> list[int]:
@@ -62,19 +65,55 @@ def find_long(table: SourceTable, columns: Sequence[int], known: Known) -> list[
         if not (4 <= len(words) <= 200) or len(table.rows) < len(words):
             continue
         response = _response_column(table, column, known.vocabulary)
-        if response is None:
-            continue
-        for instrument in known.instruments:
+        responses = [response] if response is not None else _response_columns(table, column, known)
+        for instrument in known.instruments if responses else ():
             named = _named_in_rows(table, column, words, instrument, known)
             if named is not None:
                 items, hows = named
                 others = [word for word in words if word not in items.values()]
                 where = _instrument_column(table, instrument, column)
-                long = Long(instrument, (), column, response, items, hows, others, where)
+                long = Long(instrument, (), column, responses[0], items, hows, others, where)
                 found.append(long)
+        if found and response is None:
+            return _for_each_column(table, _best_long(found)[0], responses)
         if found:
             return _best_long(found)
     return []
+
+
+def _response_columns(table: SourceTable, item_column: int, known: Known) -> list[int]:
+    """Return the columns of numbers behind that of the items, one for each condition."""
+    if len(table.rows) <= len(texts(table, item_column)):
+        return []  # one person, or means
+    behind = [c for c in range(item_column + 1, len(table.headings)) if texts(table, c)]
+    labels = {key for key, role in known.vocabulary.roles.items() if role not in _OF_COLUMNS}
+    numeric = all(all(map(is_number, texts(table, c))) for c in behind)
+    plain_ones = not any(plain(table.headings[c]) in labels for c in behind)
+    named = bool(table.reading.heading_rows)
+    return behind if numeric and plain_ones and named and 1 < len(behind) <= _MOST_COLUMNS else []
+
+
+_MOST_COLUMNS = 8
+_OF_COLUMNS = frozenset(["condition", "scene"])
+"""Roles of labels that may be names of conditions: ``Blur``."""
+
+
+def _for_each_column(table: SourceTable, long: Long, responses: Sequence[int]) -> list[Long]:
+    """Return a questionnaire for each column of answers; none where numbers are no answers."""
+    low, high = long.instrument.low, long.instrument.high
+    rows = [row for row in table.rows if row[long.item_column] in long.items.values()]
+    cells = [row[c].replace(",", ".") for row in rows for c in responses if row[c]]
+    if not cells or not all(low <= float(cell) <= high + 1 for cell in cells):
+        return []
+    return [
+        replace(
+            long,
+            response_column=c,
+            context=tuple(tokens(table.headings[c])),
+            siblings=tuple(responses),
+        )
+        for c in responses
+    ]
 
 
 def stands_on_its_side(grid: Grid, known: Known) -> bool:
@@ -103,7 +142,8 @@ def stands_on_its_side(grid: Grid, known: Known) -> bool:
 def _numbered_on_its_side(grid: Grid, first: Sequence[str], known: Known) -> bool:
     """Return whether the numbers of an instrument's items stand in front, people at the top."""
     top = [cell for cell in grid.rows[0][1:] if cell]
-    people = len({*top}) == len(top) > 1 and not any(map(is_number, top))
+    roles = (plain(cell) in known.vocabulary.roles for cell in top)
+    people = len({*top}) == len(top) > 1 and not any(map(is_number, top)) and not any(roles)
     numbers = [int(text) for text in first if text.isdecimal()]
     said = mentions(f"{grid.file.stem} {grid.sheet}", known.instruments)
     counts = {len(i.asked) for i in known.instruments if i.name in said and len(i.asked) > 1}

@@ -43,7 +43,7 @@ def parts_of_names(
     if len(set(names)) < 2 or not wanted:
         return None
     if len({tuple(parts[1::2]) for parts in split}) > 1:  # made in different ways
-        return _optional(names, wanted, vocabulary) or _whole(names, wanted)
+        return _optional(names, wanted, vocabulary) or _whole(names, wanted, vocabulary)
     columns = list(zip(*split, strict=True))
     differing = [i for i in range(0, len(columns), 2) if len(set(columns[i])) > 1]
     left = list(wanted)
@@ -105,9 +105,10 @@ def _optional(
     return NameParts(pattern, texts, expression=True)
 
 
-def _whole(names: Sequence[str], wanted: Sequence[str]) -> NameParts | None:
+def _whole(
+    names: Sequence[str], wanted: Sequence[str], vocabulary: LabVocabulary
+) -> NameParts | None:
     """Take what differs between names, from its first word to its last, for one fact."""
-    fact = "condition" if "condition" in wanted else wanted[0]
     split = [_PART.split(name) for name in names]
     start = _same(split)
     left = min(map(len, split)) - start - 1  # at least a word has to differ
@@ -116,6 +117,10 @@ def _whole(names: Sequence[str], wanted: Sequence[str]) -> NameParts | None:
     texts = ["".join(parts[start : len(parts) - end]) for parts in split]
     if not all(texts):
         before, after, texts = [], [], list(names)
+    when = {vocabulary.timepoint(text) for text in texts}
+    fact = "condition" if "condition" in wanted else wanted[0]
+    if "timepoint" in wanted and None not in when and len(when) == len({*texts}):
+        fact = "timepoint"
     template = f"{''.join(before)}{{{fact}}}{''.join(after)}"
     return NameParts(template, {fact: list(dict.fromkeys(texts))})
 

@@ -27,9 +27,9 @@ from vrcomfort.importing.suggest.draft import (
 from vrcomfort.importing.suggest.evidence import Roles, texts
 from vrcomfort.importing.suggest.items import Found, How, Named, mentions
 from vrcomfort.importing.suggest.long_tables import Long
-from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating
+from vrcomfort.importing.suggest.ratings import MINUTES, FoundCourse, FoundRating
 from vrcomfort.importing.suggest.scores import parts_of
-from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary
+from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
 
 Drafted = tuple[TomlDraft, list[OpenDoubt]]
@@ -259,7 +259,8 @@ def draft_long(
         draft.put("where", {table.headings[column]: text})
         rows = [row for row in rows if row[column] == text]
     words = set(long.items.values())
-    cells = [row[long.response_column] for row in rows if row[long.item_column] in words]
+    columns = long.siblings or (long.response_column,)
+    cells = [row[c] for row in rows if row[long.item_column] in words for c in columns]
     coding = coding_of_texts(cells, long.instrument, table.reading.decimal or ".", known.vocabulary)
     _coded(draft, coding)
     named = {
@@ -307,7 +308,11 @@ def draft_rating(
     (item,) = rating.instrument.items
     draft = TomlDraft({"instrument": rating.instrument.name, **facts})
     if rating.time is not None:
-        draft.put("time", table.headings[rating.time], "seconds since the exposure began")
+        minutes = bool({*tokens(table.headings[rating.time])} & MINUTES)
+        what = "minutes" if minutes else "seconds"
+        draft.put("time", table.headings[rating.time], f"{what} since the exposure began")
+        if minutes:
+            draft.put("time_unit", "min")
         draft.put("summaries", ["peak", "mean", "last"], "what the report has of each exposure")
     coding = coding_of(table, rating.columns, rating.instrument, known.vocabulary)
     _coded(draft, coding)
@@ -318,7 +323,7 @@ def draft_rating(
         and plain(table.headings[rating.time]) not in known.vocabulary.seconds
     ):
         heading = table.headings[rating.time]
-        question = f"Is {heading!r} the time of each rating, in seconds since the exposure began?"
+        question = f"Is {heading!r} the time of each rating, in {what} since the exposure began?"
         doubts.append(OpenDoubt(question, "it is", *TIMES))
     return draft, doubts
 

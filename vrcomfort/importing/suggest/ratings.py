@@ -88,7 +88,35 @@ def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[F
                 words = _words_of_rating(table.headings[column], instrument)
                 rest = tuple(word for word in words if word not in own)
                 found.append(FoundRating(instrument, rest, column, time))
-    return found
+    return found or _numbered_columns(table, columns, known)
+
+
+MINUTES = frozenset(["min", "mins", "minute", "minutes", "minuten"])
+"""Words for minutes in the heading of a column of times."""
+
+
+def _numbered_columns(
+    table: SourceTable, columns: Sequence[int], known: Known
+) -> list[FoundRating]:
+    """Return columns such as ``t1`` to ``t8``, in a file that is called after a scale."""
+    said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
+    scales = [i for i in known.instruments if i.name in said and len(i.asked) == 1]
+    if len(scales) != 1:
+        return []
+    groups: dict[tuple[str, ...], list[tuple[int, int, tuple[str, ...]]]] = {}
+    for column in columns:
+        words = tokens(table.headings[column])
+        numbers = [place for place, word in enumerate(words) if word.isdecimal()]
+        values = values_of(table, column)
+        if len(numbers) == 1 and values and all(map(scales[0].answers.has, values)):
+            key = tuple("#" if n == numbers[0] else word for n, word in enumerate(words))
+            groups.setdefault(key, []).append((int(words[numbers[0]]), column, tuple(words)))
+    return [
+        FoundRating(scales[0], words, column, None)
+        for group in groups.values()
+        if len(group) >= FEWEST_TIMES and [*group] == sorted(group)
+        for _, column, words in group
+    ]
 
 
 def _time_column(
@@ -102,7 +130,8 @@ def _time_column(
     rising = [
         c
         for c in columns
-        if (not headed or {*tokens(table.headings[c])} & vocabulary.time_words) and _rises(table, c)
+        if not headed or {*tokens(table.headings[c])} & (vocabulary.time_words | MINUTES)
+        if _rises(table, c)
     ]
     return rising[0] if len(rising) == 1 or (rising and not headed) else None
 

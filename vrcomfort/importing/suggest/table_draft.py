@@ -144,6 +144,8 @@ class AnswerColumns:
     def leading(self) -> Layout[Any] | None:
         """Return the layout with the facts of a row in its headings, if there is one."""
         leading: tuple[Layout[Any], ...] = (BLOCKS, SCORES, RATINGS)
+        if any(each.context for each in self[LONG]):
+            leading = (LONG, *leading)
         return next((each for each in leading if self[each]), None)
 
 
@@ -177,8 +179,10 @@ def _together(one: object, other: object) -> object:
     ]  # fmt: skip
 
 
-def _blanks_recur(cells: Sequence[str]) -> bool:
-    """Return whether most codes have blanks below them: the last one alone may have notes there."""
+def _is_written_once(cells: Sequence[str]) -> bool:
+    """Return whether most texts have blanks below them: the last one alone may have notes there."""
+    if not cells[0] or cells.count("") * 4 < len(cells):
+        return False
     places = [place for place, cell in enumerate(cells) if cell]
     below = [b - a - 1 for a, b in pairwise([*places, len(cells)])]
     return sum(map(bool, below)) * 2 > len(below)
@@ -451,16 +455,24 @@ class TableDraft:
         columns = roles_of(self.table, first, self._vocabulary).facts.get("participant", [])
         for column in columns or ([0] if self.table.reading.transpose else []):
             cells = self.table.column(column)
-            if cells[0] and cells.count("") * 4 >= len(cells) and _blanks_recur(cells):
-                name, above, rows = self.table.headings[column], "", []
-                for row in self.table.rows:
-                    above = row[column] or above
-                    rows.append((*row[:column], above, *row[column + 1 :]))
-                self.table = replace(self.table, rows=tuple(rows))
-                self.draft.put("fill_down", [name])
-                question = f"Do the blank cells of {name!r} mean the participant above them?"
+            if _is_written_once(cells):
+                merged = [c for c in first if c != column]
+                merged = [c for c in merged if _is_written_once(self.table.column(c))]
+                for each in (column, *merged):
+                    self._fill(each)
+                names = [self.table.headings[each] for each in (column, *merged)]
+                self.draft.put("fill_down", names)
+                shown = " and ".join(map(repr, names))
+                question = f"Do the blank cells of {shown} mean what stands above them?"
                 self.doubts.append(OpenDoubt(question, "they do", *PEOPLE))
                 return
+
+    def _fill(self, column: int) -> None:
+        above, rows = "", []
+        for row in self.table.rows:
+            above = row[column] or above
+            rows.append((*row[:column], above, *row[column + 1 :]))
+        self.table = replace(self.table, rows=tuple(rows))
 
     def _rows_below(self) -> None:
         """Take rows below the last participant out of the table: statistics stand there."""
