@@ -12,6 +12,7 @@ from vrcomfort.importing.suggest.evidence import (
     COUNTS_EXPOSURES,
     GROUPS_PEOPLE,
     MOST_CONDITIONS,
+    WORDS_WITHIN_PEOPLE,
     Candidate,
     candidates,
     texts,
@@ -42,7 +43,13 @@ class Conditions(FactDraft):
         columns = [c for c in columns if texts(self._table, c)]
         if "condition" in self._named and not columns:
             return
-        if len(columns) == 1:
+        if len(columns) == 1 and (factors := self._with_another(columns[0])):
+            self._join_condition(factors)
+            names = ", ".join(repr(self.heading(column)) for column in factors)
+            self._roles.forget(factors[-1])
+            question = f"Are conditions made of {names} together?"
+            self.doubt(question, "they are, joined by _", CONDITIONS)
+        elif len(columns) == 1:
             self.use("condition", columns[0])
             if len(texts(self._table, columns[0])) == 1:
                 self.found.draft.note("one condition alone", "condition")
@@ -104,6 +111,21 @@ class Conditions(FactDraft):
             if found[0].column in self._roles.unknown:
                 self._roles.unknown.remove(found[0].column)
             self.doubt_of(found[0])
+
+    def _with_another(self, column: int) -> list[int]:
+        """Return a column and another one of words, which tell a person's rows apart together."""
+        who, rows = self._context.participant, self._table.rows
+        if who is None or self._answers.row_keys or self._context.time is not None:
+            return []
+        decided = [c for f, cs in self._context.columns.items() if f != "condition" for c in cs]
+        keys = [row[who] + "".join(f"/{row[c]}" for c in decided) for row in rows]
+        if len({(key, row[column]) for key, row in zip(keys, rows, strict=True)}) == len(rows):
+            return []
+        for other, evidence in candidates("condition", self._roles.unknown, self._context):
+            cells = {(k, row[column], row[other]) for k, row in zip(keys, rows, strict=True)}
+            if evidence is WORDS_WITHIN_PEOPLE and len(cells) == len(rows):
+                return [column, other]
+        return []
 
     def _factors(self, found: Sequence[Candidate]) -> list[int]:
         """Return the columns that tell a person's rows apart together, and none of them alone."""

@@ -468,6 +468,10 @@ BASELINE_AMONG_CONDITIONS = CellEvidence(
 OTHER_TIMEPOINTS = CellEvidence(
     "timepoint", "a few other texts under its heading", 10, _other_texts_under_timepoint
 )
+WORDS_WITHIN_PEOPLE = CellEvidence(
+    "condition", "few words that differ within participants", 40, _words_within_people,
+    "Is {heading!r} the condition?", "it is",
+)  # fmt: skip
 CODES_IN_ROWS = CellEvidence(
     "participant", "codes, each in several rows", 25, _codes_in_equally_many_rows,
     "Does {heading!r} tell participants apart?", "it does",
@@ -513,10 +517,7 @@ CELLS: tuple[CellEvidence, ...] = (
         "trial", "texts beside ratings that differ within participants", 10, _runs_of_ratings,
         "Does {heading!r} tell exposures apart?", "it does",
     ),
-    CellEvidence(
-        "condition", "few words that differ within participants", 40, _words_within_people,
-        "Is {heading!r} the condition?", "it is",
-    ),
+    WORDS_WITHIN_PEOPLE,
     CellEvidence(
         "condition", "two to four words under a heading for scenes", 35, _few_scenes,
         "Is {heading!r} the condition?", "it is: no other column says one",

@@ -180,6 +180,8 @@ class _Facts(FactDraft):
 
     def _participant(self) -> None:
         column = self._context.participant
+        if "participant" in self._answers.said:
+            return
         if "participant" in self._named or "participant" in self._context.columns:
             return
         if column is None:

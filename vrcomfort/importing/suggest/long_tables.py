@@ -93,7 +93,7 @@ def _response_columns(table: SourceTable, item_column: int, known: Known) -> lis
     return behind if numeric and plain_ones and named and 1 < len(behind) <= _MOST_COLUMNS else []
 
 
-_MOST_COLUMNS = 8
+_MOST_COLUMNS = 100
 _OF_COLUMNS = frozenset(["condition", "scene"])
 """Roles of labels that may be names of conditions: ``Blur``."""
 

@@ -153,6 +153,17 @@ _OF_WHAT_WAS_USED = frozenset(["ipq", "nasa_tlx", "sus"])
 """Instruments about a system, a task or a scene: none is asked before its use."""
 
 
+def _only_baselines(facts: Sequence[Mapping[str, str]]) -> bool:
+    """Return whether headings say a baseline and conditions, and no other moment."""
+    moments = {each["timepoint"] for each in facts if "timepoint" in each}
+    alone = [each for each in facts if "timepoint" in each and "condition" not in each]
+    return moments == {"baseline"} and len(alone) == 1 < len(facts)
+
+
+def _baseline_as_condition(facts: Mapping[str, str]) -> dict[str, str]:
+    return {("condition" if name == "timepoint" else name): text for name, text in facts.items()}
+
+
 def _placed_in_short(drafts: Sequence[TomlDraft]) -> list[TomlDraft]:
     """Merge questionnaires that are known by their first columns, and alike otherwise."""
     merged: list[TomlDraft] = []
@@ -188,6 +199,8 @@ def _is_written_once(cells: Sequence[str]) -> bool:
     return sum(map(bool, below)) * 2 > len(below)
 
 
+_CODE = re.compile(r"(p|s|vp|id|pp|sub|subj|subject|participant|user|proband)[ _-]?\d+", re.I)
+"""A heading that is the code of a person."""
 _AGAIN = re.compile(r" ?\(\d\)$")
 """The mark of a person's second questionnaire."""
 
@@ -293,6 +306,8 @@ class TableDraft:
     def _write(self) -> None:
         leading = self._answers.leading
         facts = self._facts_beside() or self._facts_by_number(leading)
+        if leading is LONG:
+            facts = self._people_in_headings()
         if leading and not facts:
             facts = self._heading_facts_of(self._answers[leading])
         when = self._roles.facts.get("timepoint", [])
@@ -333,6 +348,16 @@ class TableDraft:
                 self.doubts.append(OpenDoubt(question, "it was", *ORDER))
                 break
         return facts
+
+    def _people_in_headings(self) -> list[dict[str, str]]:
+        """Return the participants whom the columns of a long table are called after."""
+        names = [self.table.headings[long.response_column] for long in self._answers[LONG]]
+        codes = [_CODE.fullmatch(name) for name in names]
+        if len({code[1] for code in codes if code}) != 1 or None in codes:
+            return []
+        question = f"Are {names[0]} … {names[-1]} participants?"
+        self.doubts.append(OpenDoubt(question, "they are: each has a column", *PEOPLE))
+        return [{"participant": name} for name in names]
 
     def _facts_by_number(self, leading: Layout[Any] | None) -> list[dict[str, str]]:
         """Return the facts of answers whose numbers are those of conditions: ``Condition_1``."""
@@ -452,7 +477,8 @@ class TableDraft:
     def _fill_down(self) -> None:
         """Let blank cells of a column of participants mean the one above, where they are many."""
         first = range(min(FIRST_COLUMNS, len(self.table.headings)))
-        columns = roles_of(self.table, first, self._vocabulary).facts.get("participant", [])
+        facts = roles_of(self.table, first, self._vocabulary).facts
+        columns = facts.get("participant", facts.get("condition", []))
         for column in columns or ([0] if self.table.reading.transpose else []):
             cells = self.table.column(column)
             if _is_written_once(cells):
@@ -607,6 +633,8 @@ class TableDraft:
                 [named[i][1] for i in places], self._vocabulary, numbers=self._numbers(found)
             )
             self.doubts += doubts
+            if name in _OF_WHAT_WAS_USED:
+                own = [*map(_baseline_as_condition, own)] if _only_baselines(own) else own
             for place, said in zip(places, own, strict=True):
                 facts[place] = self._spelt(said)
         return facts
