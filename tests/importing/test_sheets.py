@@ -409,6 +409,59 @@ def a_row_for_each_item_and_a_column_for_each_condition(folder: Path) -> Made:
     return [table(folder / "tlx_items.csv", rows)], truth
 
 
+@layout
+def a_row_for_each_scale(folder: Path) -> Made:
+    truth: Truth = {}
+    rows: list[Row] = [["id", "condition", "subscale", "score"]]
+    weights = {"nausea": 9.54, "oculomotor": 7.58, "disorientation": 13.92}
+    for person in PEOPLE:
+        for condition in ("Blur", "Sharp"):
+            sums = {scale: RANDOM.randint(0, 9) for scale in weights}
+            scores = {scale: round(sums[scale] * weights[scale], 2) for scale in weights}
+            scores["total"] = round(sum(sums.values()) * 3.74, 2)
+            truth["ssq_scores", person, condition, "post"] = scores
+            rows += [[person, condition, s.capitalize(), score] for s, score in scores.items()]
+    return [table(folder / "ssq_tidy.csv", rows)], truth
+
+
+@layout
+def a_column_for_each_person(folder: Path) -> Made:
+    truth: Truth = {}
+    rows: list[Row] = [["Condition", "Item", *PEOPLE]]
+    for condition in ("A", "B"):
+        columns = {person: tlx() for person in PEOPLE}
+        for person, answers in columns.items():
+            truth["nasa_tlx", person, condition, "post"] = dict(zip(TLX, answers, strict=True))
+        for n, text in enumerate(LOADS):
+            rows.append(["" if n else condition, text, *(columns[p][n] for p in PEOPLE)])
+    return [workbook(folder / "tlx.xlsx", {"Sheet1": rows})], truth
+
+
+@layout
+def a_factor_beside_the_interface(folder: Path) -> Made:
+    truth: Truth = {}
+    rows: list[Row] = [["Participant", "Difficulty", "Interface", *LOADS]]
+    for person in PEOPLE:
+        for difficulty in ("Easy", "Hard"):
+            for interface in ("Menu", "Voice"):
+                answers, condition = tlx(), f"{interface}_{difficulty}"
+                truth["nasa_tlx", person, condition, "post"] = dict(zip(TLX, answers, strict=True))
+                rows.append([person, difficulty, interface, *answers])
+    return [table(folder / "exp.csv", rows)], truth
+
+
+@layout
+def totals_of_a_baseline_interface(folder: Path) -> Made:
+    truth: Truth = {}
+    rows: list[Row] = [["PID", "TLX_Baseline", "TLX_AR", "TLX_VR"]]
+    for person in PEOPLE:
+        totals = [round(RANDOM.random() * 100, 2) for _ in range(3)]
+        for condition, total in zip(("Baseline", "AR", "VR"), totals, strict=True):
+            truth["nasa_tlx_scores", person, condition, "post"] = {"raw_tlx": total}
+        rows.append([person, *totals])
+    return [table(folder / "tlx.csv", rows)], truth
+
+
 @pytest.fixture(params=LAYOUTS)
 def made(request: pytest.FixtureRequest, tmp_path: Path) -> Made:
     RANDOM.seed(5)

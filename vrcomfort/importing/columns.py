@@ -131,8 +131,12 @@ class Columns:
             raise self._table.fault(f"there is no instrument {name!r} in vrcomfort; {hint}")
         return self._known[name]
 
-    def _take(self, index: int, what: str) -> None:
-        """Note that a column holds answers, which no other questionnaire may take."""
+    def _take(self, index: int, what: str, *, some_rows: bool = False) -> None:
+        """Note that a column holds answers, which no other questionnaire may take in these rows."""
+        if some_rows and self._used.setdefault(index, "scores of some rows") == (
+            "scores of some rows"
+        ):
+            return
         if index in self._used:
             message = f"is taken twice, for {self._used[index]} and for {what}; keep one"
             raise self._table.fault(message, column=index)
@@ -182,7 +186,8 @@ class Columns:
                 other = next(i for i, each in columns.items() if each == item)
                 message = f"is a second column for {item}, beside {self._table.headings[other]!r}"
                 raise self._table.fault(f"{message}; keep one", column=index)
-            self._take(index, f"{instrument.name} {item}")
+            partly = isinstance(source, Scores) and bool(source.where)
+            self._take(index, f"{instrument.name} {item}", some_rows=partly)
             columns[index] = item
         time = getattr(source, "time", None)
         time_column = self.index(time, "time") if time else None

@@ -26,18 +26,30 @@ class FoundScores(FoundAnswers):
     ----------
     scales
         Scale → index of its column.
+    where
+        In tables with a row for each scale: the column that names the scale, and the text there.
     """
 
     scales: dict[str, int]
+    where: tuple[int, str] | None = None
 
     @property
     def columns(self) -> list[int]:
         """Return the indices of the columns."""
-        return [*self.scales.values()]
+        return [*self.scales.values(), *([] if self.where is None else self.where[:1])]
+
+    def rows(self, table: SourceTable) -> SourceTable:
+        """Return the table with the rows of these scores alone."""
+        if self.where is None:
+            return table
+        column, text = self.where
+        return replace(table, rows=tuple(row for row in table.rows if row[column] == text))
 
 
 def find_scores(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundScores]:
     """Return the columns of scores by the scales in their headings: a total, or at least two."""
+    if tidy := _in_rows(table, columns, known):
+        return tidy
     found: list[FoundScores] = []
     left = list(columns)
     named = mentions(
@@ -51,6 +63,34 @@ def find_scores(table: SourceTable, columns: Sequence[int], known: Known) -> lis
             left = [c for c in left if all(c not in each.scales.values() for each in own)]
             found += own
     return found or _by_condition(table, left, known)
+
+
+def _in_rows(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundScores]:
+    """Return the scores of a table with a row for each scale, which a column names."""
+    labels = known.vocabulary.response_labels
+    values = [c for c in columns if plain(table.headings[c]) in labels and _numeric(table, c)]
+    named = mentions(
+        f"{table.file.stem} {table.sheet} {' '.join(table.headings)}", known.instruments
+    )
+    for column in columns if len(values) == 1 else ():
+        names = texts(table, column)
+        if column in values or not _FEWEST_NAMED <= len(names) <= _MOST_SCALES:
+            continue
+        for instrument in known.instruments:
+            words = _scale_words(instrument, known.vocabulary)
+            of = {t: _scale(t, instrument, words, known.vocabulary.scale_fillers) for t in names}
+            scales = {text: found[0] for text, found in of.items() if found and not found[1]}
+            said = instrument.name in named or any(mentions(text, [instrument]) for text in names)
+            sure = said or all(len(text) > 2 for text in names)
+            if sure and len({*scales.values()}) == len(names):
+                return [
+                    FoundScores(instrument, (), {scale: values[0]}, (column, text))
+                    for text, scale in scales.items()
+                ]
+    return []
+
+
+_MOST_SCALES = 8
 
 
 def _by_condition(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundScores]:
@@ -279,12 +319,13 @@ def _likelier(table: SourceTable, found: FoundScores, scale: str) -> ScoreKind:
 
 def kind_of(table: SourceTable, found: FoundScores) -> ScoreKind:
     """Return ``score`` or ``raw_sum`` where all values can be that, else ``other``."""
+    own = found.rows(table)
     for kind in _KINDS:
         if all(
             on_scale(value, scale, kind) is not None
             for name, column in found.scales.items()
             if (scale := scale_named(found.instrument, name)) is not None
-            for value in values_of(table, column)
+            for value in values_of(own, column)
         ):
             return kind
     return "other"

@@ -433,7 +433,7 @@ class TableDraft:
 
     def _context(self) -> Context:
         time = next((r.time for r in self._answers[RATINGS] if r.time is not None), None)
-        single = not self._answers[LONG]
+        single = not self._answers[LONG] and not any(each.where for each in self._answers[SCORES])
         return Context(
             self.table,
             self._vocabulary,
@@ -455,6 +455,7 @@ class TableDraft:
 
     def _found_answers(self, said: set[str]) -> AnswersFound:
         keys = [column for long in self._answers[LONG][:1] for column in long.row_keys]
+        keys += [each.where[0] for each in self._answers[SCORES][:1] if each.where is not None]
         answered = bool(self._answers) or self._leaving is not None
         return AnswersFound(self._tables, said, self._answers.taken, keys, answered)
 
@@ -626,6 +627,8 @@ class TableDraft:
     def _heading_facts_of(self, found: Sequence[FoundAnswers]) -> list[dict[str, str]]:
         """Return the facts in the words of headings, each instrument by itself."""
         named = [(each.instrument.name, each.context) for each in found]
+        if any(isinstance(each, FoundScores) and each.where for each in found):
+            return [{} for _ in named]  # a heading of all of them
         facts: list[dict[str, str]] = [{} for _ in named]
         for name in dict.fromkeys(name for name, _ in named):
             places = [i for i, (other, _) in enumerate(named) if other == name]
@@ -654,6 +657,8 @@ class TableDraft:
             for kind, part in by_kind(self.table, each).items():
                 scales = {scale: self.table.headings[c] for scale, c in part.scales.items()}
                 draft = TomlDraft({"instrument": part.instrument.name, **said, "kind": kind})
+                if part.where is not None:
+                    draft.put("where", {self.table.headings[part.where[0]]: part.where[1]})
                 draft.note("The answers are not in the file: scores alone.")
                 draft.tables["scales"] = TomlDraft(dict(scales))
                 drafts.append(draft)
@@ -661,7 +666,8 @@ class TableDraft:
                     kind, "scores by another formula"
                 )
                 of = f"{what} of the {part.instrument.short}"
-                asked.setdefault(of, []).extend(scales.values())
+                names = [*scales.values()] if part.where is None else [part.where[1]]
+                asked.setdefault(of, []).extend(names)
         for what, names in asked.items():
             question = f"{', '.join(names)}: are these {what}?"
             self.doubts.append(
