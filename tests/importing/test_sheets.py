@@ -546,3 +546,10 @@ def test_times_of_ratings_in_minutes_and_numbered_columns(tmp_path: Path) -> Non
             key: [(seconds * n, answer) for n, answer in enumerate(course)]
             for key, course in courses.items()
         }
+
+
+def test_what_was_measured_in_a_file_called_tlx_is_no_task_load(tmp_path: Path) -> None:
+    rows = [[person, 20.5 + n, 5.5 + n, 30 + n] for n, person in enumerate(PEOPLE)]
+    heading = ["Participant", "Task duration", "Distance", "Clicks"]
+    found = suggested_for(tmp_path / "tlx_results.csv", [heading, *rows])
+    assert found.imported is None

@@ -323,9 +323,13 @@ def _recurring_names(context: Context, column: int) -> bool:
     counts = Counter(cell for cell in context.table.column(column) if cell)
     personal = is_personal(context.table.headings[column], context.vocabulary)
     again = sum(count > 1 for count in counts.values())
-    several = len(counts) > 1 and again * 5 >= len(counts) * 4
+    several = len(counts) >= _FEWEST_NAMES and again * 5 >= len(counts) * 4
     filled = sum(counts.values()) * 5 >= len(context.table.rows) * 4
     return column in context.roles.metadata and personal and several and filled
+
+
+_FEWEST_NAMES = 4
+"""Fewer names may be those of conditions."""
 
 
 def _timepoints_under_heading(context: Context, column: int) -> bool:

@@ -65,6 +65,13 @@ def find_scores(table: SourceTable, columns: Sequence[int], known: Known) -> lis
     return found or _by_condition(table, left, known)
 
 
+_PERFORMANCE = frozenset([
+    "clicks", "count", "distance", "duration", "error", "errors", "latency", "rt", "seconds",
+    "speed", "success", "time", "trial", "trials", "zeit",
+])  # fmt: skip
+"""Words for what was measured, and not answered."""
+
+
 def _in_rows(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundScores]:
     """Return the scores of a table with a row for each scale, which a column names."""
     labels = known.vocabulary.response_labels
@@ -104,8 +111,11 @@ def _by_condition(table: SourceTable, columns: Sequence[int], known: Known) -> l
     if {word for word in words if len(word) > 1} & {*map(plain, known.vocabulary.totals)}:
         return []  # means and deviations
     for instrument in named if len(named) == 1 else ():
-        free = [*roles_of(table, columns, known.vocabulary).unknown]
+        free = [c for c in roles_of(table, columns, known.vocabulary).unknown if texts(table, c)]
+        free = [c for c in free if not {*tokens(table.headings[c])} & _PERFORMANCE]
         totals = [c for c in free if _are_totals(table, c, instrument)]
+        if len(totals) < len(free) and instrument.answers.step < 1:
+            return []  # any number can be a total: these may be anything
         values = [value for column in totals for value in values_of(table, column)]
         above = sum(value > instrument.high or not value.is_integer() for value in values)
         contexts = [tuple(tokens(table.headings[column])) for column in totals]
@@ -152,7 +162,7 @@ def _of_instrument(
         named = _scale(table.headings[column], instrument, words, fillers)
         named = named or _bare_total(table, column, instrument)
         named = named or _of_file(table, column, instrument, fillers)
-        measured = {*tokens(table.headings[column])} & vocabulary.measures
+        measured = {*tokens(table.headings[column])} & (vocabulary.measures | _PERFORMANCE)
         if named is not None and not measured and _numeric(table, column):
             scale, context = named
             there = groups.setdefault(context, {})
