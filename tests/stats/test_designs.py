@@ -442,3 +442,11 @@ def test_the_agreement_of_means_has_no_end_where_that_of_single_scores_is_at_its
     assert all(each.low <= each.estimate <= each.high for each in intraclass(two_people))
     lowest = {each.form: each for each in intraclass([[0, 9], [8, 1], [1, 9], [9, 0], [5, 4]])}
     assert (lowest["2,1"].low, lowest["2,k"].low) == (-1, -np.inf)
+
+
+@pytest.mark.parametrize("scores", [[[1, 2], [2, 1]], [[0.1, 0.4], [0.4, 0.1]]])
+def test_two_people_who_change_places_have_the_lowest_agreement_with_any_upper_end(scores) -> None:
+    """People and occasions have equal means, so that no variance is estimated: it divided by 0."""
+    found = {each.form: each for each in intraclass(scores)}
+    assert (found["2,1"].estimate, found["2,1"].low, found["2,1"].high) == (-1, -1, 1)
+    assert (found["2,k"].estimate, found["2,k"].high, found["2,1"].p) == (-np.inf, 1, 1)

@@ -263,6 +263,7 @@ class _MeanSquares:
         left = total - people - occasions
         if left <= ROUNDING * total:
             raise InputError("the scores leave no variance for an error")
+        people, occasions = (x if x > ROUNDING * total else 0.0 for x in (people, occasions))
         return cls(
             n, k, people / (n - 1), occasions / (k - 1), (total - people) / (n * (k - 1)),
             left / ((n - 1) * (k - 1)),
@@ -302,15 +303,19 @@ def _agreement(squares: _MeanSquares, *, mean: bool, confidence: float) -> Intra
     people, occasions, error = squares.people, squares.occasions, squares.error
     df_error = (n - 1) * (k - 1)
     least = -1 / (k - 1)  # the answers of one person cannot be more unlike
-    icc = max((people - error) / (people + (k - 1) * error + k * (occasions - error) / n), least)
+    variance = people + (k - 1) * error + k * (occasions - error) / n
+    # Of two people on two occasions, with equal means of both, no variance is estimated.
+    icc = max((people - error) / variance, least) if variance else least
     a, b = k * icc / (n * (1 - icc)), 1 + k * icc * (n - 1) / (n * (1 - icc))
     mixed = a * occasions + b * error
     df = mixed**2 / ((a * occasions) ** 2 / (k - 1) + (b * error) ** 2 / df_error)
     above = float(f_distribution.isf(tail, n - 1, df))
     below = float(f_distribution.isf(tail, df, n - 1))
     rest = k * occasions + (k * n - k - n) * error
-    low = n * (people - above * error) / (above * rest + n * people)
-    high = n * (below * people - error) / (rest + n * below * people)
+    low, high = -math.inf, math.inf
+    if rest or people:
+        low = n * (people - above * error) / (above * rest + n * people)
+        high = n * (below * people - error) / (rest + n * below * people)
     f = people / error
     p = float(f_distribution.sf(f, n - 1, df_error))
     # The approximate df can be so few that the ends change their places.
