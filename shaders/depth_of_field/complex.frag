@@ -2,7 +2,7 @@
 // Depth of field by gathering what other pixels would scatter here, with who hides whom.
 //
 // Input:  colour_and_coc (colour_and_coc.frag; signed CoC RADIUS in px of image width, negative in front
-//         of the focus); layers_1, layers_2 … (layers.frag): what wide discs are made of; tile: what may
+//         of the focus); layers of level 1, 2 … (layers.frag): what wide discs are made of; tile: what may
 //         reach it (coc_tile_dilate.frag).
 // Output: the blurred image, linear HDR, full resolution.
 //
@@ -42,36 +42,7 @@ flat in vec4 tile;
 
 uniform sampler2D colour_and_coc;
 #if LEVELS > 1
-uniform usampler2D layers_1;
-#endif
-#if LEVELS > 2
-uniform usampler2D layers_2;
-#endif
-#if LEVELS > 3
-uniform usampler2D layers_3;
-#endif
-#if LEVELS > 4
-uniform usampler2D layers_4;
-#endif
-
-// What is behind of each level but the coarsest, and where it is summed.
-#if COARSER_BEHIND
-#define BEHIND_1 layers_2, 2
-#define BEHIND_2 layers_3, 3
-#define BEHIND_3 layers_4, 4
-#else
-#define BEHIND_1 layers_1, 1
-#define BEHIND_2 layers_2, 2
-#define BEHIND_3 layers_3, 3
-#endif
-#if LEVELS == 2
-#define COARSEST layers_1, 1
-#elif LEVELS == 3
-#define COARSEST layers_2, 2
-#elif LEVELS == 4
-#define COARSEST layers_3, 3
-#else
-#define COARSEST layers_4, 4
+uniform usampler2D layers[LEVELS - 1];  // of level 1, 2, …
 #endif
 
 out vec4 blurred;
@@ -298,31 +269,13 @@ void gather_level(usampler2D layers, int level) {
 void main() {
     surface = own_px <= 0.5 ? vec4(p.rgb, 1.0) : vec4(0.0);
     gather_level_0();
-#if LEVELS > 1
-    gather_level(layers_1, 1);
-#endif
-#if LEVELS > 2
-    gather_level(layers_2, 2);
-#endif
-#if LEVELS > 3
-    gather_level(layers_3, 3);
-#endif
-#if LEVELS > 4
-    gather_level(layers_4, 4);
-#endif
+#define GATHER(level) gather_level(layers[level - 1], level);
+    EACH_COARSER_LEVEL(GATHER)
     gather_pixels_behind(behind_of(0));
-#if LEVELS > 2
-    gather_texels_behind(BEHIND_1, 1, behind_of(1));
-#endif
-#if LEVELS > 3
-    gather_texels_behind(BEHIND_2, 2, behind_of(2));
-#endif
-#if LEVELS > 4
-    gather_texels_behind(BEHIND_3, 3, behind_of(3));
-#endif
-#if LEVELS > 1
-    gather_texels_behind(COARSEST, LEVELS - 1, behind_of(LEVELS - 1));
-#endif
+// What is behind is summed one level coarser, if there is one.
+#define SUMMED_ON(level) min(level + COARSER_BEHIND, LEVELS - 1)
+#define GATHER_BEHIND(level) gather_texels_behind(layers[SUMMED_ON(level) - 1], SUMMED_ON(level), level, behind_of(level));
+    EACH_COARSER_LEVEL(GATHER_BEHIND)
     vec3 own = behind.a > 1e-5 ? surface.rgb + (1.0 - surface.a) * behind.rgb / behind.a
                                : surface.rgb / max(surface.a, 1e-5);
     vec3 over = foreground.a > 0.0 ? foreground.rgb / foreground.a : vec3(0.0);

@@ -54,6 +54,6 @@ void gather(usampler2D image, int level) {
 
 void main() {
     gathered = vec4(0.0, 0.0, 0.0, 1.0);
-    for (int level = 1; level < LEVELS; ++level)
-        gather(layers[level - 1], level);
+#define GATHER(level) gather(layers[level - 1], level);
+    EACH_COARSER_LEVEL(GATHER)
 }

@@ -3,7 +3,8 @@
 //
 // Input:  surfaces (half_surfaces.frag; signed CoC RADIUS, px of image width, negative in front of the
 //         focus), each half as large as the one before; dilated (half_tile_dilate.frag).
-//         LEVELS: how many; TILE: side of a tile in texels; FILL_PX: how far from a texel in focus its
+//         LEVELS: how many; EACH_LEVEL(f): f(0) f(1) …, since software rasterisers read the textures of a
+//         loop more slowly; TILE: side of a tile in texels; FILL_PX: how far from a texel in focus its
 //         surroundings are.
 // Output: rgb = light of a texel's own disc under what is nearer and spreads over it; a = opacity of that.
 //
@@ -78,8 +79,8 @@ float level_part(int level, float radius_px) {
 }
 
 void disc(float radius_px, bool wanted, bool beyond, int sides) {
-    for (int level = 0; level < LEVELS; ++level)
-        gather(surfaces[level], level, radius_px, wanted ? level_part(level, radius_px) : 0.0, beyond, sides);
+#define GATHER(level) gather(surfaces[level], level, radius_px, wanted ? level_part(level, radius_px) : 0.0, beyond, sides);
+    EACH_LEVEL(GATHER)
 }
 
 void main() {

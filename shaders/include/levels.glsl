@@ -3,7 +3,8 @@
 //
 // EXACT_PX: RADIUS (px of image width) up to which a disc is summed over its pixels; WIDER: how many times
 // more texels a radius may have on the other levels; LEVELS: how many there are; FADED: part of its widest disc
-// from which a level shares with the next.
+// from which a level shares with the next. EACH_COARSER_LEVEL(f): f(1) f(2) … of all but the pixels, since
+// software rasterisers read the textures of a loop more slowly.
 // Each class of tiles shares discs between the same levels: a disc that lies in several is of one piece.
 // Twin: vrcomfort/optics/blur_kernels.py.
 

@@ -258,9 +258,11 @@ class CocPasses:
         self._is_rendered = False
         self.tile_px = TILE_PX
         """Side of :attr:`tile_min_max`."""
-        self.level_defines = {
+        levels = blur_kernels.gather_mips(self.max_radius_px, settings.samples)
+        self.level_defines: dict[str, Any] = {
             "EXACT_PX": blur_kernels.exact_px(settings.samples),
-            "LEVELS": blur_kernels.gather_mips(self.max_radius_px, settings.samples),
+            "LEVELS": levels,
+            "EACH_COARSER_LEVEL(f)": each_level(1, levels),
             "WIDER": blur_kernels.WIDER,
             "FADED": blur_kernels.CROSS_FADE_FROM,
         }
@@ -386,6 +388,11 @@ class CocPasses:
             f"depth of field: circles of confusion of up to {largest_px:.1f} px (radius) were "
             f"limited to {self._least_max_radius_px:.1f} px",
         )
+
+
+def each_level(first: int, end: int) -> str:
+    """Return the body of a macro that calls another for each level."""
+    return " ".join(f"f({level})" for level in range(first, end))
 
 
 class CocTileMinMax:

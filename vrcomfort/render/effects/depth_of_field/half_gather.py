@@ -8,7 +8,7 @@ from typing import Any
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import blur_kernels
-from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs, each_level
 from vrcomfort.render.effects.depth_of_field.layered_gather import Aspect
 
 FILL_PX = 4.0
@@ -74,6 +74,7 @@ class HalfGatherKernel:
                 **small,
                 "TILE": tile_px // 2,
                 "LEVELS": len(surfaces),
+                "EACH_LEVEL(f)": each_level(0, len(surfaces)),
                 "TEXELS_PER_PX": blur_kernels.HALF_TEXELS_PER_PX,
                 "FILL_PX": FILL_PX,
             },

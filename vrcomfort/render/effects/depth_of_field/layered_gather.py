@@ -56,7 +56,7 @@ class LayeredGatherKernel:
         self._points = {"colour_and_coc": coc.colour_and_coc}
         self._dilate = self._dilate_pass()
         self._layers = self._layer_passes()
-        layers = {f"layers_{i}": each.target for i, each in enumerate(self._layers, 1)}
+        layers: Inputs = {"layers": [each.target for each in self._layers]} if self._layers else {}
         self.target = gl.color_texture(ctx, coc.size_px)
         # A shader for each class, which reads only what the class needs.
         self._composite = [self._tiles("IN_FOCUS", "in_focus"), self._tiles("FAST", "fast")]
@@ -64,7 +64,7 @@ class LayeredGatherKernel:
         self._composite.append(self._tiles("COMPLEX", "complex", layers, defines=coarser))
         self._gather: FullscreenPass | None = None
         if self._layers:
-            self._gather = self._gather_pass()
+            self._gather = self._gather_pass(layers)
             gathered = {"gathered": self._gather.target}
             wide = {"WITH_HALF_RESOLUTION": 1}
             self._composite.append(
@@ -121,11 +121,11 @@ class LayeredGatherKernel:
             )
         return found
 
-    def _gather_pass(self) -> FullscreenPass:
+    def _gather_pass(self, layers: Inputs) -> FullscreenPass:
         """Return the pass that sums wide discs, in tiles of that class and beside them."""
         return self._pass(
             "gather",
-            {"layers": [each.target for each in self._layers], "dilated": self._dilate.target},
+            {**layers, "dilated": self._dilate.target},
             size_px=self._size_of(1),
             defines={
                 **self._defines,
@@ -143,7 +143,7 @@ class LayeredGatherKernel:
         self,
         name: str,
         fragment: str,
-        inputs: dict[str, moderngl.Texture] | None = None,
+        inputs: Inputs | None = None,
         defines: dict[str, int] | None = None,
         **options: Any,
     ) -> FullscreenPass:
