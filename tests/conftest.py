@@ -69,8 +69,9 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     if _may_not_skip() and (skipped := terminalreporter.getreports("skipped")):
         terminalreporter.write_line(f"failed: {len(skipped)} skipped; here nothing may be missing")
     passed = terminalreporter.getreports("passed")
-    if oracles := sum("stats/test_oracles.py" in report.nodeid for report in passed):
-        terminalreporter.write_line(f"oracles: {oracles} tests against R and NIST passed")
+    oracles = [each for each in passed if "stats/test_oracles.py" in each.nodeid]
+    if values := sum(dict(each.user_properties).get("values", 1) for each in oracles):
+        terminalreporter.write_line(f"oracles: {values} values are those of R and NIST")
     tried = {
         report.nodeid.rpartition("::")[2]: dict(report.user_properties)["cases"]
         for report in passed
