@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.support.lab_layouts import LAB_LAYOUTS
-from tests.support.layouts import ITEMS, LAYOUTS, Truth, write
+from tests.support.layouts import ITEMS, LAYOUTS, WORDS, Truth, write
 from tests.support.odd_layouts import ODD_LAYOUTS
 from tests.support.report import build_report
 from vrcomfort.cli.app import app
@@ -180,6 +180,42 @@ def test_headings_of_three_rows_below_a_title(title: tuple[str, ...], tmp_path: 
     assert answers_of(suggested.imported)["P5", "Small_screen", "post"] == tuple(
         (5 + k) % 4 for k in range(48, 64)
     )
+
+
+def test_numbers_below_conditions_are_headings_beside_any_number_of_texts(tmp_path: Path) -> None:
+    upper = ["", "", "", "", *["Big lens"] * 16, *["Small screen"] * 16]
+    lower = ["ID", "Age", "Sex", "Group", *range(1, 17), *range(1, 17)]
+    people = [[f"P{n}", 20 + n, "fm"[n % 2], "x", *[WORDS[(n + k) % 4] for k in range(32)]]
+              for n in range(6)]  # fmt: skip
+    suggested = suggest_mapping([write(tmp_path / "ssq.csv", [upper, lower, *people])])
+    assert "heading_rows = [1, 2]" in suggested.text
+
+
+def test_answers_of_the_first_columns_are_found_beside_another_number_in_the_last(
+    tmp_path: Path,
+) -> None:
+    rows = [[*[(n + k) % 4 for k in range(16)], f"P{n}", n % 4] for n in range(8)]
+    suggested = suggest_mapping([write(tmp_path / "ssq.csv", rows)])
+    assert suggested.imported is not None
+    assert {*answers_of(suggested.imported).values()} == {
+        tuple((n + k) % 4 for k in range(16)) for n in range(8)
+    }
+
+
+@pytest.mark.parametrize("age", [[], [30]], ids=["no column", "another column"])
+def test_an_item_without_a_column_of_answers_is_left_out(tmp_path: Path, age: list[int]) -> None:
+    names: list[object] = ["ID", *ITEMS]
+    place = names.index("headache")
+    rows = [[f"P{n}", *[(n + k) % 4 for k in range(16)]] for n in range(8)]
+    for n, row in enumerate([names, *rows]):
+        row[place : place + 1] = (["Age"] if n == 0 else [age[0] + n]) if age else []
+    suggested = suggest_mapping([write(tmp_path / "x.csv", [names, *rows])])
+    assert suggested.imported is not None
+    read = answers_of(suggested.imported)
+    assert len(read) == 8
+    assert [ITEMS[k] for k in range(16) if {each[k] for each in read.values()} == {-1}] == [
+        "headache"
+    ]
 
 
 def test_a_first_row_of_one_answer_is_data(tmp_path: Path) -> None:

@@ -166,10 +166,10 @@ def from_one_without_the_highest(folder: Path) -> Made:
 
 
 def in_initials(folder: Path) -> Made:
-    """Items called by their initials."""
+    """Items called by their initials, those of one word by up to four letters."""
     truth = study()
-    short = ["GD", "F", "H", "ES", "DF", "IS", "S", "N", "DC", "FH", "BV", "DEO", "DEC", "V"]
-    short += ["SA", "B"]
+    short = ["GD", "FA", "HE", "EYES", "DF", "IS", "SWE", "NAU", "DC", "FH", "BV", "DEO", "DEC"]
+    short += ["VERT", "SA", "B"]
     names = [f"SSQ_{time}_{each}" for time in ("pre", "post") for each in short]
     rows: list[Sequence[object]] = [["participant", "condition", *names]]
     for person in PEOPLE:

@@ -307,10 +307,7 @@ class LabVocabulary:
             short = {"".join(word[0] for word in words)}
             short.add("".join(word[0] for word in words if word != "of"))
             if len(words) == 1:
-                short |= {item.name[:2], item.name[:3]}
-            for word in tokens(item.text):
-                if len(words) == 1 and tokens(item.text) == [word]:
-                    short.add(word[:4])
+                short |= {item.name[:length] for length in (2, 3, 4)}
             for each in short:
                 found.setdefault(each, set()).add(item.name)
         known = {each: names.pop() for each, names in found.items() if len(names) == 1}
