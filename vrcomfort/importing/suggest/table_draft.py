@@ -3,23 +3,31 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
-from typing import Any, Generic, TypeVar
+from typing import Any
 
 from vrcomfort.importing.answers import number, time_in_words_s
 from vrcomfort.importing.columns import conditions_in
 from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.answer_columns import (
+    BLOCKS,
+    COURSES,
+    LAYOUTS,
+    LONG,
+    RATINGS,
+    SCORES,
+    AnswerColumns,
+    Layout,
+)
 from vrcomfort.importing.suggest.block_conditions import (
     conditions_beside,
     fitting,
     number_in_words,
     numbered_conditions,
     order_column,
-    without_products,
-    without_repeats,
 )
 from vrcomfort.importing.suggest.draft import (
     CONDITIONS,
@@ -36,7 +44,6 @@ from vrcomfort.importing.suggest.draft import (
 from vrcomfort.importing.suggest.evidence import (
     FIRST_COLUMNS,
     Context,
-    Roles,
     is_personal,
     repeated_headings,
     roles_of,
@@ -47,107 +54,19 @@ from vrcomfort.importing.suggest.evidence import (
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.facts import draft_facts
 from vrcomfort.importing.suggest.heading_facts import heading_facts, template_of
-from vrcomfort.importing.suggest.items import FoundAnswers, find_blocks
+from vrcomfort.importing.suggest.items import FoundAnswers
 from vrcomfort.importing.suggest.leaving import find_leaving
-from vrcomfort.importing.suggest.long_tables import find_long
 from vrcomfort.importing.suggest.questionnaires import (
-    Drafted,
-    draft_block,
-    draft_course,
-    draft_long,
-    draft_rating,
     leftovers,
     sum_of,
 )
-from vrcomfort.importing.suggest.ratings import find_courses, find_ratings
 from vrcomfort.importing.suggest.scores import (
     FoundScores,
     by_kind,
-    find_scores,
     rise_from_first,
-    weighted,
 )
 from vrcomfort.importing.suggest.vocabulary import Known, words_of
 from vrcomfort.settings import toml_value
-
-FoundT = TypeVar("FoundT", bound=FoundAnswers)
-
-
-@dataclass(frozen=True)
-class Layout(Generic[FoundT]):
-    """A way in which answers stand in a table.
-
-    Parameters
-    ----------
-    weight
-        Heavier layouts take their columns first; the others look among those that are left.
-    find
-        Returns the answers in some columns of a table.
-    draft
-        Drafts the questionnaire of what was found; None for scores, which are drafted together.
-    whole
-        The layout is that of a whole table: a table has at most one such layout.
-    """
-
-    name: str
-    weight: int
-    find: Callable[[SourceTable, Sequence[int], Known], list[FoundT]]
-    draft: Callable[[SourceTable, FoundT, Mapping[str, str], Known, Roles], Drafted] | None = None
-    whole: bool = False
-
-
-LONG = Layout("a row for each answer", 50, find_long, draft_long, whole=True)
-BLOCKS = Layout("a column for each item", 40, find_blocks, draft_block, whole=True)
-RATINGS = Layout("a column of ratings", 30, find_ratings, draft_rating)
-COURSES = Layout("a column for each time of a rating", 20, find_courses, draft_course)
-SCORES = Layout("columns of scores", 10, find_scores)
-LAYOUTS: tuple[Layout[Any], ...] = (LONG, BLOCKS, RATINGS, COURSES, SCORES)
-
-
-class AnswerColumns:
-    """The answers of a table, by their layouts."""
-
-    def __init__(self, table: SourceTable, known: Known) -> None:
-        self._found: dict[Layout[Any], list[Any]] = {}
-        self.taken: set[int] = set()
-        """Columns of answers."""
-        self.repeated: list[int] = []
-        """Those that say again what others say."""
-        self.products: list[int] = []
-        """Those of answers times their weights."""
-        for layout in sorted(LAYOUTS, key=lambda each: -each.weight):
-            left = [c for c in range(len(table.headings)) if c not in self.taken]
-            closed = layout.whole and any(
-                each.whole and found for each, found in self._found.items()
-            )
-            self._found[layout] = [] if closed else layout.find(table, left, known)
-            if layout is BLOCKS:
-                self._found[layout], self.products = without_products(table, self._found[layout])
-                self._found[layout], self.repeated = without_repeats(table, self._found[layout])
-                self.taken.update((*self.repeated, *self.products))
-            if layout is SCORES and self.products:
-                self._found[layout] = [weighted(each) for each in self._found[layout]]
-            self.taken.update(c for each in self._found[layout] for c in each.columns)
-
-    def __getitem__(self, layout: Layout[FoundT]) -> list[FoundT]:
-        return self._found[layout]
-
-    def __bool__(self) -> bool:
-        return any(self._found.values())
-
-    @property
-    def instruments(self) -> set[str]:
-        """Return the names of the instruments that were found."""
-        return {each.instrument.name for found in self._found.values() for each in found}
-
-    @property
-    def leading(self) -> Layout[Any] | None:
-        """Return the layout with the facts of a row in its headings, if there is one."""
-        leading: tuple[Layout[Any], ...] = (BLOCKS, SCORES, RATINGS)
-        if any(each.context for each in self[LONG]):
-            leading = (LONG, *leading)
-        return next((each for each in leading if self[each]), None)
-
 
 _OF_WHAT_WAS_USED = frozenset(["ipq", "nasa_tlx", "sus"])
 """Instruments about a system, a task or a scene: none is asked before its use."""
