@@ -28,7 +28,7 @@ def test_depth_alone_agrees_with_rays_masks_included(ctx):
     target.clear(depth=0.0)
     ctx.enable_only(ctx.DEPTH_TEST)
     ctx.depth_func = gl.DEPTH_FUNC
-    gpu.draw_depth(camera.clip_from_relative(), camera.world_from_eye.position)
+    gpu.draw_depth(camera.clip_from_relative()[None], camera.world_from_eye.position)
     found = distance_m(read_depth(depth), camera.near_m)
 
     x, y = np.meshgrid((np.arange(64) + 0.5) / 32 - 1, 1 - (np.arange(64) + 0.5) / 32)

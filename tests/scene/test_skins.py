@@ -183,7 +183,7 @@ def depth_alone(ctx, scene, time_s, camera):
     ctx.enable_only(ctx.DEPTH_TEST)
     ctx.depth_func = gl.DEPTH_FUNC
     gpu.update(time_s, Pose())
-    count = gpu.draw_depth(camera.clip_from_relative(), camera.world_from_eye.position)
+    count = gpu.draw_depth(camera.clip_from_relative()[None], camera.world_from_eye.position)
     return read_depth(depth), count
 
 

@@ -255,17 +255,13 @@ class GpuScene:
         self.draws += len(layer.batches)
         return layer.triangles
 
-    def draw_depth(
-        self,
-        clip_from_relative: Array,
-        origin_m: Array,
-        *,
-        movement: Movement = "all",
-        shadow: bool = False,
+    def draw_shadow(
+        self, clip_from_relative: Array, origin_m: Array, *, movement: Movement = "all"
     ) -> int:
-        """Draw depth only, alpha masks honoured, and return the number of triangles.
+        """Draw the depth of shadow casters, back faces too, and return the number of triangles.
 
-        Blended surfaces write no depth. `update` must have been called for this frame.
+        Alpha masks are honoured; levels of detail are by the distance from `origin_m`. There is no
+        near plane: the target must clamp depth. `update` must have been called for this frame.
 
         Parameters
         ----------
@@ -273,117 +269,95 @@ class GpuScene:
             (4, 4) any reverse-Z projection; relative = world axes with `origin_m` as origin.
         origin_m
             (3,) world metres: the viewpoint.
-        shadow
-            Draw for a shadow map: casters only, back faces too, levels of detail by the
-            distance from `origin_m`, no near plane (the target must clamp depth).
         movement
-            Leave moving (or static) casters out of a shadow map.
+            Leave moving (or static) casters out.
         """
-        planes = culling.planes(clip_from_relative, near=not shadow)
-        rows = (
-            self._rows.casting(planes, origin_m, movement)
-            if shadow
-            else self._seen_from(planes, origin_m)
-        )
-        return self._draw_depth_rows(
-            rows, clip_from_relative, origin_m, self._depth_states, cull=not shadow
-        )
+        planes = culling.planes(clip_from_relative, near=False)
+        rows = self._rows.casting(planes, origin_m, movement)
+        view, clips = np.zeros(len(rows), dtype=np.intp), clip_from_relative[None]
+        return self._draw_rows((view, rows), clips, origin_m, self._depth_states, cull=False)
 
-    def draw_semantic(self, clip_from_relative: Array, origin_m: Array) -> int:
-        """Draw depth as `draw_depth` does and, as colour, semantic weights."""
-        if self._semantic_states is None:
-            self._semantic_states = self._semantic()
-        rows = self._seen_from(culling.planes(clip_from_relative), origin_m)
-        return self._draw_depth_rows(
-            rows, clip_from_relative, origin_m, self._semantic_states, cull=True
-        )
-
-    def draw_node_numbers(self, clip_from_relative: Array, origin_m: Array) -> int:
-        """Draw depth as `draw_depth` does and, as colour, the number of the node that is seen.
-
-        Numbers count from 1, in the order of `Scene.nodes`.
-        """
-        if self._semantic_states is None:
-            self._semantic_states = self._semantic()
-        rows = self._seen_from(culling.planes(clip_from_relative), origin_m)
-        return self._draw_depth_rows(
-            rows,
-            clip_from_relative,
-            origin_m,
-            self._semantic_states,
-            cull=True,
-            numbered=True,
-        )
-
-    def _seen_from(self, planes: Array, origin_m: Array) -> Rows:
-        """Return the rows that write depth within planes around a point."""
-        rows: Rows = self._rows.in_use[self._rows.seen(planes[None], origin_m[None])[0]]
-        return rows[~self._list.blended[rows]] if self.has_blended else rows
-
-    def _draw_depth_rows(
+    def draw_depth(
         self,
-        rows: Rows,
-        clip_from_relative: Array,
+        clips_from_relative: Array,
         origin_m: Array,
-        states: list[BatchState],
-        *,
-        cull: bool,
-        numbered: bool = False,
+        begin_view: Callable[[int], None] = lambda _: None,
     ) -> int:
-        if not len(rows):
-            return 0
-        key = self._list.depth_key[rows]
-        order = np.argsort(key, kind="stable")
-        self._rows.write(self._depth_rows, rows[order], origin_m, numbered=numbered)
-        self._clips.write(clip_from_relative[None])
-        self._clips.bind(0)
-        _, drawn = batches(key[order], len(states))
-        self._begin()
-        self._drawer.draw(drawn, states, self._depth_rows.commands, cull=cull)
-        self.draws += len(drawn)
-        return self._triangles(rows)
+        """Draw depth only, for several views from one point, and return the number of triangles.
 
-    def draw_depth_views(
-        self, clips_from_relative: Array, origin_m: Array, begin_view: Callable[[int], None]
-    ) -> int:
-        """Draw depth as `draw_depth` does, for several views from one point, with one upload.
+        Alpha masks are honoured; blended surfaces write no depth. `update` must have been called
+        for this frame.
 
         Parameters
         ----------
         clips_from_relative
-            (views, 4, 4) projections.
+            (views, 4, 4) projections, as those of `draw_shadow`.
         begin_view
             Called with the number of each view before it is drawn, to set its viewport.
         """
-        planes = culling.planes(clips_from_relative)
+        seen = self._seen_from(culling.planes(clips_from_relative), origin_m)
+        states = self._depth_states
+        return self._draw_rows(seen, clips_from_relative, origin_m, states, begin_view=begin_view)
+
+    def draw_semantic(
+        self, clip_from_relative: Array, origin_m: Array, *, numbered: bool = False
+    ) -> int:
+        """Draw depth as `draw_depth` does for one view and, as colour, semantic weights.
+
+        Parameters
+        ----------
+        numbered
+            Draw the number of the node that is seen instead: from 1, in the order of `Scene.nodes`.
+        """
+        if self._semantic_states is None:
+            self._semantic_states = self._semantic()
+        clips, states = clip_from_relative[None], self._semantic_states
+        seen = self._seen_from(culling.planes(clips), origin_m)
+        return self._draw_rows(seen, clips, origin_m, states, numbered=numbered)
+
+    def _seen_from(self, planes: Array, origin_m: Array) -> tuple[Rows, Rows]:
+        """Return, of all rows that write depth within planes around a point, view and row."""
         seen = self._rows.seen(planes, origin_m[None])
         if self.has_blended:
             seen &= ~self._list.blended[self._rows.in_use]
         view, place = seen.nonzero()
-        row = self._rows.in_use[place]
-        key = self._list.depth_key[row] + view * len(self._depth_states)
+        return view, self._rows.in_use[place]
+
+    def _draw_rows(
+        self,
+        seen: tuple[Rows, Rows],
+        clips_from_relative: Array,
+        origin_m: Array,
+        states: list[BatchState],
+        *,
+        begin_view: Callable[[int], None] = lambda _: None,
+        cull: bool = True,
+        numbered: bool = False,
+    ) -> int:
+        """Draw rows, each in its view, with one upload; return the number of triangles."""
+        view, row = seen
+        if not len(row):
+            return 0
+        key = self._list.depth_key[row] + view * len(states)
         order = np.argsort(key, kind="stable")
-        self._rows.write(self._depth_rows, row[order], origin_m)
+        self._rows.write(self._depth_rows, row[order], origin_m, numbered=numbered)
         self._clips.write(clips_from_relative)
         views: dict[int, list[Batch]] = {}
-        for number, batch in zip(*batches(key[order], len(self._depth_states)), strict=True):
+        for number, batch in zip(*batches(key[order], len(states)), strict=True):
             views.setdefault(number, []).append(batch)
         self._begin()
         for number, of_view in views.items():
             begin_view(number)
             self._clips.bind(number)
-            self._drawer.draw(of_view, self._depth_states, self._depth_rows.commands)
+            self._drawer.draw(of_view, states, self._depth_rows.commands, cull=cull)
             self.draws += len(of_view)
-        return self._triangles(row)
+        return int(self._triangles_of_row[row].sum())
 
     def _begin(self) -> None:
         """Bind the textures and joints that all draws of this scene read."""
         self._drawer.begin()
         if self._joints is not None:
             self._joints.bind()
-
-    def _triangles(self, rows: Rows) -> int:
-        return int(self._triangles_of_row[rows].sum())
 
 
 def _semantic_states(factory: BatchStateFactory, table: DrawList) -> list[BatchState]:

@@ -121,8 +121,8 @@ class ShadowMap:
             movement = "static" if clear else "moving"
         self.triangles += self._gpu.run(
             target.drawn,
-            lambda: self._gpu.draw_depth(
-                self._clip_from_relative, self._origin_m, movement=movement, shadow=True
+            lambda: self._gpu.draw_shadow(
+                self._clip_from_relative, self._origin_m, movement=movement
             ),
         )
         self._ctx.disable_direct(_DEPTH_CLAMP)

@@ -59,7 +59,7 @@ class NarrowRays:
         head_from_relative = rotation_only(world_from_head.rotation.T)
         self.triangles = self._gpu.run(
             self._drawn,
-            lambda: self._gpu.draw_depth_views(
+            lambda: self._gpu.draw_depth(
                 clips_from_head @ head_from_relative, world_from_head.position, self._aim
             ),
         )
@@ -311,7 +311,8 @@ class GazeHits:
         ctx.depth_func = gl.DEPTH_FUNC
         clip_from_relative = clip_from_head @ rotation_only(head.rotation.T)
         self.triangles = self._gpu.run(
-            self._drawn, lambda: self._gpu.draw_node_numbers(clip_from_relative, head.position)
+            self._drawn,
+            lambda: self._gpu.draw_semantic(clip_from_relative, head.position, numbered=True),
         )
         ctx.enable_only(moderngl.NOTHING)
 
