@@ -74,6 +74,7 @@ def test_a_headset_is_looked_at_whole(run: Run, tmp_path: Path) -> None:
     assert code == (2 if refused else 0)
 
 
+@pytest.mark.slow
 def test_what_is_wrong_with_a_headset_is_told(run: Run, tmp_path: Path) -> None:
     lies_on_a_table = "start head 0 0.3 0 0 0 0 1\n0-9999 untracked 50\nstart active left 0\n"
     _, content = preflight(run, tmp_path, lies_on_a_table + HANDS)
@@ -109,6 +110,7 @@ def test_what_cannot_be_had_is_refused_with_what_can(
     assert not study.exists()
 
 
+@pytest.mark.slow
 def test_a_runtime_that_goes_away_is_a_finding(run: Run, tmp_path: Path) -> None:
     code, content = preflight(run, tmp_path, HEAD + "1 state loss_pending\n")
     assert code == content["outcome"].count("refuse") * 2 == 2

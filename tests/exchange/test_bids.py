@@ -115,6 +115,19 @@ def test_events_hold_the_exposure_and_its_ratings(study: Path, dataset: Path) ->
     assert [float(row["onset"]) for row in rows] == sorted(float(row["onset"]) for row in rows)
 
 
+def test_columns_of_participants_and_events_are_described(dataset: Path) -> None:
+    people = json.loads((dataset / "participants.json").read_text())
+    (row,) = tsv(dataset / "participants.tsv")
+    assert people.keys() == row.keys() - {"participant_id"}
+    assert row["status"] in people["status"]["Levels"]
+    files = [*dataset.rglob("*_events.tsv")]
+    assert files
+    for file in files:
+        said, rows = json.loads(file.with_suffix(".json").read_text()), tsv(file)
+        assert said.keys() - {"StimulusPresentation"} == rows[0].keys()
+        assert said["trial_type"]["Levels"].keys() == {row["trial_type"] for row in rows}
+
+
 def test_every_answer_is_in_the_phenotype_tables(study: Path, dataset: Path) -> None:
     (row,) = tsv(dataset / "phenotype" / "ssq.tsv")
     said = json.loads((dataset / "phenotype" / "ssq.json").read_text())
