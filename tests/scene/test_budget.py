@@ -6,6 +6,7 @@ import io
 import json
 import subprocess
 import sys
+from bisect import bisect_left
 from pathlib import Path
 
 import numpy as np
@@ -227,6 +228,25 @@ def test_every_limit_is_one_of_the_budget(tmp_path, budget, match):
     load_scene(path)
     with pytest.raises(InputError, match=match):
         load_scene(path, budget=SceneBudget(**budget))
+
+
+def test_strips_and_fans_cost_the_indices_of_the_triangles_that_they_become(tmp_path):
+    def fewest_numbers(mode: int) -> int:
+        file = Gltf()
+        mesh = {"primitives": [file.triangle() | {"mode": mode}]}
+        path = file.save(tmp_path / "a.gltf", meshes=[mesh])
+        return bisect_left(range(1000), True, key=lambda numbers: fits(path, numbers))
+
+    triangles, strip, fan = map(fewest_numbers, (4, 5, 6))
+    assert (strip - triangles, fan - triangles) == (9, 9)
+
+
+def fits(path: Path, numbers: int) -> bool:
+    try:
+        load_scene(path, budget=SceneBudget(numbers=numbers))
+    except InputError:
+        return False
+    return True
 
 
 def grid(path: Path, count: int) -> Path:
