@@ -14,8 +14,15 @@ from tests.support.resume import attempts, go, manifest, rows
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.operator_interface import Command
 from vrcomfort.protocol.texts import ENGLISH
+from vrcomfort.session import operator_control
 from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.verbal import VerbalRespondent
+
+
+@pytest.fixture(autouse=True)
+def _no_waiting_between_looks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The clock is the test's."""
+    monkeypatch.setattr(operator_control, "IDLE_S", 0.0)
 
 
 @dataclass

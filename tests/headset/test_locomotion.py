@@ -139,9 +139,10 @@ def test_feet_follow_the_torso_wherever_the_head_looks(
     walker.arrive(HEAD)
     walker.step(HEAD, MoveCommand(turn_rad=turn), FRAME_S)
     before = feet_of(walker, looking)
-    walker.step(looking, MoveCommand(forward=0.3), FRAME_S)
+    walker.step(looking, MoveCommand(right=0.4, forward=0.3), FRAME_S)
     moved = feet_of(walker, looking) - before
-    expected = Pose(orientation=axis_angle([0.0, 1.0, 0.0], yaw + turn)).forward
+    forward = Pose(orientation=axis_angle([0.0, 1.0, 0.0], yaw + turn)).forward
+    expected = 0.8 * np.cross(forward, [0.0, 1.0, 0.0]) + 0.6 * forward
     assert moved == pytest.approx(expected * SPEED_M_S * FRAME_S, abs=1e-12)
 
 

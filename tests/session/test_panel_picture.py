@@ -94,6 +94,8 @@ def test_pointing_changes_the_pointed_cell_and_nothing_else():
 def test_the_pointer_is_a_dot_with_a_rim_that_stands_where_it_points() -> None:
     picture = pointer_picture()
     assert picture.shape == (*inputs.POINTER_SIZE_PX[::-1], 4)
+    assert np.array_equal(picture, picture[::-1])
+    assert np.array_equal(picture, picture.swapaxes(0, 1))
     middle, corner, rim = picture[16, 16], picture[0, 0], picture[16, 3]
     assert middle.tolist() == [255, 210, 80, 255]
     assert corner[3] == 0
