@@ -53,6 +53,15 @@ def test_a_moving_edge_is_a_ramp():
     np.testing.assert_allclose(found, ramp, atol=0.01)
 
 
+def test_a_point_that_moves_leaves_its_trace_along_its_way():
+    image = np.zeros((15, 15, 3))
+    image[7, 7] = 1
+    found = ideal_scatter(flat(image, streak=(8.0, 8.0)), SHUTTER)[..., 0]
+    y, x = np.nonzero(found)
+    assert (np.abs(y - x) <= 1).all()
+    assert (x.min(), x.max()) == (y.min(), y.max()) == (3, 11)
+
+
 def test_in_focus_and_at_rest_nothing_changes():
     image = np.random.default_rng(0).random((9, 7, 3))
     np.testing.assert_allclose(ideal_scatter(flat(image), LENS[:8]), image, rtol=1e-12)

@@ -78,7 +78,7 @@ def test_what_is_narrow_is_thin_and_what_is_bright_is_a_lamp():
     assert columns(found["thin"]) == (17, 23)
     assert found["lamps"].sum() == 29  # pixels within 3 of one
     wide = depth.copy()
-    wide[:, 15:25] = NEAR
+    wide[:, 19:22] = NEAR  # the least that a window of 60 px keeps
     assert not regions(seen(wide, np.full((60, 60), 2.0)))["thin"].any()
 
 
