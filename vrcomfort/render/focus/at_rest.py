@@ -14,12 +14,11 @@ from vrcomfort.render.focus.search import (
     focus_texture,
     write_focus,
 )
-from vrcomfort.render.planned_pass import PlannedPass
 
 
-def _plan_fixed(settings: Focus) -> PlannedPass:
-    """Plan no pass."""
-    return PlannedPass("focus", False, f"focus is fixed at {settings.fixed_m:g} m")
+def _decide_fixed(settings: Focus) -> tuple[bool, str]:
+    """Say that it draws nothing."""
+    return False, f"focus is fixed at {settings.fixed_m:g} m"
 
 
 class FixedFocus:
@@ -45,10 +44,10 @@ class FixedFocus:
         return ()
 
 
-def _plan_script(settings: Focus) -> PlannedPass:
-    """Plan no pass."""
+def _decide_script(settings: Focus) -> tuple[bool, str]:
+    """Say that it draws nothing."""
     again = f", every {settings.script_every_s:g} s" if settings.script_every_s else ""
-    return PlannedPass("focus", False, f"a script of {len(settings.script)} distances{again}")
+    return False, f"a script of {len(settings.script)} distances{again}"
 
 
 class ScriptedFocus:
@@ -77,5 +76,5 @@ class ScriptedFocus:
         return ()
 
 
-FIXED = FocusRule("fixed", _plan_fixed, FixedFocus)
-SCRIPTED = FocusRule("scripted", _plan_script, ScriptedFocus)
+FIXED = FocusRule("fixed", _decide_fixed, FixedFocus)
+SCRIPTED = FocusRule("scripted", _decide_script, ScriptedFocus)

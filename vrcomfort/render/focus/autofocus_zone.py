@@ -25,11 +25,10 @@ from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.camera import rotation_only
 from vrcomfort.render.focus.search import FocusInputs, FocusRule, FocusSearch, HeadView, ProbeResult
 from vrcomfort.render.gpu_scene import SEMANTIC_SHADER
-from vrcomfort.render.planned_pass import PlannedPass
 
 
-def plan(settings: Focus) -> PlannedPass:
-    """Plan the zone."""
+def decide(settings: Focus) -> tuple[bool, str]:
+    """Say that it draws the zone, and how it reads it."""
     width, height = settings.zone_size_px
     done = {
         "mean": "averaged",
@@ -45,7 +44,7 @@ def plan(settings: Focus) -> PlannedPass:
         f"depth of field follows what is in the middle: {settings.zone_ratio:g} of the image's "
         f"sides, drawn in {width}×{height} px and {done} {how}"
     )
-    return PlannedPass("focus", True, reason)
+    return True, reason
 
 
 def screen_tangents(views: tuple[View, View]) -> tuple[float, float]:
@@ -210,4 +209,4 @@ def build(inputs: FocusInputs) -> FocusSearch:
     return FocusSearch(inputs, AutofocusZone(inputs))
 
 
-RULE = FocusRule("autofocus_zone", plan, build)
+RULE = FocusRule("autofocus_zone", decide, build)

@@ -29,7 +29,6 @@ from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.camera import rotation_only
 from vrcomfort.render.focus.search import FocusInputs, FocusRule, FocusSearch, HeadView, ProbeResult
 from vrcomfort.render.gpu_scene import DEPTH_SHADER, SEMANTIC_SHADER, GpuScene
-from vrcomfort.render.planned_pass import PlannedPass
 
 RAY_WIDTH = 1e-4
 """Tangent across a ray's frustum, 0.3 arcmin. Thin enough that alpha masks are read at full size,
@@ -95,10 +94,10 @@ def ray_lengths(tangents: Array) -> Array:
     return lengths
 
 
-def _plan_nine_ray(_: Focus) -> PlannedPass:
-    """Plan nine rays."""
+def _decide_nine_ray(_: Focus) -> tuple[bool, str]:
+    """Say that it draws nine rays."""
     reason = f"depth of field follows what is in front of the head: {RAYS} rays, a texel each"
-    return PlannedPass("focus", True, reason)
+    return True, reason
 
 
 class Aim(NamedTuple):
@@ -167,7 +166,7 @@ def _build_nine_ray(inputs: FocusInputs) -> FocusSearch:
     return FocusSearch(inputs, NineRays(inputs))
 
 
-NINE_RAY = FocusRule("nine_ray", _plan_nine_ray, _build_nine_ray)
+NINE_RAY = FocusRule("nine_ray", _decide_nine_ray, _build_nine_ray)
 
 
 NO_EYE_TRACKER = (
@@ -176,13 +175,13 @@ NO_EYE_TRACKER = (
 )
 
 
-def _plan_gaze(settings: Focus) -> PlannedPass:
-    """Plan rays around the line of sight."""
+def _decide_gaze(settings: Focus) -> tuple[bool, str]:
+    """Say that it draws rays around the line of sight."""
     nine = settings.without_gaze == "nine_ray"
     instead = "nine rays ahead without one" if nine else "the session stops without one"
     reason = f"depth of field follows the gaze: {RAYS} rays, a texel each; needs an eye tracker"
     reason += f"; {instead}"
-    return PlannedPass("focus", True, reason)
+    return True, reason
 
 
 class GazeRays:
@@ -243,7 +242,7 @@ def _build_gaze(inputs: FocusInputs) -> FocusSearch:
     return FocusSearch(inputs, GazeRays(inputs))
 
 
-GAZE = FocusRule("gaze", _plan_gaze, _build_gaze)
+GAZE = FocusRule("gaze", _decide_gaze, _build_gaze)
 
 
 _FLOAT_BYTES = 4

@@ -108,15 +108,19 @@ class FocusRule:
     ----------
     name
         Value of `method` in a protocol.
-    plan
+    decide
         Say whether it draws anything, and why; no OpenGL.
     build
         Make it.
     """
 
     name: FocusRuleName
-    plan: Callable[[Focus], PlannedPass]
+    decide: Callable[[Focus], tuple[bool, str]]
     build: Callable[[FocusInputs], FocusPass]
+
+    def plan(self, settings: Focus) -> PlannedPass:
+        """Plan the search."""
+        return PlannedPass("focus", *self.decide(settings))
 
 
 class ProbeResult(NamedTuple):
