@@ -5,6 +5,7 @@
 // Output: linear HDR radiance, before exposure; VELOCITY: px per frame, or AS_THE_EYE
 //         (include/velocity.glsl).
 //         ALPHA_MASK: alpha is coverage (the samples of a pixel are switched by it).
+//         BEHIND_NEAR: only what is no nearer than `nearest` says, reverse-Z depths on corners of tiles of TILE px.
 #include "where.glsl"
 #include "view.glsl"
 #include "light.glsl"
@@ -17,6 +18,10 @@ uniform sampler2DArray normal_images;
 uniform sampler2DArray metallic_roughness_images;
 uniform sampler2DArray emissive_images;
 uniform sampler2DShadow shadow_map;
+
+#ifdef BEHIND_NEAR
+uniform sampler2D nearest;
+#endif
 
 in vec3 relative;
 in vec3 normal;
@@ -213,8 +218,17 @@ void main() {
     WHERE (own_motion > 0.5)
         velocity = own_velocity();
 #endif
+    // At last: derivatives and filtered reads need all four pixels of a block.
+#ifdef BEHIND_NEAR
 #ifdef ALPHA_MASK
+    if (coverage < 0.5)
+        discard;  // one sample: it is covered or not
+#endif
+    vec2 corner = gl_FragCoord.xy / float(TILE) + 0.5;
+    if (gl_FragCoord.z > textureLod(nearest, corner / vec2(textureSize(nearest, 0)), 0.0).r)
+        discard;
+#elif defined(ALPHA_MASK)
     if (coverage <= 0.0)
-        discard;  // at last: derivatives and filtered reads need all four pixels of a block
+        discard;
 #endif
 }

@@ -62,6 +62,8 @@ class FullscreenPass:
         eye's image, or how far by name; without it, and for names that are left out, anywhere.
     texel_px
         (width, height) of a texel of the target in pixels of the eye's image.
+    over
+        Blend what is drawn, premultiplied by its alpha, over what is there.
     """
 
     def __init__(
@@ -84,6 +86,7 @@ class FullscreenPass:
         depth: moderngl.Texture | None = None,
         reach_px: float | Mapping[str, float] = math.inf,
         texel_px: tuple[int, int] = (1, 1),
+        over: bool = False,
     ) -> None:
         if target is None:
             wanted = (components, *more_components)
@@ -112,13 +115,14 @@ class FullscreenPass:
             self._set(constants)
         framebuffer = ctx.framebuffer(self.targets, depth)
         flags = moderngl.NOTHING if depth is None else moderngl.DEPTH_TEST
-        self._ctx, self._writes_depth = ctx, depth is not None
+        self._ctx, self._writes_depth, self._over = ctx, depth is not None, over
+        flags |= moderngl.BLEND if over else moderngl.NOTHING
         self._draw = _drawing(self._triangle, moderngl.TRIANGLES, 3)
         drawn_px = texel_px
         if tiles is not None:
             columns, rows = tiles
             self._draw = _drawing(self._triangle, moderngl.POINTS, columns * rows)
-            flags = moderngl.PROGRAM_POINT_SIZE
+            flags |= moderngl.PROGRAM_POINT_SIZE
             # Points whose middle is outside the viewport are not drawn: it is of whole tiles.
             point_px = int((defines or {})["POINT_PX"])
             framebuffer.viewport = (0, 0, columns * point_px, rows * point_px)
@@ -134,6 +138,7 @@ class FullscreenPass:
             ),
             tuple(map(PassImage.of, (*self.targets, *([] if depth is None else [depth])))),
             texel_px=drawn_px,
+            blends=over,
         )
         self._framebuffer = framebuffer
         if area is not None:
@@ -157,6 +162,8 @@ class FullscreenPass:
             sampler.use(unit)
         if self._writes_depth:
             self._ctx.depth_func = "1"  # moderngl's GL_ALWAYS: fragments replace any depth
+        if self._over:
+            self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         self.declared.run(self._draw)
         for unit, sampler in self._samplers:
             sampler.clear(unit)  # samplers override the textures of passes that follow

@@ -165,6 +165,11 @@ def watched(watcher: Watcher) -> Iterator[None]:
         _watchers.remove(watcher)
 
 
+def is_watched() -> bool:
+    """Return whether somebody watches passes."""
+    return bool(_watchers)
+
+
 def part(name: str) -> AbstractContextManager[None]:
     """Return the context in which a part of a frame is drawn, such as an effect."""
     return _watchers[-1].part(name) if _watchers else _NOTHING

@@ -12,6 +12,7 @@ import moderngl
 from vrcomfort.errors import InputError
 from vrcomfort.frame import FocusSample, Frame, GazeHit
 from vrcomfort.geometry import Array, Gaze, HiddenAreas, Pose
+from vrcomfort.gpu import gl
 from vrcomfort.gpu.passes import draw_part, part
 from vrcomfort.gpu.visible_area import VisibleArea
 from vrcomfort.optics.focus import Centre, GazeFollower
@@ -135,6 +136,8 @@ class ConditionPasses:
         self.triangles = 0
         """Of the eye that was drawn last, in all its views."""
         self.colour = self.scene.colour
+        self._pinhole: moderngl.Texture | None = None
+        """A copy of `scene.colour` before effects, where one overwrites it and it is wanted."""
         self._lens_views: LensViews | None = None
         self._of_view: dict[str, EffectPass] = {}
         """By name, drawn in each view through the lens."""
@@ -181,7 +184,7 @@ class ConditionPasses:
                 self.colour,
                 self.scene.depth,
                 # Only the first effect reads the scene's own image: there the resolve writes radii.
-                self.scene.resolve if self.colour is self.scene.colour else None,
+                self.scene if self.colour is self.scene.colour else None,
                 {name: found for name in registered.reads if (found := made.get(name)) is not None},
             )
         )
@@ -315,8 +318,20 @@ class ConditionPasses:
         previous = [_previous(eye, before_s) for eye in eyes]
         self.scene.update(scene_time_s, cameras[0].head, before_s, cameras, previous)
 
-    def render_eye(self, eye: EyeFrame, scene_time_s: float, before_s: float) -> EyeImages:
-        """Draw one eye and its effects; the left one first."""
+    def render_eye(
+        self, eye: EyeFrame, scene_time_s: float, before_s: float, *, keep_pinhole: bool = False
+    ) -> EyeImages:
+        """Draw one eye and its effects; the left one first.
+
+        Parameters
+        ----------
+        keep_pinhole
+            Whether `EyeImages.pinhole` is looked at.
+        """
+        blur = self._of_eye.get("depth_of_field")
+        keep = keep_pinhole and isinstance(blur, DepthOfFieldPass) and blur.draws_behind
+        if keep and self._pinhole is None:
+            self._pinhole = gl.color_texture(self._ctx, self._size_px)
         self.triangles = 0
         if self.area is not None:
             self.area.eye = eye.eye_index
@@ -327,7 +342,7 @@ class ConditionPasses:
                     lambda lens: self._draw(eye, self._of_view, scene_time_s, before_s, lens),
                 )
         # The centre view comes last: its depth and velocity are those of the eye.
-        self._draw(eye, self._of_eye, scene_time_s, before_s)
+        self._draw(eye, self._of_eye, scene_time_s, before_s, keep_pinhole=keep)
         tone_map = self.tone_maps[eye.eye_index]
         draw_part("tone_map", tone_map.render)
         depth = self.scene.depth
@@ -337,7 +352,7 @@ class ConditionPasses:
         return EyeImages(
             eye.camera,
             eye.previous,
-            self.scene.colour,
+            self._pinhole if keep and self._pinhole is not None else self.scene.colour,
             self.colour,
             self.scene.depth,
             depth,
@@ -352,12 +367,16 @@ class ConditionPasses:
         scene_time_s: float,
         before_s: float,
         lens: Lens | None = None,
+        *,
+        keep_pinhole: bool = False,
     ) -> None:
         previous = _previous(eye, before_s)
         camera = eye.camera if lens is None else replace(eye.camera, lens=lens)
         draw_part("scene", self.scene.render, camera, scene_time_s, previous, resolve=False)
         draw_part(RESOLVE, self.scene.resolve.render, camera)
         self.triangles += self.scene.triangles
+        if keep_pinhole and self._pinhole is not None:
+            gl.copier(self._ctx)(self.scene.colour, self._pinhole)
         seen = eye._replace(still=self.scene.still)
         for name, effect in effects.items():
             draw_part(name, effect.render, seen)

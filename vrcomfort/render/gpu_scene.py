@@ -124,6 +124,8 @@ class GpuScene:
         self._depth_states = [factory.depth(key) for key in table.depth_keys]
         self._semantic_states: list[BatchState] | None = None
         self._semantic = partial(_semantic_states, factory, table)
+        self._behind_states: list[BatchState] = []
+        self._make_behind = partial(_behind_states, factory, table)
         self.has_blended = bool(table.blended.any())
         self._foreground = None if foreground is None else foreground[table.node]
         self._triangles_of_row = table.commands["index_count"].astype(np.int64) // 3
@@ -239,7 +241,13 @@ class GpuScene:
         declared.run(counted)
         return triangles
 
-    def draw(self, view: int, *, blended: bool, foreground: bool = False) -> int:
+    def make_behind(self, tile_px: int) -> None:
+        """Compile what `draw` needs for what lies behind near things (``BEHIND_NEAR``)."""
+        self._behind_states = self._make_behind(tile_px)
+
+    def draw(
+        self, view: int, *, blended: bool, foreground: bool = False, behind: bool = False
+    ) -> int:
         """Draw a view of the last `cull`, and return the number of triangles.
 
         Parameters
@@ -248,10 +256,13 @@ class GpuScene:
             False: opaque and masked surfaces. True: blended ones.
         foreground
             Draw the foreground, or all else.
+        behind
+            Leave out what is near: `make_behind`; its limit is on `NEAREST_UNIT`.
         """
         layer = self._layers[_LAYERS * view + _OF_FOREGROUND * foreground + blended]
         self._begin()
-        self._drawer.draw(layer.batches, self._color_states, self._color_rows.commands)
+        states = self._behind_states if behind else self._color_states
+        self._drawer.draw(layer.batches, states, self._color_rows.commands)
         self.draws += len(layer.batches)
         return layer.triangles
 
@@ -362,6 +373,10 @@ class GpuScene:
 
 def _semantic_states(factory: BatchStateFactory, table: DrawList) -> list[BatchState]:
     return [factory.semantic(key) for key in table.depth_keys]
+
+
+def _behind_states(factory: BatchStateFactory, table: DrawList, tile_px: int) -> list[BatchState]:
+    return [factory.color(key, {"BEHIND_NEAR": 1, "TILE": tile_px}) for key in table.keys]
 
 
 def _vertex_array(

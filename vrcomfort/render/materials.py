@@ -240,7 +240,10 @@ SHADOW_UNIT = 32
 frame. Below are those of passes (OpenGL 4.5 promises 16 to each shader) and moderngl's own, the
 32nd at most."""
 
-FIRST_UNIT = SHADOW_UNIT + 1
+NEAREST_UNIT = SHADOW_UNIT + 1
+"""Of how near things may be in a picture of what lies behind others."""
+
+FIRST_UNIT = NEAREST_UNIT + 1
 UNITS = 96
 """Least GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS of OpenGL 4.5."""
 
@@ -343,9 +346,10 @@ class BatchStateFactory:
         self._scene_features = dict(scene_features)
         self._made: dict[tuple[object, ...], moderngl.VertexArray] = {}
 
-    def color(self, key: BatchKey) -> BatchState:
-        """Return the state that draws a batch in colour."""
-        return self._surface(key, ("scene/scene.frag", "scene/scene.vert"), self._scene_features)
+    def color(self, key: BatchKey, defines: shaders.Defines | None = None) -> BatchState:
+        """Return the state that draws a batch in colour; `defines` besides those of the scene."""
+        features = {**self._scene_features, **(defines or {})}
+        return self._surface(key, ("scene/scene.frag", "scene/scene.vert"), features)
 
     def depth(self, key: BatchKey) -> BatchState:
         """Return the state that draws a batch's depth alone; `key` is one `of_depth`."""
@@ -383,3 +387,5 @@ def _name_units(program: moderngl.Program, key: BatchKey) -> None:
             program[slot.sampler] = unit(array)
     if "shadow_map" in program:
         program["shadow_map"] = SHADOW_UNIT
+    if "nearest" in program:
+        program["nearest"] = NEAREST_UNIT

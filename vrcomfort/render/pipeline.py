@@ -355,8 +355,10 @@ class StereoRenderer:
         samples = passes.find_focus(frame, world_from_head, scene_time_s, centre)
         triangles = passes.focus.triangles if passes.focus else 0
         seeks_gaze, hits = self._look_along(frame, world_from_head)
+        # A headset takes depth alone.
+        keep_pinhole = on_eye is not None and on_eye is not self._on_eye
         for index, eye in enumerate(eyes):
-            images = passes.render_eye(eye, scene_time_s, before_s)
+            images = passes.render_eye(eye, scene_time_s, before_s, keep_pinhole=keep_pinhole)
             triangles += passes.triangles
             if on_eye is not None:
                 elsewhere_s += self._hand_on(on_eye, index, images)

@@ -33,6 +33,7 @@ from vrcomfort.render.camera import (
 )
 from vrcomfort.render.gpu_scene import GpuScene, ViewFrustum
 from vrcomfort.render.lighting import Light
+from vrcomfort.render.materials import NEAREST_UNIT
 from vrcomfort.render.shadow import ShadowMap
 from vrcomfort.scene.data import Scene
 
@@ -102,6 +103,7 @@ class ScenePass:
         self._previous: tuple[PreviousCamera, ...] = ()
         self._placed: tuple[float, float, Pose] | None = None
         self._shadow_triangles = 0
+        self._view_drawn = 0
         self.lens_focus: moderngl.Texture | None = None
         """1×1 RGBA32F, x = where lenses focus (m); without it each `Lens` says so itself."""
         self.resolve = self._targets.resolve
@@ -179,6 +181,46 @@ class ScenePass:
         if resolve:
             self.resolve.render(camera)
 
+    def prepare_behind(
+        self,
+        nearest: moderngl.Texture,
+        tile_px: int,
+        colour: moderngl.Texture,
+        depth: moderngl.Texture,
+    ) -> None:
+        """Compile what :meth:`draw_behind` draws.
+
+        Parameters
+        ----------
+        nearest
+            R32F on the corners of tiles of `tile_px`: the reverse-Z depth of the nearest thing.
+        colour, depth
+            Where it draws, one sample a pixel: RGBA16F and D32F.
+        """
+        self._nearest = nearest
+        self.gpu.make_behind(tile_px)
+        self._single = _SingleTargets(self._ctx, colour, depth)
+        images = tuple(map(passes.PassImage.of, (colour, depth)))
+        limit = passes.PassImage.of(nearest)
+        self._opaque_behind = replace(
+            self._opaque, reads=(*self._opaque.reads, limit), writes=images
+        )
+        self._blended_behind = replace(
+            self._blended, reads=(*self._blended.reads, limit), writes=images[:1]
+        )
+        self._sky_behind = replace(self._behind, writes=images)
+
+    def draw_behind(self) -> None:
+        """Draw the last view again, without what is near, wherever `depth` is less than 1."""
+        if self._shadow is not None:
+            self._shadow.bind()
+        self._nearest.use(NEAREST_UNIT)
+        self._single.use()
+        counted = self.gpu.draws
+        self._draw_layers(self._view_drawn, behind=True)
+        self.gpu.draws = counted  # whether these are drawn is left to the GPU
+        self._ctx.enable_only(moderngl.NOTHING)
+
     def _bind_blocks(self, view: int, camera: EyeCamera, before: PreviousCamera) -> None:
         """Bind the blocks of an eye; they are there where `update` knew all of it."""
         if camera.lens is None and self._previous and self._previous[view] == before:
@@ -199,11 +241,8 @@ class ScenePass:
         if self._shadow is not None:
             self._shadow.bind()
         self._targets.begin()
-        self.triangles = self._draw_opaque(view)
-        self._ctx.enable_only(moderngl.DEPTH_TEST)
-        self._ctx.depth_func = ">="  # the sky lies at infinity: depth 0, as the clear value
-        self._behind.run(self._sky.draw)
-        self.triangles += self._draw_blended(view)
+        self.triangles = self._draw_layers(view)
+        self._view_drawn = view
         if self._background is not None:
             self._ctx.enable_only(moderngl.NOTHING)
             self.resolve.render(camera)
@@ -215,21 +254,31 @@ class ScenePass:
             self.triangles += self._draw_blended(view, foreground=True)
         self._ctx.enable_only(moderngl.NOTHING)
 
-    def _draw_opaque(self, view: int, *, foreground: bool = False) -> int:
+    def _draw_layers(self, view: int, *, behind: bool = False) -> int:
+        """Draw opaque surfaces, the sky where none is, and blended ones; return the triangles."""
+        triangles = self._draw_opaque(view, behind=behind)
+        self._ctx.enable_only(moderngl.DEPTH_TEST)
+        self._ctx.depth_func = ">="  # the sky lies at infinity: depth 0, as the clear value
+        (self._sky_behind if behind else self._behind).run(self._sky.draw)
+        return triangles + self._draw_blended(view, behind=behind)
+
+    def _draw_opaque(self, view: int, *, foreground: bool = False, behind: bool = False) -> int:
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = gl.DEPTH_FUNC
         return self.gpu.run(
-            self._opaque, lambda: self.gpu.draw(view, blended=False, foreground=foreground)
+            self._opaque_behind if behind else self._opaque,
+            lambda: self.gpu.draw(view, blended=False, foreground=foreground, behind=behind),
         )
 
-    def _draw_blended(self, view: int, *, foreground: bool = False) -> int:
+    def _draw_blended(self, view: int, *, foreground: bool = False, behind: bool = False) -> int:
         if not self.gpu.has_blended:
             return 0
-        self._targets.blend()
+        (self._single if behind else self._targets).blend()
         self._ctx.depth_func = gl.DEPTH_FUNC
         self._ctx.enable(moderngl.BLEND)
         return self.gpu.run(
-            self._blended, lambda: self.gpu.draw(view, blended=True, foreground=foreground)
+            self._blended_behind if behind else self._blended,
+            lambda: self.gpu.draw(view, blended=True, foreground=foreground, behind=behind),
         )
 
 
@@ -318,9 +367,31 @@ class _Targets:
 
     def blend(self) -> None:
         """Continue with colour only: blended surfaces cover by alpha and write no depth."""
-        self._many_colour_only.use()
-        self._many_colour_only.depth_mask = False
-        self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+        _blend(self._ctx, self._many_colour_only)
+
+
+class _SingleTargets:
+    """An image and its depth, one sample a pixel."""
+
+    def __init__(
+        self, ctx: moderngl.Context, colour: moderngl.Texture, depth: moderngl.Texture
+    ) -> None:
+        self._ctx = ctx
+        self._both, self._colour_only = (ctx.framebuffer([colour], depth) for _ in range(2))
+
+    def use(self) -> None:
+        """Draw colour and depth from now on."""
+        self._both.use()
+
+    def blend(self) -> None:
+        """Continue as :meth:`_Targets.blend`."""
+        _blend(self._ctx, self._colour_only)
+
+
+def _blend(ctx: moderngl.Context, colour_only: moderngl.Framebuffer) -> None:
+    colour_only.use()
+    colour_only.depth_mask = False
+    ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
 
 
 class _HiddenTiles:

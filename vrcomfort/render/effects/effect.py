@@ -17,7 +17,7 @@ from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import Condition, EffectName
 from vrcomfort.render.camera import EyeCamera, HeadStep, PreviousCamera
 from vrcomfort.render.planned_pass import PlannedPass
-from vrcomfort.render.scene_pass import ResolvePass
+from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Scene
 
 
@@ -49,8 +49,8 @@ class EffectInputs:
         Reverse-Z D32F.
     settings
         The effect's own table of the condition.
-    resolve
-        Resolve that makes `colour`, where it is the scene's own.
+    scene
+        What has drawn `colour`, where it is the scene's own.
     reads
         Those that the effect asks for: `velocity` is RG16F (px per frame, +x right, +y up), `focus`
         a 1×1 texture with the focus distance of both eyes in metres as x.
@@ -62,7 +62,7 @@ class EffectInputs:
     size_px: tuple[int, int]
     colour: moderngl.Texture
     depth: moderngl.Texture
-    resolve: ResolvePass | None
+    scene: ScenePass | None
     reads: Mapping[str, moderngl.Texture]
 
 

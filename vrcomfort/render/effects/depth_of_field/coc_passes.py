@@ -281,6 +281,19 @@ class CocPasses:
         self._beside: FullscreenPass | None = None
 
     @property
+    def disc_px(self) -> float:
+        """Return how far the widest disc reaches, summed over texels of the coarsest level."""
+        return float(self.max_radius_px + 2 ** int(self.level_defines["LEVELS"]))
+
+    @property
+    def reach(self) -> tuple[dict[str, moderngl.Texture], dict[str, Any]]:
+        """Return inputs and defines of ``include/tile_dilate.glsl``."""
+        defines = {"TILE": self.tile_px, "MAX_RADIUS_PX": float(self.max_radius_px)}
+        if self.widest is None:
+            return {}, defines
+        return {"widest": self.widest}, {**defines, "WIDEST": 1}
+
+    @property
     def tile_min_max(self) -> moderngl.Texture:
         """Tiles of :class:`CocTileMinMax` of the last eye; asking once keeps them drawn."""
         self._tiles_are_read = True

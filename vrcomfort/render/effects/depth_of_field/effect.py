@@ -21,10 +21,12 @@ from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
 from vrcomfort.render.camera import Lens
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
+from vrcomfort.render.effects.depth_of_field.layered_gather import LayeredGatherKernel
 from vrcomfort.render.effects.depth_of_field.lens_radius import lens, radius_per_dioptre_px
+from vrcomfort.render.effects.depth_of_field.near_things import BEHIND_PX, NearThings
 from vrcomfort.render.effects.effect import EffectInputs, EyeFrame, RegisteredEffect
 from vrcomfort.render.planned_pass import PlannedPass
-from vrcomfort.render.scene_pass import ResolvePass
+from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Scene
 
 
@@ -66,7 +68,7 @@ def build(inputs: EffectInputs) -> DepthOfFieldPass | None:
         settings=of_one_view,
         size_px=inputs.size_px,
         infinity_m=inputs.condition.focus.infinity_m,
-        resolve=inputs.resolve,
+        scene=inputs.scene,
     )
 
 
@@ -81,8 +83,8 @@ class DepthOfFieldPass:
         1×1 texture whose x is the focus distance in metres, the same one for both eyes.
     infinity_m
         Distance taken for the sky.
-    resolve
-        Resolve that makes `colour`, where it can write radii beside it.
+    scene
+        What has drawn `colour`, where it can write radii beside it, and draw what near things hide.
     """
 
     def __init__(
@@ -95,7 +97,7 @@ class DepthOfFieldPass:
         settings: DepthOfField,
         size_px: tuple[int, int],
         infinity_m: float = Focus().infinity_m,
-        resolve: ResolvePass | None = None,
+        scene: ScenePass | None = None,
     ) -> None:
         self._size_px = size_px
         self._slices_m = settings.slices_m if settings.kernel == "mip_slices" else None
@@ -107,10 +109,19 @@ class DepthOfFieldPass:
             settings=settings,
             size_px=size_px,
             infinity_m=infinity_m,
-            resolve=resolve,
+            resolve=None if scene is None else scene.resolve,
         )
         self._kernel = make_kernel(ctx, self._coc, settings)
         self.target = self._kernel.target
+        self._near: NearThings | None = None
+        ours = isinstance(self._kernel, LayeredGatherKernel) and settings.views == 1
+        if ours and scene is not None and self._coc.max_radius_px > BEHIND_PX:
+            self._near = NearThings(ctx, self._coc, scene, self.target)
+
+    @property
+    def draws_behind(self) -> bool:
+        """Return whether `colour` comes to hold what near things hide."""
+        return self._near is not None
 
     def render(self, eye: EyeFrame) -> None:
         """Blur the image that an eye with this frustum, near plane and place in the head drew."""
@@ -122,7 +133,11 @@ class DepthOfFieldPass:
             head_from_eye=eye.camera.head_from_eye,
             peripheral_axis=eye.camera.peripheral_axis,
         )
+        if self._near is not None:
+            self._near.draw_behind(focal_y / focal_x)
         self._kernel.render(focal_y / focal_x)
+        if self._near is not None:
+            self._near.draw_over(focal_y / focal_x)
 
     def adjust(self, settings: DepthOfField) -> None:
         """Blur by other settings from now on."""
@@ -137,7 +152,9 @@ class DepthOfFieldPass:
         self._coc.tells_clamps = False
 
     def warm_up(self) -> None:
-        """Draw nothing: every frame draws everything."""
+        """Draw once what frames without near things skip."""
+        if self._near is not None:
+            self._near.warm_up()
 
     @property
     def max_radius_px(self) -> float:

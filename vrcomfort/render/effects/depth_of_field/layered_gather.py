@@ -85,19 +85,14 @@ class LayeredGatherKernel:
             each.render(aspect)
 
     def _dilate_pass(self) -> FullscreenPass:
-        coc = self._coc
-        inputs = {"tiles": coc.tile_min_max}
-        defines = {**self._defines, "TILE": coc.tile_px, "MAX_RADIUS_PX": float(coc.max_radius_px)}
-        if coc.widest is not None:
-            inputs["widest"] = coc.widest
-            defines["WIDEST"] = 1
-        tile_px = coc.tile_px
+        tiles, (inputs, defines) = self._coc.tile_min_max, self._coc.reach
+        tile_px = self._coc.tile_px
         return self._pass(
             "coc_tile_dilate",
-            inputs,
-            defines=defines,
-            size_px=coc.tile_min_max.size,
-            reach_px={"tiles": coc.max_radius_px + 2},  # tiles that it touches count whole
+            {"tiles": tiles, **inputs},
+            defines={**self._defines, **defines},
+            size_px=tiles.size,
+            reach_px={"tiles": self._coc.max_radius_px + 2},  # tiles that it touches count whole
             texel_px=(tile_px, tile_px),
         )
 
@@ -106,7 +101,7 @@ class LayeredGatherKernel:
         for level in range(1, int(self._defines["LEVELS"])):
             finer = found[-1].target if found else self._coc.colour_and_coc
             defines = {"FROM_LAYERS": 1} if found else {}
-            size_px = self._size_of(level)
+            size_px = level_size(self._coc.size_px, level)
             # Eight half floats in a texel: light and radius of a foreground and of a background.
             found.append(
                 self._pass(
@@ -126,13 +121,13 @@ class LayeredGatherKernel:
         return self._pass(
             "gather",
             {**layers, "dilated": self._dilate.target},
-            size_px=self._size_of(1),
+            size_px=level_size(self._coc.size_px, 1),
             defines={
                 **self._defines,
-                **_of_class("FAST_HALF_RESOLUTION", self._coc.tile_px // 2, beside=1),
+                **of_class("FAST_HALF_RESOLUTION", self._coc.tile_px // 2, beside=1),
             },
             reach_px={
-                "layers": self._disc_px,
+                "layers": self._coc.disc_px,
                 "dilated": self._coc.tile_px,
             },
             texel_px=(2, 2),
@@ -148,38 +143,40 @@ class LayeredGatherKernel:
         **options: Any,
     ) -> FullscreenPass:
         """Return the pass that draws the tiles of a class."""
-        of_class = _of_class(name, self._coc.tile_px, beside=0)
+        class_defines = of_class(name, self._coc.tile_px, beside=0)
         read = {**self._points, **(inputs or {})}
         # What was gathered is read between its texels.
-        reach_px = dict.fromkeys(read, self._disc_px) | {"dilated": 0.0, "gathered": 2.0}
+        reach_px = dict.fromkeys(read, self._coc.disc_px) | {"dilated": 0.0, "gathered": 2.0}
         return self._pass(
             fragment,
             {**read, "dilated": self._dilate.target},
             size_px=self._coc.size_px,
             target=self.target,
-            defines={**self._defines, **of_class, **(defines or {})},
+            defines={**self._defines, **class_defines, **(defines or {})},
             reach_px=reach_px,
             **self._on_tiles(),
             **options,
         )
 
-    @property
-    def _disc_px(self) -> float:
-        """Return how far the widest disc reaches, summed over texels of the coarsest level."""
-        return float(self._coc.max_radius_px + 2 ** int(self._defines["LEVELS"]))
-
     def _on_tiles(self) -> dict[str, Any]:
-        return {"vertex": "depth_of_field/tiles_of_class.vert", "tiles": self._dilate.target.size}
-
-    def _size_of(self, level: int) -> tuple[int, int]:
-        width, height = self._coc.size_px
-        return ceil(width / 2**level), ceil(height / 2**level)
+        return on_tiles(self._dilate.target)
 
     def _pass(self, name: str, inputs: Inputs, **options: Any) -> FullscreenPass:
         fragment = f"depth_of_field/{name}.frag"
         return FullscreenPass(self._ctx, fragment, inputs=inputs, **options)
 
 
-def _of_class(name: str, point_px: int, *, beside: int) -> dict[str, Any]:
+def level_size(size_px: tuple[int, int], level: int) -> tuple[int, int]:
+    """Return the size of a level of an image, rounded up."""
+    width, height = size_px
+    return ceil(width / 2**level), ceil(height / 2**level)
+
+
+def on_tiles(classes: moderngl.Texture) -> dict[str, Any]:
+    """Return the options of a pass that is drawn on tiles of a class."""
+    return {"vertex": "depth_of_field/tiles_of_class.vert", "tiles": classes.size}
+
+
+def of_class(name: str, point_px: int, *, beside: int) -> dict[str, Any]:
     """Return the defines of ``tiles_of_class.vert``."""
     return {"CLASS": name, "POINT_PX": point_px, "BESIDE": beside}

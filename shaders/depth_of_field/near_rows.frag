@@ -1,0 +1,31 @@
+#version 450 core
+// Along rows: how far each tile is from one where not all is near, and how far near discs come.
+//
+// Input:  tiles (coc_tile_min_max.frag).
+// Output: r = least distance (tiles) of a tile in this row where not all is near, at most AWAY;
+//         g, b = widest and least of the RADII (px) of near discs that may come here along the row, 0 without.
+#include "near.glsl"
+#include "tile_dilate.glsl"
+
+uniform sampler2D tiles;
+
+out vec4 row;
+
+void main() {
+    ivec2 last = textureSize(tiles, 0) - 1, middle = ivec2(gl_FragCoord.xy);
+    vec4 own = texelFetch(tiles, middle, 0);
+    int around = tiles_around(), away = int(AWAY);
+    for (int x = 0; x < away; ++x) {
+        float left = texelFetch(tiles, ivec2(max(middle.x - x, 0), middle.y), 0).g;
+        float right = texelFetch(tiles, ivec2(min(middle.x + x, last.x), middle.y), 0).g;
+        away = max(left, right) > -NEAR_PX ? x : away;
+    }
+    float widest = 0.0, least = 1e4;
+    for (int x = -around; x <= around; ++x) {
+        vec4 t = texelFetch(tiles, ivec2(clamp(middle.x + x, 0, last.x), middle.y), 0);
+        bool comes = t.r < FADES_PX - BEHIND_PX && -t.r + 1.0 >= gap_px(ivec2(x, 0));
+        widest = comes ? max(widest, -t.r) : widest;
+        least = comes ? min(least, max(-t.g, BEHIND_PX - FADES_PX)) : least;
+    }
+    row = vec4(float(away), widest, least, 0.0);
+}

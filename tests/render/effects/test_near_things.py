@@ -1,0 +1,212 @@
+"""What lies behind near things is drawn, and they over it: only where something is near."""
+
+from contextlib import nullcontext
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tests.support.render import RIGHT_ANGLE, at, glowing, mesh, scene, wall
+from vrcomfort.frame import Frame
+from vrcomfort.geometry import Fov, Pose, View
+from vrcomfort.gpu.passes import watched
+from vrcomfort.gpu.traffic import TrafficCounter
+from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
+from vrcomfort.render.effects.depth_of_field import effect
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.reference import read_rgb
+
+SIZE_PX = (128, 128)
+FOCUS_M = 2.0
+LENS = {"law": "dioptre", "max_radius_percent": 10.0, "full_blur_dioptre": 2.0}
+"""6.4 px of radius for each dioptre: 12.8 px at half a metre, 4.6 px at 0.82 m."""
+
+COLOURS = [(0.9, 0.2, 0.1), (0.05, 0.3, 0.8), (0.2, 0.9, 0.4)]
+
+
+def bar_before_stripes(near_m=0.5, width_m=0.04, *, upright=True, light=1.0):
+    """A bar from top to bottom before stripes of 4 px, which are in focus."""
+    bar = at(0.01, 0.0, -near_m, mesh=(0,), scale=np.array([width_m, 2.0, 1.0]))
+    long = np.array([1 / 8, 6.0, 1.0])
+    far = [
+        at(*((x, 0.0) if upright else (0.0, x)), -FOCUS_M, mesh=(1 + i % 2,), scale=scale)
+        for scale in [long if upright else long[[1, 0, 2]]]
+        for i, x in enumerate(np.arange(-2.5, 2.5, 1 / 8))
+    ]
+    shine = [glowing(tuple(light * np.array(colour))) for colour in COLOURS]
+    return scene([bar, *far], [wall(1, i) for i in range(3)], shine)
+
+
+def floor_edge(far_m):
+    return [(-9.0, -0.25, -far_m), (9.0, -0.25, -far_m)]
+
+
+def wall_edge(far_m):
+    return [(0.25, -9.0, -far_m), (0.25, 0.05, -far_m)]
+
+
+def receding(edge):
+    """A striped plane from 0.3 m to 8 m, between two points that `edge` gives for a distance."""
+    strips = [
+        mesh([*edge(near_m), *edge(far_m)[::-1]], [0, 1, 2, 0, 2, 3], i % 2)
+        for i, (near_m, far_m) in enumerate(pairwise(np.geomspace(0.3, 8.0, 60)))
+    ]
+    sky = len(strips)
+    nodes = [at(0, 0, 0, mesh=tuple(range(sky))), at(0, 0, -9.0, mesh=(sky,))]
+    shine = [glowing(colour, double_sided=True) for colour in COLOURS]
+    return scene(nodes, [*strips, wall(40, 2)], shine)
+
+
+def condition(focus=None, **settings):
+    focus = focus or Focus(method="fixed", fixed_m=FOCUS_M)
+    lens = DepthOfField(**{**LENS, **settings})
+    return Condition(name="x", focus=focus, depth_of_field=lens)
+
+
+def look(index=0, fov=RIGHT_ANGLE):
+    eye = View(Pose(), fov)
+    return Frame(index, index * 11_111_111, 11_111_111, Pose(), (eye, eye), Pose())
+
+
+def drawn(ctx, content, wanted, frames=1, *, watch=True, size_px=SIZE_PX, fov=RIGHT_ANGLE):
+    """Return the last frame's left eye: pinhole, result and depth, and the passes of that frame."""
+    found = {}
+
+    def keep(eye, images):
+        if eye == 0:
+            depth = np.frombuffer(images.depth.read(), np.float32)
+            found.update(pinhole=read_rgb(images.pinhole), linear=read_rgb(images.linear))
+            found["depth"] = depth.reshape(size_px[::-1])
+
+    renderer = StereoRenderer(ctx, size_px, eyes=1)
+    renderer.begin(content, wanted)
+    for index in range(frames):
+        counter = TrafficCounter(ctx)
+        with watched(counter) if watch else nullcontext():
+            renderer.render(look(index, fov), index / 90, keep)
+    renderer.release()
+    return found, {each.declared.name: each for each in counter.drawn if each.samples}
+
+
+@pytest.fixture
+def in_three_ways(ctx, monkeypatch):
+    """Return a function that draws a scene: as it is, without what is behind, through the lens."""
+
+    def draw(content, **settings):
+        ours = drawn(ctx, content, condition(**settings))[0]["linear"]
+        true = drawn(ctx, content, condition(views=256))[0]["linear"]
+        with monkeypatch.context() as patch:
+            patch.setattr(effect, "BEHIND_PX", 1e9)
+            alone = drawn(ctx, content, condition(**settings))[0]["linear"]
+        return ours, alone, true
+
+    return draw
+
+
+def rms(image):
+    return np.sqrt(np.mean(image**2))
+
+
+@pytest.mark.parametrize("samples", [16, 36, 96])
+def test_what_a_near_bar_hides_is_what_the_lens_sees(in_three_ways, samples):
+    """Of the error inside the bar's disc less than half is left."""
+    near = np.s_[20:-20, 48:82]
+    ours, alone, true = (
+        each[near] for each in in_three_ways(bar_before_stripes(), samples=samples)
+    )
+    assert rms(ours - true) < 0.5 * rms(alone - true)
+
+
+def test_no_second_outline_stands_inside_a_blurred_bar(in_three_ways):
+    """The contrast of rows behind it goes on as through a lens where the bar itself begins."""
+    ours, alone, true = (
+        np.abs(np.diff(each[20:-20].std(axis=0), axis=0)).max()
+        for each in in_three_ways(bar_before_stripes(upright=False))
+    )
+    assert ours < 1.5 * true
+    assert alone > 2.0 * true
+
+
+@pytest.mark.parametrize("edge", [floor_edge, wall_edge], ids=["floor", "steep wall"])
+def test_a_surface_through_all_radii_is_blurred_once(in_three_ways, edge):
+    """Where it leaves the picture behind and where it is drawn over it, its silhouette included."""
+    ours, alone, true = in_three_ways(receding(edge))
+    assert rms(ours - true) < 1.01 * rms(alone - true)
+
+
+@pytest.mark.parametrize("radius_px", [1.5, 2.1, 2.5, 3.0])
+def test_a_bar_is_in_the_picture_behind_or_over_it(in_three_ways, radius_px):
+    """Never in both, or it would be blurred twice, however wide its discs are."""
+    content = bar_before_stripes(1 / (1 / FOCUS_M + radius_px / 6.4), 0.2)
+    ours, alone, true = in_three_ways(content)
+    assert rms(ours - true) < 1.05 * rms(alone - true)
+
+
+EXTREME = {
+    "narrow": {"fov": Fov.symmetric(vertical_rad=np.radians(1), aspect=1)},
+    "wide": {"fov": Fov.symmetric(vertical_rad=np.radians(170), aspect=1)},
+    "focus at 1 mm": {"focus": Focus(method="fixed", fixed_m=0.001)},
+    "focus at 10 km": {"focus": Focus(method="fixed", fixed_m=10_000.0)},
+    "one pixel": {"size_px": (1, 1)},
+    "one row": {"size_px": (100, 1)},
+    "one column": {"size_px": (1, 100)},
+    "wide and low": {"size_px": (8192, 64)},
+}
+
+
+@pytest.mark.parametrize("name", EXTREME)
+@pytest.mark.parametrize("light", [1.0, 6e4, np.inf, np.nan])
+def test_numbers_stay_finite_at_every_extreme(ctx, monkeypatch, name, light):
+    settings = dict(EXTREME[name])
+    monkeypatch.setattr(effect, "BEHIND_PX", -1.0)  # a pixel's widest disc is narrower
+    wanted = condition(settings.pop("focus", None))
+    content = bar_before_stripes(light=light)
+    found, _ = drawn(ctx, content, wanted, watch=False, **settings)
+    assert np.isfinite(found["linear"]).all()
+    assert (found["linear"] >= 0).all()
+
+
+def test_pinhole_and_depth_stay_those_of_what_is_near(ctx):
+    """The headset's depth layer, motion blur and files read them."""
+    plain = drawn(ctx, bar_before_stripes(), Condition(name="plain"))[0]
+    found, passes = drawn(ctx, bar_before_stripes(), condition())
+    assert "depth_of_field/near_over.frag" in passes
+    np.testing.assert_array_equal(found["pinhole"], plain["pinhole"])
+    np.testing.assert_array_equal(found["depth"], plain["depth"])
+
+
+def test_where_nothing_is_near_nothing_is_drawn_for_it(ctx, monkeypatch):
+    content = bar_before_stripes(near_m=1.9)  # 0.17 px
+    found, passes = drawn(ctx, content, condition())
+    monkeypatch.setattr(effect, "BEHIND_PX", 1e9)
+    alone, others = drawn(ctx, content, condition())
+    np.testing.assert_array_equal(found["linear"], alone["linear"])
+    assert passes.keys() - others.keys() == {
+        f"depth_of_field/near_{x}.frag" for x in ("rows", "tiles")
+    }
+    total, less = (sum(each.bytes for each in frame.values()) for frame in (passes, others))
+    assert total - less < 1.0 * SIZE_PX[0] * SIZE_PX[1]
+
+
+@pytest.mark.parametrize("near_m", [0.5, 1.9])
+def test_the_gpu_decides_as_those_do_who_watch(ctx, near_m):
+    content = bar_before_stripes(near_m)
+    seen, counted = (drawn(ctx, content, condition(), watch=watch)[0] for watch in (False, True))
+    np.testing.assert_array_equal(seen["linear"], counted["linear"])
+
+
+def test_inside_a_wide_near_thing_nothing_shines_through(ctx):
+    """A wall of one colour, wider than its discs, has that colour where the lens sees only it."""
+    found = drawn(ctx, bar_before_stripes(width_m=0.5), condition())[0]
+    middle = found["linear"][20:-20, 54:74]
+    np.testing.assert_allclose(middle, np.broadcast_to(middle[0, 0], middle.shape), rtol=2e-3)
+    np.testing.assert_allclose(middle[0, 0], (0.9, 0.2, 0.1), rtol=3e-3)
+
+
+def test_autofocus_leaves_out_what_a_fixed_focus_does(ctx):
+    """The GPU alone knows where it is: at the bar's 2 m away surroundings, or wherever."""
+    rays = Focus(method="nine_ray", law="instant")
+    content = bar_before_stripes(width_m=0.004)  # the rays pass beside it
+    fixed, found = (drawn(ctx, content, condition(focus), frames=2) for focus in (None, rays))
+    assert "depth_of_field/near_over.frag" in found[1]
+    np.testing.assert_allclose(found[0]["linear"], fixed[0]["linear"], atol=0.02)

@@ -1,0 +1,58 @@
+"""Draws that happen only where others have drawn something: decided on the GPU, without a wait."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+
+import moderngl
+
+from vrcomfort.gpu import gl, passes
+from vrcomfort.gpu.timer import queries
+
+_ANY_SAMPLES_PASSED, _QUERY_WAIT = 0x8C2F, 0x8E13
+
+
+class ConditionalDraws:
+    """Draws only if an earlier draw of the same frame has passed a sample (`ask`).
+
+    Queries do not nest, and whoever watches passes may have one. Then the CPU decides, and leaves
+    draws out itself, so that none is counted that draws nothing.
+
+    Parameters
+    ----------
+    known
+        Whether `ask` draws anything; waits for the GPU.
+    """
+
+    def __init__(self, ctx: moderngl.Context, known: Callable[[], bool]) -> None:
+        uint = ctypes.c_uint
+        self._begin_query = gl.function(ctx, "glBeginQuery", uint, uint)
+        self._end_query = gl.function(ctx, "glEndQuery", uint)
+        self._begin = gl.function(ctx, "glBeginConditionalRender", uint, uint)
+        self._end = gl.function(ctx, "glEndConditionalRender")
+        (self._name,) = queries(ctx, self, 1)
+        self._known = known
+
+    def ask(self, draw: Callable[[], object]) -> None:
+        """Draw, and note whether a sample has passed."""
+        if passes.is_watched():
+            draw()
+            return
+        self._begin_query(_ANY_SAMPLES_PASSED, self._name)
+        try:
+            draw()
+        finally:
+            self._end_query(_ANY_SAMPLES_PASSED)
+
+    def run(self, draw: Callable[[], object]) -> None:
+        """Draw if one has."""
+        if passes.is_watched():
+            if self._known():
+                draw()
+            return
+        self._begin(self._name, _QUERY_WAIT)
+        try:
+            draw()
+        finally:
+            self._end()

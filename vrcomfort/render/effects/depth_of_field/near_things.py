@@ -1,0 +1,244 @@
+"""What lies behind near things is drawn, and they over it.
+
+One image does not know what a blurred foreground hides. Where tiles have such a foreground and
+something else, the scene is drawn a second time without it, with one sample a pixel.
+That is blurred as ever, and the foreground's discs, gathered by themselves, are drawn over it.
+Where nothing is near, the GPU skips all of it.
+"""
+
+from __future__ import annotations
+
+from math import floor
+from typing import NamedTuple
+
+import moderngl
+import numpy as np
+
+from vrcomfort.gpu import gl, passes
+from vrcomfort.gpu.conditional import ConditionalDraws
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.visible_area import DRAWN
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
+from vrcomfort.render.effects.depth_of_field.layered_gather import (
+    Aspect,
+    level_size,
+    of_class,
+    on_tiles,
+)
+from vrcomfort.render.scene_pass import ScenePass
+
+BEHIND_PX = 2.0
+"""As in ``include/near.glsl``: without wider discs nothing is drawn apart."""
+
+SILHOUETTE = 3.0
+"""Farther from a silhouette, in radii of its disc, a near thing is not drawn apart."""
+
+
+_BEHIND = 2
+"""As in ``include/tile_classes.glsl``."""
+
+
+class _Size(NamedTuple):
+    size_px: tuple[int, int]
+
+
+class NearThings:
+    """Draws what is behind near things into `scene.colour`, and near things over `blurred`.
+
+    Parameters
+    ----------
+    scene
+        What has drawn `coc`'s colours and depths; its depth and velocity stay those of near things.
+    blurred
+        The image of the kernel, RGBA16F.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        coc: CocPasses,
+        scene: ScenePass,
+        blurred: moderngl.Texture,
+    ) -> None:
+        self._ctx, self._coc, self._scene = ctx, coc, scene
+        colour = coc.colour_and_coc
+        self._tiles = self._tile_passes()
+        self._classes = self._tiles[-1].target
+        self._if_any = ConditionalDraws(ctx, self._any_behind)
+        behind_depth = gl.depth_texture(ctx, coc.size_px)
+        self._closed = ctx.framebuffer([], behind_depth)
+        self._close = passes.clear([behind_depth])
+        self._open = coc.depth_to_coc.make_pass(
+            "depth_of_field/near_depth.frag",
+            size_px=coc.size_px,
+            inputs={"dilated": self._classes},
+            defines=of_class("BEHIND", coc.tile_px, beside=0),
+            target=(),
+            depth=behind_depth,
+            reach_px={"depth": 0.0, "dilated": DRAWN},
+            **on_tiles(self._classes),
+        )
+        self._limit = self._limit_pass()
+        # The image of the kernel is free until it draws.
+        scene.prepare_behind(self._limit.target, coc.tile_px, blurred, behind_depth)
+        self._take = coc.depth_to_coc.make_pass(
+            "depth_of_field/colour_and_coc.frag",
+            size_px=coc.size_px,
+            inputs={"colour": blurred, "depth": behind_depth, "dilated": self._classes},
+            defines={"BEHIND_NEAR": 1, **of_class("BEHIND", coc.tile_px, beside=0)},
+            target=colour,
+            reach_px={"colour": DRAWN, "depth": DRAWN, "dilated": DRAWN},
+            **on_tiles(self._classes),
+        )
+        self._again = FullscreenPass(
+            ctx,
+            "depth_of_field/coc_tile_min_max.frag",
+            size_px=coc.tile_min_max.size,
+            inputs={"colour_and_coc": colour, "dilated": self._classes},
+            defines={
+                **coc.level_defines,
+                **of_class("BEHIND", 1, beside=1),
+                "TILE": coc.tile_px,
+                "FROM_ALPHA": 1,
+            },
+            target=coc.tile_min_max,
+            reach_px={"colour_and_coc": 2.0, "dilated": DRAWN},
+            texel_px=(coc.tile_px, coc.tile_px),
+            **on_tiles(self._classes),
+        )
+        self._layers = self._layer_passes(colour)
+        self._gather = self._gather_pass()
+        self._over = FullscreenPass(
+            ctx,
+            "depth_of_field/near_over.frag",
+            size_px=coc.size_px,
+            inputs={"near": self._gather.target, "dilated": self._classes},
+            filtered={"near"},
+            constants=_Size(coc.size_px),
+            defines={**of_class("NEAR", coc.tile_px, beside=0), "OR_ABOVE": 1},
+            target=blurred,
+            over=True,
+            # What is blurred knows what is behind as far as its own discs and tiles come.
+            reach_px={"near": 2.0, "dilated": coc.disc_px + 4.0 * coc.tile_px},
+            **on_tiles(self._classes),
+        )
+
+    def draw_behind(self, pixel_aspect: float) -> None:
+        """Draw what is behind the near things of the last eye, whose radii are known."""
+        for each in self._tiles:
+            each.render(Aspect(pixel_aspect))
+        self._if_any.ask(self._open.render)
+        self._if_any.run(self._draw_behind)
+
+    def draw_over(self, pixel_aspect: float) -> None:
+        """Draw near things over the blurred image."""
+        self._if_any.run(lambda: self._draw_over(pixel_aspect))
+
+    def warm_up(self) -> None:
+        """Draw once what frames without near things skip."""
+        self._draw_behind()
+        self._draw_over(1.0)
+
+    def _any_behind(self) -> bool:
+        classes = np.frombuffer(self._classes.read(), np.float16)[3::4]
+        return bool((classes == _BEHIND).any())
+
+    def _draw_behind(self) -> None:
+        for each in self._layers:
+            each.render()
+        self._limit.render()
+        self._close.run(lambda: self._closed.clear(depth=1.0))
+        self._open.render()
+        self._scene.draw_behind()
+        self._take.render()
+        self._again.render()
+
+    def _draw_over(self, pixel_aspect: float) -> None:
+        self._gather.render(Aspect(pixel_aspect))
+        self._over.render()
+
+    def _tile_passes(self) -> tuple[FullscreenPass, FullscreenPass]:
+        coc, (inputs, defines) = self._coc, self._coc.reach
+        # Nothing is drawn apart from here on (near_tiles.frag); what is as far is not looked at.
+        away_tiles = floor(SILHOUETTE * coc.max_radius_px / coc.tile_px) + 4
+        away = {**defines, "AWAY": float(away_tiles)}
+        reach_px = float((away_tiles - 1) * coc.tile_px)
+        tiles = {"tiles": coc.tile_min_max, **inputs}
+        size_px = coc.tile_min_max.size
+        rows = FullscreenPass(
+            self._ctx,
+            "depth_of_field/near_rows.frag",
+            size_px=size_px,
+            inputs=tiles,
+            defines=away,
+            reach_px={"tiles": reach_px},
+            texel_px=(coc.tile_px, coc.tile_px),
+        )
+        found = FullscreenPass(
+            self._ctx,
+            "depth_of_field/near_tiles.frag",
+            size_px=size_px,
+            inputs={**tiles, "rows": rows.target},
+            defines=away,
+            reach_px={"tiles": 0.0, "rows": reach_px},
+            texel_px=(coc.tile_px, coc.tile_px),
+        )
+        return rows, found
+
+    def _limit_pass(self) -> FullscreenPass:
+        coc, columns, rows = self._coc, *self._coc.tile_min_max.size
+        radii = coc.depth_to_coc
+        made = FullscreenPass(
+            self._ctx,
+            "depth_of_field/near_limit.frag",
+            size_px=(columns + 1, rows + 1),
+            inputs=radii.inputs,
+            constants=_Size(coc.size_px),
+            defines={**radii.defines, "TILE": coc.tile_px},
+            components=1,
+            dtype="f4",
+        )
+        made.target.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        return made
+
+    def _layer_passes(self, colour: moderngl.Texture) -> list[FullscreenPass]:
+        found: list[FullscreenPass] = []
+        for level in range(1, max(int(self._coc.level_defines["LEVELS"]), 2)):
+            inputs = {"finer": colour}
+            if found:
+                inputs = dict(zip(("finer", "finer_radius"), found[-1].targets, strict=True))
+            found.append(
+                FullscreenPass(
+                    self._ctx,
+                    "depth_of_field/near_layer.frag",
+                    size_px=level_size(self._coc.size_px, level),
+                    inputs=inputs,
+                    defines={} if found else {"FROM_PIXELS": 1},
+                    more_components=(1,),
+                    reach_px=0.0,
+                    texel_px=(2**level, 2**level),
+                )
+            )
+        return found
+
+    def _gather_pass(self) -> FullscreenPass:
+        coc = self._coc
+        levels = {
+            f"{name}_{level}": texture
+            for level, each in enumerate(self._layers, 1)
+            for name, texture in zip(("light", "radius"), each.targets, strict=True)
+        }
+        return FullscreenPass(
+            self._ctx,
+            "depth_of_field/near_gather.frag",
+            size_px=level_size(coc.size_px, 1),
+            inputs={**levels, "dilated": self._classes},
+            defines={
+                **coc.level_defines,
+                **of_class("NEAR", coc.tile_px // 2, beside=1),
+                "OR_ABOVE": 1,
+            },
+            reach_px={**dict.fromkeys(levels, coc.disc_px), "dilated": coc.tile_px},
+            texel_px=(2, 2),
+            **on_tiles(self._classes),
+        )
