@@ -106,9 +106,10 @@ def test_the_cover_may_have_the_scenes_mean_colour_the_same_in_both_eyes(restric
     effect, rgb = restrictor(
         (67, 45), restricted_deg=0, feather_deg=0.01, turning=TURNING, colour="scene", **NOW
     )
-    effect.render(seen(LEFT_EYE, time_ns=1, step=turning(100)))
+    effect.reset()
+    effect.render(seen(LEFT_EYE, time_ns=0, step=turning(100)))  # the first moment of a trace
     left = rgb_of(effect.target)[0, 0]
-    effect.render(seen(LEFT_EYE, eye_index=1, time_ns=1, step=turning(100)))
+    effect.render(seen(LEFT_EYE, eye_index=1, time_ns=0, step=turning(100)))
     np.testing.assert_array_equal(rgb_of(effect.target)[0, 0], left)
     np.testing.assert_allclose(left, rgb.mean(axis=(0, 1)), rtol=0.02)
 
