@@ -91,6 +91,17 @@ def test_the_state_says_which_depth_the_headset_gets_once_that_is_known():
     assert [state["depth"] for state in server.states] == ["", "blur_aware"]
 
 
+def test_the_state_has_the_reply_to_each_command():
+    server = Shown()
+    desk = OperatorConsole(server, say=lambda _: None)
+    desk.open(SessionOrder("P01", 1, "ab", (), lambda: 0, lambda: 0.0, headset=dict))
+    desk.begin(OperatorStep(1, "training", "training"))
+    desk.reply(Command("one", "pause", 1, "A", ""), "")
+    desk.reply(Command("two", "pause", 1, "A", ""), "it is paused")
+    desk.begin(OperatorStep(2, "exposure", "exposure 1"))
+    assert server.states[-1]["replies"] == (("one", ""), ("two", "it is paused"))
+
+
 def states_of(server: Shown, kind: str) -> list[Mapping[str, Any]]:
     return [state for state in server.states if state.get("step", {}).get("kind") == kind]
 

@@ -33,6 +33,17 @@ def console():
         yield found
 
 
+def test_the_server_is_of_another_session_of_the_system_and_ends_with_its_block():
+    """Ctrl-C is for the session that records."""
+    with served() as console:
+        pid = console.server.pid
+        if os.name == "posix":
+            assert os.getsid(pid) == pid
+    if os.name == "posix":
+        with pytest.raises(ProcessLookupError):
+            os.kill(pid, 0)
+
+
 @pytest.mark.smoke
 def test_a_token_works_once_and_becomes_a_cookie_that_scripts_and_other_sites_never_get(console):
     token, known = console.token(), len(console.addresses)
