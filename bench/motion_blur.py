@@ -22,12 +22,12 @@ from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.passes import watched
 from vrcomfort.gpu.traffic import TrafficCounter, added_up
 from vrcomfort.protocol.conditions import MotionBlur
-from vrcomfort.render.effects.effect import EyeFrame
+from vrcomfort.render.effects.effect import EffectInputs, EyeFrame
 from vrcomfort.render.effects.motion_blur import MotionBlurPass
-from vrcomfort.render.image_error import judged, rms, sure
-from vrcomfort.render.reference import Reference, read_rgb
+from vrcomfort.tradeoff.brute_force import Reference, read_rgb
 from vrcomfort.tradeoff.captures import Capture, capture_views, context
 from vrcomfort.tradeoff.cases import Case, Scope, frames
+from vrcomfort.tradeoff.image_error import judged, rms, sure
 from vrcomfort.tradeoff.methods import SHUTTER, base_condition
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.walk import time_s
@@ -94,14 +94,9 @@ def blur_pass(ctx: moderngl.Context, capture: Capture, settings: dict[str, Any])
     velocity = gl.color_texture(ctx, size_px, components=2)
     if capture.velocity_px is not None:
         velocity.write(_half(capture.velocity_px))
-    return MotionBlurPass(
-        ctx,
-        colour=colour,
-        depth=depth,
-        velocity=velocity,
-        settings=MotionBlur.model_validate(settings),
-        size_px=size_px,
-    )
+    reads = {"depth": depth, "velocity": velocity}
+    wanted = MotionBlur.model_validate(settings)
+    return MotionBlurPass(EffectInputs(ctx, wanted, colour, reads))
 
 
 def traffic(capture: Capture, settings: dict[str, Any], frame: EyeFrame) -> tuple[float, float]:

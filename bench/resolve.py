@@ -26,10 +26,10 @@ from scenes.kit.shapes import box
 from vrcomfort.geometry import Array, Fov, Pose
 from vrcomfort.optics.tone import pbr_neutral
 from vrcomfort.render.camera import EyeCamera
-from vrcomfort.render.reference import read_rgb
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Resolve, Scene
 from vrcomfort.scene.load import load_scene
+from vrcomfort.tradeoff.brute_force import read_rgb
 
 SIDE_PX, FINER = 96, 8
 LAMP_M = 4.0

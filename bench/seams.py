@@ -26,9 +26,9 @@ from vrcomfort.render import output
 from vrcomfort.render.camera import EyeCamera
 from vrcomfort.render.condition_passes import EyeImages
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.reference import Reference
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
+from vrcomfort.tradeoff.brute_force import Reference
 from vrcomfort.tradeoff.cases import HEADSET_PX, ImageWindow, of_part, sub_frustum
 from vrcomfort.tradeoff.error_measures import OffMedian, off_median
 from vrcomfort.tradeoff.methods import SAMPLES

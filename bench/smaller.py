@@ -13,11 +13,11 @@ from bench.table import Result
 from vrcomfort.geometry import Array
 from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.render.image_error import rms
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
+from vrcomfort.tradeoff.image_error import rms
 from vrcomfort.tradeoff.walk import REFRESH_HZ, SCENES, pairs
 
 SIZE_PX = (640, 800)

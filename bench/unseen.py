@@ -33,11 +33,10 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Array, Fov, Pose, View, focal_length_px
 from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.render.camera import EyeCamera
-from vrcomfort.render.image_error import LUMINANCE, hdr_flip, pixels_per_degree
-from vrcomfort.render.reference import read_rgb
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
+from vrcomfort.tradeoff.brute_force import read_rgb
 from vrcomfort.tradeoff.captures import Capture, capture_views, context, radius_px
 from vrcomfort.tradeoff.cases import HEADSET_PX, ImageWindow, of_part, sub_frustum
 from vrcomfort.tradeoff.error_measures import (
@@ -49,6 +48,7 @@ from vrcomfort.tradeoff.error_measures import (
     off_median,
     regions,
 )
+from vrcomfort.tradeoff.image_error import LUMINANCE, hdr_flip, pixels_per_degree
 from vrcomfort.tradeoff.methods import BlurMethod, methods, no_blur
 
 WINDOW_PX = 448

@@ -30,11 +30,11 @@ from vrcomfort.geometry import Array, Fov, Pose, View
 from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.render.camera import EyeCamera
 from vrcomfort.render.effects.effect import EyeFrame
-from vrcomfort.render.reference import read_rgb
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.rotations import axis_angle, normalize, quaternion_multiply
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
+from vrcomfort.tradeoff.brute_force import read_rgb
 from vrcomfort.tradeoff.captures import Capture, capture_views, context
 from vrcomfort.tradeoff.methods import SHUTTER, base_condition
 

@@ -5,7 +5,7 @@ import pytest
 
 from bench import unseen, unseen_motion
 from bench.unseen_scenes import build
-from vrcomfort.render.reference import Reference
+from vrcomfort.tradeoff.brute_force import Reference
 from vrcomfort.tradeoff.captures import context
 from vrcomfort.tradeoff.methods import no_blur
 

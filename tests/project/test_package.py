@@ -31,7 +31,7 @@ from vrcomfort.gpu.gl import create_context
 from vrcomfort.scene.load import load_scene
 from vrcomfort.render.display import ImageHasher
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.reference import Reference
+from vrcomfort.tradeoff.brute_force import Reference
 from vrcomfort.resources import data_folder
 
 assert "_data" in str(data_folder("shaders")), data_folder("shaders")

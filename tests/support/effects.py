@@ -8,7 +8,7 @@ from vrcomfort.protocol.conditions import DepthOfField, MotionBlur
 from vrcomfort.render.camera import EyeCamera
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
-from vrcomfort.render.effects.effect import EyeFrame
+from vrcomfort.render.effects.effect import EffectInputs, EyeFrame
 from vrcomfort.render.effects.motion_blur import MotionBlurPass
 
 NEAR_M = 0.02
@@ -37,10 +37,8 @@ def coc_passes_of(ctx, settings, distance_m, focus_m, size_px):
     width, height = size_px
     colour, depth = textures(ctx, np.zeros((height, width, 3)), distance_m)
     focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
-    return CocPasses(
-        ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=size_px,
-        infinity_m=3e4,
-    )  # fmt: skip
+    reads = {"depth": depth, "focus": focus}
+    return CocPasses(EffectInputs(ctx, settings, colour, reads, 3e4))
 
 
 def texels_of(texture):
@@ -74,13 +72,9 @@ class Lens:
         self._colour, self._depth = gl.color_texture(ctx, size_px), gl.depth_texture(ctx, size_px)
         self._focus = ctx.texture((1, 1), 4, dtype="f4")
         self._size_px = size_px
+        reads = {"depth": self._depth, "focus": self._focus}
         self._effect = DepthOfFieldPass(
-            ctx,
-            colour=self._colour,
-            depth=self._depth,
-            focus=self._focus,
-            settings=DepthOfField(**settings),
-            size_px=size_px,
+            EffectInputs(ctx, DepthOfField(**settings), self._colour, reads)
         )
 
     def blur(self, rgb, distance_m, focus_m, *, near_m=NEAR_M, fov=None, eye=None):
@@ -105,14 +99,8 @@ def motion_blur_pass(ctx, rgb, distance_m, velocity, *, step=None, **settings):
     with np.errstate(over="ignore"):
         field = np.broadcast_to(velocity, (*rgb.shape[:2], 2)).astype("f2")
     buffer.write(field.tobytes())
-    effect = MotionBlurPass(
-        ctx,
-        colour=colour,
-        depth=depth,
-        velocity=buffer,
-        settings=MotionBlur(**settings),
-        size_px=size_px,
-    )
+    reads = {"depth": depth, "velocity": buffer}
+    effect = MotionBlurPass(EffectInputs(ctx, MotionBlur(**settings), colour, reads))
     effect.render(seen(step=step))
     return effect
 

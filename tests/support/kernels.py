@@ -4,11 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tests.support.effects import NEAR_M, rgb_of, square_pixels, textures
+from tests.support.effects import NEAR_M, rgb_of, seen, square_pixels, textures
 from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
+from vrcomfort.render.effects.effect import EffectInputs
 
 FOCUS_M = 1.0
 
@@ -45,8 +46,7 @@ def defocused(ctx, rgb, radius_px, *, max_radius_px, **more):
     settings = DepthOfField(law="dioptre", full_blur_dioptre=1.0, **more)
     wide = settings.model_copy(update={"max_radius_percent": 100 * max_radius_px / width})
     size_px = (width, height)
-    coc = CocPasses(
-        ctx, colour=colour, depth=depth, focus=focus, settings=wide, size_px=size_px, infinity_m=3e4
-    )
-    coc.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
+    reads = {"depth": depth, "focus": focus}
+    coc = CocPasses(EffectInputs(ctx, wide, colour, reads, 3e4))
+    coc.render(seen(square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose()).camera)
     return colour, coc

@@ -17,6 +17,7 @@ from vrcomfort.optics.blur_kernels import POISSON_12, POISSON_15, pyramid_levels
 from vrcomfort.optics.circle_of_confusion import head_depth_slope
 from vrcomfort.protocol.conditions import DepthOfField, Kernel
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
+from vrcomfort.render.effects.effect import EffectInputs
 
 ENGINES = ("half_resolution_disc", "ring_gather", "separable_gaussian")
 KERNELS = ("scatter", "poisson12", "poisson15_near", "mip", "mip_slices", *ENGINES)
@@ -327,7 +328,7 @@ def test_slices_that_stand_still_know_no_largest_radius(ctx):
     for slices_m in (None, (1.0, 2.0, 3.0)):
         settings = DepthOfField(kernel="mip_slices", slices_m=slices_m)
         effect = DepthOfFieldPass(
-            ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=(8, 8)
+            EffectInputs(ctx, settings, colour, {"depth": depth, "focus": focus})
         )
         effect.render(seen(square_pixels((8, 8))))
         found[slices_m] = effect.max_radius_px, len(effect.clamps())

@@ -198,7 +198,7 @@ def render_views(
     >>> views.left.linear.shape  # doctest: +SKIP
     (400, 320, 3)
     """
-    from vrcomfort.render.image_error import margin_px, require_flip
+    from vrcomfort.tradeoff.image_error import margin_px, require_flip
 
     view = _Moment(as_pose(pose), as_pose(previous_pose), _trace(trace, note), at_s)
     view.check()
@@ -405,8 +405,8 @@ def _reference(
     advance: Callable[..., None],
 ) -> dict[str, Any]:
     """Draw the ground truth of both eyes into their `reference`, and return the errors."""
-    from vrcomfort.render.image_error import accuracy, pixels_per_degree
-    from vrcomfort.render.reference import Reference
+    from vrcomfort.tradeoff.brute_force import Reference
+    from vrcomfort.tradeoff.image_error import accuracy, pixels_per_degree
 
     truth = Reference(renderer.ctx, scene, condition, renderer.size_px)
     errors: dict[str, Any] = {}

@@ -4,7 +4,7 @@ To read from the outside in:
 
 ========================= ==========================================================================
 `pipeline`                a frame of both eyes; what a session, a replay and the tests call
-`plan`                    the list of passes in their order, with reasons; the registered effects
+`graph`                   the list of passes in their order, with reasons; the registered effects
 `condition_passes`        the passes of a condition, wired by their textures
 `scene_pass`              an eye's scene: colour, depth and velocity, multisampled, then resolved
 `focus`                   one focus distance for both eyes
@@ -13,8 +13,7 @@ To read from the outside in:
 `camera`                  where an eye is and was, how the head moved: no OpenGL
 `gpu_scene`               a scene on the GPU: `draw_list`, `culling`, `scene_buffers`, `materials`
 `lighting`, `shadow`      the sun, lamps, sky and shadow map
-`reference`               the oracle: the scene drawn for every sample of lens and shutter
-`image_error`, `output`   errors against a reference; files of images, numbers and video
+`output`                  files of images, numbers and video
 `stimulus_check`          how large blur is in a protocol's conditions, before a study
 ========================= ==========================================================================
 """

@@ -28,7 +28,6 @@ from vrcomfort.render.effects.effect import (
     EffectPass,
     EyeFrame,
     RegisteredEffect,
-    SeesTheSky,
 )
 from vrcomfort.render.focus.autofocus_zone import screen_tangents
 from vrcomfort.render.focus.rays import GazeHits
@@ -148,12 +147,9 @@ class ConditionPasses:
             for each in registered:
                 self._add(each, condition)
             if headset_depth == "blur_aware" and blur is not None and self.focus is not None:
+                reads = {"depth": self.scene.depth, "focus": self.focus.texture}
                 self._seen_depth = SeenDepthPass(
-                    ctx,
-                    depth=self.scene.depth,
-                    focus=self.focus.texture,
-                    settings=blur,
-                    infinity_m=condition.focus.infinity_m,
+                    EffectInputs(ctx, blur, self.colour, reads, condition.focus.infinity_m)
                 )
             # A target for each eye: both images of a frame are valid until the next frame.
             exposure, blue_noise = scene.environment.exposure, noise_texture(ctx)
@@ -174,18 +170,16 @@ class ConditionPasses:
 
     def _add(self, registered: RegisteredEffect, condition: Condition) -> None:
         focus = self.focus.texture if self.focus is not None else None
-        made = {"focus": focus, "velocity": self.scene.velocity}
+        made = {"depth": self.scene.depth, "focus": focus, "velocity": self.scene.velocity}
         effect = registered.build(
             EffectInputs(
                 self._ctx,
-                condition,
                 getattr(condition, registered.name),
-                self._size_px,
                 self.colour,
-                self.scene.depth,
+                {name: found for name in registered.reads if (found := made.get(name)) is not None},
+                condition.focus.infinity_m,
                 # Only the first effect reads the scene's own image: there the resolve writes radii.
                 self.scene if self.colour is self.scene.colour else None,
-                {name: found for name in registered.reads if (found := made.get(name)) is not None},
             )
         )
         if effect is not None:
@@ -283,13 +277,9 @@ class ConditionPasses:
     def adjust(self, condition: Condition) -> None:
         """Draw by other settings from now on: those that can change while passes are there."""
         for name, effect in self._effects.items():
-            if isinstance(effect, Adjustable):
-                effect.adjust(getattr(condition, name))
-            if isinstance(effect, SeesTheSky):
-                effect.adjust_infinity(condition.focus.infinity_m)
+            effect.adjust(condition, getattr(condition, name))
         if self._seen_depth is not None and condition.depth_of_field is not None:
-            self._seen_depth.adjust(condition.depth_of_field)
-            self._seen_depth.adjust_infinity(condition.focus.infinity_m)
+            self._seen_depth.adjust(condition.depth_of_field, condition.focus.infinity_m)
         focus: object = self.focus
         if isinstance(focus, Adjustable):
             focus.adjust(condition.focus)

@@ -26,6 +26,7 @@ from vrcomfort.protocol.conditions import Condition, DepthOfField
 from vrcomfort.render.camera import HeadStep
 from vrcomfort.render.condition_passes import EyeImages
 from vrcomfort.render.effects.depth_of_field.coc_passes import DepthToCoc
+from vrcomfort.render.effects.effect import EffectInputs
 from vrcomfort.render.effects.motion_blur import streak_scale
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
@@ -162,12 +163,9 @@ class _Walk:
         """Return the pass that draws a condition's radii, made when first asked for."""
         if condition.name not in self._radii:
             assert self._focus is not None  # noqa: S101 - tells mypy what `_take` knows
+            reads = {"depth": images.depth, "focus": self._focus.texture}
             radii = DepthToCoc(
-                self._ctx,
-                depth=images.depth,
-                focus=self._focus.texture,
-                settings=lens,
-                infinity_m=condition.focus.infinity_m,
+                EffectInputs(self._ctx, lens, images.pinhole, reads, condition.focus.infinity_m)
             )
             drawn = radii.make_pass(
                 "depth_of_field/colour_and_coc.frag",

@@ -19,8 +19,8 @@ from vrcomfort.render.condition_passes import EyeImages
 from vrcomfort.render.effects.depth_of_field import lens_radius
 from vrcomfort.render.effects.depth_of_field.coc_passes import EyeInHead
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.reference import read_rgb
 from vrcomfort.scene.data import Scene
+from vrcomfort.tradeoff.brute_force import read_rgb
 from vrcomfort.tradeoff.error_measures import EyeDepth
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 

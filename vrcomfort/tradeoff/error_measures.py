@@ -33,7 +33,7 @@ from scipy.ndimage import (
 )
 
 from vrcomfort.geometry import Array, Fov, Pose, focal_length_px, principal_point_px, rotate
-from vrcomfort.render.image_error import LUMINANCE
+from vrcomfort.tradeoff.image_error import LUMINANCE
 
 Mask = NDArray[np.bool_]
 

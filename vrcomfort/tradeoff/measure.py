@@ -13,16 +13,6 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
 from vrcomfort.optics.tone import tone_mapped
-from vrcomfort.render.image_error import (
-    hdr_flip,
-    inside_margin,
-    judged,
-    margin_px,
-    pixels_per_degree,
-    rms,
-    ssim,
-    sure,
-)
 from vrcomfort.scene.data import Scene
 from vrcomfort.tradeoff.captures import Capture, capture_views, context, radius_px
 from vrcomfort.tradeoff.cases import (
@@ -49,6 +39,16 @@ from vrcomfort.tradeoff.error_measures import (
     radius_mismatch_px,
     region_errors,
     regions,
+)
+from vrcomfort.tradeoff.image_error import (
+    hdr_flip,
+    inside_margin,
+    judged,
+    margin_px,
+    pixels_per_degree,
+    rms,
+    ssim,
+    sure,
 )
 from vrcomfort.tradeoff.methods import BlurMethod, methods, pick
 from vrcomfort.tradeoff.references import EyeReference, base_captures, references_of

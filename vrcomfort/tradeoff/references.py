@@ -1,6 +1,6 @@
 """The two references of a case: brute force (R1) and the best of post-processes (R2).
 
-R1 draws the scene for every sample of lens and shutter (`render.reference`), and is kept in the
+R1 draws the scene for every sample of lens and shutter (`brute_force`), and is kept in the
 store. R2 (`ideal_scatter`) is computed from the pinhole image.
 """
 
@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from vrcomfort.geometry import Array, focal_length_px
 from vrcomfort.optics.lens_sampling import lens_and_shutter
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.render.image_error import HIGHLIGHT, rms
-from vrcomfort.render.reference import Accumulator, Reference
+from vrcomfort.tradeoff.brute_force import Accumulator, Reference
 from vrcomfort.tradeoff.captures import Capture, capture_views, context, radius_px
 from vrcomfort.tradeoff.cases import (
     Case,
@@ -29,6 +28,7 @@ from vrcomfort.tradeoff.cases import (
     reference_condition,
     samples_of,
 )
+from vrcomfort.tradeoff.image_error import HIGHLIGHT, rms
 from vrcomfort.tradeoff.store import Store, key_of, scene_and_hash
 from vrcomfort.tradeoff.walk import time_s
 

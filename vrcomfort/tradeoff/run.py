@@ -10,11 +10,11 @@ from typing import Any, NamedTuple, TypeAlias
 
 from vrcomfort.errors import InputError
 from vrcomfort.gpu.gl import describe, is_software
-from vrcomfort.render.image_error import margin_px, require_flip
 from vrcomfort.tradeoff.captures import context
 from vrcomfort.tradeoff.cases import Case, Scope, cases, eyes_of
 from vrcomfort.tradeoff.costs import CaseTime, rounds_of, time_case, traffic_of_method
 from vrcomfort.tradeoff.files import write_all
+from vrcomfort.tradeoff.image_error import margin_px, require_flip
 from vrcomfort.tradeoff.measure import MeasuredCase, measure
 from vrcomfort.tradeoff.methods import BlurMethod, effects_with, methods, pick
 from vrcomfort.tradeoff.recommendation import BUDGET_MS

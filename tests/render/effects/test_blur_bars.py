@@ -9,7 +9,8 @@ from tests.support.kernels import blur
 from vrcomfort.optics.blur_kernels import exact_px
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
-from vrcomfort.render.image_error import hdr_flip
+from vrcomfort.render.effects.effect import EffectInputs
+from vrcomfort.tradeoff.image_error import hdr_flip
 
 WIDE = {"max_radius_percent": 5.0, "law": "dioptre", "full_blur_dioptre": 1.0}
 """At 128 px: 6.4 px of radius per dioptre and at most."""
@@ -213,14 +214,8 @@ def test_depth_of_field_owns_no_more_textures_than_it_needs(
     colour, depth = textures(ctx, rgb, 1.0)
     focus = ctx.texture((1, 1), 4, np.ones(4, "f4").tobytes(), dtype="f4")
     before = count_objects()
-    effect = DepthOfFieldPass(
-        ctx,
-        colour=colour,
-        depth=depth,
-        focus=focus,
-        settings=DepthOfField(max_radius_percent=limit_percent),
-        size_px=(width_px, 3),
-    )
+    settings = DepthOfField(max_radius_percent=limit_percent)
+    effect = DepthOfFieldPass(EffectInputs(ctx, settings, colour, {"depth": depth, "focus": focus}))
     after = count_objects()
     assert after["Texture"] - before["Texture"] == textures_
     del effect

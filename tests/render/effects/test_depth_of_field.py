@@ -9,6 +9,7 @@ from vrcomfort.geometry import Fov, Pose, axis_angle
 from vrcomfort.optics import blur_kernels
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
+from vrcomfort.render.effects.effect import EffectInputs
 
 WIDE = {"max_radius_percent": 5.0, "law": "dioptre", "full_blur_dioptre": 1.0}
 """At 128 px: 6.4 px of radius per dioptre and at most."""
@@ -204,7 +205,7 @@ def test_frames_before_do_not_change_an_image(ctx, rng, samples):
     def images(*focus_m):
         settings = DepthOfField(samples=samples, **WIDE)
         effect = DepthOfFieldPass(
-            ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=(128, 96)
+            EffectInputs(ctx, settings, colour, {"depth": depth, "focus": focus})
         )
         for each in focus_m:
             focus.write(np.full(4, each, "f4").tobytes())
@@ -281,13 +282,10 @@ def test_nothing_of_the_frame_before_is_left(ctx, rng, samples, max_radius_px, a
     rgb = rng.uniform(0, 1, (height, width, 3))
 
     def blurred(frames):
-        size_px = (width, height)
         colour, depth = textures(ctx, *frames[0])
         focus = ctx.texture((1, 1), 4, np.ones(4, "f4").tobytes(), dtype="f4")
         lens = DepthOfField(samples=samples, **settings)
-        effect = DepthOfFieldPass(
-            ctx, colour=colour, depth=depth, focus=focus, settings=lens, size_px=size_px
-        )
+        effect = DepthOfFieldPass(EffectInputs(ctx, lens, colour, {"depth": depth, "focus": focus}))
         for frame in frames:
             for into, new in zip((colour, depth), textures(ctx, *frame), strict=True):
                 into.write(new.read())

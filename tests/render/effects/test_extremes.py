@@ -14,9 +14,9 @@ from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.output import read_depth, read_linear
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.reference import read_rgb
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Environment, Material, Node, Primitive, Scene
+from vrcomfort.tradeoff.brute_force import read_rgb
 
 LENS_FIRST, STREAKS_FIRST = ("depth_of_field", "motion_blur"), ("motion_blur", "depth_of_field")
 

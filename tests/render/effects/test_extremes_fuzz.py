@@ -41,6 +41,7 @@ from vrcomfort.protocol.conditions import (
 )
 from vrcomfort.render.display import TONE_CURVE, noise_texture
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
+from vrcomfort.render.effects.effect import EffectInputs
 from vrcomfort.render.effects.motion_blur import MotionBlurPass
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
@@ -142,7 +143,7 @@ def test_depth_of_field(ctx, cases):
         focus = gl.color_texture(ctx, (1, 1), dtype="f4")
         focus.write(np.full(4, focus_m, "f4").tobytes())
         effect = DepthOfFieldPass(
-            ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=(width, height)
+            EffectInputs(ctx, settings, colour, {"depth": depth, "focus": focus})
         )
         eye = Pose(rng.uniform(-0.1, 0.1, 3), turn(rng, 0.5))
         effect.render(seen(fov(rng), near_m=near_m, head_from_eye=eye))
@@ -174,12 +175,7 @@ def test_motion_blur(ctx, cases):
         field[rng.random((height, width)) < 0.1] = rng.choice([np.nan, np.inf, -np.inf])
         velocity.write(field.tobytes())
         effect = MotionBlurPass(
-            ctx,
-            colour=colour,
-            depth=depth,
-            velocity=velocity,
-            settings=settings,
-            size_px=(width, height),
+            EffectInputs(ctx, settings, colour, {"depth": depth, "velocity": velocity})
         )
         effect.render(seen())
         check_between(rgb_of(effect.target), rgb_of(colour), settings)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -21,6 +23,7 @@ from vrcomfort.optics import autofocus_zone as zone
 from vrcomfort.optics.focus import AHEAD, GazeFollower
 from vrcomfort.protocol import Condition, DepthOfField
 from vrcomfort.protocol.conditions import Focus, Peripheral, Vignette
+from vrcomfort.render.effects.effect import EffectInputs
 from vrcomfort.render.effects.vignette import VignettePass
 from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.focus.search import HeadView
@@ -129,7 +132,8 @@ def test_peripheral_blur_grows_from_where_the_eyes_look(ctx, head_from_eye):
     settings = DepthOfField(law="eye", pupil_mm=0.0, max_radius_percent=10, peripheral=shape)
     effect = coc_passes_of(ctx, settings, 3.0, 2.0, size_px)
     axis = looking(20.0, 10.0).pose.forward
-    effect.render(fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=head_from_eye, peripheral_axis=axis)
+    camera = seen(LEFT_EYE, near_m=NEAR_M, head_from_eye=head_from_eye).camera
+    effect.render(replace(camera, peripheral_axis=axis))
     found = read_texture(effect.colour_and_coc)[..., 3][::-1]
     left, right, up, down = LEFT_EYE.tangents
     x = left + (right - left) * (np.arange(60) + 0.5) / 60
@@ -152,7 +156,7 @@ def test_the_vignettes_field_is_round_the_gaze(ctx, head_from_eye):
     rgb = np.random.default_rng(1).uniform(0, 4, (48, 64, 3)).astype("f2")
     colour, _ = textures(ctx, rgb, 2.0)
     settings = Vignette(open_deg=50.0, restricted_deg=50.0, feather_deg=12.0)
-    effect = VignettePass(ctx, colour=colour, settings=settings, size_px=(64, 48))
+    effect = VignettePass(EffectInputs(ctx, settings, colour))
     eye = seen(LEFT_EYE, head_from_eye=head_from_eye)
     turned = looking(-18.0, 6.0).pose
     camera = eye.camera.__class__(

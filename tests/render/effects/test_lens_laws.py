@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.oracles.circle_of_confusion import lens_radius_px
-from tests.support.effects import coc_passes_of, square_pixels, textures
+from tests.support.effects import coc_passes_of, seen, square_pixels, textures
 from tests.support.render import at, eye, glowing, scene, still_life, wall
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.optics import circle_of_confusion as coc
@@ -18,8 +18,9 @@ from vrcomfort.render.effects.depth_of_field.coc_passes import (
     CocTileMinMax,
     DepthToCoc,
 )
+from vrcomfort.render.effects.effect import EffectInputs
 from vrcomfort.render.graph import plan_effect
-from vrcomfort.render.reference import Reference
+from vrcomfort.tradeoff.brute_force import Reference
 
 NEAR_M = 0.02
 LEFT_EYE = Fov(*np.arctan([-1.2, 0.9, 1.0, -1.1]).tolist())
@@ -103,12 +104,10 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
     focal_px = focal_length_px(LEFT_EYE, (50, 40))[0]
     for focus_m in (0.01, 0.05, 0.6, 2.0, 40.0, 3e4, np.inf):
         focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
-        effect = CocPasses(
-            ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=(50, 40),
-            infinity_m=3e4,
-        )  # fmt: skip
+        reads = {"depth": depth, "focus": focus}
+        effect = CocPasses(EffectInputs(ctx, settings, colour, reads, 3e4))
         # The record's shader on tiles of four equal pixels: float32, before any limit.
-        radii = DepthToCoc(ctx, depth=fours, focus=focus, settings=settings, infinity_m=3e4)
+        radii = DepthToCoc(EffectInputs(ctx, settings, colour, reads | {"depth": fours}, 3e4))
         largest = CocTileMinMax(ctx, radii, size_px=(100, 80), tile_px=2, defines=LEVELS)
         radii.look_through(LEFT_EYE, near_m, eye_pose)
         largest.render()
@@ -125,7 +124,7 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
         )  # fmt: skip
         small = np.abs(twin) <= 100
         np.testing.assert_allclose(found[small], np.abs(twin[small]), rtol=1e-5, atol=1e-3)
-        effect.render(fov=LEFT_EYE, near_m=near_m, head_from_eye=eye_pose)
+        effect.render(seen(LEFT_EYE, near_m=near_m, head_from_eye=eye_pose).camera)
         points = np.frombuffer(effect.colour_and_coc.read(), "f2").reshape(40, 50, 4)[..., 3]
         np.testing.assert_allclose(points, np.clip(twin, -5, 5), rtol=1e-3, atol=2e-3)
 
@@ -141,7 +140,7 @@ def test_tiles_hold_the_radii_of_their_pixels(ctx, name, peripheral):
     settings = DepthOfField(max_radius_percent=10, peripheral=peripheral, **LAWS[name])
     effect = coc_passes_of(ctx, settings, distance, 2.0, size_px)
     turned = Pose(np.array([0.03, 0.0, -0.01]), axis_angle([0.0, 1.0, 0.0], 0.2))
-    effect.render(fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=turned)
+    effect.render(seen(LEFT_EYE, near_m=NEAR_M, head_from_eye=turned).camera)
     radii = (
         np.frombuffer(effect.colour_and_coc.read(), "f2").reshape(45, 61, 4)[..., 3].astype(float)
     )
@@ -166,7 +165,7 @@ def test_the_largest_diameter_can_be_an_angle(ctx):
         np.tan(np.radians(1.0)) * focal_px
     )
     effect = coc_passes_of(ctx, settings, np.inf, 1.0, size_px)
-    effect.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
+    effect.render(seen(square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose()).camera)
     points = np.frombuffer(effect.colour_and_coc.read(), "f2").reshape(48, 64, 4)[..., 3]
     np.testing.assert_allclose(points, np.tan(np.radians(1.0)) * focal_px, rtol=1e-3)
     assert effect.max_radius_now_px == pytest.approx(np.tan(np.radians(1.0)) * focal_px)
@@ -180,7 +179,7 @@ def test_the_largest_diameter_can_be_an_angle(ctx):
     effect.reset()
     assert effect.clamps() == ()
     # A narrower field of view has more pixels to the minute of arc; its own limit is the one told.
-    effect.render(fov=Fov(-0.2, 0.2, 0.15, -0.15), near_m=NEAR_M, head_from_eye=Pose())
+    effect.render(seen(Fov(-0.2, 0.2, 0.15, -0.15), near_m=NEAR_M, head_from_eye=Pose()).camera)
     narrow_px = np.tan(np.radians(1.0)) * 32 / np.tan(0.2)
     assert effect.clamps()[0].endswith(f"limited to {narrow_px:.1f} px")
 
@@ -198,7 +197,7 @@ def test_the_smaller_of_both_limits_is_what_full_blur_reaches(ctx, law):
         max_diameter_arcmin=120.0,
     )
     effect = coc_passes_of(ctx, settings, 2.0, 1.0, size_px)
-    effect.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
+    effect.render(seen(square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose()).camera)
     points = np.frombuffer(effect.colour_and_coc.read(), "f2").reshape(48, 64, 4)[..., 3]
     np.testing.assert_allclose(points, 0.5 * np.tan(np.radians(1.0)) * focal_px, rtol=1e-3)
 
@@ -251,7 +250,7 @@ def test_the_largest_radius_is_found_wherever_it_is(ctx, size_px, corner):
     settings = DepthOfField(law="eye", pupil_mm=20.0, max_radius_percent=1.0)
     effect = coc_passes_of(ctx, settings, distance, 2.0, size_px)
     fov = Fov(-0.5, 0.5, 0.4, -0.4)
-    effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
+    effect.render(seen(fov, near_m=NEAR_M, head_from_eye=Pose()).camera)
     px = coc.eye_px_per_dioptre(20.0, focal_length_px(fov, size_px)[0])
     assert effect.largest_radius_px() == pytest.approx(1.5 * px, rel=1e-5)
     assert effect.clamps()[0].endswith(f"limited to {0.01 * width:.1f} px")

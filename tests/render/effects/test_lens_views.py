@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from tests.render.effects.test_reference import FOV, SIZE_PX, half_plane
+from tests.tradeoff.test_brute_force import FOV, SIZE_PX, half_plane
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, View
 from vrcomfort.headset.playback import PlaybackHeadset
@@ -19,10 +19,10 @@ from vrcomfort.render.effects.depth_of_field.lens_radius import (
 )
 from vrcomfort.render.graph import plan_passes
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.reference import Reference, read_rgb
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene
 from vrcomfort.traces.trace import read_trace
+from vrcomfort.tradeoff.brute_force import Reference, read_rgb
 
 LENS_FIRST = ("depth_of_field", "motion_blur")
 

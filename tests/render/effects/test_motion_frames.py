@@ -23,9 +23,9 @@ from vrcomfort.protocol.conditions import (
 )
 from vrcomfort.render.graph import plan_passes
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.reference import read_rgb
 from vrcomfort.scene.animation import Animation, Channel
 from vrcomfort.scene.load import load_scene
+from vrcomfort.tradeoff.brute_force import read_rgb
 
 GREEN = glowing((0.0, 1.0, 0.0))
 BLUE = glowing((0.0, 0.0, 1.0))

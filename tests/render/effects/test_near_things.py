@@ -14,7 +14,7 @@ from vrcomfort.gpu.traffic import TrafficCounter
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
 from vrcomfort.render.effects.depth_of_field import effect
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.reference import read_rgb
+from vrcomfort.tradeoff.brute_force import read_rgb
 
 SIZE_PX = (128, 128)
 FOCUS_M = 2.0

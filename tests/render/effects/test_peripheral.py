@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.oracles import circle_of_confusion as coc
-from tests.support.effects import coc_passes_of, depth_of_field, square_pixels
+from tests.support.effects import coc_passes_of, depth_of_field, seen, square_pixels
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.protocol import DepthOfField
 from vrcomfort.protocol.conditions import Peripheral
@@ -42,7 +42,7 @@ def test_peripheral_blur_on_the_gpu_grows_from_the_heads_axis(ctx):
     settings = DepthOfField(law="eye", pupil_mm=0.0, max_radius_percent=10, peripheral=shape)
     effect = coc_passes_of(ctx, settings, 3.0, 2.0, size_px)
     turned = Pose(np.zeros(3), axis_angle([0.0, 1.0, 0.0], 0.2))
-    effect.render(fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=turned)
+    effect.render(seen(LEFT_EYE, near_m=NEAR_M, head_from_eye=turned).camera)
     found = (
         np.frombuffer(effect.colour_and_coc.read(), "f2").reshape(48, 60, 4)[..., 3].astype(float)
     )
@@ -67,7 +67,7 @@ def test_a_limit_on_peripheral_blur_is_told(ctx):
     shape = Peripheral(exponent=2.0, unit_diameter_arcmin=600.0)
     settings = DepthOfField(law="eye", pupil_mm=0.0, max_radius_percent=1, peripheral=shape)
     effect = coc_passes_of(ctx, settings, 3.0, 2.0, size_px)
-    effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
+    effect.render(seen(fov, near_m=NEAR_M, head_from_eye=Pose()).camera)
     corner = 7 / 8 * np.array(fov.tangents)[[1, 2]]
     over = np.sqrt(1 + corner @ corner) - 1
     widest_px = np.tan(np.radians(5.0)) * focal_length_px(fov, size_px)[0] * over**2

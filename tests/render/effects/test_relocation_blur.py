@@ -15,6 +15,7 @@ from vrcomfort.geometry import Pose
 from vrcomfort.optics.motion import level_after
 from vrcomfort.protocol.conditions import Condition, RelocationBlur
 from vrcomfort.render.camera import HeadStep
+from vrcomfort.render.effects.effect import EffectInputs
 from vrcomfort.render.effects.relocation_blur import RelocationBlurPass
 from vrcomfort.render.graph import plan_passes
 from vrcomfort.render.output import read_rgb8
@@ -36,7 +37,7 @@ def relocation(ctx):
         rgb = rgb.astype("f2")
         colour, _ = textures(ctx, rgb, 2.0)
         wanted = RelocationBlur(**settings)
-        return RelocationBlurPass(ctx, colour=colour, settings=wanted, size_px=size_px), rgb
+        return RelocationBlurPass(EffectInputs(ctx, wanted, colour)), rgb
 
     return make
 

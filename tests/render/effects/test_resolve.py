@@ -1,5 +1,7 @@
 """Circles of confusion in the alpha of the scene's own colour: where samples are resolved."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
 from vrcomfort.protocol.conditions import Peripheral
 from vrcomfort.render.camera import EyeCamera
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
+from vrcomfort.render.effects.effect import EffectInputs
 from vrcomfort.render.graph import plan_passes
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
@@ -31,30 +34,24 @@ def canted():
     head = eye((0.1, 1.1, 0.2))
     beside = Pose(np.array([0.03, 0.01, -0.02]), axis_angle([0.0, 1.0, 0.0], 0.2))
     world_from_head = head.world_from_eye
-    return EyeCamera(world_from_head @ beside, head.fov, head.near_m, world_from_head), beside
+    return EyeCamera(world_from_head @ beside, head.fov, head.near_m, world_from_head)
 
 
 @pytest.mark.parametrize("velocity", [False, True])
 @pytest.mark.parametrize("law", LENSES)
 def test_radii_are_those_that_a_pass_of_their_own_finds(ctx, law, velocity):
     scene_pass = ScenePass(ctx, still_life(), SIZE_PX, velocity=velocity)
-    camera, head_from_eye = canted()
+    camera = canted()
     scene_pass.render(camera, 0.0)
     colour = read_texture(scene_pass.colour)
     depth = read_texture(scene_pass.depth)
     focus = ctx.texture((1, 1), 4, np.full(4, 1.3, "f4").tobytes(), dtype="f4")
-    common = {
-        "colour": scene_pass.colour,
-        "depth": scene_pass.depth,
-        "focus": focus,
-        "settings": LENSES[law],
-        "size_px": SIZE_PX,
-        "infinity_m": 3e4,
-    }
-    alone = CocPasses(ctx, **common)
-    alone.render(fov=camera.fov, near_m=camera.near_m, head_from_eye=head_from_eye)
+    reads = {"depth": scene_pass.depth, "focus": focus}
+    inputs = EffectInputs(ctx, LENSES[law], scene_pass.colour, reads, 3e4)
+    alone = CocPasses(inputs)
+    alone.render(camera)
     expected = read_texture(alone.colour_and_coc)
-    beside = CocPasses(ctx, **common, resolve=scene_pass.resolve)
+    beside = CocPasses(replace(inputs, scene=scene_pass))
     assert beside.colour_and_coc is scene_pass.colour
     scene_pass.render(camera, 0.0)
     found = read_texture(scene_pass.colour)

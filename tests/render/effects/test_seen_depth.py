@@ -13,6 +13,7 @@ from vrcomfort.gpu.passes import watched
 from vrcomfort.gpu.traffic import TrafficCounter
 from vrcomfort.protocol.conditions import Condition, DepthOfField
 from vrcomfort.render.effects.depth_of_field.seen_depth import TAPS, SeenDepthPass
+from vrcomfort.render.effects.effect import EffectInputs
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.tradeoff.costs import a_step
 
@@ -23,12 +24,12 @@ FULL_BLUR_DIOPTRE = 2.0
 
 def spread(ctx, distance_m, percent):
     """Return the depth that was drawn, and the scene's own, with the widest disc in pixels."""
-    _, depth = textures(ctx, np.zeros((*distance_m.shape, 3)), distance_m)
+    colour, depth = textures(ctx, np.zeros((*distance_m.shape, 3)), distance_m)
     focus = ctx.texture((1, 1), 4, np.full(4, FOCUS_M, "f4").tobytes(), dtype="f4")
     lens = DepthOfField(
         law="dioptre", max_radius_percent=percent, full_blur_dioptre=FULL_BLUR_DIOPTRE
     )
-    effect = SeenDepthPass(ctx, depth=depth, focus=focus, settings=lens, infinity_m=3e4)
+    effect = SeenDepthPass(EffectInputs(ctx, lens, colour, {"depth": depth, "focus": focus}, 3e4))
     effect.render(seen(square_pixels(SIZE_PX)).camera)
     own, found = (
         np.frombuffer(each.read(), np.float32).reshape(distance_m.shape)

@@ -12,6 +12,7 @@ from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.optics.motion import ramp, sigma_px, speed_m_s, turn_deg_s
 from vrcomfort.protocol.conditions import MoveRamp, SpeedBlur, TurnRamp
 from vrcomfort.render.camera import HeadStep, speed_share
+from vrcomfort.render.effects.effect import EffectInputs
 from vrcomfort.render.effects.speed_blur import SpeedBlurPass
 
 TURNING = TurnRamp(from_deg_s=40, to_deg_s=120)
@@ -92,7 +93,7 @@ def blurred(ctx, rgb, step=FULL, fov=None, **settings):
     size_px = rgb.shape[1], rgb.shape[0]
     colour, _ = textures(ctx, rgb, 1.0)
     wanted = SpeedBlur(moving=MOVING, **settings)
-    effect = SpeedBlurPass(ctx, colour=colour, settings=wanted, size_px=size_px)
+    effect = SpeedBlurPass(EffectInputs(ctx, wanted, colour))
     effect.render(seen(fov or square_pixels(size_px), step=step))
     return rgb_of(effect.target)
 

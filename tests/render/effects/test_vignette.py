@@ -16,6 +16,7 @@ from vrcomfort.geometry import Fov, Pose, axis_angle
 from vrcomfort.optics.motion import clear_deg, moved_towards, widest_angle_deg
 from vrcomfort.protocol.conditions import EFFECTS, Condition, MoveRamp, TurnRamp, Vignette
 from vrcomfort.render.camera import HeadStep
+from vrcomfort.render.effects.effect import EffectInputs
 from vrcomfort.render.effects.vignette import VignettePass
 from vrcomfort.render.pipeline import StereoRenderer
 
@@ -38,7 +39,7 @@ def restrictor(ctx):
         rgb = np.random.default_rng(1).uniform(0, 4, (size_px[1], size_px[0], 3)).astype("f2")
         colour, _ = textures(ctx, rgb, 2.0)
         wanted = Vignette(**settings)
-        return VignettePass(ctx, colour=colour, settings=wanted, size_px=size_px), rgb
+        return VignettePass(EffectInputs(ctx, wanted, colour)), rgb
 
     return make
 

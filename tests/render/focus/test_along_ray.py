@@ -6,7 +6,7 @@ import pytest
 from tests.oracles.autofocus_zone import zone_focus_m
 from tests.oracles.circle_of_confusion import distance_from_head_m, lens_radius_px
 from tests.oracles.focus import estimate_focus, ray_directions
-from tests.support.effects import coc_passes_of, textures
+from tests.support.effects import coc_passes_of, seen, textures
 from tests.support.render import at, glowing, scene, wall
 from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
@@ -19,12 +19,13 @@ from vrcomfort.render.effects.depth_of_field.coc_passes import (
     CocTileMinMax,
     DepthToCoc,
 )
+from vrcomfort.render.effects.effect import EffectInputs
 from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.focus.search import HeadView
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.graph import plan_effect
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.reference import Reference
+from vrcomfort.tradeoff.brute_force import Reference
 
 NEAR_M = 0.02
 LEFT_EYE = Fov(*np.arctan([-1.2, 0.9, 1.0, -1.1]).tolist())
@@ -94,7 +95,7 @@ def test_the_shader_computes_what_its_twin_does(ctx, name, place, focus_m):
     distance[:2] = np.inf
     settings = lens(**LAWS[name])
     effect = coc_passes_of(ctx, settings, distance, focus_m, size_px)
-    effect.render(fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=place)
+    effect.render(seen(LEFT_EYE, near_m=NEAR_M, head_from_eye=place).camera)
     depth = (NEAR_M / distance).astype("f4")
     from_head = distance_from_head_m(
         depth, fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=place, uv=places(size_px)
@@ -111,9 +112,9 @@ def test_radii_are_those_of_float64_before_they_are_rounded(ctx, name, focus_m):
     size_px, settings = (50, 40), lens(**LAWS[name])
     distance = np.random.default_rng(2).permutation(np.geomspace(0.05, 3e4, 2000)).reshape(40, 50)
     fours = np.kron(distance, np.ones((2, 2)))
-    _, depth = textures(ctx, np.zeros((80, 100, 3)), fours, NEAR_M)
+    colour, depth = textures(ctx, np.zeros((80, 100, 3)), fours, NEAR_M)
     focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
-    radii = DepthToCoc(ctx, depth=depth, focus=focus, settings=settings, infinity_m=3e4)
+    radii = DepthToCoc(EffectInputs(ctx, settings, colour, {"depth": depth, "focus": focus}, 3e4))
     largest = CocTileMinMax(ctx, radii, size_px=(100, 80), tile_px=2, defines=LEVELS)
     radii.look_through(LEFT_EYE, NEAR_M, EYES[0])
     largest.render()
@@ -139,7 +140,7 @@ def test_tiles_hold_the_radii_of_their_pixels(ctx, name, flat):
     distance = np.full(size_px[::-1], 0.4) if flat else random
     effect = coc_passes_of(ctx, lens(**LAWS[name]), distance, 0.5, size_px)
     place = Pose(np.array([0.03, 0.02, -0.01])) if flat else EYES[0]
-    effect.render(fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=place)
+    effect.render(seen(LEFT_EYE, near_m=NEAR_M, head_from_eye=place).camera)
     radii = signed_radii(effect, size_px)
     tiles = np.frombuffer(effect.tile_min_max.read(), "f4").reshape(6, 8, 4)
     assert effect.tile_px == 8
@@ -154,7 +155,7 @@ def test_the_nearest_point_inside_a_tile_counts(ctx):
     """One tile of 8 x 8 px sees 90°; its corners are 1.6 times as far as its middle."""
     fov, size_px = Fov.symmetric(vertical_rad=np.pi / 2, aspect=1.0), (8, 8)
     effect = coc_passes_of(ctx, lens(law="dioptre"), np.full((8, 8), 1.0), 1.0, size_px)
-    effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
+    effect.render(seen(fov, near_m=NEAR_M, head_from_eye=Pose()).camera)
     least, greatest = np.frombuffer(effect.tile_min_max.read(), "f4")[:2]
     px_per_dioptre, corner_m = 0.8 / 2.0, np.sqrt(1 + 2 * (7 / 8) ** 2)
     middle_m = np.sqrt(1 + 2 / 64)
@@ -164,7 +165,7 @@ def test_the_nearest_point_inside_a_tile_counts(ctx):
 
 def test_a_point_is_as_blurred_in_one_eye_as_in_the_other(ctx):
     """Whatever is seen by both: its distance is the one from the head centre."""
-    size_px, focus_m = (1, 1), 0.7
+    focus_m = 0.7
     settings = lens(law="eye", pupil_mm=20.0)
     point = np.array([0.25, -0.1, -0.4])
     radii = []
@@ -174,11 +175,10 @@ def test_a_point_is_as_blurred_in_one_eye_as_in_the_other(ctx):
         tangents = np.array([x / -z - 0.01, x / -z + 0.01, y / -z + 0.01, y / -z - 0.01])
         colour, depth = textures(ctx, np.zeros((1, 1, 3)), -z)
         focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
-        effect = CocPasses(
-            ctx, colour=colour, depth=depth, focus=focus, size_px=size_px, infinity_m=3e4,
-            settings=settings,
-        )  # fmt: skip
-        effect.render(fov=Fov(*np.arctan(tangents).tolist()), near_m=NEAR_M, head_from_eye=eye)
+        reads = {"depth": depth, "focus": focus}
+        effect = CocPasses(EffectInputs(ctx, settings, colour, reads, 3e4))
+        fov = Fov(*np.arctan(tangents).tolist())
+        effect.render(seen(fov, near_m=NEAR_M, head_from_eye=eye).camera)
         radii.append(effect.largest_radius_px())
     expected = 0.01 * 50 * abs(1 / focus_m - 1 / np.linalg.norm(point))
     assert radii == pytest.approx([expected, expected], rel=1e-4)

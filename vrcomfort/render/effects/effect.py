@@ -1,8 +1,7 @@
 """Interface of effects: each is one step from an eye's image to the next.
 
-A new effect is a table of settings (`vrcomfort.protocol.conditions.EffectTables`), a pass that is
-an `EffectPass`, its shader and the shader's twin, and an `RegisteredEffect` in
-`vrcomfort.render.graph`.
+A new effect is a table of settings (`vrcomfort.protocol.conditions.EffectTables`), an `EffectPass`,
+its shader and the shader's twin, and a `RegisteredEffect` beside the pass.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 import moderngl
 
 from vrcomfort.geometry import Pose
-from vrcomfort.protocol.conditions import Condition, EffectName
+from vrcomfort.protocol.conditions import Condition, EffectName, Focus
 from vrcomfort.render.camera import EyeCamera, HeadStep, PreviousCamera
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.render.scene_pass import ScenePass
@@ -43,46 +42,75 @@ class EffectInputs:
 
     Parameters
     ----------
-    colour
-        Linear HDR RGBA16F of `size_px`: the result of the effect before.
-    depth
-        Reverse-Z D32F.
     settings
         The effect's own table of the condition.
-    scene
-        What has drawn `colour`, where it is the scene's own.
+    colour
+        Linear HDR RGBA16F: the result of the effect before.
     reads
-        Those that the effect asks for: `velocity` is RG16F (px per frame, +x right, +y up), `focus`
-        a 1×1 texture with the focus distance of both eyes in metres as x.
+        Those that the effect asks for: `depth` is reverse-Z D32F, `velocity` RG16F (px per frame,
+        +x right, +y up), `focus` a 1×1 texture with the focus distance of both eyes in metres as x.
+    infinity_m
+        Distance taken for the sky.
+    scene
+        What has drawn `colour`, where it is the scene's own: it can write radii beside it, and draw
+        what near things hide.
     """
 
     ctx: moderngl.Context
-    condition: Condition
     settings: Any
-    size_px: tuple[int, int]
     colour: moderngl.Texture
-    depth: moderngl.Texture
-    scene: ScenePass | None
-    reads: Mapping[str, moderngl.Texture]
+    reads: Mapping[str, moderngl.Texture] = field(default_factory=dict)
+    infinity_m: float = Focus().infinity_m
+    scene: ScenePass | None = None
+
+    @property
+    def size_px(self) -> tuple[int, int]:
+        """Return (width, height) of an eye's image."""
+        return self.colour.size
 
 
-class EffectPass(Protocol):
-    """Draws its inputs, changed, into `target`: linear HDR RGBA16F."""
+class EffectPass:
+    """Draws the colour of its inputs, changed, into `target`.
+
+    What it does not define is that of an effect without a limit, which draws all of itself in each
+    frame and remembers none.
+
+    Attributes
+    ----------
+    target
+        Linear HDR RGBA16F.
+    settings
+        Those of the inputs, or of the last :meth:`adjust`.
+    """
 
     target: moderngl.Texture
 
+    def __init__(self, inputs: EffectInputs) -> None:
+        self.settings = inputs.settings
+
     @property
     def max_radius_px(self) -> float:
-        """Return the largest radius or half streak that it can have."""
+        """Return the largest radius or half streak that it can have; 0 if it has none."""
+        return 0.0
 
     def render(self, eye: EyeFrame) -> None:
         """Draw the present inputs as this eye sees them; the left eye comes first."""
+        raise NotImplementedError
+
+    def adjust(self, condition: Condition, settings: Any) -> None:
+        """Draw by other settings from now on: its own table of the condition.
+
+        Only those of `vrcomfort.protocol.adjustments.ADJUSTABLE` are others.
+        """
+        del condition
+        self.settings = settings
 
     def warm_up(self) -> None:
-        """Draw once the passes that frames without motion skip, so that they are compiled."""
+        """Draw once the passes that some frames skip, so that they are compiled."""
 
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""
+        return ()
 
     def reset(self) -> None:
         """Be as if no frame had been drawn."""
@@ -90,32 +118,10 @@ class EffectPass(Protocol):
 
 @runtime_checkable
 class Adjustable(Protocol):
-    """An effect, or a focus, that takes other settings while it is there.
-
-    It need take only those of `vrcomfort.protocol.adjustments.ADJUSTABLE`.
-    """
+    """A focus that takes other settings while it is there."""
 
     def adjust(self, settings: Any) -> None:
-        """Draw by these settings from now on: its own table of the condition."""
-
-
-@runtime_checkable
-class SeesTheSky(Protocol):
-    """An effect in which the focus's `infinity_m` counts."""
-
-    def adjust_infinity(self, infinity_m: float) -> None:
-        """Take another distance of the sky from now on."""
-
-
-def reading_colour(make: Callable[..., EffectPass]) -> Callable[[EffectInputs], EffectPass]:
-    """Return the builder of an effect that reads only `colour`."""
-
-    def build(inputs: EffectInputs) -> EffectPass:
-        return make(
-            inputs.ctx, colour=inputs.colour, settings=inputs.settings, size_px=inputs.size_px
-        )
-
-    return build
+        """Find it by these settings from now on: those of the condition."""
 
 
 @dataclass(frozen=True)
@@ -126,8 +132,8 @@ class RegisteredEffect:
     ----------
     name
         Of its table of settings in a condition.
-    plan
-        Say whether it is there in a scene, and why; no OpenGL.
+    decide
+        Say of settings, condition and scene whether it is there, and why; no OpenGL.
     build
         Make it, where it is there; None where it needs no pass of its own.
     reads
@@ -137,7 +143,14 @@ class RegisteredEffect:
     """
 
     name: EffectName
-    plan: Callable[[Scene, Condition], PlannedPass]
+    decide: Callable[[Any, Condition, Scene], tuple[bool, str]]
     build: Callable[[EffectInputs], EffectPass | None]
     reads: frozenset[Literal["depth", "focus", "velocity"]] = frozenset()
     measured: Mapping[str, Any] = field(default_factory=dict)
+
+    def plan(self, scene: Scene, condition: Condition) -> PlannedPass:
+        """Plan it; a condition without its settings has none."""
+        settings = getattr(condition, self.name)
+        if settings is None:
+            return PlannedPass(self.name, False, "the condition has none")
+        return PlannedPass(self.name, *self.decide(settings, condition, scene))

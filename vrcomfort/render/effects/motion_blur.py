@@ -29,45 +29,29 @@ from vrcomfort.gpu.shaders import Defines
 from vrcomfort.optics.motion import Sampling, ramp, sampling_of
 from vrcomfort.protocol.conditions import Condition, MotionBlur
 from vrcomfort.render.camera import HeadStep
-from vrcomfort.render.effects.effect import EffectInputs, EyeFrame, RegisteredEffect
-from vrcomfort.render.planned_pass import PlannedPass
+from vrcomfort.render.effects.effect import EffectInputs, EffectPass, EyeFrame, RegisteredEffect
 from vrcomfort.scene.data import Scene
 
 
-def plan(scene: Scene, condition: Condition) -> PlannedPass:
-    """Plan motion blur; a shutter that never opens for long blurs nothing.
+def decide(settings: MotionBlur, _: Condition, scene: Scene) -> tuple[bool, str]:
+    """Say whether there is motion blur; a shutter that never opens for long blurs nothing.
 
     Locomotion and heads move at run time, so only a mode that ignores every camera can be known
     to see nothing move; frames in which nothing moved are copied without any pass in every mode.
     """
-    settings = condition.motion_blur
-    if settings is None:
-        return PlannedPass("motion_blur", False, "the condition has none")
     if settings.shutter_fraction == 0:
-        return PlannedPass("motion_blur", False, "its shutter is open for no time")
+        return False, "its shutter is open for no time"
     turns = settings.virtual_turning == "kept"
     moves = scene.has_hands or any(node.moving for node in scene.nodes)
     if settings.mode == "objects_only" and not turns and not moves:
-        return PlannedPass("motion_blur", False, "objects_only, and nothing in the scene moves")
+        return False, "objects_only, and nothing in the scene moves"
     reason = f"{settings.mode}, shutter open for {settings.shutter_fraction:g} of the frame"
     if settings.neck is not None and settings.mode == "rotation_cancelled":
         reason += f", about a neck {settings.neck.behind_m:g} m behind"
         reason += f" and {settings.neck.below_m:g} m below the eyes"
     if settings.virtual_turning != "by_mode":
         reason += f", virtual turning {settings.virtual_turning}"
-    return PlannedPass("motion_blur", True, reason)
-
-
-def build(inputs: EffectInputs) -> MotionBlurPass:
-    """Build motion blur."""
-    return MotionBlurPass(
-        inputs.ctx,
-        colour=inputs.colour,
-        depth=inputs.depth,
-        velocity=inputs.reads["velocity"],
-        settings=inputs.settings,
-        size_px=inputs.size_px,
-    )
+    return True, reason
 
 
 def streak_scale(settings: MotionBlur, step: HeadStep | None) -> float:
@@ -83,13 +67,8 @@ def streak_scale(settings: MotionBlur, step: HeadStep | None) -> float:
     return (1 - faded) / step.periods
 
 
-class MotionBlurPass:
-    """Smears `colour` along `velocity` for as long as the shutter is open; the result is `target`.
-
-    Parameters
-    ----------
-    colour, depth, velocity
-        Linear HDR RGBA16F, reverse-Z D32F and RG16F (px per frame, +x right, +y up).
+class MotionBlurPass(EffectPass):
+    """Smears the image along its velocity for as long as the shutter is open.
 
     Notes
     -----
@@ -97,60 +76,49 @@ class MotionBlurPass:
     been that were shortened to ``max_radius_px``.
     """
 
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        *,
-        colour: moderngl.Texture,
-        depth: moderngl.Texture,
-        velocity: moderngl.Texture,
-        settings: MotionBlur,
-        size_px: tuple[int, int],
-    ) -> None:
-        self._settings = settings
-        self.max_radius_px = settings.max_radius_percent / 100 * size_px[0]
+    settings: MotionBlur
+
+    def __init__(self, inputs: EffectInputs) -> None:
+        super().__init__(inputs)
+        ctx, colour, velocity = inputs.ctx, inputs.colour, inputs.reads["velocity"]
+        samples, max_percent = self.settings.samples, self.settings.max_radius_percent
+        self._max_radius_px = max_radius_px = max_percent / 100 * inputs.size_px[0]
         self._method: Reconstruction | PerPixel
-        if settings.method == "reconstruction":
+        if self.settings.method == "reconstruction":
             self._method = Reconstruction(
                 ctx,
                 colour=colour,
-                depth=depth,
+                depth=inputs.reads["depth"],
                 velocity=velocity,
-                samples=settings.samples,
-                max_radius_px=self.max_radius_px,
+                samples=samples,
+                max_radius_px=max_radius_px,
             )
         else:
             self._method = PerPixel(
-                ctx,
-                colour=colour,
-                velocity=velocity,
-                samples=settings.samples,
-                max_radius_px=self.max_radius_px,
+                ctx, colour=colour, velocity=velocity, samples=samples, max_radius_px=max_radius_px
             )
         self.target = self._method.target
         self._copy = copier(ctx, colour, self.target)
 
+    @property
+    def max_radius_px(self) -> float:
+        """Return the limit on half streaks."""
+        return self._max_radius_px
+
     def render(self, eye: EyeFrame) -> None:
         """Blur the present image; where nothing has moved, it is copied, bit by bit."""
-        scale = streak_scale(self._settings, eye.step)
+        scale = streak_scale(self.settings, eye.step)
         if eye.still or scale == 0:
             self._copy()
             return
         self._draw(scale)
-
-    def adjust(self, settings: MotionBlur) -> None:
-        """Draw by other settings from now on."""
-        self._settings = settings
 
     def warm_up(self) -> None:
         """Draw everything once, which frames in which nothing moves leave out."""
         self._draw(0.0)
 
     def _draw(self, scale: float) -> None:
-        self._method.render(Shutter(self._settings.shutter_fraction * scale, self.max_radius_px))
-
-    def reset(self) -> None:
-        """Do nothing: frames after a cut have no streaks."""
+        self._method.render(Shutter(self.settings.shutter_fraction * scale, self.max_radius_px))
 
     def longest_half_velocity_px(self) -> float:
         """Return the longest half streak of all frames, before the limit; waits for the GPU.
@@ -170,7 +138,9 @@ class MotionBlurPass:
         )
 
 
-EFFECT = RegisteredEffect("motion_blur", plan, build, reads=frozenset({"depth", "velocity"}))
+EFFECT = RegisteredEffect(
+    "motion_blur", decide, MotionBlurPass, reads=frozenset({"depth", "velocity"})
+)
 
 
 class Shutter(NamedTuple):

@@ -12,8 +12,7 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass, copier
 from vrcomfort.optics.motion import clear_deg, moved_towards, widest_angle_deg
 from vrcomfort.protocol.conditions import Condition, Vignette
 from vrcomfort.render.camera import speed_share
-from vrcomfort.render.effects.effect import EyeFrame, RegisteredEffect, reading_colour
-from vrcomfort.render.planned_pass import PlannedPass
+from vrcomfort.render.effects.effect import EffectInputs, EffectPass, EyeFrame, RegisteredEffect
 from vrcomfort.scene.data import Scene
 
 BLOCKS = (32, 32)
@@ -31,55 +30,44 @@ class _Target(NamedTuple):
     target_px: tuple[int, int]
 
 
-def plan(_: Scene, condition: Condition) -> PlannedPass:
-    """Plan the restrictor; a field of 180 degrees that nothing narrows restricts nothing."""
-    settings = condition.vignette
-    if settings is None:
-        return PlannedPass("vignette", False, "the condition has none")
+def decide(settings: Vignette, condition: Condition, _: Scene) -> tuple[bool, str]:
+    """Say whether there is a restrictor; 180 degrees that nothing narrows restrict nothing."""
     ramps = settings.turning is not None or settings.moving is not None
     if not ramps and settings.open_deg == 180:
-        return PlannedPass("vignette", False, "neither turning nor moving narrows the field")
+        return False, "neither turning nor moving narrows the field"
     reason = f"clear field of {settings.open_deg:g} degrees"
     if ramps:
         reason += f", {settings.restricted_deg:g} at full speed"
     if "vignette" in condition.centred_on_gaze:
         reason += ", centred on the gaze"
-    return PlannedPass("vignette", True, reason)
+    return True, reason
 
 
-class VignettePass:
-    """Covers `colour` (linear HDR RGBA16F) outside the clear field; the result is `target`.
+class VignettePass(EffectPass):
+    """Covers the image outside the clear field.
 
     The field is a cone round the head's forward axis or the gaze, the same angle for both eyes, and
     as narrow for both: its strength is a frame's, not an eye's. So is its colour: the mean of the
     eye that is drawn first.
     """
 
-    max_radius_px = 0.0
-    """It blurs nothing."""
+    settings: Vignette
 
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        *,
-        colour: moderngl.Texture,
-        settings: Vignette,
-        size_px: tuple[int, int],
-    ) -> None:
-        self._settings = settings
+    def __init__(self, inputs: EffectInputs) -> None:
+        super().__init__(inputs)
+        ctx, colour = inputs.ctx, inputs.colour
         self._means: tuple[FullscreenPass, ...] = ()
-        inputs = {"image": colour}
-        if settings.colour == "scene":
+        images = {"image": colour}
+        if self.settings.colour == "scene":
             blocks = _mean(ctx, colour, BLOCKS)
             self._means = blocks, _mean(ctx, blocks.target, (1, 1))
-            inputs["mean"] = self._means[-1].target
-        defines: dict[str, int | float | str] = {"MEAN_COLOUR": 1} if self._means else {}
+            images["mean"] = self._means[-1].target
         self._pass = FullscreenPass(
             ctx,
             "vignette/vignette.frag",
-            size_px=size_px,
-            inputs=inputs,
-            defines=defines,
+            size_px=inputs.size_px,
+            inputs=images,
+            defines={"MEAN_COLOUR": 1} if self._means else {},
             reach_px={"image": 0.0},
         )
         self.target = self._pass.target
@@ -89,7 +77,7 @@ class VignettePass:
     @property
     def clear_deg(self) -> float:
         """Return the diameter of the clear field in the frame that was drawn last."""
-        settings = self._settings
+        settings = self.settings
         return clear_deg(settings.open_deg, settings.restricted_deg, self._strength)
 
     def render(self, eye: EyeFrame) -> None:
@@ -104,18 +92,10 @@ class VignettePass:
             self._average()
         self._draw(eye.camera.fov, centre_from_eye)
 
-    def adjust(self, settings: Vignette) -> None:
-        """Draw by other settings from now on."""
-        self._settings = settings
-
     def warm_up(self) -> None:
         """Draw everything once, which frames at rest may leave out."""
         self._average()
         self._draw(Fov.symmetric(vertical_rad=1.0, aspect=1.0), Pose())
-
-    def clamps(self) -> tuple[str, ...]:
-        """Return nothing: it has no limit."""
-        return ()
 
     def reset(self) -> None:
         """Open the field."""
@@ -130,10 +110,10 @@ class VignettePass:
         self._time_ns = eye.display_time_ns
         self._strength = moved_towards(
             self._strength,
-            speed_share(self._settings, eye.step),
+            speed_share(self.settings, eye.step),
             elapsed_s=eye.step.seconds,
-            attack_s=self._settings.attack_s,
-            release_s=self._settings.release_s,
+            attack_s=self.settings.attack_s,
+            release_s=self.settings.release_s,
         )
 
     def _average(self) -> None:
@@ -147,7 +127,7 @@ class VignettePass:
                 fov.tangents,
                 rotation.T.astype("f4").tobytes(),
                 float(np.radians(self.clear_deg / 2)),
-                float(np.radians(self._settings.feather_deg)),
+                float(np.radians(self.settings.feather_deg)),
             )
         )
 
@@ -173,6 +153,4 @@ def _mean(
     )
 
 
-EFFECT = RegisteredEffect(
-    "vignette", plan, reading_colour(VignettePass), measured={"open_deg": 60.0}
-)
+EFFECT = RegisteredEffect("vignette", decide, VignettePass, measured={"open_deg": 60.0})

@@ -21,7 +21,8 @@ from vrcomfort.render.effects.depth_of_field.lens_radius import (
     px_per_dioptre,
     radius_of_arcmin,
 )
-from vrcomfort.render.scene_pass import Radii, ResolvePass
+from vrcomfort.render.effects.effect import EffectInputs
+from vrcomfort.render.scene_pass import Radii
 from vrcomfort.rotations import rotated
 
 TILE_PX = 8
@@ -87,35 +88,21 @@ _MEMBERS = (
 
 
 class DepthToCoc:
-    """Signed radius of any depth in one eye's image, for ``include/coc_of_depth.glsl``.
+    """Signed radius of any depth in one eye's image, for ``include/coc_of_depth.glsl``."""
 
-    Parameters
-    ----------
-    depth, focus, settings, infinity_m
-        Those of :class:`CocPasses`.
-    """
-
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        *,
-        depth: moderngl.Texture,
-        focus: moderngl.Texture,
-        settings: DepthOfField,
-        infinity_m: float,
-    ) -> None:
-        self._ctx = ctx
-        self._settings, self._size_px = settings, depth.size
-        self.depth = depth
-        self.inputs = {"focus": focus}
-        self._infinity_m = infinity_m
+    def __init__(self, inputs: EffectInputs) -> None:
+        settings: DepthOfField = inputs.settings
+        self._ctx, self._settings, self._infinity_m = inputs.ctx, settings, inputs.infinity_m
+        self.depth = inputs.reads["depth"]
+        self._size_px = self.depth.size
+        self.inputs = {"focus": inputs.reads["focus"]}
         self._eye: _Eye | None = None
         self._of_frustum: dict[Fov, tuple[float, ...]] = {}
-        self.max_radius_px = max_radius_of(settings, depth.size)
+        self.max_radius_px = max_radius_of(settings, self._size_px)
         """Largest radius of the eye that constants were given for last."""
         self._block = shaders.UniformBlock("coc_of_depth.glsl", "CocOfEye", _MEMBERS)
-        self._buffer = gl.dynamic_buffer(ctx, self._block.size_bytes)
-        self._rewrite = gl.rewriter(ctx, self._buffer)
+        self._buffer = gl.dynamic_buffer(self._ctx, self._block.size_bytes)
+        self._rewrite = gl.rewriter(self._ctx, self._buffer)
         self.defines: dict[str, Any] = {
             **_law_defines(settings),
             **({} if settings.peripheral is None else {"PERIPHERAL": 1}),
@@ -142,17 +129,9 @@ class DepthToCoc:
             **options,
         )
 
-    def adjust(self, settings: DepthOfField) -> None:
-        """Take other settings of the same law."""
-        self._settings = settings
-        self._forget()
-
-    def adjust_infinity(self, infinity_m: float) -> None:
-        """Take another distance of the sky."""
-        self._infinity_m = infinity_m
-        self._forget()
-
-    def _forget(self) -> None:
+    def adjust(self, settings: DepthOfField, infinity_m: float) -> None:
+        """Take other settings of the same law, and another distance of the sky."""
+        self._settings, self._infinity_m = settings, infinity_m
         self._eye = None
         self._of_frustum.clear()
 
@@ -217,50 +196,26 @@ KEPT_FRUSTA = 8
 
 
 class CocPasses:
-    """Gives every pixel of `colour` its signed circle-of-confusion radius.
+    """Gives every pixel of an image its signed circle-of-confusion radius."""
 
-    Parameters
-    ----------
-    colour, depth
-        Linear HDR RGBA16F and reverse-Z D32F of `size_px`.
-    focus
-        Texture whose first x is the focus distance in metres, the same one for both eyes.
-    infinity_m
-        Distance taken for the sky.
-    resolve
-        Resolve that makes `colour`, where it can write radii beside it.
-    """
-
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        *,
-        colour: moderngl.Texture,
-        depth: moderngl.Texture,
-        focus: moderngl.Texture,
-        settings: DepthOfField,
-        size_px: tuple[int, int],
-        infinity_m: float,
-        resolve: ResolvePass | None = None,
-    ) -> None:
-        self.size_px = size_px
-        self._resolve = resolve
-        self.ctx, self._colour = ctx, colour
-        self.settings = settings
-        self.max_radius_px = max_radius_of(settings, size_px)
+    def __init__(self, inputs: EffectInputs) -> None:
+        self.ctx, self._colour = inputs.ctx, inputs.colour
+        self._resolve = None if inputs.scene is None else inputs.scene.resolve
+        self.size_px = size_px = inputs.size_px
+        self.settings: DepthOfField = inputs.settings
+        self.max_radius_px = max_radius_of(self.settings, size_px)
         """No eye's image can have a larger radius."""
         self.max_radius_now_px = self.max_radius_px
         """Largest radius that the last eye could have: `max_diameter_arcmin` may make it less."""
         self._least_max_radius_px = self.max_radius_px
-        self.depth_to_coc = DepthToCoc(
-            ctx, depth=depth, focus=focus, settings=settings, infinity_m=infinity_m
-        )
+        self.depth_to_coc = DepthToCoc(inputs)
         self._is_rendered = False
         self.tile_px = TILE_PX
         """Side of :attr:`tile_min_max`."""
-        levels = blur_kernels.gather_mips(self.max_radius_px, settings.samples)
+        samples = self.settings.samples
+        levels = blur_kernels.gather_mips(self.max_radius_px, samples)
         self.level_defines: dict[str, Any] = {
-            "EXACT_PX": blur_kernels.exact_px(settings.samples),
+            "EXACT_PX": blur_kernels.exact_px(samples),
             "LEVELS": levels,
             "EACH_COARSER_LEVEL(f)": each_level(1, levels),
             "WIDER": blur_kernels.WIDER,
@@ -268,7 +223,7 @@ class CocPasses:
         }
         """Defines of ``include/levels.glsl``."""
         self._tile_min_max = CocTileMinMax(
-            ctx,
+            self.ctx,
             self.depth_to_coc,
             size_px=size_px,
             tile_px=self.tile_px,
@@ -331,19 +286,9 @@ class CocPasses:
             self._beside.render()
         return self._beside.target
 
-    def render(
-        self,
-        *,
-        fov: Fov,
-        near_m: float,
-        head_from_eye: Pose,
-        peripheral_axis: Array | None = None,
-    ) -> None:
-        """Find the radii of an eye's image from its frustum, near plane and place in the head.
-
-        `peripheral_axis`: (3,) that of an `EyeCamera`.
-        """
-        self.depth_to_coc.look_through(fov, near_m, head_from_eye, peripheral_axis)
+    def render(self, camera: EyeCamera) -> None:
+        """Find the radii of the image that an eye has drawn."""
+        self.depth_to_coc.see_with(camera)
         self.max_radius_now_px = self.depth_to_coc.max_radius_px
         self._least_max_radius_px = min(self._least_max_radius_px, self.max_radius_now_px)
         self._is_rendered = True
@@ -374,14 +319,10 @@ class CocPasses:
             **options,
         )
 
-    def adjust(self, settings: DepthOfField) -> None:
+    def adjust(self, settings: DepthOfField, infinity_m: float) -> None:
         """Find radii by other settings from now on; see :meth:`DepthToCoc.adjust`."""
         self.settings = settings
-        self.depth_to_coc.adjust(settings)
-
-    def adjust_infinity(self, infinity_m: float) -> None:
-        """Take another distance of the sky from now on."""
-        self.depth_to_coc.adjust_infinity(infinity_m)
+        self.depth_to_coc.adjust(settings, infinity_m)
 
     def reset(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""

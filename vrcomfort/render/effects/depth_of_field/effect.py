@@ -10,6 +10,7 @@ lie about a pixel apart are not blurred: the pixel's own sampling of the scene h
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import moderngl
 
@@ -17,28 +18,23 @@ from vrcomfort.geometry import Fov, focal_length_px
 from vrcomfort.gpu import gl, passes, shaders
 from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.optics.lens_sampling import FEW, view_points, view_radius
-from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
+from vrcomfort.protocol.conditions import Condition, DepthOfField
 from vrcomfort.render.camera import Lens
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
 from vrcomfort.render.effects.depth_of_field.layered_gather import LayeredGatherKernel
 from vrcomfort.render.effects.depth_of_field.lens_radius import lens, radius_per_dioptre_px
 from vrcomfort.render.effects.depth_of_field.near_things import BEHIND_PX, NearThings
-from vrcomfort.render.effects.effect import EffectInputs, EyeFrame, RegisteredEffect
-from vrcomfort.render.planned_pass import PlannedPass
-from vrcomfort.render.scene_pass import ScenePass
+from vrcomfort.render.effects.effect import EffectInputs, EffectPass, EyeFrame, RegisteredEffect
 from vrcomfort.scene.data import Scene
 
 
-def plan(_: Scene, condition: Condition) -> PlannedPass:
-    """Plan depth of field; r_max = 0 is the pinhole image, which needs no pass."""
-    settings = condition.depth_of_field
-    if settings is None:
-        return PlannedPass("depth_of_field", False, "the condition has none")
+def decide(settings: DepthOfField, condition: Condition, _: Scene) -> tuple[bool, str]:
+    """Say whether there is depth of field; r_max = 0 is the pinhole image, which needs no pass."""
     if settings.max_radius_percent == 0:
-        return PlannedPass("depth_of_field", False, "its largest radius is zero")
+        return False, "its largest radius is zero"
     if settings.peripheral is None and settings.pinhole:
-        return PlannedPass("depth_of_field", False, "its lens has no opening")
+        return False, "its lens has no opening"
     reason = f"radius up to {settings.max_radius_percent:g} % of the image width"
     if settings.max_diameter_arcmin is not None:
         reason += f", diameter up to {settings.max_diameter_arcmin:g} arcmin"
@@ -52,7 +48,7 @@ def plan(_: Scene, condition: Condition) -> PlannedPass:
         reason = f"MIP levels on billboards {places} m away, whatever the focus"
     if settings.views > 1:
         reason = f"the scene is drawn in {settings.views} views through the lens of each eye"
-    return PlannedPass("depth_of_field", True, reason)
+    return True, reason
 
 
 def build(inputs: EffectInputs) -> DepthOfFieldPass | None:
@@ -60,63 +56,24 @@ def build(inputs: EffectInputs) -> DepthOfFieldPass | None:
     of_one_view = blur_of_one_view(inputs.settings, inputs.size_px)
     if of_one_view is None:
         return None
-    return DepthOfFieldPass(
-        inputs.ctx,
-        colour=inputs.colour,
-        depth=inputs.depth,
-        focus=inputs.reads["focus"],
-        settings=of_one_view,
-        size_px=inputs.size_px,
-        infinity_m=inputs.condition.focus.infinity_m,
-        scene=inputs.scene,
-    )
+    return DepthOfFieldPass(replace(inputs, settings=of_one_view))
 
 
-class DepthOfFieldPass:
-    """Blurs `colour` by `depth` around `focus`; the result is `target`.
+class DepthOfFieldPass(EffectPass):
+    """Blurs the image by its depth around the focus."""
 
-    Parameters
-    ----------
-    colour, depth
-        Linear HDR RGBA16F and reverse-Z D32F of `size_px`.
-    focus
-        1×1 texture whose x is the focus distance in metres, the same one for both eyes.
-    infinity_m
-        Distance taken for the sky.
-    scene
-        What has drawn `colour`, where it can write radii beside it, and draw what near things hide.
-    """
-
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        *,
-        colour: moderngl.Texture,
-        depth: moderngl.Texture,
-        focus: moderngl.Texture,
-        settings: DepthOfField,
-        size_px: tuple[int, int],
-        infinity_m: float = Focus().infinity_m,
-        scene: ScenePass | None = None,
-    ) -> None:
-        self._size_px = size_px
+    def __init__(self, inputs: EffectInputs) -> None:
+        super().__init__(inputs)
+        settings: DepthOfField = inputs.settings
+        self._size_px = inputs.size_px
         self._slices_m = settings.slices_m if settings.kernel == "mip_slices" else None
-        self._coc = CocPasses(
-            ctx,
-            colour=colour,
-            depth=depth,
-            focus=focus,
-            settings=settings,
-            size_px=size_px,
-            infinity_m=infinity_m,
-            resolve=None if scene is None else scene.resolve,
-        )
-        self._kernel = make_kernel(ctx, self._coc, settings)
+        self._coc = CocPasses(inputs)
+        self._kernel = make_kernel(inputs.ctx, self._coc, settings)
         self.target = self._kernel.target
         self._near: NearThings | None = None
         ours = isinstance(self._kernel, LayeredGatherKernel) and settings.views == 1
-        if ours and scene is not None and self._coc.max_radius_px > BEHIND_PX:
-            self._near = NearThings(ctx, self._coc, scene, self.target)
+        if ours and inputs.scene is not None and self._coc.max_radius_px > BEHIND_PX:
+            self._near = NearThings(inputs.ctx, self._coc, inputs.scene, self.target)
 
     @property
     def draws_behind(self) -> bool:
@@ -125,27 +82,18 @@ class DepthOfFieldPass:
 
     def render(self, eye: EyeFrame) -> None:
         """Blur the image that an eye with this frustum, near plane and place in the head drew."""
-        fov, near_m = eye.camera.fov, eye.camera.near_m
-        focal_x, focal_y = focal_length_px(fov, self._size_px)
-        self._coc.render(
-            fov=fov,
-            near_m=near_m,
-            head_from_eye=eye.camera.head_from_eye,
-            peripheral_axis=eye.camera.peripheral_axis,
-        )
+        focal_x, focal_y = focal_length_px(eye.camera.fov, self._size_px)
+        self._coc.render(eye.camera)
         if self._near is not None:
             self._near.draw_behind(focal_y / focal_x)
         self._kernel.render(focal_y / focal_x)
         if self._near is not None:
             self._near.draw_over(focal_y / focal_x)
 
-    def adjust(self, settings: DepthOfField) -> None:
-        """Blur by other settings from now on."""
-        self._coc.adjust(settings)
-
-    def adjust_infinity(self, infinity_m: float) -> None:
-        """Take another distance of the sky from now on: a setting of the focus."""
-        self._coc.adjust_infinity(infinity_m)
+    def adjust(self, condition: Condition, settings: DepthOfField) -> None:
+        """Blur by other settings, and take another distance of the sky, from now on."""
+        super().adjust(condition, settings)
+        self._coc.adjust(settings, condition.focus.infinity_m)
 
     def leave_out_records(self) -> None:
         """Draw nothing from now on that only :meth:`clamps` needs: for measurements."""
@@ -172,7 +120,7 @@ class DepthOfFieldPass:
         self._coc.reset()
 
 
-EFFECT = RegisteredEffect("depth_of_field", plan, build, reads=frozenset({"depth", "focus"}))
+EFFECT = RegisteredEffect("depth_of_field", decide, build, reads=frozenset({"depth", "focus"}))
 
 
 LEAST_BLUR_PX = 0.75

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import moderngl
-
 from vrcomfort.geometry import focal_length_px
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
@@ -18,6 +16,7 @@ from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.camera import EyeCamera
 from vrcomfort.render.effects.depth_of_field.coc_passes import DepthToCoc
 from vrcomfort.render.effects.depth_of_field.lens_radius import max_radius_of
+from vrcomfort.render.effects.effect import EffectInputs
 
 TAPS = 16
 """On each side of a pixel: discs wider than this are sought in steps."""
@@ -29,12 +28,9 @@ class _Columns(NamedTuple):
 
 
 class SeenDepthPass:
-    """Spreads `depth` (D32F, reverse-Z) of what is in front of the focus over its discs.
+    """Spreads depth of what is in front of the focus over its discs.
 
-    Parameters
-    ----------
-    depth, focus, settings, infinity_m
-        As in :class:`coc_passes.CocPasses`; with several views the lens's, not a view's.
+    With several views its inputs are the lens's, not a view's.
 
     Attributes
     ----------
@@ -42,19 +38,10 @@ class SeenDepthPass:
         D32F of the same size.
     """
 
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        *,
-        depth: moderngl.Texture,
-        focus: moderngl.Texture,
-        settings: DepthOfField,
-        infinity_m: float,
-    ) -> None:
+    def __init__(self, inputs: EffectInputs) -> None:
+        ctx, depth, settings = inputs.ctx, inputs.reads["depth"], inputs.settings
         self._settings, self._size_px = settings, depth.size
-        self._radii = DepthToCoc(
-            ctx, depth=depth, focus=focus, settings=settings, infinity_m=infinity_m
-        )
+        self._radii = DepthToCoc(inputs)
         self.target = gl.depth_texture(ctx, depth.size)
         # Taps are whole pixels apart, and as many on each side: the last may lie beyond the disc.
         reach_px = max_radius_of(settings, depth.size) + TAPS
@@ -77,14 +64,10 @@ class SeenDepthPass:
             reach_px=reach_px,
         )
 
-    def adjust(self, settings: DepthOfField) -> None:
+    def adjust(self, settings: DepthOfField, infinity_m: float) -> None:
         """Spread by other settings from now on; see :meth:`DepthToCoc.adjust`."""
         self._settings = settings
-        self._radii.adjust(settings)
-
-    def adjust_infinity(self, infinity_m: float) -> None:
-        """Take another distance of the sky from now on."""
-        self._radii.adjust_infinity(infinity_m)
+        self._radii.adjust(settings, infinity_m)
 
     def render(self, camera: EyeCamera) -> None:
         """Spread the present depth of an eye."""

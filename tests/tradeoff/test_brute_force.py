@@ -14,9 +14,9 @@ from vrcomfort.protocol.conditions import (
     TurnRamp,
 )
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
-from vrcomfort.render.reference import Accumulator, Reference, read_rgb
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Environment, Material, Node, Primitive, Scene
+from vrcomfort.tradeoff.brute_force import Accumulator, Reference, read_rgb
 
 SIZE_PX = (64, 48)
 FOV = Fov(*np.arctan([-1.0, 1.0, 0.75, -0.75]))  # focal length 32 px both ways

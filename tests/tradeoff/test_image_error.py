@@ -7,7 +7,7 @@ import pytest
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Fov
-from vrcomfort.render.image_error import (
+from vrcomfort.tradeoff.image_error import (
     accuracy,
     hdr_flip,
     margin_px,
