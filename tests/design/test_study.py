@@ -7,8 +7,14 @@ from collections import Counter
 
 import pytest
 
-from tests.support.protocols import COVARIATES, generated, grouped
-from tests.support.study import read_rows
+from tests.support.protocols import (
+    ASKED_AFTER_EACH,
+    COVARIATES,
+    generated,
+    grouped,
+    protocol_text,
+)
+from tests.support.study import read_rows, tiny_protocol
 from vrcomfort.design import AdministeredOrder, Enrolment, audit_study, build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Sequence
@@ -138,12 +144,26 @@ def test_covariates_that_do_not_fit_are_refused_before_anybody_is_enrolled(tmp_p
         enrol(study, design, "P01", {"age": "21"})
 
 
+def test_the_command_draws_orders_with_the_seed_that_is_given(tmp_path, run):
+    text = protocol_text(
+        ASKED_AFTER_EACH,
+        conditions=[f'[[conditions]]\nname = "c{n}"\n' for n in range(6)],
+        order='[order]\nrule = "random"\n',
+    )
+    protocol = tiny_protocol(tmp_path, text).file
+    orders = [run("design", protocol, "--json", *more)
+              for more in ((), ("--seed", 0), ("--seed", 5))]  # fmt: skip
+    assert [code for code, _, _ in orders] == [0, 0, 0]
+    assert orders[0] == orders[1] != orders[2]
+
+
 def test_design_of_a_study_on_the_command_line(tmp_path, run):
     (tmp_path / "room.glb").touch()
     protocol = tmp_path / "p.toml"
     protocol.write_text(grouped(ALLOCATION).toml.replace(".gltf", ".glb"), encoding="utf-8")
     code, out, _ = run("design", protocol, "-n", 8)
     assert code == 0
+    assert "Groups" in out
     assert "Covariates of the people above were drawn" in " ".join(out.split())
     code, out, _ = run("design", protocol, "-n", 8, "--json")
     assert sum(json.loads(out)["groups"].values()) == 8
