@@ -454,7 +454,7 @@ def import_files(
     ------
     InputError
         If a file has no table in the mapping or a table no file, a column is not said anything
-        of, or a cell is not what it should be; with file, row and column.
+        of, a cell is not what it should be (with file, row and column), or nobody has an answer.
     """
     imported = Imported()
     numbers = Numbers()
@@ -488,6 +488,9 @@ def import_files(
     imported.instruments |= {name: each.made() for name, each in made.scores.items()}
     imported.scores = list(made.scores)
     sum_up(imported, made.courses, known)
+    if not imported.answered:
+        message = "no answer to a questionnaire, score, rating or leaving time comes in; say in"
+        raise InputError(f"{message} the mapping which columns hold them (tables.questionnaires)")
     _finish(imported)
     return imported
 

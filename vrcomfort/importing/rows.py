@@ -6,6 +6,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import NamedTuple
 
 from vrcomfort.questionnaire import Answer, Instrument, plain
@@ -124,6 +125,15 @@ class Imported:
         every += [rating.administration for rating in self.ratings]
         every += [end.administration for end in self.ends]
         return list(dict.fromkeys(each.condition for each in every if each.condition))
+
+    @property
+    def answered(self) -> bool:
+        """Return whether anybody answered anything, or has a leaving time."""
+        answers = (
+            each for response in self.responses.values() for each in response.answers.values()
+        )
+        ratings = (rating.response for rating in self.ratings)
+        return bool(self.ends) or any(each is not None for each in chain(answers, ratings))
 
     @property
     def covariates(self) -> list[str]:

@@ -37,10 +37,11 @@ class Conditions(FactDraft):
         self._repetitions()
 
     def _condition(self) -> None:
-        if "condition" in self._answers.said or "condition" in self._context.columns:
-            return
         columns = self._roles.facts.get("condition", [])
         columns = [c for c in columns if texts(self._table, c)]
+        if "condition" in self._answers.said or "condition" in self._context.columns:
+            self._passed_over([c for c in columns if c not in self._context.used])
+            return
         if "condition" in self._named and not columns:
             return
         if len(columns) == 1 and (factors := self._with_another(columns[0])):
@@ -57,6 +58,16 @@ class Conditions(FactDraft):
             self._several_conditions(columns)
         else:
             self._guess_condition()
+
+    def _passed_over(self, columns: Sequence[int]) -> None:
+        """Ask about columns that are called condition, where something else says it."""
+        for column in columns:
+            words = texts(self._table, column)
+            if 1 < len(words) <= MOST_CONDITIONS:
+                shown = ", ".join(map(repr, words[:MOST_NAMED]))
+                question = f"{self.heading(column)!r} has {shown}: is it not the condition?"
+                assumed = "it is not: headings, names of files or another column say it"
+                self.doubt(question, assumed, CONDITIONS)
 
     def _several_conditions(self, columns: list[int]) -> None:
         names = ", ".join(repr(self.heading(c)) for c in columns)

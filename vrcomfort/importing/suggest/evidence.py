@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import NamedTuple
 
-from vrcomfort.importing.files import is_number
+from vrcomfort.importing.files import JOIN, is_number
 from vrcomfort.importing.mapping import FACTS
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.vocabulary import IGNORED, LabVocabulary, tokens
@@ -232,8 +232,12 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
     """Decide on the roles of columns by their headings, or else by their labels."""
     roles = Roles()
     weighed: dict[str, list[tuple[int, int]]] = defaultdict(list)
+    merged = Counter(heading.rpartition(JOIN)[0] for heading in table.headings)
     for column in columns:
+        outer, _, inner = table.headings[column].rpartition(JOIN)
         role, weight = _heaviest((table.headings[column], table.labels[column]), vocabulary)
+        if outer and merged[outer] > 1 and role not in {*FACTS, IGNORED}:
+            role, weight = _heaviest((inner,), vocabulary)  # Hand tracking / SUS: no handedness
         if not role or role in roles.covariates:
             roles.unknown.append(column)
         elif role == IGNORED:
@@ -261,6 +265,17 @@ def _heaviest(said: Sequence[str], vocabulary: LabVocabulary) -> tuple[str, int]
 def names_fact(heading: str, fact: str, vocabulary: LabVocabulary) -> bool:
     """Return whether a heading alone says that its column is of a fact."""
     return _heaviest((heading,), vocabulary)[0] == fact
+
+
+def is_identifier(table: SourceTable, column: int, vocabulary: LabVocabulary) -> bool:
+    """Return whether a column tells people or rows apart: by heading, or as its numbers rise."""
+    if table.reading.heading_rows and names_fact(table.headings[column], "participant", vocabulary):
+        return True
+    cells = table.column(column)
+    if not all(map(str.isdecimal, cells)):
+        return False
+    numbers = [*map(int, cells)]
+    return len({*numbers}) >= _FEWEST_PEOPLE and numbers == sorted(numbers)
 
 
 _DATE = re.compile(r"\d{1,4}[/.\-]\d{1,2}[/.\-]\d{1,4}\b|\d{1,2}:\d{2}")

@@ -108,6 +108,8 @@ def _facts(
             place += 1
         elif word in timepoints and "timepoint" not in facts and word not in telling:
             facts["timepoint"] = timepoints[word]
+        elif word not in telling and timepoints.get(word, "") == facts.get("timepoint"):
+            pass  # the question says again what its code says: SSQpre_1, BEFORE THE SESSION
         elif fact in {"", "timepoint"} and (
             word not in vocabulary.condition_fillers or word in telling
         ):

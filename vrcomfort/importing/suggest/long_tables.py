@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import Grid, SourceTable
-from vrcomfort.importing.suggest.evidence import texts
-from vrcomfort.importing.suggest.items import FoundAnswers, How, mentions, named_item
+from vrcomfort.importing.suggest.evidence import is_identifier, texts
+from vrcomfort.importing.suggest.item_names import How, named_item
+from vrcomfort.importing.suggest.items import FoundAnswers, mentions
 from vrcomfort.importing.suggest.vocabulary import (
     FEWEST_OF_SENTENCE,
     Known,
@@ -82,15 +83,18 @@ def find_long(table: SourceTable, columns: Sequence[int], known: Known) -> list[
 
 
 def _response_columns(table: SourceTable, item_column: int, known: Known) -> list[int]:
-    """Return the columns of numbers behind that of the items, one for each condition."""
+    """Return the columns of numbers beside that of the items, one for each condition."""
     if len(table.rows) <= len(texts(table, item_column)):
         return []  # one person, or means
-    behind = [c for c in range(item_column + 1, len(table.headings)) if texts(table, c)]
+    filled = [c for c in range(len(table.headings)) if texts(table, c)]
+    beside = [c for c in filled if c > item_column]
+    beside = beside or [c for c in filled if not is_identifier(table, c, known.vocabulary)]
+    beside = [c for c in beside if c != item_column]
     labels = {key for key, role in known.vocabulary.roles.items() if role not in _OF_COLUMNS}
-    numeric = all(all(map(is_number, texts(table, c))) for c in behind)
-    plain_ones = not any(plain(table.headings[c]) in labels for c in behind)
+    numeric = all(all(map(is_number, texts(table, c))) for c in beside)
+    plain_ones = not any(plain(table.headings[c]) in labels for c in beside)
     named = bool(table.reading.heading_rows)
-    return behind if numeric and plain_ones and named and 1 < len(behind) <= _MOST_COLUMNS else []
+    return beside if numeric and plain_ones and named and 1 < len(beside) <= _MOST_COLUMNS else []
 
 
 _MOST_COLUMNS = 100

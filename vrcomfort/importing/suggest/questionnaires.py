@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
+from vrcomfort.importing.mapping import template_pattern
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.codings import Coding, coding_of, coding_of_texts
 from vrcomfort.importing.suggest.draft import (
@@ -25,7 +26,8 @@ from vrcomfort.importing.suggest.draft import (
     TomlDraft,
 )
 from vrcomfort.importing.suggest.evidence import Roles, texts
-from vrcomfort.importing.suggest.items import Found, How, Named, mentions
+from vrcomfort.importing.suggest.item_names import How, Named
+from vrcomfort.importing.suggest.items import Found, mentions
 from vrcomfort.importing.suggest.long_tables import Long
 from vrcomfort.importing.suggest.ratings import MINUTES, FoundCourse, FoundRating
 from vrcomfort.importing.suggest.scores import parts_of
@@ -340,6 +342,11 @@ def draft_course(
     template = [*parts[0][:place], f"{{{unit}}}", *parts[0][place + 1 :]]
     heading = "".join(template)
     draft = TomlDraft({"instrument": course.instrument.name, **facts, "heading": heading})
+    if others := _others_of(heading, table, course.columns):
+        del draft.values["heading"]
+        number = rf"(?P<{unit}>(?!(?:{'|'.join(others)})$)\d+)"
+        before, after = parts[0][:place], parts[0][place + 1 :]
+        draft.put("pattern", re.escape("".join(before)) + number + re.escape("".join(after)))
     draft.put("summaries", ["peak", "mean", "last"], "what the report has of each exposure")
     coding = coding_of(table, course.columns, course.instrument, known.vocabulary)
     _coded(draft, coding)
@@ -347,10 +354,17 @@ def draft_course(
     question = (
         f"Are {headings[0]} … {headings[-1]} ratings during exposure, {what} after its start?"
     )
-    return draft, [
-        *coding.doubts,
-        OpenDoubt(question, f"they are, {what}", *ORDER, "rating courses"),
-    ]
+    assumed, stake = f"they are, {what}", ORDER
+    if not table.reading.heading_rows:
+        assumed, stake = f"they are, {what}, though the file says no times", TIMES
+    return draft, [*coding.doubts, OpenDoubt(question, assumed, *stake, "rating courses")]
+
+
+def _others_of(heading: str, table: SourceTable, columns: Sequence[int]) -> list[str]:
+    """Return the numbers of headings that a template of ratings would take beside its own."""
+    pattern = template_pattern(heading)
+    others = (pattern.fullmatch(n) for c, n in enumerate(table.headings) if c not in columns)
+    return [match[1] for match in others if match is not None]
 
 
 def sum_of(

@@ -236,11 +236,15 @@ _WHOLES = frozenset(["total", "overall"])
 def _bare_total(
     table: SourceTable, column: int, instrument: Instrument
 ) -> tuple[str, tuple[str, ...]] | None:
-    """Return the primary scale for ``SSQ 2`` or ``SSQ post`` whose values are scores of it."""
+    """Return the primary scale for ``SSQ 2`` or ``Tunnel / SUS`` whose values are its scores."""
     words = tokens(table.headings[column])
     own = {plain(instrument.name), *tokens(instrument.short)}
     scale = scale_named(instrument, instrument.primary)
-    if words[:1] != [plain(instrument.name)] or len(words) > _MOST_WORDS or scale is None:
+    if (
+        plain(instrument.name) not in {*words[:1], *words[-1:]}
+        or len(words) > _MOST_WORDS
+        or scale is None
+    ):
         return None
     values = values_of(table, column)
     steps = [on_scale(value, scale, "score") is not None for value in values]

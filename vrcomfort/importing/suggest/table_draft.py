@@ -494,12 +494,13 @@ class TableDraft:
     def _facts_of(self, layout: Layout[Any]) -> list[dict[str, str]]:
         """Return the facts in the headings of a layout's answers.
 
-        Ratings beside questionnaires say their own; scores beside them, and long tables, nothing.
+        Ratings beside questionnaires, and scores of others, say their own; long tables nothing.
         """
         if layout not in self._facts:
             found = self._answers[layout]
-            said = self._heading_facts_of(found) if layout is RATINGS else [{} for _ in found]
-            self._facts[layout] = said
+            alone = layout is SCORES and not self._answered & {e.instrument.name for e in found}
+            says = layout is RATINGS or alone
+            self._facts[layout] = self._heading_facts_of(found) if says else [{} for _ in found]
         return self._facts[layout]
 
     def _in_short(self, drafts: list[TomlDraft]) -> list[TomlDraft]:
@@ -561,13 +562,17 @@ class TableDraft:
                 facts[place] = self._spelt(said)
         return facts
 
+    @property
+    def _answered(self) -> set[str]:
+        """Return the names of the instruments of which the table has the answers."""
+        return {each.instrument.name for each in (*self._answers[BLOCKS], *self._answers[LONG])}
+
     def _score_tables(self) -> None:
         """Draft scores of instruments without answers in the table."""
-        answered = {each.instrument.name for each in (*self._answers[BLOCKS], *self._answers[LONG])}
         drafts = []
         asked: dict[str, list[str]] = {}
         for each, said in zip(self._answers[SCORES], self._facts_of(SCORES), strict=True):
-            if each.instrument.name in answered:
+            if each.instrument.name in self._answered:
                 self._made |= dict.fromkeys(each.columns, "a score made of the answers")
                 continue
             if self._averages(each):

@@ -1,0 +1,147 @@
+"""Layouts that were once read wrong without a doubt, in small."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import openpyxl
+import pytest
+
+from tests.importing.test_layouts import suggested_import
+from tests.support.layouts import write
+from vrcomfort.errors import InputError
+from vrcomfort.importing import import_files, load_mapping
+from vrcomfort.importing.suggest import suggest_mapping
+
+LOAD = (
+    "Mental Demand", "Physical Demand", "Temporal Demand", "Performance", "Effort", "Frustration",
+)  # fmt: skip
+SSQ_SHORT = ("General discomfort", "Fatigue", "Headache", "Eye strain", "Nausea", "Vertigo")
+
+
+def test_a_mapping_from_which_no_answer_comes_in_is_refused(tmp_path: Path) -> None:
+    rows = [["id", "age", "comment"], *([f"P{n}", 20 + n, "fine"] for n in range(1, 7))]
+    file = write(tmp_path / "people.csv", rows)
+    mapping = tmp_path / "map.toml"
+    mapping.write_text(
+        'format_version = 1\nname = "x"\n[[tables]]\nfiles = ["*.csv"]\n'
+        'participant = { column = "id" }\nparticipants = { age = "age" }\nignore = ["comment"]\n'
+    )
+    with pytest.raises(InputError, match=r"no answer to a questionnaire.*tables\.questionnaires"):
+        import_files([file], load_mapping(mapping).mapping)
+
+
+def test_items_in_rows_with_sessions_in_front_are_no_people(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["Subject", "Session 1", "Session 2", "Session 3", "Response"]]
+    rows += [
+        [who, *((3 * who + 2 * place + session) % 18 for session in range(3)), item]
+        for who in (1, 2, 3, 7, 9)
+        for place, item in enumerate(LOAD)
+    ]
+    imported, _ = suggested_import([write(tmp_path / "nasa_tlx.csv", rows)], tmp_path)
+    assert [*imported.participants] == ["1", "2", "3", "7", "9"]
+    assert len(imported.responses) == 5 * 3
+    first = next(iter(imported.responses.values())).answers
+    assert first["effort"] == 5 * ((3 + 8) % 18)
+
+
+@pytest.mark.parametrize("heading", ["Subject", "x"])
+def test_an_identifier_is_no_item_by_its_position(heading: str, tmp_path: Path) -> None:
+    rows: list[list[object]] = [[heading, *"abcde", "note"]]
+    rows += [[who, *((who * n) % 21 for n in range(1, 6)), "fine"] for who in range(1, 13)]
+    found = suggest_mapping([write(tmp_path / "nasa_tlx.csv", rows)])
+    assert f'mental_demand = "{heading}"' not in found.text
+
+
+def test_ragged_ratings_without_headings_are_those_that_the_file_names(tmp_path: Path) -> None:
+    rows = [[n, *((n + place) % 9 for place in range(8 + n % 4))] for n in range(12)]
+    file = tmp_path / "FMS.csv"
+    file.write_text("\n".join(",".join(map(str, row)) for row in rows) + "\n")
+    imported, text = suggested_import([file], tmp_path)
+    given: dict[str, list[float]] = {}
+    for each in imported.ratings:
+        if each.response is not None:
+            given.setdefault(each.administration.participant, []).append(each.response)
+    assert given == {str(who): ratings for who, *ratings in rows}
+    assert "though the file says no times" in text
+
+
+def test_a_question_that_repeats_the_moment_leaves_the_condition_to_its_column(
+    tmp_path: Path,
+) -> None:
+    moments = {"pre": "BEFORE THE SESSION", "post": "AFTER THE SESSION"}
+    asked = [
+        f"SSQ{code} {moment}: how strong is it right now? - {item}"
+        for code, moment in moments.items()
+        for item in SSQ_SHORT
+    ]
+    rows: list[list[object]] = [["PID", *asked, "condition"]]
+    rows += [
+        [100 + n, *((n + k) % 4 for k in range(len(asked))), ("calm", "fast")[n % 2]]
+        for n in range(8)
+    ]
+    imported, _ = suggested_import([write(tmp_path / "survey.csv", rows)], tmp_path)
+    told = {(a.participant, a.condition, a.timepoint) for _, a in imported.responses}
+    assert told == {
+        (str(100 + n), ("calm", "fast")[n % 2], when)
+        for n in range(8)
+        for when in ("baseline", "post")
+    }
+
+
+def test_a_column_called_condition_is_asked_about_where_headings_say_another(
+    tmp_path: Path,
+) -> None:
+    headings = [f"{c} {item}" for c in ("Blur", "Plain") for item in SSQ_SHORT]
+    rows: list[list[object]] = [["PID", *headings, "condition"]]
+    rows += [
+        [n, *((n + k) % 4 for k in range(len(headings))), ("calm", "fast")[n % 2]]
+        for n in range(1, 9)
+    ]
+    doubts = suggest_mapping([write(tmp_path / "survey.csv", rows)]).doubts
+    assert any(each.startswith("'condition' has 'fast', 'calm'") for each in doubts)
+
+
+def test_scores_below_a_merged_condition_are_no_handedness(tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    conditions = ("Controller", "Hand tracking")
+    below = ("Mental", "Physical", "Temporal", "Performance", "Effort", "Frustration", "SUS", "Joy")
+    sheet.append(["", *(c if not n else None for c in conditions for n in range(len(below)))])
+    sheet.append(["ID", *below, *below])
+    sheet.merge_cells("B1:I1")
+    sheet.merge_cells("J1:Q1")
+    for who in range(1, 9):
+        answers = [(who * 15 + n * 35) % 105 for n in range(12)]
+        scores = [42.5 + 2.5 * who, 90 - 2.5 * who]
+        sheet.append(
+            [f"P{who}", *answers[:6], scores[0], who % 5, *answers[6:], scores[1], who % 3]
+        )
+    book.save(tmp_path / "selection.xlsx")
+    imported, text = suggested_import([tmp_path / "selection.xlsx"], tmp_path)
+    assert "handedness" not in text
+    scored = {
+        (a.participant, a.condition): response.answers
+        for (instrument, a), response in imported.responses.items()
+        if instrument == "sus_scores"
+    }
+    assert [*scored["P3", "Hand_tracking"].values()] == [82.5]
+    assert len(scored) == 16
+
+
+def test_a_question_that_names_an_item_is_none_where_others_share_it(tmp_path: Path) -> None:
+    question = "Bitte beurteilen Sie die Aufgabe (Leistung: 0 = gut, 20 = schlecht). "
+    items = ("Geistige Anforderung", "Körperliche Anforderung", "Zeitliche Anforderung")
+    items = (*items, "Leistung", "Anstrengung", "Frustration")
+    rows: list[list[object]] = [["Nummer", "Bedingung", *(f"{question}[{i}]" for i in items)]]
+    rows += [
+        [f"{n:02d}", c, *((7 * n + k) % 21 for k in range(6))]
+        for n in range(1, 9)
+        for c in ("Filter", "ohne")
+    ]
+    imported, _ = suggested_import([write(tmp_path / "umfrage.csv", rows)], tmp_path)
+    assert len(imported.responses) == 16
+    (_, response), *_ = imported.responses.items()
+    assert response.answers["performance"] == 50
+    assert response.answers["effort"] == 55

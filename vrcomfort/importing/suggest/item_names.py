@@ -1,0 +1,201 @@
+"""Finds the item of an instrument that a heading names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence, Set
+from dataclasses import dataclass, replace
+from difflib import SequenceMatcher
+from functools import lru_cache
+from typing import Literal, NamedTuple
+
+from vrcomfort.importing.suggest.stems import Stem
+from vrcomfort.importing.suggest.vocabulary import (
+    FEWEST_OF_SENTENCE,
+    LabVocabulary,
+    bare,
+    tokens,
+)
+from vrcomfort.questionnaire import Instrument, plain
+
+How = Literal["name", "wording", "near", "abbreviation", "initials", "number", "order", "position"]
+
+_LONGEST = 40
+# Of SequenceMatcher: one wrong letter in a word of seven passes, two in one of thirteen.
+_NEAR = 0.84
+
+
+@dataclass(frozen=True)
+class Named:
+    """An item that a heading names.
+
+    Parameters
+    ----------
+    before, after
+        The words of the heading around the item's name, in small letters.
+    """
+
+    column: int
+    instrument: str
+    item: str
+    how: How
+    before: tuple[str, ...]
+    after: tuple[str, ...]
+
+
+def named_item(
+    column: int, heading: str, label: str, instrument: Instrument, vocabulary: LabVocabulary
+) -> Named | None:
+    """Return the item of an instrument that a heading names, or else its label.
+
+    A name that is there wins over one that is nearly there, and that over an abbreviation.
+    """
+    for how, _, find in NAMES:
+        for text, other in ((heading, label), (label, heading)):
+            words = tokens(text)
+            found = find(words, vocabulary, instrument)
+            if found is not None:
+                start, end, item = found
+                more = tokens(other) if text is label else []
+                before = (*more, *words[:start])
+                return Named(column, instrument.name, item, how, before, tuple(words[end:]))
+    return None
+
+
+_Span = tuple[int, int, str]
+
+
+@lru_cache(maxsize=1024)
+def _windows(words: tuple[str, ...]) -> tuple[tuple[int, int, str], ...]:
+    """Return start, end and letters of parts of a heading, long ones first.
+
+    Each instrument is looked for in the same headings.
+    """
+    return tuple(
+        (start, start + length, plain("".join(words[start : start + length])))
+        for length in range(min(_LONGEST, len(words)), 0, -1)
+        for start in range(len(words) - length + 1)
+        if not (words[start].isdecimal() or words[start + length - 1].isdecimal())
+    )
+
+
+def _exact(words: Sequence[str], vocabulary: LabVocabulary, instrument: Instrument) -> _Span | None:
+    known = vocabulary.spellings(instrument)
+    for start, end, key in _windows(tuple(words)):
+        if key in known:
+            return start, end, known[key]
+    return None
+
+
+def _worded(
+    words: Sequence[str], vocabulary: LabVocabulary, instrument: Instrument
+) -> _Span | None:
+    """Find a sentence of which most words are there, the rare ones before all.
+
+    Labs put the name of their system in place of "this system", and translate in their own way.
+    """
+    if len(words) < FEWEST_OF_SENTENCE:
+        return None
+    there = [*map(bare, words)]
+    likeness: dict[str, tuple[float, Set[str]]] = {}
+    for item, weights in vocabulary.sentences(instrument):
+        shared = sum(weight for word, weight in weights.items() if word in there)
+        share = shared / sum(weights.values())
+        if share > likeness.get(item, (0.0, set()))[0]:
+            likeness[item] = share, weights.keys()
+    ranked = sorted(likeness, key=lambda item: -likeness[item][0])
+    if not ranked or likeness[ranked[0]][0] < _WORDED:
+        return None
+    if len(ranked) > 1 and likeness[ranked[1]][0] > _AMBIGUOUS * likeness[ranked[0]][0]:
+        return None
+    places = [n for n, word in enumerate(there) if word in likeness[ranked[0]][1]]
+    return min(places), max(places) + 1, ranked[0]
+
+
+_WORDED, _AMBIGUOUS = 0.5, 0.6
+"""Share of a sentence's words, weighed, that a heading has; that of the next item at most."""
+
+
+def _near(words: Sequence[str], vocabulary: LabVocabulary, instrument: Instrument) -> _Span | None:
+    known = vocabulary.spellings(instrument)
+    best: tuple[float, _Span] | None = None
+    for start, end, key in _windows(tuple(words)):
+        if len(key) < 5:  # short words resemble each other by chance
+            continue
+        for spelling, item in known.items():
+            # Misspellings keep the first letter and about the length; comparing all is slow.
+            if spelling[0] != key[0] or abs(len(spelling) - len(key)) > 3:
+                continue
+            ratio = _likeness(spelling, key)
+            if ratio >= _NEAR and (best is None or ratio > best[0]):
+                best = ratio, (start, end, item)
+    return best[1] if best else None
+
+
+@lru_cache(maxsize=4096)
+def _likeness(spelling: str, key: str) -> float:
+    """Return the similarity of two words, or 0 where quick bounds put it below `_NEAR`."""
+    matcher = SequenceMatcher(None, spelling, key)
+    if matcher.real_quick_ratio() < _NEAR or matcher.quick_ratio() < _NEAR:
+        return 0.0
+    return matcher.ratio()
+
+
+def _abbreviated(words: Sequence[str], _: LabVocabulary, instrument: Instrument) -> _Span | None:
+    """Find ``GenDisc`` or ``stom_aware``: beginnings of the words of exactly one item."""
+    for length in range(min(4, len(words)), 0, -1):
+        for start in range(len(words) - length + 1):
+            part = words[start : start + length]
+            if any(len(word) < 3 or word.isdecimal() for word in part):
+                continue
+            found = [item.name for item in instrument.items if _abbreviates(part, item.name)]
+            enough = length > 1 or len(part[0]) >= 4
+            if len(found) == 1 and enough:
+                return start, start + length, found[0]
+    return None
+
+
+def _abbreviates(part: Sequence[str], name: str) -> bool:
+    """Return whether words are beginnings of words of a name, in order and from the first."""
+    full = [word for word in name.split("_") if word not in {"of"}]
+    if not full[0].startswith(part[0]):
+        return False
+    place = 0
+    for word in part:
+        while place < len(full) and not full[place].startswith(word):
+            place += 1
+        if place == len(full):
+            return False
+        place += 1
+    return True
+
+
+class NameEvidence(NamedTuple):
+    """A way in which a heading can name an item; the heaviest one counts."""
+
+    how: How
+    weight: int
+    find: Callable[[Sequence[str], LabVocabulary, Instrument], _Span | None]
+
+
+NAMES = (
+    NameEvidence("name", 4, _exact),
+    NameEvidence("near", 3, _near),
+    NameEvidence("wording", 2, _worded),
+    NameEvidence("abbreviation", 1, _abbreviated),
+)
+WEIGHTS = {each.how: each.weight for each in NAMES}
+
+
+def item_behind_stem(
+    column: int, heading: Stem, label: Stem, instrument: Instrument, vocabulary: LabVocabulary
+) -> Named | None:
+    """Return the item that is named behind a question which other headings share, or else in it.
+
+    ``Rate the task (Performance: 0 = good). [Effort]`` is not performance.
+    """
+    for stem, rest in (heading, label):
+        found = named_item(column, rest, "", instrument, vocabulary) if stem else None
+        if found is not None and found.how == "name":
+            return replace(found, before=(*tokens(stem), *found.before))
+    whole = heading.stem + heading.rest, label.stem + label.rest
+    return named_item(column, *whole, instrument, vocabulary)
