@@ -42,7 +42,11 @@ CASES = {
         "vignette": {"open_deg": 20.0, "restricted_deg": 10.0},
     },
 }
-MIP_CHAINS = ("common/mip_downsample.frag", "depth_of_field/layers.frag")
+MIP_CHAINS = (
+    "common/mip_downsample.frag",
+    "depth_of_field/layers.frag",
+    "depth_of_field/half_resolution.frag",
+)
 """Shaders whose draws one after the other make the levels of one image: one pass."""
 
 _DRAW_FRAMEBUFFER, _COLOR_ATTACHMENT0, _OBJECT_NAME = 0x8CA9, 0x8CE0, 0x8CD1

@@ -86,7 +86,7 @@ def test_a_block_of_materials_is_no_larger_than_every_driver_has():
 
 def test_images_of_too_many_kinds_are_told_in_a_sentence(ctx):
     images = tuple(picture(RED, size=1 + k) for k in range(64))
-    with pytest.raises(InputError, match=r"'test' has images of 64 kinds .* at most 63 .*sizes$"):
+    with pytest.raises(InputError, match=r"'test' has images of 64 kinds .* at most 62 .*sizes$"):
         ScenePass(ctx, beside_each_other([shining(k) for k in range(64)], images=images), SIZE,
                   velocity=False)  # fmt: skip
 

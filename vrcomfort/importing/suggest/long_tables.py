@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from vrcomfort.csv_table import plain_digits
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import Grid, SourceTable
 from vrcomfort.importing.suggest.evidence import is_identifier, texts
@@ -148,7 +149,8 @@ def _numbered_on_its_side(grid: Grid, first: Sequence[str], known: Known) -> boo
     top = [cell for cell in grid.rows[0][1:] if cell]
     roles = (plain(cell) in known.vocabulary.roles for cell in top)
     people = len({*top}) == len(top) > 1 and not any(map(is_number, top)) and not any(roles)
-    numbers = [int(text) for text in first if text.isdecimal()]
+    decimals = (text for text in first if text.isascii() and text.isdecimal())
+    numbers = [int(plain_digits(text)) for text in decimals]
     said = mentions(f"{grid.file.stem} {grid.sheet}", known.instruments)
     counts = {len(i.asked) for i in known.instruments if i.name in said and len(i.asked) > 1}
     return people and len(numbers) in counts and numbers == [*range(1, len(numbers) + 1)]
