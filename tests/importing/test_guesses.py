@@ -145,3 +145,39 @@ def test_a_question_that_names_an_item_is_none_where_others_share_it(tmp_path: P
     (_, response), *_ = imported.responses.items()
     assert response.answers["performance"] == 50
     assert response.answers["effort"] == 55
+
+
+def test_people_in_columns_beside_the_name_of_a_short_form(tmp_path: Path) -> None:
+    people = [f"P{n}" for n in range(1, 7)]
+    asked = [("A1", "How mentally demanding was it?", "tlx")]
+    asked += [("A2", "How physically demanding was it?", "tlx")]
+    asked += [("A3", "How hurried or rushed was the pace of the task?", "tlx")]
+    asked += [("B1", "How strenuous was it?", "borg"), ("C1", "It was fun.", "likert")]
+    rows: list[list[object]] = [["Condition", "QuestionId", "QuestionText", "Scale", *people]]
+    rows += [
+        [c, *question, *((n * k + place) % 13 for n in range(1, 7))]
+        for k, c in enumerate(("Big", "Small"), start=1)
+        for place, question in enumerate(asked)
+    ]
+    imported, text = suggested_import([write(tmp_path / "answers.csv", rows)], tmp_path)
+    assert [*imported.participants] == people
+    assert imported.conditions == ["Big", "Small"]
+    assert {instrument for instrument, _ in imported.responses} == {"nasa_tlx"}
+    assert imported.not_asked == {"nasa_tlx": ("performance", "effort", "frustration")}
+    assert "May the rows with borg, likert in 'Scale' be left out?" in text
+
+
+@pytest.mark.parametrize(("code", "asked"), [("{}", True), ("P{}", False)])
+def test_people_who_are_counted_anew_in_each_groups_sheet_are_asked_about(
+    code: str, *, asked: bool, tmp_path: Path
+) -> None:
+    book = openpyxl.Workbook()
+    for place, group in enumerate(("Experimental", "Control")):
+        sheet = book.create_sheet(group, place)
+        sheet.append(["ID", *SSQ_SHORT])
+        for n in range(1, 7):
+            sheet.append([code.format(n), *((n + k + place) % 4 for k in range(len(SSQ_SHORT)))])
+    book.remove(book["Sheet"])
+    book.save(tmp_path / "groups.xlsx")
+    doubts = suggest_mapping([tmp_path / "groups.xlsx"]).doubts
+    assert any("are they the same people?" in each for each in doubts) == asked

@@ -296,8 +296,9 @@ def _tells_people_apart(context: Context, column: int) -> bool:
     words, rows = texts(table, column), len(table.rows)
     if not words or all(map(context.vocabulary.timepoint, words)) or all(map(_DATE.match, words)):
         return False
-    if _counts_rows(context, column):
-        return False
+    asked = {*tokens(table.headings[column])} & (context.vocabulary.item_labels | {"question"})
+    if _counts_rows(context, column) or (asked and not table.reading.transpose):
+        return False  # QuestionId
     each_row = len(words) == rows
     # Long tables have many rows for each person; without headings or on its side, codes repeat.
     few_rows = not context.one_row_each and 1 < len(words) <= rows / 4

@@ -177,6 +177,20 @@ class _Facts(FactDraft):
                 for f, t in parts.texts.items()
             )
             self.doubt(f"Do the names of the {what} ({shown}) say this?", said, NAMES_OF_FILES)
+            if "condition" in parts.texts and "participant" not in parts.texts:
+                self._numbered_anew(what)
+
+    def _numbered_anew(self, what: str) -> None:
+        """Ask whether people who are counted from 1 in each sheet or file are the same ones."""
+        column = self._context.participant
+        if column is None:
+            return
+        people = [{*table.column(column)} - {""} for table in self._answers.tables]
+        counted = all(each == {str(n + 1) for n in range(len(each))} for each in people)
+        if counted and len(people) > 1 and all(len(each) > 1 for each in people):
+            question = f"People are counted from 1 in each of the {what}: are they the same people?"
+            other = "they are; else `values` of participant, in a table for each, tell them apart"
+            self.doubt(question, other, PEOPLE)
 
     def _participant(self) -> None:
         column = self._context.participant

@@ -10,7 +10,7 @@ from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import Grid, SourceTable
 from vrcomfort.importing.suggest.evidence import is_identifier, texts
 from vrcomfort.importing.suggest.item_names import How, named_item
-from vrcomfort.importing.suggest.items import FoundAnswers, mentions
+from vrcomfort.importing.suggest.items import FEWEST_OF_NAMED, FoundAnswers, mentions
 from vrcomfort.importing.suggest.vocabulary import (
     FEWEST_OF_SENTENCE,
     Known,
@@ -90,7 +90,8 @@ def _response_columns(table: SourceTable, item_column: int, known: Known) -> lis
     filled = [c for c in range(len(table.headings)) if texts(table, c)]
     beside = [c for c in filled if c > item_column]
     beside = beside or [c for c in filled if not is_identifier(table, c, known.vocabulary)]
-    beside = [c for c in beside if c != item_column]
+    naming = {c for c in beside if any(mentions(t, known.instruments) for t in texts(table, c))}
+    beside = [c for c in beside if c != item_column and c not in naming]
     labels = {key for key, role in known.vocabulary.roles.items() if role not in _OF_COLUMNS}
     numeric = all(all(map(is_number, texts(table, c))) for c in beside)
     plain_ones = not any(plain(table.headings[c]) in labels for c in beside)
@@ -204,6 +205,12 @@ def _named_in_rows(
     sure = sum(how == "name" for how in hows.values())
     if sure >= min(4, len(instrument.asked)) and len(instrument.asked) > 1:
         return items, hows
+    if (where := _instrument_column(table, instrument, column)) is not None:
+        # Beside its name, most of the few texts are items: a short form.
+        own = {row[column] for row in table.rows if row[where[0]] == where[1]}
+        there = {item: text for item, text in items.items() if text in own}
+        if len(there) >= FEWEST_OF_NAMED and len(there) == len(own):
+            return there, {item: hows[item] for item in there}
     initials = known.vocabulary.initials(instrument)
     short = {initials[plain(w)]: w for w in words if plain(w) in initials}
     if len(short) == len(words) == len(instrument.asked):
@@ -292,6 +299,10 @@ def _is_response(table: SourceTable, column: int, heading: str, vocabulary: LabV
     return known * 2 >= len(words) or labelled
 
 
+_MOST_WORDS = 2
+"""Of the name of a questionnaire."""
+
+
 def _instrument_column(
     table: SourceTable, instrument: Instrument, item_column: int
 ) -> tuple[int, str] | None:
@@ -300,10 +311,7 @@ def _instrument_column(
             words = texts(table, column)
             if len(words) <= 8:
                 for word in words:
-                    if plain(word) in {
-                        plain(instrument.name),
-                        plain(instrument.short),
-                        plain(instrument.title),
-                    }:
+                    short = len(tokens(word)) <= _MOST_WORDS and mentions(word, [instrument])
+                    if plain(word) == plain(instrument.title) or short:
                         return column, word
     return None

@@ -297,6 +297,7 @@ def _other_instruments(table: SourceTable, column: int, known: Known) -> list[Op
         plain(name) for each in known.instruments for name in (each.name, each.short, each.title)
     }
     others = [text for text in texts(table, column) if plain(text) not in names]
+    others = [text for text in others if not mentions(text, known.instruments)]
     if not others:
         return []
     question = f"May the rows with {', '.join(others)} in {table.headings[column]!r} be left out?"
