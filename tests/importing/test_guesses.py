@@ -181,3 +181,25 @@ def test_people_who_are_counted_anew_in_each_groups_sheet_are_asked_about(
     book.save(tmp_path / "groups.xlsx")
     doubts = suggest_mapping([tmp_path / "groups.xlsx"]).doubts
     assert any("are they the same people?" in each for each in doubts) == asked
+
+
+@pytest.mark.parametrize("first_of_b", [4, 3], ids=["apart", "one person in both"])
+def test_files_that_list_other_people_each_say_the_condition(
+    first_of_b: int, tmp_path: Path
+) -> None:
+    own = ["ID", "CTRL_Move", "CTRL_Walk", "PRE_Real"]
+    a: list[list[object]] = [own, *([f"A{n}", n % 5, 2, 3] for n in range(1, 4))]
+    b: list[list[object]] = [own, *([f"B{n}", n % 5, 1, 3] for n in range(4, 7))]
+    b += [["A3", 1, 1, 1]] if first_of_b == 3 else []
+    people = [f"{'AB'[n > 3]}{n}" for n in range(1, 7)]
+    scores: list[list[object]] = [["ID", "Score_SUS"]]
+    scores += [[who, 27.5 + 7.5 * n] for n, who in enumerate(people)]
+    files = [write(tmp_path / "Walk.csv", a), write(tmp_path / "Stick.csv", b)]
+    found = suggest_mapping([*files, write(tmp_path / "SUS.csv", scores)])
+    assert found.imported is not None
+    told = {a.participant: a.condition for _, a in found.imported.responses}
+    apart = first_of_b == 4
+    assert told == {
+        who: (("Walk" if who[0] == "A" else "Stick") if apart else "all") for who in people
+    }
+    assert any("the files that list them" in doubt for doubt in found.doubts) == apart

@@ -141,7 +141,7 @@ class TableDraft:
     """
 
     def __init__(self, tables: Sequence[SourceTable], known: Known) -> None:
-        self._tables = tables
+        self.tables = tables
         self._known = known
         self._vocabulary = known.vocabulary
         rows = tuple(row for table in tables for row in table.rows)
@@ -177,19 +177,19 @@ class TableDraft:
     @property
     def files(self) -> list[str]:
         """Return the names of the files."""
-        return list(dict.fromkeys(table.file.name for table in self._tables))
+        return list(dict.fromkeys(table.file.name for table in self.tables))
 
     def _files(self) -> None:
         names = self.files
         self.draft.put("files", [*map(pattern_of, names)])
-        sheets = list(dict.fromkeys(table.sheet for table in self._tables if table.sheet))
+        sheets = list(dict.fromkeys(table.sheet for table in self.tables if table.sheet))
         if sheets:
             self.draft.put("sheets", [*map(pattern_of, sheets)])
         read = self.table.reading
         values: dict[str, object] = {}
         alike_read = all(
             (t.reading.encoding, t.reading.separator) == (read.encoding, read.separator)
-            for t in self._tables
+            for t in self.tables
         )
         if read.encoding is not None and alike_read and read.separator is not None:
             values["encoding"] = read.encoding.replace("utf-8-sig", "utf-8")
@@ -376,14 +376,14 @@ class TableDraft:
         keys = [column for long in self._answers[LONG][:1] for column in long.row_keys]
         keys += [each.where[0] for each in self._answers[SCORES][:1] if each.where is not None]
         answered = bool(self._answers) or self._leaving is not None
-        return AnswersFound(self._tables, said, self._answers.taken, keys, answered)
+        return AnswersFound(self.tables, said, self._answers.taken, keys, answered)
 
     def _total_rows(self) -> dict[int, list[str]]:
         """Take rows of means and sums out of the table; return column → their texts."""
         for column in range(min(FIRST_COLUMNS, len(self.table.headings))):
             found = [
                 text
-                for table in self._tables
+                for table in self.tables
                 for text in total_rows(table, column, self._vocabulary.totals)
             ]
             found += repeated_headings(self.table, column)

@@ -1,0 +1,52 @@
+"""Finds the conditions of people whom other files, which give no answers, list group by group."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.draft import CONDITIONS, OpenDoubt
+from vrcomfort.importing.suggest.evidence import MOST_CONDITIONS, texts
+from vrcomfort.importing.suggest.table_draft import TableDraft
+
+_FEWEST = 2
+"""People of a group."""
+
+
+def say_groups(drafts: Sequence[TableDraft], others: Sequence[TableDraft]) -> None:
+    """Let files that list other people each say the condition of drafts that have none; and ask."""
+    for draft in drafts:
+        said = draft.draft.values.get("participant")
+        column = said.get("column") if isinstance(said, dict) else None
+        if draft.draft.values.get("condition") != {"constant": "all"} or column is None:
+            continue
+        people = {*texts(draft.table, draft.table.headings.index(column))}
+        for other in others:
+            groups = _groups(other.tables, column)
+            if groups and people <= {person for group in groups.values() for person in group}:
+                values = {p: name for name, group in groups.items() for p in group if p in people}
+                draft.draft.put("condition", {"column": column, "values": values})
+                draft.doubts = [d for d in draft.doubts if not d.question.startswith(_ONE)]
+                shown = "; ".join(f"{name}: {', '.join(g[:3])} …" for name, g in groups.items())
+                question = f"Are people's conditions the files that list them ({shown})?"
+                draft.doubts.append(OpenDoubt(question, "they are, between people", *CONDITIONS))
+                break
+
+
+_ONE = "No column says the condition"
+
+
+def _groups(tables: Sequence[SourceTable], heading: str) -> dict[str, list[str]]:
+    """Return name of the file or sheet → its people; nothing where two share some."""
+    if not 1 < len(tables) <= MOST_CONDITIONS or heading not in tables[0].headings:
+        return {}
+    column = tables[0].headings.index(heading)
+    files = {table.file for table in tables}
+    groups = {
+        (each.file.stem if len(files) == len(tables) else each.sheet): texts(each, column)
+        for each in tables
+    }
+    apart = all(not {*one} & {*other} for one, other in combinations(groups.values(), 2))
+    several = all(len(group) >= _FEWEST for group in groups.values())
+    return groups if apart and several and len(groups) == len(tables) else {}
