@@ -176,7 +176,7 @@ def _milliseconds(
 
 def _notes(frames: int, against: str | None) -> list[str]:
     notes = [
-        f"{ROUNDS} rounds of {frames} stereo frames of the shipped walk, 64×80 px: playback, "
+        f"{ROUNDS} rounds of {frames} stereo frames of the shipped walk, 160×200 px: playback, "
         "renderer, and the rows of frames.csv as a session writes them.",
         "CPU time of the thread that runs the loop; what is inside moderngl and inside OpenGL "
         "functions is taken away. A p99 is that of a round, the median of the rounds is shown.",
