@@ -27,8 +27,8 @@ import moderngl
 from clocked import Clock, clocked_opengl
 
 SIZE_PX = (160, 200)
-"""Small, so that a software rasteriser takes little. Yet discs are wide enough for all passes: where
-none has a radius of 2 px, nothing is drawn behind near things."""
+"""Small, so that a software rasteriser takes little. Yet discs are wide enough for all passes:
+where none has a radius of 2 px, nothing is drawn behind near things."""
 
 REFRESH_HZ = 90
 WARM_UP = 20
