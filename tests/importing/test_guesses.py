@@ -203,3 +203,40 @@ def test_files_that_list_other_people_each_say_the_condition(
         who: (("Walk" if who[0] == "A" else "Stick") if apart else "all") for who in people
     }
     assert any("the files that list them" in doubt for doubt in found.doubts) == apart
+
+
+def test_items_whose_names_end_in_a_number_stand_beside_another_questionnaire(
+    tmp_path: Path,
+) -> None:
+    presence = [f"IPQ {n}" for n in ("G1", *(f"{scale}{n}" for scale, count in
+                (("SP", 5), ("INV", 4), ("REAL", 4)) for n in range(1, count + 1)))]  # fmt: skip
+    symptoms = ("General discomfort", "Fatigue", "Eyestrain", "Difficulty focusing", "Headache",
+                "Fullness of head", "Blurred vision", "Dizzy (eyes closed)", "Vertigo")  # fmt: skip
+    rows: list[list[object]] = [
+        ["Participant", "Condition", *presence, *(f"VRSQ {each}" for each in symptoms)]
+    ]
+    rows += [
+        [f"P{who:02}", condition, *((who + place + at) % 7 for place in range(14)),
+         *((who * place + at) % 4 for place in range(9))]
+        for who in range(1, 9)
+        for at, condition in enumerate(("walking", "teleport"))
+    ]  # fmt: skip
+    imported, _ = suggested_import([write(tmp_path / "study.csv", rows)], tmp_path)
+    answers: dict[str, dict[str, float]] = {}
+    for (instrument, _), each in imported.responses.items():
+        answers.setdefault(instrument, {}).update(each.answers)
+    assert len(imported.responses) == 8 * 2 * 2
+    assert {*answers} == {"ipq", "vrsq"}
+    assert len(answers["ipq"]) == 14
+    assert answers["ipq"]["ipq_real4"] == (8 + 13 + 1) % 7
+
+
+def test_a_flag_is_no_condition_beside_words_that_are(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["person", "is_first_drive", "road", *SSQ_SHORT]]
+    rows += [
+        [f"P{who}", "Yes" if road == at == 0 else "No", ("city", "motorway")[road],
+         *((who + road + at + place) % 4 for place in range(6))]
+        for who in range(1, 9) for road in (0, 1) for at in (0, 1)
+    ]  # fmt: skip
+    found = suggest_mapping([write(tmp_path / "ssq.csv", rows)])
+    assert 'condition = { column = "road" }' in found.text

@@ -411,7 +411,19 @@ def _differs_within_people(context: Context, column: int) -> bool:
 
 
 def _words_within_people(context: Context, column: int) -> bool:
-    return _differs_within_people(context, column) and not is_numeric(context.table, column)
+    """Return whether a column has words that differ within participants; Yes and No come last."""
+    if not _differs_within_people(context, column) or is_numeric(context.table, column):
+        return False
+    return not _says_yes_or_no(context, column) or not any(
+        _words_within_people(context, other)
+        for other in context.roles.unknown
+        if other != column and not _says_yes_or_no(context, other)
+    )
+
+
+def _says_yes_or_no(context: Context, column: int) -> bool:
+    words = texts(context.table, column)
+    return all(plain(word) in context.vocabulary.yes_no for word in words)
 
 
 def _measures(table: SourceTable, column: int) -> bool:
@@ -453,7 +465,7 @@ def _words_without_people(context: Context, column: int) -> bool:
     words = texts(context.table, column)
     if all(map(context.vocabulary.timepoint, words)):
         return False
-    if all(plain(word) in context.vocabulary.yes_no for word in words):
+    if _says_yes_or_no(context, column):
         return False  # an answer to a question of the lab's own
     numbers = is_numeric(context.table, column) or _measures(context.table, column)
     return not numbers and few_texts(context.table, column)

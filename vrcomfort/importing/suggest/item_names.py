@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
@@ -74,16 +75,27 @@ def _windows(words: tuple[str, ...]) -> tuple[tuple[int, int, str], ...]:
         (start, start + length, plain("".join(words[start : start + length])))
         for length in range(min(_LONGEST, len(words)), 0, -1)
         for start in range(len(words) - length + 1)
-        if not (words[start].isdecimal() or words[start + length - 1].isdecimal())
+        if not words[start].isdecimal()
     )
 
 
 def _exact(words: Sequence[str], vocabulary: LabVocabulary, instrument: Instrument) -> _Span | None:
     known = vocabulary.spellings(instrument)
     for start, end, key in _windows(tuple(words)):
-        if key in known:
-            return start, end, known[key]
+        item = known.get(key)
+        if item and (not words[end - 1].isdecimal() or _is_numbered_by_scale(item, instrument)):
+            return start, end, item
     return None
+
+
+def _is_numbered_by_scale(name: str, instrument: Instrument) -> bool:
+    """Return whether the number at the end of an item's name is not its place: ``ipq_sp1``."""
+    number = _DIGITS.search(name)
+    ends = [_DIGITS.search(item.name) for item in instrument.asked]
+    return number is not None and sum(end is not None and end[0] == number[0] for end in ends) > 1
+
+
+_DIGITS = re.compile(r"\d+$")
 
 
 def _worded(
@@ -119,7 +131,8 @@ def _near(words: Sequence[str], vocabulary: LabVocabulary, instrument: Instrumen
     known = vocabulary.spellings(instrument)
     best: tuple[float, _Span] | None = None
     for start, end, key in _windows(tuple(words)):
-        if len(key) < 5:  # short words resemble each other by chance
+        # Short words resemble each other by chance; a number behind a name is not part of it.
+        if len(key) < 5 or words[end - 1].isdecimal():
             continue
         for spelling, item in known.items():
             # Misspellings keep the first letter and about the length; comparing all is slow.
