@@ -13,7 +13,6 @@ import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import Distribution, PackageNotFoundError, distribution, version
-from importlib.util import source_from_cache
 from itertools import chain
 from pathlib import Path
 
@@ -75,10 +74,14 @@ def megabytes(distributions: Iterator[Distribution] | list[Distribution]) -> flo
     files = {str(file.locate()) for each in distributions for file in each.files or ()}
     folders = {folder for file in files for folder in (parent(file), f"{parent(file)}/__pycache__")}
     sizes = {entry.path: entry.stat().st_size for each in folders for entry in entries(each)}
-    compiled = {
-        each for each in sizes if each.endswith(".pyc") and source_from_cache(each) in files
-    }
+    compiled = {each for each in sizes if each.endswith(".pyc") and source(each) in files}
     return sum(sizes[each] for each in sizes.keys() & (files | compiled)) / 1e6
+
+
+def source(compiled: str) -> str:
+    """Return the file that was compiled, by Python or by pytest, which adds its version."""
+    folder, _, name = compiled.rpartition("/__pycache__/")
+    return f"{folder}/{name.partition('.')[0]}.py"
 
 
 def parent(file: str) -> str:
