@@ -184,7 +184,7 @@ def _ignored_sheets(
         if others:
             top.put(f"ignore_{what}", [*map(pattern_of, dict.fromkeys(others))])
             shown = ", ".join(dict.fromkeys(others))
-            question = f"May the {what} {shown} be left out? No other answers were found."
+            question = f"May the {what} {shown} be left out? No answers were understood in them."
             doubts.append(OpenDoubt(question, "yes", *ROWS))
     return doubts
 
