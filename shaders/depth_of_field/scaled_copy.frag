@@ -3,13 +3,13 @@
 //
 // Input:  image (linear HDR), share (1 to add, 1 / views to divide).
 // Output: rgb times share, within half floats; alpha 1.
+#include "finite.glsl"
+
 layout(binding = 0) uniform sampler2D image;
 
 uniform float share;
 
 out vec4 scaled;
-
-const float HALF_MAX = 65504.0;
 
 void main() {
     vec3 c = texelFetch(image, ivec2(gl_FragCoord.xy), 0).rgb * share;

@@ -18,7 +18,7 @@ from vrcomfort.gpu import gl, passes
 from vrcomfort.gpu.conditional import ConditionalDraws
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.visible_area import DRAWN
-from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, each_level
 from vrcomfort.render.effects.depth_of_field.layered_gather import (
     Aspect,
     level_size,
@@ -223,11 +223,8 @@ class NearThings:
 
     def _gather_pass(self) -> FullscreenPass:
         coc = self._coc
-        levels = {
-            f"{name}_{level}": texture
-            for level, each in enumerate(self._layers, 1)
-            for name, texture in zip(("light", "radius"), each.targets, strict=True)
-        }
+        light, radius = zip(*(each.targets for each in self._layers), strict=True)
+        levels = {"light": light, "radius": radius}
         return FullscreenPass(
             self._ctx,
             "depth_of_field/near_gather.frag",
@@ -235,6 +232,8 @@ class NearThings:
             inputs={**levels, "dilated": self._classes},
             defines={
                 **coc.level_defines,
+                "NEAR_LEVELS": len(self._layers),
+                "EACH_NEAR_LEVEL(f)": each_level(1, len(self._layers) + 1),
                 **of_class("NEAR", coc.tile_px // 2, beside=1),
                 "OR_ABOVE": 1,
             },
