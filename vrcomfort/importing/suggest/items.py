@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise, takewhile
 
 from vrcomfort.importing.answers import number
-from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.source import Grid, SourceTable
 from vrcomfort.importing.suggest.evidence import is_identifier
 from vrcomfort.importing.suggest.item_names import WEIGHTS, Named, item_behind_stem
 from vrcomfort.importing.suggest.stems import shared_stems
@@ -31,6 +31,11 @@ def mentions(text: str, instruments: Iterable[Instrument]) -> set[str]:
         for name in {plain(each.name), plain(each.short)}
         if name in words or (len(name) > 4 and name in joined) or words & _acronyms(each.short)
     }
+
+
+def named_by_file(table: SourceTable | Grid, instruments: Iterable[Instrument]) -> set[str]:
+    """Return the instruments that the name of a table's file, or of its sheet, names."""
+    return mentions(f"{table.file.stem} {table.sheet}", instruments)
 
 
 def _acronyms(short: str) -> set[str]:
@@ -98,7 +103,7 @@ def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> lis
     """
     found: list[Found] = []
     other = {*range(len(table.headings))} - {*columns}
-    said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
+    said = named_by_file(table, known.instruments)
     named = [each for each in known.instruments if each.name in said]
     for find in (_by_codes, _by_name, _by_number, _by_initials):
         taken = other.union(*(block.columns for block in found))
@@ -379,7 +384,7 @@ def _fit(table: SourceTable, columns: Sequence[int], instrument: Instrument) -> 
     if any(value < 0 for value in values) and all(-half <= value <= half for value in values):
         return _are_answers(table, columns)  # coded around 0
     inside = sum(low <= value <= high + 1 for value in values)
-    many = high - low > _MOST_ANSWERS and len(values) == len(cells) > 0
+    many = high - low > MOST_ANSWERS and len(values) == len(cells) > 0
     return (many or _are_answers(table, columns)) and inside * 10 >= len(values) * 8
 
 
@@ -409,10 +414,10 @@ def _by_initials(
 def _are_answers(table: SourceTable, columns: Sequence[int]) -> bool:
     """Return whether columns hold a few short texts, as those of a questionnaire do."""
     texts = {text for column in columns for text in table.column(column) if text}
-    return 0 < len(texts) <= _MOST_ANSWERS and max(map(len, texts)) <= 40
+    return 0 < len(texts) <= MOST_ANSWERS and max(map(len, texts)) <= 40
 
 
-_MOST_ANSWERS = 30
+MOST_ANSWERS = 30
 """Different answers to a questionnaire, but to one that has more, in numbers."""
 
 
@@ -429,7 +434,7 @@ def _runs(table: SourceTable, known: Known) -> list[Found]:
         before = now
     length = Counter(map(len, blocks)).most_common(1)[0][0] if blocks else 0
     runs = [block for block in blocks if len(block) == length]
-    said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
+    said = named_by_file(table, known.instruments)
     fits = [i for i in known.instruments if len(i.asked) >= length and i.high - i.low == _STEPS]
     fits.sort(key=lambda each: (len(each.asked) != length, each.name not in said))
     if len(runs) < 2 or length < FEWEST or not fits:
@@ -483,7 +488,7 @@ def _by_position(
 
     In a longer run, that ends the table, they are the last ones. None is of the other columns.
     """
-    said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
+    said = named_by_file(table, known.instruments)
     for instrument in sorted(instruments, key=lambda each: each.name not in said):
         count = len(instrument.asked)
         answers = {*instrument.answers.plain, str(instrument.high + 1), ""}

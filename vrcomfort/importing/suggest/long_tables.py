@@ -10,7 +10,13 @@ from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import Grid, SourceTable
 from vrcomfort.importing.suggest.evidence import is_identifier, texts
 from vrcomfort.importing.suggest.item_names import How, named_item
-from vrcomfort.importing.suggest.items import FEWEST_OF_NAMED, FoundAnswers, mentions
+from vrcomfort.importing.suggest.items import (
+    FEWEST_OF_NAMED,
+    MOST_ANSWERS,
+    FoundAnswers,
+    mentions,
+    named_by_file,
+)
 from vrcomfort.importing.suggest.vocabulary import (
     FEWEST_OF_SENTENCE,
     Known,
@@ -135,7 +141,7 @@ def stands_on_its_side(grid: Grid, known: Known) -> bool:
     others = {cell for row in grid.rows[1:] for cell in row[1:] if cell}
     if len(set(first)) < len(first):
         return False
-    if len(others) > _MOST_ANSWERS:
+    if len(others) > MOST_ANSWERS:
         return _numbered_on_its_side(grid, first, known)
     for instrument in known.instruments:
         spellings = known.vocabulary.spellings(instrument)
@@ -152,13 +158,9 @@ def _numbered_on_its_side(grid: Grid, first: Sequence[str], known: Known) -> boo
     people = len({*top}) == len(top) > 1 and not any(map(is_number, top)) and not any(roles)
     decimals = (text for text in first if text.isascii() and text.isdecimal())
     numbers = [int(plain_digits(text)) for text in decimals]
-    said = mentions(f"{grid.file.stem} {grid.sheet}", known.instruments)
+    said = named_by_file(grid, known.instruments)
     counts = {len(i.asked) for i in known.instruments if i.name in said and len(i.asked) > 1}
     return people and len(numbers) in counts and numbers == [*range(1, len(numbers) + 1)]
-
-
-_MOST_ANSWERS = 30
-"""Different answers to a questionnaire."""
 
 
 def _best_long(found: list[Long]) -> list[Long]:
@@ -250,7 +252,7 @@ def _asks_otherwise(
     table: SourceTable, column: int, words: Sequence[str], instrument: Instrument, known: Known
 ) -> bool:
     """Return whether a column beside the numbers has the questions, and they are other ones."""
-    if instrument.name in mentions(f"{table.file.stem} {table.sheet}", [instrument]):
+    if instrument.name in named_by_file(table, [instrument]):
         return False
     for other in range(len(table.headings)):
         asked = {row[column]: row[other] for row in table.rows if row[column] in words}

@@ -15,7 +15,7 @@ from vrcomfort.importing.suggest.block_conditions import (
     numbered_conditions,
 )
 from vrcomfort.importing.suggest.evidence import is_identifier
-from vrcomfort.importing.suggest.items import FoundAnswers, mentions
+from vrcomfort.importing.suggest.items import FoundAnswers, named_by_file
 from vrcomfort.importing.suggest.scores import find_scores, values_of
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
@@ -100,7 +100,7 @@ def _numbered_columns(
     table: SourceTable, columns: Sequence[int], known: Known
 ) -> list[FoundRating]:
     """Return columns such as ``t1`` to ``t8``, in a file that is called after a scale."""
-    said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
+    said = named_by_file(table, known.instruments)
     scales = [i for i in known.instruments if i.name in said and len(i.asked) == 1]
     if len(scales) != 1:
         return []
@@ -153,7 +153,7 @@ def _beside_their_time(
     table: SourceTable, columns: Sequence[int], time: int | None, known: Known
 ) -> list[FoundRating]:
     """Return the ratings of a log without headings, whose file names the scale: time and rating."""
-    said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
+    said = named_by_file(table, known.instruments)
     scales = [i for i in known.instruments if i.name in said and len(i.asked) == 1]
     others = [c for c in columns if c != time]
     if time is None or len(scales) != 1 or len(others) != 1:

@@ -13,7 +13,7 @@ from vrcomfort.importing.mapping import ScoreKind, scale_named
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.block_conditions import numbers_in_words
 from vrcomfort.importing.suggest.evidence import roles_of, texts
-from vrcomfort.importing.suggest.items import FoundAnswers, mentions
+from vrcomfort.importing.suggest.items import FoundAnswers, mentions, named_by_file
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
 
@@ -105,7 +105,7 @@ def _by_condition(table: SourceTable, columns: Sequence[int], known: Known) -> l
 
     None is called after a person, a covariate or a measure, and all numbers can be totals.
     """
-    said = mentions(f"{table.file.stem} {table.sheet}", known.instruments)
+    said = named_by_file(table, known.instruments)
     named = [each for each in known.instruments if each.name in said and len(each.asked) > 1]
     words = {word for heading in table.headings for word in (plain(heading), *tokens(heading))}
     if {word for word in words if len(word) > 1} & {*map(plain, known.vocabulary.totals)}:
@@ -260,7 +260,7 @@ def _of_file(
     """Return the primary scale for ``Score`` alone in a file that is called ``SUS``."""
     scale = scale_named(instrument, instrument.primary)
     bare = {*tokens(table.headings[column])} <= {*fillers, "total"} - {"value"}
-    said = instrument.name in mentions(f"{table.file.stem} {table.sheet}", [instrument])
+    said = instrument.name in named_by_file(table, [instrument])
     if not bare or not said or scale is None:
         return None
     values = values_of(table, column)
