@@ -5,6 +5,7 @@ from __future__ import annotations
 import zipfile
 from pathlib import Path
 
+import pytest
 from openpyxl import Workbook
 
 from tests.support.layouts import ENGLISH, write
@@ -315,3 +316,25 @@ def test_performance_whose_highest_number_is_success_is_asked_for_and_turned(
     mapping.write_text(f"{agreed}\n{turned}", encoding="utf-8")
     imported = import_files([file], load_mapping(mapping).mapping)
     assert {answers[3] for answers in answers_in(imported)} == {10}
+
+
+@pytest.mark.parametrize(
+    ("words", "instrument"),
+    [
+        (("None", "Rather not applicable", "Rather applicable", "Often or a lot"), "ssq"),
+        (("nie", "selten", "manchmal", "sehr oft"), "ssq"),
+        (("not at all", "a little", "moderately", "quite a bit", "extremely"), "ssq_five_point"),
+        (("no", "rara vez", "a veces", "siempre"), "ssq"),
+    ],
+)
+def test_words_that_are_as_many_as_the_answers_are_put_in_order_and_asked(
+    words: tuple[str, ...], instrument: str, tmp_path: Path
+) -> None:
+    given = [[(n + k) % len(words) for k in range(16)] for n in range(6)]
+    rows: list[list[object]] = [["id", "condition", *ENGLISH]]
+    rows += [[f"P{n}", "a", *(words[answer] for answer in each)] for n, each in enumerate(given)]
+    file = write(tmp_path / "ssq.csv", rows)
+    imported = imported_from(file)
+    assert answers_in(imported) == given
+    assert {name for name, _ in imported.responses} == {instrument}
+    assert any(" < ".join(words) in doubt for doubt in suggest_mapping([file]).doubts)

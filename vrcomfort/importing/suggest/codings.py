@@ -169,13 +169,53 @@ def _words(
             values[value] = values.get(value, 0) + words[text]
         else:
             unknown.append(text)
-    if unknown:
+    ordered = _in_order(words, found, unknown, instrument, vocabulary)
+    if unknown and not ordered:
         shown = ", ".join(repr(text) for text in unknown[:8]) + (" …" if len(unknown) > 8 else "")
         question = f"Which answers of {instrument.name} are the words {shown}?"
         found.doubts.append(
             OpenDoubt(question, "none yet: give them under answers, or under missing", *REFUSED)
         )
     return numbered, shifts if bare else set()
+
+
+def _in_order(
+    words: Mapping[str, int],
+    found: Coding,
+    unknown: Sequence[str],
+    instrument: Instrument,
+    vocabulary: LabVocabulary,
+) -> bool:
+    """Put words in order by how much they say, where there are as many as answers; and ask.
+
+    Words that no list has are so found, and two of one answer (very, extremely) told apart.
+    """
+    low, steps = int(instrument.low), int(instrument.high - instrument.low)
+    asked = [text for text in words if text in found.answers or text in unknown]
+    degrees = {text: vocabulary.degree(text) for text in asked}
+    of_degree = {degree: text for text, degree in degrees.items() if degree is not None}
+    if not asked or None in degrees.values() or len(of_degree) < len({*map(plain, asked)}):
+        return False
+    ranked = [of_degree[degree] for degree in sorted(of_degree)]
+    top = min(max(of_degree), steps)
+    if unknown and len(ranked) <= steps <= _AGREEMENT:  # an answer that nobody gave
+        places = [min(degree, top) for degree in sorted(of_degree)]
+    elif len(ranked) in {steps + 1, _AGREEMENT + 1}:
+        places = [*range(len(ranked))]
+    else:
+        return False
+    answers = {text: low + place for place, text in zip(places, ranked, strict=True)}
+    if len({*places}) < len(places) or (not unknown and answers == found.answers):
+        return False
+    variant = _variant(instrument, answers.values()) if places[-1] > steps else None
+    if places[-1] > steps and variant is None:
+        return False
+    found.variant = variant
+    found.answers = answers
+    question = f"Are the answers of {instrument.name} in this order: {' < '.join(ranked)}?"
+    assumed = f"they are: {', '.join(f'{text} is {answers[text]}' for text in ranked)}"
+    found.doubts.append(OpenDoubt(question, assumed, *CODING))
+    return True
 
 
 def _labels(instrument: Instrument, vocabulary: LabVocabulary) -> dict[str, int]:

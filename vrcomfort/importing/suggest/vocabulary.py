@@ -153,6 +153,16 @@ class SeverityWords(Settings):
     severe: _Words = ()
 
 
+class DegreeWords(Settings):
+    """Words and phrases by which other answers are put in order."""
+
+    lowest: _Words = ()
+    low: _Words = ()
+    middle: _Words = ()
+    high: _Words = ()
+    highest: _Words = ()
+
+
 class AgreementWords(Settings):
     """Answers to statements in words, in one language."""
 
@@ -184,6 +194,7 @@ class VocabularyFile(Settings):
     timepoints: TimepointWords = TimepointWords()
     severity: dict[str, SeverityWords] = Field(default_factory=dict)
     """Language → answers in words."""
+    degrees: DegreeWords = DegreeWords()
     agreement: dict[str, AgreementWords] = Field(default_factory=dict)
     """Language → answers to statements in words."""
     items: dict[str, _Words] = Field(default_factory=dict)
@@ -263,6 +274,8 @@ class LabVocabulary:
         """Word → timepoint."""
         self.severity = _by_degree(merged["severity"])
         """Word → 0 (none) to 3 (severe); the first language that has the word decides."""
+        self.degrees = _by_degree({"": merged["degrees"], **merged["severity"]})
+        """Word or phrase → 0 (lowest) to 4 (highest), by which answers are put in order."""
         self.agreement = _by_degree(merged["agreement"])
         """Word → 0 (strongly disagree) to 4 (strongly agree), likewise."""
         self._initials = {name: _looked_up(items) for name, items in merged["initials"].items()}
@@ -312,6 +325,17 @@ class LabVocabulary:
                 found.setdefault(each, set()).add(item.name)
         known = {each: names.pop() for each, names in found.items() if len(names) == 1}
         return {**known, **self._initials.get(instrument.name, {})}
+
+    def degree(self, text: str) -> int | None:
+        """Return how much an answer such as ``rather not applicable`` says; None if two degrees."""
+        words, place, said = tokens(text), 0, set()
+        while place < len(words):
+            ends = range(len(words), place, -1)
+            end = next((e for e in ends if "".join(words[place:e]) in self.degrees), None)
+            if end is not None:
+                said.add(self.degrees["".join(words[place:end])])
+            place = end or place + 1
+        return said.pop() if len(said) == 1 else None
 
     def timepoint(self, text: str) -> str | None:
         """Return the timepoint that a text means, such as ``Pre-VR``, or None."""
