@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import datetime
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -94,6 +94,8 @@ class SourceTable:
         Text cells, all as many as headings, without spaces around them; and their row numbers.
     reading
         How it was read.
+    meanings
+        For each column, text of a cell → what a codebook or the heading says it means.
     """
 
     file: Path
@@ -104,6 +106,7 @@ class SourceTable:
     numbers: tuple[int, ...]
     reading: Reading
     notes: tuple[str, ...] = field(default=())
+    meanings: tuple[Mapping[str, str], ...] = ()
 
     @property
     def name(self) -> str:
@@ -113,6 +116,10 @@ class SourceTable:
     def column(self, index: int) -> list[str]:
         """Return the cells of a column."""
         return [row[index] for row in self.rows]
+
+    def meaning(self, index: int, text: str) -> str:
+        """Return what a text of a column is said to mean, or the text itself."""
+        return self.meanings[index].get(text, text) if self.meanings else text
 
     def fault(
         self, message: str, row: int | None = None, column: int | str | None = None

@@ -15,6 +15,7 @@ from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.sections import sections
 from vrcomfort.importing.source import Grid, Reading, SourceTable
+from vrcomfort.importing.suggest.codebooks import with_codebooks
 from vrcomfort.importing.suggest.draft import (
     REFUSED,
     ROWS,
@@ -90,7 +91,7 @@ def suggest_mapping(
     own = own or {}
     words = LabVocabulary([*map(read_vocabulary, vocabularies)]) if vocabularies else None
     known = Known((*own.values(), *usual_instruments()), words or shipped_vocabulary())
-    read = [table for file in files for table in _tables(file, known)]
+    read = with_codebooks([table for file in files for table in _tables(file, known)])
     groups: dict[tuple[object, ...], list[SourceTable]] = {}
     for table in read:
         rows = None if table.reading.sections else table.reading.heading_rows

@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
@@ -55,7 +56,11 @@ def coding_of(
 ) -> Coding:
     """Return the coding of the answers in some columns, with its doubts."""
     cells = [table.rows[r][c] for r in range(len(table.rows)) for c in columns]
-    return coding_of_texts(cells, instrument, table.reading.decimal or ".", vocabulary)
+    legend = {
+        code: text for c in columns if table.meanings for code, text in table.meanings[c].items()
+    }
+    decimal = table.reading.decimal or "."
+    return coding_of_texts(cells, instrument, decimal, vocabulary, legend)
 
 
 def _variant(instrument: Instrument, values: Iterable[int]) -> Instrument | None:
@@ -74,9 +79,19 @@ def _variant(instrument: Instrument, values: Iterable[int]) -> Instrument | None
 
 
 def coding_of_texts(
-    cells: Sequence[str], instrument: Instrument, decimal: str, vocabulary: LabVocabulary
+    cells: Sequence[str],
+    instrument: Instrument,
+    decimal: str,
+    vocabulary: LabVocabulary,
+    legend: Mapping[str, str] = MappingProxyType({}),
 ) -> Coding:
-    """Return the coding of some answers, with its doubts."""
+    """Return the coding of some answers, with its doubts.
+
+    Parameters
+    ----------
+    legend
+        Number → what a codebook, or the heading, says that it means.
+    """
     counts = Counter(cell for cell in cells if cell)
     found = Coding()
     values: dict[int, int] = {}
@@ -99,6 +114,7 @@ def coding_of_texts(
         question = f"Why are answers {shown}, where those of {instrument.name} are whole numbers?"
         found.doubts.append(OpenDoubt(question, "the import will refuse them", *REFUSED))
     numbered, shifts = _words(words, values, instrument, found, vocabulary)
+    shifts |= _shifts_of(legend, values, instrument, found, vocabulary)
     _numbers(values, instrument, found, shifts, fractions)
     _rounded(fractions, instrument, found)
     _doubled(found, instrument)
@@ -177,6 +193,31 @@ def _words(
             OpenDoubt(question, "none yet: give them under answers, or under missing", *REFUSED)
         )
     return numbered, shifts if bare else set()
+
+
+def _shifts_of(
+    legend: Mapping[str, str],
+    values: dict[int, int],
+    instrument: Instrument,
+    found: Coding,
+    vocabulary: LabVocabulary,
+) -> set[int]:
+    """Return by how much numbers exceed the answers that a legend says; take out missing ones."""
+    said = _labels(instrument, vocabulary)
+    shifts = set()
+    for code, text in legend.items():
+        if text.casefold() in vocabulary.missing and int(code) in values:
+            found.missing.append(code)
+            del values[int(code)]
+            continue
+        ends = _ENDS.match(text)
+        answer = said.get(plain(text), int(ends[0]) if ends else None)
+        shifts |= set() if answer is None else {int(code) - answer}
+    return shifts if len(shifts) == 1 else set()
+
+
+_ENDS = re.compile(r"\d+(?= ?\(|$)")
+"""The number in ``0 (none)``."""
 
 
 def _in_order(
@@ -330,6 +371,7 @@ def _numbers(
         found.doubts.append(doubt)
     elif (
         not found.answers
+        and not shifts
         and not fractions
         and (count := never_zero(instrument, {value: values[value] for value in inside}))
     ):

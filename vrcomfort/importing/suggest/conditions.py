@@ -105,7 +105,9 @@ class Conditions(FactDraft):
         elif found[0].evidence is COUNTS_EXPOSURES and found[-1].evidence is GROUPS_PEOPLE:
             self._crossover(found[-1].column, found[0].column)
         elif found[0].column in decided:  # it keeps the role that it has
-            self.found.draft.put("condition", {"column": self.heading(found[0].column)})
+            column = found[0].column
+            said = {"column": self.heading(column), **self.names_of_codes(column)}
+            self.found.draft.put("condition", said)
             self.doubt_of(found[0])
         elif factors := self._factors(
             [each for each in found if each.evidence is found[0].evidence]

@@ -184,6 +184,10 @@ def _word_of_covariate_label(text: str, vocabulary: LabVocabulary) -> list[str]:
     return [name for name, known in vocabulary.covariate_labels.items() if long & known]
 
 
+def _free_text(text: str, vocabulary: LabVocabulary) -> list[str]:
+    return [IGNORED] if vocabulary.free_texts & {*tokens(text)} else []
+
+
 def _measure_word(text: str, vocabulary: LabVocabulary) -> list[str]:
     words = set(tokens(text))
     return [IGNORED] if len(words) <= 5 and words & vocabulary.measures else []
@@ -207,6 +211,7 @@ HEADINGS: tuple[HeadingEvidence, ...] = (
         "a word for a fact, among at most 12 words", 90, lambda t, v: _fact_word(t, v, most=12)
     ),
     HeadingEvidence("a word for what no questionnaire asks", 85, _measure_word),
+    HeadingEvidence("a word for answers in own words", 84, _free_text),
     HeadingEvidence("a number of the row, or a column without a name", 82, _row_number),
     HeadingEvidence(
         "a label that no analysis needs", 80, lambda t, v: _label(t, v, IGNORED.__eq__)
@@ -235,7 +240,8 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
     merged = Counter(heading.rpartition(JOIN)[0] for heading in table.headings)
     for column in columns:
         outer, _, inner = table.headings[column].rpartition(JOIN)
-        role, weight = _heaviest((table.headings[column], table.labels[column]), vocabulary)
+        label = table.labels[column]
+        role, weight = _heaviest((table.headings[column], label, *label.split(" | ")), vocabulary)
         if outer and merged[outer] > 1 and role not in {*FACTS, IGNORED}:
             role, weight = _heaviest((inner,), vocabulary)  # Hand tracking / SUS: no handedness
         if not role or role in roles.covariates:
@@ -358,7 +364,8 @@ def _several_timepoints(context: Context, column: int) -> bool:
 
 def _timepoints(context: Context, column: int) -> list[str]:
     """Return the timepoints that a column's texts mean; none where one means none."""
-    found = [context.vocabulary.timepoint(word) for word in texts(context.table, column)]
+    words = [context.table.meaning(column, word) for word in texts(context.table, column)]
+    found = [context.vocabulary.timepoint(word) for word in words]
     said = [when for when in found if when is not None]
     return said if len(said) == len(found) <= 8 else []
 
@@ -489,10 +496,33 @@ def _constant_within_people(context: Context, column: int) -> bool:
     # With one row for each participant, every column is constant within participants.
     if who is None or len(texts(table, who)) * 2 > len(table.rows):
         return False
-    if len(texts(table, column)) < 2 or varies_within(table, column, who):
+    said = texts(table, column)
+    if len(said) < 2 or varies_within(table, column, who) or any(len(t) > _LONGEST for t in said):
         return False
     return is_numeric(table, column) or few_texts(table, column)
 
+
+_LONGEST = 60
+"""Letters of an answer that is no sentence in own words."""
+
+
+def _balanced_groups(context: Context, column: int) -> bool:
+    """Return whether each participant has one of two to four words, and each word about as many."""
+    table, who = context.table, context.participant
+    if who is None or column not in context.roles.unknown or column in context.used:
+        return False
+    people = {row[who]: row[column] for row in table.rows}
+    groups = Counter(people.values())
+    if not 2 <= len(groups) <= _FEW_SCENES or varies_within(table, column, who) or "" in groups:
+        return False
+    if is_numeric(table, column) or _says_yes_or_no(context, column) or _measures(table, column):
+        return False
+    return min(groups.values()) >= _FEWEST_OF_GROUP and max(groups.values()) - min(
+        groups.values()
+    ) <= max(1, len(people) // 12)
+
+
+_FEWEST_OF_GROUP = 3
 
 BASELINE_AMONG_CONDITIONS = CellEvidence(
     "timepoint", "a baseline among conditions", 20, _baseline_among_conditions
@@ -564,6 +594,10 @@ CELLS: tuple[CellEvidence, ...] = (
         _words_under_label, "Is {heading!r} the condition, between participants?", "it is",
     ),
     GROUPS_PEOPLE,
+    CellEvidence(
+        "condition", "a few words, each of as many participants", 8, _balanced_groups,
+        "Is {heading!r} the condition, between participants?", "it is",
+    ),
     CellEvidence(
         "condition", "few words in front, where nothing tells people apart", 5,
         _words_without_people, "Is {heading!r} the condition?", "it is",

@@ -15,7 +15,7 @@ from vrcomfort.importing.suggest.draft import (
     Stake,
     TomlDraft,
 )
-from vrcomfort.importing.suggest.evidence import Candidate, Context
+from vrcomfort.importing.suggest.evidence import Candidate, Context, texts
 
 _STAKES = {"participant": PEOPLE, "condition": CONDITIONS, "timepoint": TIMEPOINTS, "trial": ORDER}
 
@@ -85,7 +85,15 @@ class FactDraft:
         """Let a fact come from a column."""
         self._context.used.add(column)
         self._context.columns[fact] = (column,)
+        if fact == "condition":
+            more = {**self.names_of_codes(column), **more}
         self.found.draft.put(fact, {"column": self.heading(column), **more}, comment)
+
+    def names_of_codes(self, column: int) -> dict[str, object]:
+        """Return `values` of a column whose codes all have a name, if a codebook says them."""
+        words = texts(self._table, column)
+        told = {word: self._table.meaning(column, word) for word in words}
+        return {"values": told} if len({*told.values()} - {*words}) == len(words) else {}
 
     def doubt(self, question: str, assumed: str, stake: Stake) -> None:
         """Add a question that the files leave open."""

@@ -299,7 +299,8 @@ class _Facts(FactDraft):
             self.found.draft.put("timepoint", {"constant": "post"}, comment)
 
     def _known_timepoints(self, column: int) -> None:
-        said = {word: self._vocabulary.timepoint(word) for word in texts(self._table, column)}
+        meaning, timepoint = self._table.meaning, self._vocabulary.timepoint
+        said = {word: timepoint(meaning(column, word)) for word in texts(self._table, column)}
         self.use("timepoint", column, values=said)
         if len(set(said.values())) < len(said):
             shown = ", ".join(f"{a} is {b}" for a, b in said.items())

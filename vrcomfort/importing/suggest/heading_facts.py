@@ -45,6 +45,7 @@ def heading_facts(
     _numbered_times(facts, doubts)
     _later(facts, doubts)
     _two_unnamed(facts, doubts)
+    _first_before(facts, doubts)
     _name_the_rest(facts, doubts, numbers)
     return facts, doubts
 
@@ -178,6 +179,29 @@ def _two_unnamed(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
         )
 
 
+def _first_before(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
+    """Take the first block, which says nothing, for before, where all others say after; and ask.
+
+    So is the last of two for after. Of two, other words are those of their questions.
+    """
+    first, *others = facts
+    bare, when = facts[-1], "post"
+    if not first and all(each.get("timepoint", "baseline") != "baseline" for each in others):
+        bare, when = first, "baseline"
+    elif len(facts) != 2 or bare or first.get("timepoint") != "baseline":
+        return
+    bare["timepoint"] = when
+    if len(facts) == 2:
+        for each in facts:
+            each.pop("condition", None)
+    place = "first" if bare is first else "last"
+    question = f"Are the {place} answers, of which no heading says when, {_WHEN[when]} exposure?"
+    doubts.append(OpenDoubt(question, "they are", *TIMEPOINTS))
+
+
+_WHEN = {"baseline": "before", "post": "after"}
+
+
 def _is_second(text: str) -> bool:
     """Return whether a mark says no more than that this is the other block: ``2``, or ``p``."""
     return text.isdecimal() or text == "p"
@@ -186,7 +210,10 @@ def _is_second(text: str) -> bool:
 def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: str) -> None:
     """Ask for the meaning of numbers that stand alone; tell equal administrations apart."""
     numbers = [f for f in facts if f.get("condition", "").replace("_", "").isdecimal()]
-    if numbers:
+    if len({f.get("timepoint") for f in numbers} - {None}) == len(facts):
+        for each in numbers:
+            del each["condition"]  # the number of the moment, which words say, too
+    elif numbers:
         shown = ", ".join(dict.fromkeys(f["condition"] for f in numbers))
         question = f"What do the numbers {shown} in the headings stand for?"
         doubts.append(OpenDoubt(question, f"each is a {fact}", *CONDITIONS))

@@ -17,7 +17,7 @@ from vrcomfort.importing.suggest.block_conditions import (
 from vrcomfort.importing.suggest.evidence import is_identifier
 from vrcomfort.importing.suggest.items import FoundAnswers, named_by_file
 from vrcomfort.importing.suggest.scores import find_scores, values_of
-from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
+from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens, words_of
 from vrcomfort.questionnaire import Instrument, plain
 
 
@@ -87,6 +87,7 @@ def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[F
             own = {plain(instrument.name), "score", "rating", *map(plain, instrument.title.split())}
             for column in named:
                 words = _words_of_rating(table.headings[column], instrument)
+                words = words if plain(instrument.name) in words else []
                 rest = tuple(word for word in words if word not in own)
                 found.append(FoundRating(instrument, rest, column, time))
     return found or _numbered_columns(table, columns, known)
@@ -190,6 +191,8 @@ def _words_of_rating(heading: str, instrument: Instrument) -> list[str]:
 
 def _is_rating(table: SourceTable, column: int, instrument: Instrument) -> bool:
     words = _words_of_rating(table.headings[column], instrument)
+    if instrument.short in words_of(table.labels[column]):
+        words = [plain(instrument.name)]
     keys = {plain(instrument.name), plain(instrument.title)}
     named = plain(table.headings[column]) in keys or (
         plain(instrument.name) in words and len(words) <= 5

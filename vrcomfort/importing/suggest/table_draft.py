@@ -65,6 +65,7 @@ from vrcomfort.importing.suggest.scores import (
     by_kind,
     rise_from_first,
 )
+from vrcomfort.importing.suggest.trial_runs import rows_of_trial_runs
 from vrcomfort.importing.suggest.vocabulary import Known, words_of
 from vrcomfort.settings import toml_value
 
@@ -151,6 +152,7 @@ class TableDraft:
         self.labels: dict[str, str] = {}
         """Condition that headings say → how they write it."""
         self._totals = self._total_rows()
+        trial_runs = self._trial_runs()
         self._fill_down()
         self._rows_below()
         self.gives = False
@@ -162,6 +164,9 @@ class TableDraft:
         left = self._leaving.columns if self._leaving else {}
         others = [column for column in others if column not in left]
         self._roles = roles_of(self.table, others, self._vocabulary)
+        for column in trial_runs:
+            if column not in self._roles.facts.get("participant", ()):
+                self._roles.forget(column)
         self._nobodys_rows()
         self._facts: dict[Layout[Any], list[dict[str, str]]] = {}
         """Layout → what the headings of its answers say."""
@@ -393,6 +398,15 @@ class TableDraft:
                 self.table = replace(self.table, rows=rows)
                 return {column: list(dict.fromkeys(found))}
         return {}
+
+    def _trial_runs(self) -> list[int]:
+        """Take rows of trial runs out of the table; return the columns that say so."""
+        found = rows_of_trial_runs(self.table, self._vocabulary)
+        for column, words in found.items():
+            kept = tuple(row for row in self.table.rows if row[column] not in words)
+            self.table = replace(self.table, rows=kept)
+            self._totals[column] = [*self._totals.get(column, []), *words]
+        return [*found]
 
     def _fill_down(self) -> None:
         """Let blank cells of a column of participants mean the one above, where they are many."""
@@ -666,7 +680,7 @@ class TableDraft:
                 *exposures.unused,
                 *self._made,
             )
-            if column not in exposures.context.used
+            if column not in exposures.context.used and column not in self._totals
         ]
         columns = sorted(set(rest))
         if not columns:

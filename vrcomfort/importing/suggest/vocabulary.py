@@ -84,8 +84,17 @@ class IgnoredLabels(Settings):
     """Headings of columns that no analysis needs."""
 
     labels: _Words = ()
+    words: _Words = ()
+    """Words of headings of answers in own words."""
     personal: _Words = ()
     """Headings of columns that may identify a person."""
+
+
+class TrialRunLabels(Settings):
+    """A column of which some texts say that a row is a trial run."""
+
+    labels: _Words = ()
+    words: _Words = ()
 
 
 class MeasureLabels(Settings):
@@ -180,6 +189,8 @@ class VocabularyFile(Settings):
     covariates: dict[Word, Labels] = Field(default_factory=dict)
     """Name in participants.csv → its headings."""
     ignored: IgnoredLabels = IgnoredLabels()
+    trial_runs: dict[Word, TrialRunLabels] = Field(default_factory=dict)
+    """Kind of column → its headings, and its texts in rows of trial runs."""
     measures: MeasureLabels = MeasureLabels()
     leaving: LeavingLabels = LeavingLabels()
     long: LongLabels = LongLabels()
@@ -250,7 +261,14 @@ class LabVocabulary:
         self.fact_words = _word_sets(merged["facts"], "words")
         self.covariate_words = _word_sets(merged["covariates"], "words")
         self.covariate_labels = _word_sets(merged["covariates"], "labels")
+        self.free_texts = _plain_set(merged["ignored"]["words"])
         self.personal = _plain_set(merged["ignored"]["personal"])
+        self.trial_runs = {
+            label: _plain_set(each["words"])
+            for each in merged["trial_runs"].values()
+            for label in _plain_set(each["labels"])
+        }
+        """Heading → texts of trial runs below it."""
         self.measures = _plain_set(merged["measures"]["words"])
         self.leaving = tuple(tuple(tokens(label)) for label in merged["leaving"]["labels"])
         """Labels of leaving times, as words."""

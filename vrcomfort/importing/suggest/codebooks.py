@@ -1,0 +1,98 @@
+"""Reads codebooks: tables that say of the columns of another table what they are."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from vrcomfort.importing.files import is_number
+from vrcomfort.importing.source import SourceTable
+
+_FEWEST = 4
+"""Columns that a codebook explains at least."""
+_RANGE = re.compile(r"(\S+) ?(?:bis|to|through|thru|until|à|al|tot|[-–—…]|\.\.\.?) ?(\S+)")
+"""The columns from one to another, in one row of a codebook."""
+_PAIR = re.compile(
+    r"(?<![\w.])(-?\d+) ?[=:,–-] ?([^\d\s=;|()][^=;|()]*?)(?=[;|,)]? ?-?\d+ ?[=:,–-]|[;|()]|$)"
+)
+"""``1 = not at all``, with others behind it."""
+
+
+BESIDE = " | "
+"""Between the texts of a label that stand in cells of their own."""
+
+
+def with_codebooks(tables: Sequence[SourceTable]) -> list[SourceTable]:
+    """Return the tables with what codebooks among them say of columns and of their answers."""
+    found = []
+    for table in tables:
+        said: dict[str, list[str]] = {}
+        meanings: dict[str, dict[str, str]] = {}
+        for book in tables:
+            if book is table:
+                continue
+            explained = [*_explained(book, table)]
+            rows = Counter(name for name, _ in explained)
+            for name, row in explained:
+                own = meanings.setdefault(name, {})
+                codes = [cell for cell in row if is_number(cell)]
+                if rows[name] > 1 and codes:  # a row for each answer, its meaning last
+                    own.setdefault(codes[0], [cell for cell in row if cell][-1])
+                elif rows[name] == 1:
+                    said[name] = [*said.get(name, ()), *row]
+                    for text in row:
+                        own.update(legend(text))
+        labels, values = [], []
+        often = _often(said)
+        for heading, label in zip(table.headings, table.labels, strict=True):
+            texts = [text for text in said.get(heading, ()) if text and text not in often]
+            labels.append(BESIDE.join(dict.fromkeys([*filter(None, [label]), *texts])))
+            values.append({**legend(f"{heading} {label}"), **meanings.get(heading, {})})
+        found.append(replace(table, labels=tuple(labels), meanings=tuple(values)))
+    return found
+
+
+def _often(said: Mapping[str, Sequence[str]]) -> set[str]:
+    """Return texts that a codebook says of many columns, such as their type."""
+    counts: dict[str, int] = {}
+    for texts in said.values():
+        for text in {*texts}:
+            counts[text] = counts.get(text, 0) + 1
+    return {text for text, count in counts.items() if count > 1 or is_number(text)}
+
+
+def legend(text: str) -> dict[str, str]:
+    """Return number → meaning of ``1 = not at all, 2 = slightly``; nothing of other texts."""
+    found = {code: words.strip(" ,;|") for code, words in _PAIR.findall(text)}
+    return found if len(found) > 1 else {}
+
+
+def _explained(book: SourceTable, table: SourceTable) -> Iterator[tuple[str, list[str]]]:
+    """Yield each heading of a table that a codebook explains, with the other cells of its row."""
+    places = {heading: place for place, heading in enumerate(table.headings)}
+    for column in range(len(book.headings)):
+        cells = [cell for cell in book.column(column) if cell]
+        rows = [(_range(cell, places), cell) for cell in dict.fromkeys(cells)]
+        named = {cell: found for found, cell in rows if found}
+        count = len({place for found in named.values() for place in found})
+        if count < _FEWEST or len(named) * 2 < len(rows):
+            continue
+        if len(book.rows) > len(table.headings) * 30:
+            continue  # answers in long form, beside the same ones in a row each
+        for row in book.rows:
+            others = [cell for n, cell in enumerate(row) if n != column]
+            for place in named.get(row[column], ()):
+                yield table.headings[place], others
+        return
+
+
+def _range(cell: str, places: Mapping[str, int]) -> list[int]:
+    """Return the places of the headings that a cell names: one, or those from one to another."""
+    if cell in places:
+        return [places[cell]]
+    ends = _RANGE.fullmatch(cell)
+    if ends is None or ends[1] not in places or ends[2] not in places:
+        return []
+    return [*range(places[ends[1]], places[ends[2]] + 1)]

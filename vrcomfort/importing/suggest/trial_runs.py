@@ -1,0 +1,28 @@
+"""Finds the rows of trial runs, which labs leave in their exports: previews, tests, admins."""
+
+from __future__ import annotations
+
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.evidence import names_fact, texts
+from vrcomfort.importing.suggest.vocabulary import LabVocabulary
+from vrcomfort.questionnaire import plain
+
+
+def rows_of_trial_runs(table: SourceTable, vocabulary: LabVocabulary) -> dict[int, list[str]]:
+    """Return column → its texts in rows that are no person's, each row by one column.
+
+    A survey program says so, or the code in place of the person's is a word such as ``test``.
+    """
+    found: dict[int, list[str]] = {}
+    kept = table.rows
+    for column, (heading, label) in enumerate(zip(table.headings, table.labels, strict=True)):
+        words = vocabulary.trial_runs.get(plain(heading), frozenset())
+        words |= vocabulary.trial_runs.get(plain(label), frozenset())
+        if names_fact(heading, "participant", vocabulary):
+            words |= vocabulary.trial_runs.get("participant", frozenset())
+        said = {row[column] for row in kept if plain(row[column]) in words}
+        rest = tuple(row for row in kept if row[column] not in said)
+        if said and len(rest) * 2 > len(table.rows):
+            found[column] = [text for text in texts(table, column) if text in said]
+            kept = rest
+    return found
