@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
 from vrcomfort.questionnaire.answers import Answer, Answers
@@ -137,6 +137,9 @@ class Instrument:
     """Scales made of the other items of those that they are made of otherwise."""
     unscored: Mapping[str, str] = field(default_factory=dict, repr=False, hash=False)
     """Scale → why it has no score without those items."""
+
+    def __hash__(self) -> int:
+        return hash(self.name)  # that of every item and fraction takes longer than what it serves
 
     @property
     def low(self) -> Answer:
@@ -340,6 +343,7 @@ def _words(heading: str) -> frozenset[str]:
     return frozenset(part.casefold() for part in parts)
 
 
+@lru_cache(maxsize=4096)  # words of a table are compared with those of each instrument
 def plain(heading: str) -> str:
     """Return the letters and digits of a heading in lower case."""
     return re.sub(r"[\W_]+", "", heading.casefold())

@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise, takewhile
 
 from vrcomfort.importing.answers import number
@@ -23,14 +24,15 @@ from vrcomfort.questionnaire import Instrument, plain
 
 def mentions(text: str, instruments: Iterable[Instrument]) -> set[str]:
     """Return the instruments that a text names by their short names."""
-    words = set(tokens(text))
-    joined = plain(text)
-    return {
-        each.name
-        for each in instruments
-        for name in {plain(each.name), plain(each.short)}
-        if name in words or (len(name) > 4 and name in joined) or words & _acronyms(each.short)
-    }
+    return {each.name for each in instruments if _mentions(text, each.name, each.short)}
+
+
+@lru_cache(maxsize=4096)  # a table is searched for each instrument, with each column as its items
+def _mentions(text: str, name: str, short: str) -> bool:
+    words, joined = set(tokens(text)), plain(text)
+    return bool(words & _acronyms(short)) or any(
+        each in words or (len(each) > 4 and each in joined) for each in (plain(name), plain(short))
+    )
 
 
 def named_by_file(table: SourceTable | Grid, instruments: Iterable[Instrument]) -> set[str]:

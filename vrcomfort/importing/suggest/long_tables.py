@@ -313,7 +313,7 @@ def _instrument_column(
             words = texts(table, column)
             if len(words) <= 8:
                 for word in words:
-                    short = len(tokens(word)) <= _MOST_WORDS and mentions(word, [instrument])
+                    short = mentions(word, [instrument]) and len(tokens(word)) <= _MOST_WORDS
                     if plain(word) == plain(instrument.title) or short:
                         return column, word
     return None
