@@ -338,3 +338,67 @@ def test_words_that_are_as_many_as_the_answers_are_put_in_order_and_asked(
     assert answers_in(imported) == given
     assert {name for name, _ in imported.responses} == {instrument}
     assert any(" < ".join(words) in doubt for doubt in suggest_mapping([file]).doubts)
+
+
+CHINESE = (
+    "全身不适", "疲劳", "头痛", "眼睛疲劳", "难以聚焦", "唾液分泌增多", "出汗", "恶心",
+    "注意力难以集中", "头部胀满感", "视线模糊",
+    "头晕(睁眼)", "头晕(闭眼)", "眩晕", "胃部不适", "打嗝",
+)  # fmt: skip
+KOREAN_VRSQ = (
+    "전반적인 불편함", "피로감", "눈의 피로", "초점을 맞추기 어려움", "두통", "머리가 무거운 느낌",
+    "시야가 흐려짐", "눈을 감았을 때 어지러움", "현기증",
+)  # fmt: skip
+PORTUGUESE_CSQ = (
+    "Você sente náusea (por exemplo, dor de estômago, refluxo ou vontade de vomitar)?",
+    "Você sente tontura (por exemplo, cabeça leve ou sensação de giro)?",
+    "Você se sente desorientado(a) (por exemplo, confusão espacial ou vertigem)?",
+    "Você sente instabilidade postural (isto é, desequilíbrio)?",
+    "Você sente fadiga induzida visualmente (por exemplo, cansaço ou sonolência)?",
+    "Você sente desconforto induzido visualmente (por exemplo, vista cansada ou dor de cabeça)?",
+)
+
+
+@pytest.mark.parametrize(
+    ("instrument", "items", "moments", "lowest"),
+    [
+        ("ssq", CHINESE, ("体验前", "体验后", "体验后30分钟"), 0),
+        ("vrsq", KOREAN_VRSQ, ("체험 전", "체험 후", "30분 후"), 0),
+        ("csq_vr", PORTUGUESE_CSQ, ("Antes", "Logo depois", "15 minutos depois"), 1),
+    ],
+)
+def test_items_and_moments_are_known_in_other_languages(
+    instrument: str, items: tuple[str, ...], moments: tuple[str, ...], lowest: int, tmp_path: Path
+) -> None:
+    rows: list[list[object]] = [["ID", "When", "Condition", *(f"Now? [{i}]" for i in items)]]
+    for n in range(1, 8):
+        for when, moment in enumerate(moments):
+            answers = [lowest + (n + k + when) % 4 for k in range(len(items))]
+            rows.append([f"{n}번" if n == 5 and when == 1 else n, moment, "a", *answers])
+    imported = imported_from(write(tmp_path / "answers.csv", rows))
+    assert {i for i, _ in imported.responses} == {instrument}
+    assert {(p.participant, p.timepoint) for _, p in imported.responses} == {
+        (str(n), when) for n in range(1, 8) for when in ("baseline", "post", "recovery")
+    }
+    assert [len(answers) for answers in answers_in(imported)] == [len(items)] * 21
+    assert answers_in(imported)[0] == [lowest + (1 + k) % 4 for k in range(len(items))]
+
+
+@pytest.mark.parametrize(("rise", "fact"), [(1, "timepoint"), (0, "condition")])
+def test_numbers_of_two_blocks_are_moments_where_answers_rise(
+    rise: int, fact: str, tmp_path: Path
+) -> None:
+    headings = [f"{block}. {item}" for block in (6, 7) for item in ENGLISH]
+    rows: list[list[object]] = [["id", *headings]]
+    for n in range(8):
+        low = [int((n + k) % 4 == 0) for k in range(16)]
+        rows.append([f"P{n}", *low, *(answer + rise for answer in low)])
+    places = [p for _, p in imported_from(write(tmp_path / "ssq.csv", rows)).responses]
+    assert len({getattr(place, fact) for place in places}) == 2
+
+
+def test_all_but_one_of_sixteen_items_are_no_short_questionnaire(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["id", "condition", *ENGLISH[:6], "Zweten?", *ENGLISH[7:]]]
+    rows += [[f"P{n}", "a", *((n + k) % 4 for k in range(16))] for n in range(6)]
+    file = write(tmp_path / "answers.csv", rows)
+    assert {instrument for instrument, _ in imported_from(file).responses} == {"ssq"}

@@ -13,10 +13,18 @@ from vrcomfort.questionnaire import Answer, Instrument, plain
 
 
 def alike(names: Iterable[str]) -> list[list[str]]:
-    """Return groups of names that differ in case, spaces, signs or leading zeros alone."""
+    """Return groups of names that differ in case, spaces, signs or leading zeros alone.
+
+    Among numbers, so do a number and one with a word: ``9`` and ``no. 9``.
+    """
+    names = [*names]
     groups: dict[str, list[str]] = defaultdict(list)
+    numbers = sum(map(str.isdecimal, names)) * 10 >= len(names) * 8
     for name in names:
-        groups[re.sub(r"(?<!\d)0+(?=\d)", "", plain(name))].append(name)
+        key = re.sub(r"(?<!\d)0+(?=\d)", "", plain(name))
+        if numbers:  # a number with a word, once, is the number
+            key = re.sub(r"[^\W\d]+", "", key) or key
+        groups[key].append(name)
     return [group for group in groups.values() if len(group) > 1]
 
 

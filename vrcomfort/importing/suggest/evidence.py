@@ -19,7 +19,7 @@ from typing import NamedTuple
 from vrcomfort.importing.files import JOIN, is_number
 from vrcomfort.importing.mapping import FACTS
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.vocabulary import IGNORED, LabVocabulary, tokens
+from vrcomfort.importing.suggest.vocabulary import IGNORED, UNSPACED, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 
 # A column with more different texts holds names, or answers in own words.
@@ -156,11 +156,10 @@ def _label_inside(text: str, vocabulary: LabVocabulary) -> list[str]:
     key = plain(text)
     if len(key) > _LONGEST_UNSPACED:
         return []
-    inside = [label for label in vocabulary.roles if label in key and _UNSPACED.search(label)]
+    inside = [label for label in vocabulary.roles if label in key and UNSPACED.search(label)]
     return [vocabulary.roles[max(inside, key=len)]] if inside else []
 
 
-_UNSPACED = re.compile("[\u3040-\u30ff\u3400-\u9fff\uac00-\ud7af]")
 _LONGEST_UNSPACED = 20
 
 

@@ -312,7 +312,12 @@ def _best(
             f"{table.file.stem} {table.sheet} {text}", instruments
         )
         exact = sum(named.how in {"name", "wording", "number"} for named in block.items.values())
-        return (said, whole == 1.0, exact + whole)
+        part = any(
+            {*block.columns} < {*other.columns}
+            and len(other.items) >= len(block.items) + _MORE_ITEMS
+            for other in found
+        )
+        return (said, whole == 1.0 and not part, exact + whole)
 
     kept: list[Found] = []
     taken: set[int] = set()
@@ -326,6 +331,10 @@ def _best(
             kept.append(replace(block, items=items))
             taken.update(named.column for named in items.values())
     return kept
+
+
+_MORE_ITEMS = 3
+"""Items by which a questionnaire of which some are lacking explains more than a whole one."""
 
 
 def _is_worth(block: Found, items: dict[str, Named]) -> bool:

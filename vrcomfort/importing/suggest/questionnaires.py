@@ -87,6 +87,19 @@ def _coded_values(
     return [words.get(cell, number(cell, decimal)) for cell in table.column(column)]
 
 
+def answers_of_block(table: SourceTable, block: Found, known: Known) -> list[float | None]:
+    """Return the answers of a questionnaire, those of all people, as the instrument counts them."""
+    columns = [*dict.fromkeys((*block.columns, *block.siblings))]
+    coding = coding_of(table, columns, block.instrument, known.vocabulary)
+    from_ = 0 if coding.coded_from is None else coding.coded_from - int(block.instrument.low)
+    return [
+        coding.answers.get(cell, None if value is None else value - from_)
+        for column in block.columns
+        for cell, value in zip(table.column(column), _values(table, column), strict=True)
+        if cell not in coding.missing
+    ]
+
+
 def _may_answer(
     table: SourceTable, column: int, instrument: Instrument, vocabulary: LabVocabulary
 ) -> bool:

@@ -54,9 +54,10 @@ from vrcomfort.importing.suggest.evidence import (
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.facts import draft_facts
 from vrcomfort.importing.suggest.heading_facts import heading_facts, template_of
-from vrcomfort.importing.suggest.items import FoundAnswers
+from vrcomfort.importing.suggest.items import Found, FoundAnswers
 from vrcomfort.importing.suggest.leaving import find_leaving
 from vrcomfort.importing.suggest.questionnaires import (
+    answers_of_block,
     leftovers,
     sum_of,
 )
@@ -336,10 +337,26 @@ class TableDraft:
         said = [c for c in self._roles.facts.get("condition", []) if len(texts(self.table, c)) > 1]
         people = self._roles.facts.get("participant", [])
         scores = [each for each in found if isinstance(each, FoundScores)]
+        rises = rise_from_first(self.table, scores) or self._answers_rise(found)
         if not said:
-            return "timepoint" if rise_from_first(self.table, scores) else "condition"
+            return "timepoint" if rises else "condition"
         each_once = any(len(texts(self.table, c)) == len(self.table.rows) for c in people)
-        return "timepoint" if each_once and scores else "trial"
+        return "timepoint" if each_once and (scores or rises) else "trial"
+
+    def _answers_rise(self, found: Sequence[FoundAnswers]) -> bool:
+        """Return whether answers to symptoms of the first of several blocks are half of later ones.
+
+        So they are before exposure.
+        """
+        blocks = [each for each in found if isinstance(each, Found)]
+        if not blocks or {each.instrument.name for each in blocks} & _OF_WHAT_WAS_USED:
+            return False
+        means = []
+        for block in blocks:
+            said = answers_of_block(self.table, block, self._known)
+            answers = [value for value in said if value is not None]
+            means.append(sum(answers) / max(len(answers), 1) - float(block.instrument.low))
+        return len(means) > 1 and 2 * means[0] <= max(means[1:])
 
     def _spelt(self, facts: dict[str, str]) -> dict[str, str]:
         """Return conditions with the capital letters that the headings have."""

@@ -32,6 +32,8 @@ FOLDER = "vocabulary"
 IGNORED = "ignored"
 """The role of columns that no analysis needs."""
 _Words = tuple[str, ...]
+UNSPACED = re.compile("[\u3040-\u30ff\u3400-\u9fff\uac00-\ud7af]")
+"""A letter of a language that is written without spaces, or with endings of one letter."""
 _TOKEN = re.compile(r"\d+|[^\W\d_]+")
 _CAPITALS = re.compile(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 """Where a word begins inside ``preSSQ`` and ``SSQNausea``."""
@@ -360,7 +362,13 @@ class LabVocabulary:
         key = plain(text)
         if key in self.timepoints:
             return self.timepoints[key]
-        found = {self.timepoints[word] for word in tokens(text) if word in self.timepoints}
+        words = tokens(text)
+        found = {self.timepoints[word] for word in words if word in self.timepoints}
+        if not found and UNSPACED.search(key):
+            inside = (word for word in self.timepoints if UNSPACED.search(word) and word in key)
+            found = {self.timepoints[word] for word in inside}
+        if found == {"post"} and any(map(str.isdecimal, words)) and self.units & {*words}:
+            return "recovery"  # 15 minutes after
         return found.pop() if len(found) == 1 else None
 
 
