@@ -13,8 +13,8 @@ import moderngl
 Place = Literal["opengl", "runtime", "rig"]
 
 _CLASSES = (
-    "Buffer", "Context", "Framebuffer", "Program", "Query", "Sampler", "Scope", "Texture",
-    "TextureArray", "Uniform", "VertexArray",
+    "Buffer", "ComputeShader", "Context", "Framebuffer", "Program", "Query", "Sampler", "Scope",
+    "Texture", "TextureArray", "Uniform", "VertexArray",
 )  # fmt: skip
 _ENTERED = ("__enter__", "__exit__")
 
