@@ -114,14 +114,15 @@ class ShownFrame(NamedTuple):
     @property
     def state(self) -> SeenState:
         """Return the state of the frame while it is shown for its period."""
-        told = (
-            (self.off, SeenState.OFF),
-            (self.hidden, SeenState.HIDDEN),
-            (not self.drawn, SeenState.NOT_DRAWN),
-            (not self.tracked, SeenState.UNTRACKED),
-            (self.unfocused, SeenState.UNFOCUSED),
-        )
-        return next((state for holds, state in told if holds), SeenState.LIVE)
+        if self.off:
+            return SeenState.OFF
+        if self.hidden:
+            return SeenState.HIDDEN
+        if not self.drawn:
+            return SeenState.NOT_DRAWN
+        if not self.tracked:
+            return SeenState.UNTRACKED
+        return SeenState.UNFOCUSED if self.unfocused else SeenState.LIVE
 
 
 def unseen_rows(columns: Mapping[str, NDArray[np.float64]]) -> NDArray[np.bool_]:

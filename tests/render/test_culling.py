@@ -2,6 +2,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.support.render import clips_of
 from vrcomfort.geometry import Fov, Pose, normalize
 from vrcomfort.render import culling
 from vrcomfort.render.camera import EyeCamera
@@ -24,7 +25,7 @@ def box(center, half):
 )
 def test_a_box_with_a_point_in_view_is_never_dropped(quaternion, center, half, inside):
     camera = EyeCamera(Pose((0, 0, 0), normalize(quaternion)), Fov(-0.9, 0.6, 0.5, -0.7))
-    matrix = camera.clip_from_relative()
+    (matrix,) = clips_of(camera)
     x, y, z, w = matrix @ np.append(np.array(center) + np.array(half) * inside, 1.0)
     in_view = w > 0 and max(abs(x), abs(y)) <= w and z <= w
     kept = culling.visible(culling.planes(matrix), box(center, half))[0]
@@ -32,7 +33,7 @@ def test_a_box_with_a_point_in_view_is_never_dropped(quaternion, center, half, i
 
 
 def test_boxes_behind_and_beside_are_dropped():
-    planes = culling.planes(EyeCamera(Pose(), Fov(-0.5, 0.5, 0.5, -0.5)).clip_from_relative())
+    planes = culling.planes(clips_of(EyeCamera(Pose(), Fov(-0.5, 0.5, 0.5, -0.5)))[0])
     centers = np.array([[0, 0, -5.0], [0, 0, 5.0], [9, 0, -5.0], [0, 0, -1e6]])
     kept = culling.visible(planes, culling.boxes(centers, np.full((4, 3), 0.5)))
     assert kept.tolist() == [True, False, False, True]
@@ -40,8 +41,8 @@ def test_boxes_behind_and_beside_are_dropped():
 
 def test_several_frusta_at_once_see_what_each_sees():
     turns = [normalize(q) for q in np.random.default_rng(5).normal(size=(9, 4))]
-    clips = [EyeCamera(Pose((0, 0, 0), q), Fov(-0.9, 0.6, 0.5, -0.7)) for q in turns]
-    planes = [culling.planes(clip.clip_from_relative()) for clip in clips]
+    cameras = [EyeCamera(Pose((0, 0, 0), q), Fov(-0.9, 0.6, 0.5, -0.7)) for q in turns]
+    planes = [culling.planes(clip) for clip in clips_of(*cameras)]
     boxes = np.random.default_rng(6).normal(size=(2, 200, 3))
     boxes = culling.boxes(5 * boxes[0], np.abs(boxes[1]))
     together = culling.visible(np.array(planes), boxes)
@@ -51,7 +52,7 @@ def test_several_frusta_at_once_see_what_each_sees():
 
 def test_frusta_around_other_points_see_what_they_see_of_boxes_from_there():
     rng = np.random.default_rng(7)
-    clips = np.array([EyeCamera(Pose(), Fov(-0.9, 0.6, 0.5, -0.7)).clip_from_relative()] * 3)
+    clips = clips_of(*[EyeCamera(Pose(), Fov(-0.9, 0.6, 0.5, -0.7))] * 3)
     centers, halves, origins = (
         rng.normal(size=(200, 3)) * 5,
         rng.random((200, 3)),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.oracles.raycast import cast
-from tests.support.render import at, eye, glowing, scene, still_life, wall
+from tests.support.render import at, clips_of, eye, glowing, scene, still_life, wall
 from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.gpu import gl
 from vrcomfort.render.camera import Lens
@@ -28,12 +28,12 @@ def test_depth_alone_agrees_with_rays_masks_included(ctx):
     target.clear(depth=0.0)
     ctx.enable_only(ctx.DEPTH_TEST)
     ctx.depth_func = gl.DEPTH_FUNC
-    gpu.draw_depth(camera.clip_from_relative()[None], camera.world_from_eye.position)
+    gpu.draw_depth(clips_of(camera), camera.world_from_eye.position)
     found = distance_m(read_depth(depth), camera.near_m)
 
     x, y = np.meshgrid((np.arange(64) + 0.5) / 32 - 1, 1 - (np.arange(64) + 0.5) / 32)
     rays = np.stack([x, y, -np.ones_like(x)], axis=-1).reshape(-1, 3)
-    rotation = camera.view_from_relative()[:3, :3].T
+    rotation = camera.world_from_eye.rotation
     origins = np.tile(camera.world_from_eye.position, (len(rays), 1))
     along_ray = cast(content, 0.0, origins, rays @ rotation.T, head=camera.head)
     expected = (along_ray / np.linalg.norm(rays, axis=1)).reshape(64, 64)

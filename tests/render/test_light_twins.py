@@ -10,7 +10,7 @@ from tests.render.effects.test_optics import evaluate
 from vrcomfort.geometry import Fov, Pose, normalize
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.render import lighting
-from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render.camera import EyeCamera, camera_motion
 from vrcomfort.render.scene_pass import EyeBlocks
 from vrcomfort.scene.data import Environment, Scene, SpotLight
 
@@ -57,7 +57,7 @@ void main() {{
     scene = Scene("light", (), (), (), environment=environment)
     blocks = EyeBlocks(ctx, scene, (1, 1), lens=False, velocity=False)
     eye = EyeCamera(Pose(), Fov(-0.5, 0.5, 0.5, -0.5))
-    blocks.write([eye], [PreviousCamera(Pose(), 0.0)], None)
+    blocks.write([eye], camera_motion([Pose()], [Pose()]), None)
     blocks.bind()
     ctx.framebuffer([target]).use()
     source.use(0)

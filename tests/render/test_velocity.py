@@ -6,7 +6,7 @@ import pytest
 from tests.oracles.motion import velocity_px
 from tests.oracles.raycast import cast
 from tests.support.render import at, box, eye, floor, glowing, scene, wall
-from vrcomfort.geometry import Pose, axis_angle, quaternion_multiply, yaw_pitch_roll
+from vrcomfort.geometry import Pose, axis_angle, clip_from_view, quaternion_multiply, yaw_pitch_roll
 from vrcomfort.gpu import gl
 from vrcomfort.render.camera import EyeCamera, PreviousCamera, previous_eye_pose
 from vrcomfort.render.output import read_depth, read_texture
@@ -49,11 +49,11 @@ def nearest_samples(content, camera, time_s):
 
 def expected(view, camera: EyeCamera, previous: PreviousCamera, moved=None):
     """Return float64 velocities of view positions; `moved` is world-before from world-now."""
-    clip_from_view = camera.clip_from_view()
+    projection = clip_from_view(camera.fov, camera.near_m)
     before = previous.world_from_eye.inverse().matrix() @ (np.eye(4) if moved is None else moved)
     before_from_now = before @ camera.world_from_eye.matrix()
-    clip_before = view @ (clip_from_view @ before_from_now).T
-    return velocity_px(view @ clip_from_view.T, clip_before, SIZE)
+    clip_before = view @ (projection @ before_from_now).T
+    return velocity_px(view @ projection.T, clip_before, SIZE)
 
 
 def assert_as_cast(found, depth, view, camera, reference):

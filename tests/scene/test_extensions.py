@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from tests.support.render import eye
+from tests.support.render import clips_of, eye
 from tests.support.scene_files import Gltf, png
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, axis_angle
@@ -106,7 +106,7 @@ def test_a_texture_transform_moves_the_holes_of_a_mask_in_depth_too(ctx, tmp_pat
     ctx.enable_only(moderngl.DEPTH_TEST)
     ctx.depth_func = gl.DEPTH_FUNC
     gpu.update(0.0, Pose())
-    gpu.draw_depth(eye().clip_from_relative()[None], np.zeros(3))
+    gpu.draw_depth(clips_of(eye()), np.zeros(3))
     open_at = read_depth(depth)[32, [16, 48]] == 0
     np.testing.assert_array_equal(open_at, [True, False])
 

@@ -5,7 +5,7 @@ import numpy as np
 from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl
 from vrcomfort.protocol.conditions import DepthOfField, MotionBlur
-from vrcomfort.render.camera import EyeCamera
+from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.effects.effect import EffectInputs, EyeFrame
@@ -62,6 +62,7 @@ def seen(fov=None, *, near_m=NEAR_M, head_from_eye=None, eye_index=0, time_ns=0,
     """Return what an effect is told of an eye whose head rests at the origin."""
     head_from_eye = head_from_eye or Pose()
     camera = EyeCamera(head_from_eye, fov or square_pixels((1, 1)), near_m, Pose())
+    known.setdefault("previous", PreviousCamera(head_from_eye, 0.0))
     return EyeFrame(eye_index, time_ns, head_from_eye, camera, **known)
 
 

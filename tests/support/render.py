@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vrcomfort.geometry import Fov, Pose
-from vrcomfort.render.camera import EyeCamera
+from vrcomfort.render.camera import EyeCamera, camera_motion, clips_from_relative
 from vrcomfort.scene.data import (
     Environment,
     Image,
@@ -85,6 +85,12 @@ def scene(nodes, primitives, materials, *, environment=DARK, **settings):
         environment=environment,
         **settings,
     )
+
+
+def clips_of(*cameras):
+    """Return (n, 4, 4) clip-from-relative of cameras, as scenes are drawn."""
+    poses = [camera.world_from_eye for camera in cameras]
+    return clips_from_relative(cameras, camera_motion(poses, poses))
 
 
 def eye(position=(0, 0, 0), orientation=(0, 0, 0, 1), **settings):

@@ -24,12 +24,6 @@ class Uniforms(Protocol):
     def __iter__(self) -> Iterator[Any]: ...
 
 
-_FILTERS = {
-    False: (moderngl.LINEAR, moderngl.LINEAR),
-    True: (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR),
-}
-
-
 class FullscreenPass:
     """Draws `fragment` into a texture of its own.
 
@@ -43,8 +37,6 @@ class FullscreenPass:
         Uniforms that never change; a name that the shader does not use is an error.
     filtered
         Names of the inputs that are sampled bilinearly; the others as their textures say.
-    mipmapped
-        Names of those that are sampled trilinearly, between levels of their mip chains.
     components, dtype
         Of the target, as in :func:`gl.color_texture`.
     more_components
@@ -76,7 +68,6 @@ class FullscreenPass:
         constants: Uniforms | None = None,
         defines: shaders.Defines | None = None,
         filtered: Collection[str] = (),
-        mipmapped: Collection[str] = (),
         components: int = 4,
         dtype: str = "f2",
         more_components: Sequence[int] = (),
@@ -98,15 +89,15 @@ class FullscreenPass:
         if area is not None and tiles is None:
             defines = {**(defines or {}), "CORNERS": 1}
         self._triangle = ctx.vertex_array(shaders.program(ctx, fragment, vertex, defines), [])
-        named = [(name, texture) for name in inputs for texture in _textures(inputs[name])]
+        # Those that are filtered come last, on the units that filter: units follow each other.
+        order = sorted(inputs, key=lambda name: name in filtered)
+        named = [(name, texture) for name in order for texture in _textures(inputs[name])]
+        first_unit = gl.FILTERED_UNIT - sum(name not in filtered for name, _ in named)
         for name in inputs:
-            units = tuple(unit for unit, (other, _) in enumerate(named) if other == name)
+            units = tuple(
+                unit for unit, (other, _) in enumerate(named, first_unit) if other == name
+            )
             self._triangle.program[name] = units if len(units) > 1 else units[0]
-        self._samplers = tuple(
-            (unit, ctx.sampler(repeat_x=False, repeat_y=False, filter=_FILTERS[name in mipmapped]))
-            for unit, (name, _) in enumerate(named)
-            if name in filtered or name in mipmapped
-        )
         self._values: dict[str, Any] = {}
         self._members: dict[str, Any] = {}
         self._last: Uniforms | None = None
@@ -128,13 +119,12 @@ class FullscreenPass:
             framebuffer.viewport = (0, 0, columns * point_px, rows * point_px)
             drawn_px = (texel_px[0] * point_px, texel_px[1] * point_px)
         self._triangle.scope = ctx.scope(framebuffer, flags)
-        self._bind = gl.binder(ctx, [texture for _, texture in named])
+        self._bind = gl.binder(ctx, [texture for _, texture in named], first_unit)
         reach = reach_px if isinstance(reach_px, Mapping) else dict.fromkeys(inputs, reach_px)
         self.declared = Pass(
             fragment,
             tuple(
-                PassImage.of(texture, mipmaps=name in mipmapped, reach_px=reach.get(name, math.inf))
-                for name, texture in named
+                PassImage.of(texture, reach_px=reach.get(name, math.inf)) for name, texture in named
             ),
             tuple(map(PassImage.of, (*self.targets, *([] if depth is None else [depth])))),
             texel_px=drawn_px,
@@ -158,15 +148,11 @@ class FullscreenPass:
             self._set(uniforms)
             self._last, self._kind = uniforms, type(uniforms)
         self._bind()
-        for unit, sampler in self._samplers:
-            sampler.use(unit)
         if self._writes_depth:
             self._ctx.depth_func = "1"  # moderngl's GL_ALWAYS: fragments replace any depth
         if self._over:
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         self.declared.run(self._draw)
-        for unit, sampler in self._samplers:
-            sampler.clear(unit)  # samplers override the textures of passes that follow
 
     def clear(self, value: float, depth: float) -> None:
         """Fill the targets with a value, integers with 0 or, where it is no number, all bits."""

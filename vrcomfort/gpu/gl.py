@@ -44,6 +44,14 @@ _UNIFORM_ALIGNMENT = 256
 """The most that GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT may be."""
 
 
+FILTERED_UNIT, _FILTERED_UNITS = 16, 16
+"""The first of the texture units on which every texture is filtered and clamps to its edge, and how
+many they are: as many as a shader may read."""
+
+_SAMPLER = {0x2800: 0x2601, 0x2801: 0x2601, 0x2802: 0x812F, 0x2803: 0x812F}
+"""GL_TEXTURE_MAG_FILTER and _MIN_FILTER: linear; _WRAP_S and _WRAP_T: to the edge."""
+
+
 def create_context() -> moderngl.Context:
     """Return a context without a window, in reverse-Z clip space.
 
@@ -73,6 +81,12 @@ def prepare(ctx: moderngl.Context) -> moderngl.Context:
     ctx.gc_mode = "context_gc"
     weakref.finalize(ctx, ctx.mglo.release).atexit = False
     function(ctx, "glClipControl", ctypes.c_uint, ctypes.c_uint)(_LOWER_LEFT, _ZERO_TO_ONE)
+    sampler, uint = ctypes.c_uint(), ctypes.c_uint  # for as long as there is the context
+    function(ctx, "glGenSamplers", ctypes.c_int, ctypes.c_void_p)(1, ctypes.byref(sampler))
+    for name, value in _SAMPLER.items():
+        function(ctx, "glSamplerParameteri", uint, uint, ctypes.c_int)(sampler, name, value)
+    for unit in range(FILTERED_UNIT, FILTERED_UNIT + _FILTERED_UNITS):
+        function(ctx, "glBindSampler", uint, uint)(unit, sampler)
     return ctx
 
 

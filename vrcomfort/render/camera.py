@@ -105,20 +105,6 @@ class EyeCamera:
             self.__dict__["_head_from_eye"] = kept  # in a third of the time of `cached_property`
         return kept
 
-    def clip_from_view(self) -> Array:
-        """Return the (4, 4) reverse-Z projection."""
-        return clip_from_view(self.fov, self.near_m)
-
-    def view_from_relative(self) -> Array:
-        """Return the (4, 4) rotation from world axes, with the eye as origin, into the view."""
-        return rotation_only(self.world_from_eye.rotation.T)
-
-    def clip_from_relative(self) -> Array:
-        """Return (4, 4) clip-from-relative; relative = world axes, with the eye as origin."""
-        matrix = self.clip_from_view().copy()
-        matrix[:, :3] = matrix[:, :3] @ self.world_from_eye.rotation.T
-        return matrix
-
 
 @dataclass(frozen=True)
 class PreviousCamera:
@@ -300,6 +286,8 @@ class CameraMotion(NamedTuple):
     """(n, 3, 3) rotations."""
     previous_view_from_world: Array
     """(n, 3, 3) rotations."""
+    eye_m: Array
+    """(n, 3) present eye position."""
     eye_delta_m: Array
     """(n, 3) present eye position less previous one, world axes."""
     turned: NDArray[np.bool_]
@@ -314,7 +302,7 @@ def camera_motion(eyes: Sequence[Pose], previous: Sequence[Pose]) -> CameraMotio
     now, before = rotations.swapaxes(-1, -2)
     delta = numbers[0, :, :3] - numbers[1, :, :3]
     turned = (numbers[0, :, 3:] != numbers[1, :, 3:]).any(axis=-1)
-    return CameraMotion(now, before, delta, turned)
+    return CameraMotion(now, before, numbers[0, :, :3], delta, turned)
 
 
 def previous_clip_from_clip(cameras: Sequence[EyeCamera], motion: CameraMotion) -> Array:
@@ -331,6 +319,13 @@ def previous_clip_from_clip(cameras: Sequence[EyeCamera], motion: CameraMotion) 
     clip, view = projections(cameras)
     change: Array = clip @ before_from_now @ view
     return _UNIT + change
+
+
+def clips_from_relative(cameras: Sequence[EyeCamera], motion: CameraMotion) -> Array:
+    """Return (n, 4, 4) clip-from-relative; relative = world axes, with the eye as origin."""
+    found = projections(cameras)[0].copy()
+    found[:, :, :3] = found[:, :, :3] @ motion.view_from_world
+    return found
 
 
 def projections(cameras: Sequence[EyeCamera]) -> tuple[Array, Array]:

@@ -50,12 +50,11 @@ class EyeImages(NamedTuple):
 
     `pinhole` and `linear` are linear HDR light before and after the effects, `depth` is reverse-Z
     with `near_m`, `headset_depth` what a runtime is to get of it, `velocity` is px per frame,
-    `encoded` is the display's image. `previous` is where the eye counts as having been, None where
-    motion blur needs none.
+    `encoded` is the display's image. `previous` is where the eye counts as having been.
     """
 
     camera: EyeCamera
-    previous: PreviousCamera | None
+    previous: PreviousCamera
     pinhole: moderngl.Texture
     linear: moderngl.Texture
     depth: moderngl.Texture
@@ -132,8 +131,6 @@ class ConditionPasses:
         self._near_m = near_m
         self.gaze_hits: GazeHits | None = None
         """Made when the first gaze is to be looked along."""
-        self.triangles = 0
-        """Of the eye that was drawn last, in all its views."""
         self.colour = self.scene.colour
         self._pinhole: moderngl.Texture | None = None
         """A copy of `scene.colour` before effects, where one overwrites it and it is wanted."""
@@ -302,14 +299,14 @@ class ConditionPasses:
         )
         return draw_part("focus", self.focus.render, view)
 
-    def place(self, eyes: Sequence[EyeFrame], scene_time_s: float, before_s: float) -> None:
+    def place(self, eyes: Sequence[EyeFrame], scene_time_s: float) -> None:
         """Move the scene to a time, and place it for all eyes of a frame at once."""
-        cameras = [eye.camera for eye in eyes]
-        previous = [_previous(eye, before_s) for eye in eyes]
-        self.scene.update(scene_time_s, cameras[0].head, before_s, cameras, previous)
+        cameras, previous = [eye.camera for eye in eyes], [eye.previous for eye in eyes]
+        head = cameras[0].head
+        self.scene.update(scene_time_s, head, previous[0].time_s, cameras, previous)
 
     def render_eye(
-        self, eye: EyeFrame, scene_time_s: float, before_s: float, *, keep_pinhole: bool = False
+        self, eye: EyeFrame, scene_time_s: float, *, keep_pinhole: bool = False
     ) -> EyeImages:
         """Draw one eye and its effects; the left one first.
 
@@ -322,17 +319,16 @@ class ConditionPasses:
         keep = keep_pinhole and isinstance(blur, DepthOfFieldPass) and blur.draws_behind
         if keep and self._pinhole is None:
             self._pinhole = gl.color_texture(self._ctx, self._size_px)
-        self.triangles = 0
         if self.area is not None:
             self.area.eye = eye.eye_index
         if self._lens_views is not None:
             with part("lens_views"):
                 self._lens_views.render(
                     eye.camera.fov,
-                    lambda lens: self._draw(eye, self._of_view, scene_time_s, before_s, lens),
+                    lambda lens: self._draw(eye, self._of_view, scene_time_s, lens),
                 )
         # The centre view comes last: its depth and velocity are those of the eye.
-        self._draw(eye, self._of_eye, scene_time_s, before_s, keep_pinhole=keep)
+        self._draw(eye, self._of_eye, scene_time_s, keep_pinhole=keep)
         tone_map = self.tone_maps[eye.eye_index]
         draw_part("tone_map", tone_map.render)
         depth = self.scene.depth
@@ -355,23 +351,15 @@ class ConditionPasses:
         eye: EyeFrame,
         effects: Mapping[str, EffectPass],
         scene_time_s: float,
-        before_s: float,
         lens: Lens | None = None,
         *,
         keep_pinhole: bool = False,
     ) -> None:
-        previous = _previous(eye, before_s)
         camera = eye.camera if lens is None else replace(eye.camera, lens=lens)
-        draw_part("scene", self.scene.render, camera, scene_time_s, previous, resolve=False)
+        draw_part("scene", self.scene.render, camera, scene_time_s, eye.previous, resolve=False)
         draw_part(RESOLVE, self.scene.resolve.render, camera)
-        self.triangles += self.scene.triangles
         if keep_pinhole and self._pinhole is not None:
             gl.copier(self._ctx)(self.scene.colour, self._pinhole)
         seen = eye._replace(still=self.scene.still)
         for name, effect in effects.items():
             draw_part(name, effect.render, seen)
-
-
-def _previous(eye: EyeFrame, before_s: float) -> PreviousCamera:
-    """Return where an eye counts as having been; without motion blur, where it is."""
-    return eye.previous or PreviousCamera(eye.camera.world_from_eye, before_s)

@@ -71,8 +71,8 @@ def visible(planes: Array, boxes: Array) -> NDArray[np.bool_]:
 
 def lengths(vectors: Array) -> Array:
     """Return (n,) lengths of (3, n) vectors."""
-    x, y, z = vectors
-    return np.asarray(np.sqrt(x * x + y * y + z * z))
+    squares = vectors * vectors
+    return np.asarray(np.sqrt(squares[0] + squares[1] + squares[2]))
 
 
 def transformed_boxes(

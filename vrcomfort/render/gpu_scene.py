@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.gpu.passes import Pass, PassImage
+from vrcomfort.gpu.passes import PassImage
 from vrcomfort.render import culling, lighting
 from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
 from vrcomfort.render.materials import (
@@ -54,21 +54,6 @@ from vrcomfort.scene.data import Scene
 from vrcomfort.scene.node_poses import HandPoses
 
 
-class ViewFrustum(NamedTuple):
-    """Frustum and position of a view to draw.
-
-    Parameters
-    ----------
-    clip_from_relative
-        (4, 4) for culling; relative = world axes with `position_m` as origin.
-    position_m
-        (3,) world.
-    """
-
-    clip_from_relative: Array
-    position_m: Array
-
-
 class _Layer(NamedTuple):
     """Batches of one view in drawing order, either opaque or blended."""
 
@@ -94,6 +79,11 @@ class GpuScene:
         Defines of the colour programs besides those of the scene: VELOCITY, LENS, LAW_DIOPTRE.
     foreground
         (nodes,) which are drawn apart from the others; none without it.
+
+    Attributes
+    ----------
+    draws, triangles
+        Sent so far: whoever counts those of a frame sets them to 0 before it.
 
     Call `update` once per frame, then `cull` once for all eyes and `draw` for each; or
     `draw_depth`.
@@ -131,7 +121,7 @@ class GpuScene:
         self._triangles_of_row = table.commands["index_count"].astype(np.int64) // 3
         self._layers: list[_Layer] = []
         """Of the first view, of the second, …: `_LAYERS` each."""
-        self.draws = 0
+        self.draws = self.triangles = 0
 
     def _factory(self, defines: shaders.Defines) -> BatchStateFactory:
         vertices = gl.buffer(self._ctx, vertex_bytes(self.scene.primitives))
@@ -182,14 +172,19 @@ class GpuScene:
         """Return whether anything in the scene moves by itself (not with the head)."""
         return self._rows.moves
 
-    def cull(self, views: Sequence[ViewFrustum]) -> None:
+    def cull(self, clips_from_relative: Array, origins_m: Array) -> None:
         """Cull and order the instances of several views, all at once.
 
         Opaque and masked surfaces are drawn front to back, blended ones back to front.
+
+        Parameters
+        ----------
+        clips_from_relative
+            (views, 4, 4) projections; relative = world axes with the view's place as origin.
+        origins_m
+            (views, 3) their places in the world.
         """
-        origins = np.array([view.position_m for view in views])
-        planes = culling.planes(np.array([view.clip_from_relative for view in views]))
-        seen = self._rows.seen(planes, origins)
+        seen = self._rows.seen(culling.planes(clips_from_relative), origins_m)
         order = self._order(np.asarray(seen.any(axis=0)).nonzero()[0])
         view, place = seen[:, order].nonzero()
         row = self._rows.in_use[order[place]]
@@ -198,8 +193,9 @@ class GpuScene:
             layer += _OF_FOREGROUND * self._foreground[row]
         # One number for layer and state: equal numbers in a row are one multi-draw.
         run = layer * len(self._color_states) + self._list.key[row]
-        self._rows.write(self._color_rows, row, origins[view])
-        triangles = np.bincount(layer, self._triangles_of_row[row], minlength=_LAYERS * len(views))
+        self._rows.write(self._color_rows, row, origins_m[view])
+        layers = _LAYERS * len(origins_m)
+        triangles = np.bincount(layer, self._triangles_of_row[row], minlength=layers)
         self._layers = [_Layer([], int(count)) for count in triangles]
         for number, batch in zip(*batches(run, len(self._color_states)), strict=True):
             self._layers[number].batches.append(batch)
@@ -226,21 +222,6 @@ class GpuScene:
         """Return what surfaces may read, to declare passes that draw them."""
         return self._drawer.images
 
-    def run(self, declared: Pass, draw: Callable[[], int]) -> int:
-        """Draw surfaces as a declared pass, and return the number of triangles that `draw` gives.
-
-        `draw` is a call of one of the methods below.
-        """
-        triangles = 0
-
-        def counted() -> int:
-            nonlocal triangles
-            before, triangles = self.draws, draw()
-            return self.draws - before
-
-        declared.run(counted)
-        return triangles
-
     def make_behind(self, tile_px: int) -> None:
         """Compile what `draw` needs for what lies behind near things (``BEHIND_NEAR``)."""
         self._behind_states = self._make_behind(tile_px)
@@ -248,7 +229,7 @@ class GpuScene:
     def draw(
         self, view: int, *, blended: bool, foreground: bool = False, behind: bool = False
     ) -> int:
-        """Draw a view of the last `cull`, and return the number of triangles.
+        """Draw a view of the last `cull`, and return the number of draws, as `Pass.run` wants it.
 
         Parameters
         ----------
@@ -257,19 +238,22 @@ class GpuScene:
         foreground
             Draw the foreground, or all else.
         behind
-            Leave out what is near: `make_behind`; its limit is on `NEAREST_UNIT`.
+            Leave out what is near: `make_behind`; its limit is on `NEAREST_UNIT`. Whether this is
+            drawn is left to the GPU, so that it does not count.
         """
         layer = self._layers[_LAYERS * view + _OF_FOREGROUND * foreground + blended]
         self._begin()
         states = self._behind_states if behind else self._color_states
         self._drawer.draw(layer.batches, states, self._color_rows.commands)
-        self.draws += len(layer.batches)
-        return layer.triangles
+        if not behind:
+            self.draws += len(layer.batches)
+            self.triangles += layer.triangles
+        return len(layer.batches)
 
     def draw_shadow(
         self, clip_from_relative: Array, origin_m: Array, *, movement: Movement = "all"
     ) -> int:
-        """Draw the depth of shadow casters, back faces too, and return the number of triangles.
+        """Draw the depth of shadow casters, back faces too, and return the number of draws.
 
         Alpha masks are honoured; levels of detail are by the distance from `origin_m`. There is no
         near plane: the target must clamp depth. `update` must have been called for this frame.
@@ -294,7 +278,7 @@ class GpuScene:
         origin_m: Array,
         begin_view: Callable[[int], None] = lambda _: None,
     ) -> int:
-        """Draw depth only, for several views from one point, and return the number of triangles.
+        """Draw depth only, for several views from one point, and return the number of draws.
 
         Alpha masks are honoured; blended surfaces write no depth. `update` must have been called
         for this frame.
@@ -345,7 +329,7 @@ class GpuScene:
         cull: bool = True,
         numbered: bool = False,
     ) -> int:
-        """Draw rows, each in its view, with one upload; return the number of triangles."""
+        """Draw rows, each in its view, with one upload; return the number of draws."""
         view, row = seen
         if not len(row):
             return 0
@@ -354,15 +338,17 @@ class GpuScene:
         self._rows.write(self._depth_rows, row[order], origin_m, numbered=numbered)
         self._clips.write(clips_from_relative)
         views: dict[int, list[Batch]] = {}
-        for number, batch in zip(*batches(key[order], len(states)), strict=True):
+        numbers, found = batches(key[order], len(states))
+        for number, batch in zip(numbers, found, strict=True):
             views.setdefault(number, []).append(batch)
         self._begin()
         for number, of_view in views.items():
             begin_view(number)
             self._clips.bind(number)
             self._drawer.draw(of_view, states, self._depth_rows.commands, cull=cull)
-            self.draws += len(of_view)
-        return int(self._triangles_of_row[row].sum())
+        self.draws += len(found)
+        self.triangles += int(self._triangles_of_row[row].sum())
+        return len(found)
 
     def _begin(self) -> None:
         """Bind the textures and joints that all draws of this scene read."""
@@ -390,13 +376,12 @@ def _vertex_array(
 
 
 _ALPHA_TO_COVERAGE = 0x809E
-_NOT_KNOWN = "not known"
 
 
 class BatchDrawer:
     """Draws batches, and changes only OpenGL state that differs from one to the next.
 
-    `begin`, then `draw` as often as need be.
+    `begin`, while no faces are culled, then `draw` as often as need be.
 
     Between the two, and between draws, nothing else may be drawn.
     """
@@ -406,13 +391,13 @@ class BatchDrawer:
         self._materials = MaterialBuffer(ctx, scene, images)
         self._textures = TextureStore(ctx, scene, images)
         self.images = self._textures.images
-        self._faces: str | None = _NOT_KNOWN
+        self._faces: str | None = None
         self._block: int | None = None
 
     def begin(self) -> None:
         """Bind all images, and count on nothing that others have left."""
         self._textures.bind()
-        self._faces, self._block = _NOT_KNOWN, None
+        self._faces, self._block = None, None
 
     def draw(
         self,

@@ -71,8 +71,9 @@ class Light:
         lamps, moved = self._lamps[: len(eyes_m)], eyes_m[:, None]
         np.subtract(self._world_m, moved, out=lamps, casting="same_kind")
         if shadow is not None:
-            for view, eye_m in enumerate(eyes_m):
-                self._shadow_from_relative[view] = relative_to(shadow.from_world, eye_m).T
+            rows = shadow.from_world.T  # GLSL stores columns
+            found = self._shadow_from_relative[: len(eyes_m)]
+            found[:, :3], found[:, 3] = rows[:3], rows[3] + eyes_m @ rows[:3]
             self._bias[...] = shadow.bias
 
 

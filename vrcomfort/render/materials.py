@@ -376,7 +376,8 @@ class BatchStateFactory:
             make = self._color_array if vertex == "scene/scene.vert" else self._depth_array
             self._made[variant] = make(program)
         faces = None if key.double_sided else "cw" if key.mirrored else "ccw"
-        covers = key.masked and fragment == "scene/scene.frag"
+        # What lies behind near things has one sample a pixel.
+        covers = key.masked and fragment == "scene/scene.frag" and "BEHIND_NEAR" not in defines
         return BatchState(self._made[variant], key.block, faces, covers)
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from contextlib import ExitStack, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -279,18 +279,17 @@ class StereoRenderer:
             Called after each eye (0 left, 1 right) with its textures, for files and measurements.
         """
         on_eye = on_eye or self._on_eye
-        with ExitStack() as timers:
-            if self._timer is not None:
-                timers.enter_context(self._timer.frame(frame.index))
-            times_parts = self._part_timer is not None and self._drawn % self._time_parts_every == 0
-            if self._part_timer is not None and times_parts:
-                timers.enter_context(self._part_timer.frame(frame.index))
+        timer, parts = self._timer, self._part_timer
+        times_parts = parts is not None and self._drawn % self._time_parts_every == 0
+        with (
+            nullcontext() if timer is None else timer.frame(frame.index),
+            parts.frame(frame.index) if parts is not None and times_parts else nullcontext(),
+        ):
             rendered = self._draw(frame, scene_time_s, on_eye)
-        if self._timer is not None:
-            rendered = replace(rendered, gpu_times=self._timer.arrived())
-        if self._part_timer is not None:
-            arrived = self._part_timer.arrived()
-            rendered = replace(rendered, times_parts=times_parts, part_times=arrived)
+        if timer is not None:
+            rendered = replace(rendered, gpu_times=timer.arrived())
+        if parts is not None:
+            rendered = replace(rendered, times_parts=times_parts, part_times=parts.arrived())
         rendered = self._hashed(frame, rendered)
         self._drawn += 1
         return rendered
@@ -332,7 +331,8 @@ class StereoRenderer:
         start_s, elsewhere_s = time.perf_counter(), 0.0
         gl.collect(self.ctx)  # objects of the condition before are released here, not in mid-frame
         passes = self._built()
-        passes.scene.gpu.draws = 0
+        gpu = passes.scene.gpu
+        gpu.draws = gpu.triangles = 0
         if passes.area is not None:  # frames that warm up are seen by nobody: they are drawn whole
             seen = frame.views[: self._eyes] if frame.index >= 0 else ()
             passes.area.look([view.fov for view in seen])
@@ -340,7 +340,6 @@ class StereoRenderer:
         if before is not None and frame.snap_turn:
             before = _without_turn(before, frame)
         world_from_head = frame.avatar_pose @ frame.head_pose
-        before_s = scene_time_s if before is None else before.scene_time_s
         if self._has_hands:
             self._place_hands(frame, before)
         centre = passes.centre(frame)
@@ -348,18 +347,18 @@ class StereoRenderer:
         # which resolves, lenses and depth of field of both eyes read on the GPU.
         step, head_from_stage = before and _step(before, frame), frame.head_pose.inverse()
         eyes = [
-            self._eye(index, frame, head_from_stage, world_from_head, before, step, centre)
+            self._eye(
+                index, frame, scene_time_s, head_from_stage, world_from_head, before, step, centre
+            )
             for index in range(self._eyes)
         ]
-        passes.place(eyes, scene_time_s, before_s)
+        passes.place(eyes, scene_time_s)
         samples = passes.find_focus(frame, world_from_head, scene_time_s, centre)
-        triangles = passes.focus.triangles if passes.focus else 0
         seeks_gaze, hits = self._look_along(frame, world_from_head)
         # A headset takes depth alone.
         keep_pinhole = on_eye is not None and on_eye is not self._on_eye
         for index, eye in enumerate(eyes):
-            images = passes.render_eye(eye, scene_time_s, before_s, keep_pinhole=keep_pinhole)
-            triangles += passes.triangles
+            images = passes.render_eye(eye, scene_time_s, keep_pinhole=keep_pinhole)
             if on_eye is not None:
                 elsewhere_s += self._hand_on(on_eye, index, images)
         if self._patch is not None and frame.patch is not None:
@@ -376,8 +375,8 @@ class StereoRenderer:
             eyes=(passes.tone_maps[0].target, passes.tone_maps[-1].target),
             focus_samples=samples,
             max_blur_px=passes.max_blur_px,
-            draws=passes.scene.gpu.draws,
-            triangles=triangles,
+            draws=gpu.draws,
+            triangles=gpu.triangles,
             passes=passes.names,
             seeks_gaze=seeks_gaze,
             gaze_hits=hits,
@@ -460,6 +459,7 @@ class StereoRenderer:
         self,
         index: int,
         frame: Frame,
+        scene_time_s: float,
         head_from_stage: Pose,
         world_from_head: Pose,
         before: _Before | None,
@@ -479,11 +479,9 @@ class StereoRenderer:
             peripheral_axis=passes.axis("peripheral", centre),
             vignette_axis=passes.axis("vignette", centre),
         )
-        if before is None:
-            return EyeFrame(index, time_ns, head_from_eye, camera)
-        blur = self._condition.motion_blur
-        if blur is None:
-            return EyeFrame(index, time_ns, head_from_eye, camera, step=step)
+        blur, previous = self._condition.motion_blur, PreviousCamera(world_from_eye, scene_time_s)
+        if before is None or blur is None:
+            return EyeFrame(index, time_ns, head_from_eye, camera, previous, step)
         pose = previous_eye_pose(
             blur.mode,
             world_from_stage=frame.avatar_pose,

@@ -271,7 +271,7 @@ class SceneRows:
         if not len(rows):
             return
         centers, halves = self._bent(rows, *placed.boxes(self._world))
-        self._boxes[:3, rows], self._boxes[3:6, rows] = centers.T, halves.T
+        self._boxes[:6, rows] = np.concatenate([centers, halves], axis=1).T
         self._rows[rows, _LAMPS] = self._reach.bits(centers, halves)
         self._level_centers[:, placed.with_levels] = placed.level_centers(centers, halves).T
 

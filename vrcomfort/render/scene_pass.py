@@ -23,15 +23,17 @@ from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import lighting
 from vrcomfort.render.background_blur import MipLevelPass, foreground
 from vrcomfort.render.camera import (
+    CameraMotion,
     EyeCamera,
     Lens,
     LensLaw,
     PreviousCamera,
     camera_motion,
+    clips_from_relative,
     previous_clip_from_clip,
     projections,
 )
-from vrcomfort.render.gpu_scene import GpuScene, ViewFrustum
+from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.lighting import Light
 from vrcomfort.render.materials import NEAREST_UNIT
 from vrcomfort.render.shadow import ShadowMap
@@ -102,7 +104,6 @@ class ScenePass:
         self._eyes: tuple[EyeCamera, ...] = ()
         self._previous: tuple[PreviousCamera, ...] = ()
         self._placed: tuple[float, float, Pose] | None = None
-        self._shadow_triangles = 0
         self._view_drawn = 0
         self.lens_focus: moderngl.Texture | None = None
         """1×1 RGBA32F, x = where lenses focus (m); without it each `Lens` says so itself."""
@@ -114,7 +115,6 @@ class ScenePass:
         """D32F reverse-Z depth, ``near_m / distance``; 0 is the sky."""
         self.velocity = self.resolve.velocity
         """RG16F pixels per frame, or None."""
-        self.triangles = 0
         self.still = True
         """Whether nothing in the last image can have moved: every velocity is exactly 0."""
 
@@ -142,12 +142,11 @@ class ScenePass:
         if self._shadow is not None:
             with passes.part("shadow"):
                 self._shadow.render(time_s, head)
-            self._shadow_triangles = self._shadow.triangles
-        if eyes:
-            self.gpu.cull([_viewpoint(eye) for eye in eyes])
         self._previous = tuple(previous)
-        if previous:
-            self._blocks.write(eyes, previous, self._shadow)
+        if eyes:
+            motion = _motion(eyes, previous)
+            self.gpu.cull(clips_from_relative(eyes, motion), motion.eye_m)
+            self._blocks.write(eyes, motion, self._shadow)
 
     def render(
         self,
@@ -172,12 +171,10 @@ class ScenePass:
         )
         view = self._view(camera)
         if view is None or self._placed != (time_s, before.time_s, camera.head):
-            self.update(time_s, camera.head, before.time_s, [camera])
+            self.update(time_s, camera.head, before.time_s, [camera], [before])
             view = 0
         self._bind_blocks(view, camera, before)
         self._draw(view, camera)
-        self.triangles += self._shadow_triangles
-        self._shadow_triangles = 0  # the next eye reads the same map
         if resolve:
             self.resolve.render(camera)
 
@@ -216,9 +213,7 @@ class ScenePass:
             self._shadow.bind()
         self._nearest.use(NEAREST_UNIT)
         self._single.use()
-        counted = self.gpu.draws
         self._draw_layers(self._view_drawn, behind=True)
-        self.gpu.draws = counted  # whether these are drawn is left to the GPU
         self._ctx.enable_only(moderngl.NOTHING)
 
     def _bind_blocks(self, view: int, camera: EyeCamera, before: PreviousCamera) -> None:
@@ -227,7 +222,7 @@ class ScenePass:
             self._blocks.bind(view)
             return
         self._previous = ()
-        self._blocks.write([camera], [before], self._shadow)
+        self._blocks.write([camera], _motion([camera], [before]), self._shadow)
         self._blocks.bind(lens_focus=None if camera.lens is None else self.lens_focus)
 
     def _view(self, camera: EyeCamera) -> int | None:
@@ -241,7 +236,7 @@ class ScenePass:
         if self._shadow is not None:
             self._shadow.bind()
         self._targets.begin()
-        self.triangles = self._draw_layers(view)
+        self._draw_layers(view)
         self._view_drawn = view
         if self._background is not None:
             self._ctx.enable_only(moderngl.NOTHING)
@@ -250,40 +245,39 @@ class ScenePass:
             if self._shadow is not None:
                 self._shadow.bind()
             self._targets.use()
-            self.triangles += self._draw_opaque(view, foreground=True)
-            self.triangles += self._draw_blended(view, foreground=True)
+            self._draw_opaque(view, foreground=True)
+            self._draw_blended(view, foreground=True)
         self._ctx.enable_only(moderngl.NOTHING)
 
-    def _draw_layers(self, view: int, *, behind: bool = False) -> int:
-        """Draw opaque surfaces, the sky where none is, and blended ones; return the triangles."""
-        triangles = self._draw_opaque(view, behind=behind)
+    def _draw_layers(self, view: int, *, behind: bool = False) -> None:
+        """Draw opaque surfaces, the sky where none is, and blended ones."""
+        self._draw_opaque(view, behind=behind)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = ">="  # the sky lies at infinity: depth 0, as the clear value
         (self._sky_behind if behind else self._behind).run(self._sky.draw)
-        return triangles + self._draw_blended(view, behind=behind)
+        self._draw_blended(view, behind=behind)
 
-    def _draw_opaque(self, view: int, *, foreground: bool = False, behind: bool = False) -> int:
+    def _draw_opaque(self, view: int, *, foreground: bool = False, behind: bool = False) -> None:
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = gl.DEPTH_FUNC
-        return self.gpu.run(
-            self._opaque_behind if behind else self._opaque,
-            lambda: self.gpu.draw(view, blended=False, foreground=foreground, behind=behind),
+        (self._opaque_behind if behind else self._opaque).run(
+            lambda: self.gpu.draw(view, blended=False, foreground=foreground, behind=behind)
         )
 
-    def _draw_blended(self, view: int, *, foreground: bool = False, behind: bool = False) -> int:
+    def _draw_blended(self, view: int, *, foreground: bool = False, behind: bool = False) -> None:
         if not self.gpu.has_blended:
-            return 0
+            return
         (self._single if behind else self._targets).blend()
+        self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
         self._ctx.depth_func = gl.DEPTH_FUNC
-        self._ctx.enable(moderngl.BLEND)
-        return self.gpu.run(
-            self._blended_behind if behind else self._blended,
-            lambda: self.gpu.draw(view, blended=True, foreground=foreground, behind=behind),
+        (self._blended_behind if behind else self._blended).run(
+            lambda: self.gpu.draw(view, blended=True, foreground=foreground, behind=behind)
         )
 
 
-def _viewpoint(camera: EyeCamera) -> ViewFrustum:
-    return ViewFrustum(camera.clip_from_relative(), camera.world_from_eye.position)
+def _motion(eyes: Sequence[EyeCamera], previous: Sequence[PreviousCamera]) -> CameraMotion:
+    poses = [each.world_from_eye for each in eyes]
+    return camera_motion(poses, [each.world_from_eye for each in previous] or poses)
 
 
 def _place(camera: EyeCamera) -> tuple[Pose, Fov, float]:
@@ -479,23 +473,21 @@ class EyeBlocks:
     def write(
         self,
         cameras: Sequence[EyeCamera],
-        previous: Sequence[PreviousCamera],
+        motion: CameraMotion,
         shadow: ShadowMap | None,
     ) -> None:
-        """Write the blocks of some eyes; `previous` is where each counts as having been."""
-        poses = [each.world_from_eye for each in cameras]
-        motion = camera_motion(poses, [each.world_from_eye for each in previous])
+        """Write the blocks of some eyes, and how each counts as having moved."""
         count = len(cameras)
         self._clips[:count] = projections(cameras)[0]
-        self._now[:count], self._before[:count] = motion[:2]
+        self._now[:count] = motion.view_from_world
+        self._before[:count] = motion.previous_view_from_world
         self._eye_delta_m[:count] = motion.eye_delta_m
         if self._velocity:
             self._previous_clips[:count] = previous_clip_from_clip(cameras, motion)
         if self._lens:
             for view, camera in zip(self._views, cameras, strict=False):
                 self._write_lens(view, camera, camera.lens or PINHOLE)
-        places = np.array([pose.numbers[:3] for pose in poses])
-        self._light.look_from(places, None if shadow is None else shadow.uniforms)
+        self._light.look_from(motion.eye_m, None if shadow is None else shadow.uniforms)
         self._rewrite(self._bytes.tobytes())
 
     def bind(self, view: int = 0, lens_focus: moderngl.Texture | None = None) -> None:

@@ -60,11 +60,9 @@ class ShadowMap:
             [1 / size_px, 1.5 * texel_m, 0.2 * texel_m / (2 * DEPTH_RANGE * radius_m), 0]
         )
         self.uniforms = ShadowUniforms(np.eye(4), self._bias)
-        self.triangles = 0
 
     def render(self, time_s: float, head: Pose) -> None:
         """Bring the map up to date after `GpuScene.update`, once for both eyes."""
-        self.triangles = 0
         if self._drawn_for == (time_s, head):
             return
         self._drawn_for = (time_s, head)
@@ -119,11 +117,10 @@ class ShadowMap:
         movement: Movement = "all"
         if self._live is not self._static:
             movement = "static" if clear else "moving"
-        self.triangles += self._gpu.run(
-            target.drawn,
+        target.drawn.run(
             lambda: self._gpu.draw_shadow(
                 self._clip_from_relative, self._origin_m, movement=movement
-            ),
+            )
         )
         self._ctx.disable_direct(_DEPTH_CLAMP)
 

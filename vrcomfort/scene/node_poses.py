@@ -64,7 +64,7 @@ class NodePoses:
         self.hands = self.hands_before = NO_HANDS
         self.moving = np.array([node.moving for node in scene.nodes], dtype=bool)
         self._generations = _generations(scene)
-        self._walk = [node for nodes, _ in self._generations for node in nodes]
+        self._walk = [node for nodes, _ in self._generations for node in nodes.tolist()]
         self.any_moving = bool(self._walk)
         self._any_locked = bool(self.locked.any())
         self._placed: dict[float, Placed] = {}
@@ -114,7 +114,7 @@ class NodePoses:
         return world[:-1]
 
 
-def _generations(scene: Scene) -> list[tuple[list[int], list[int]]]:
+def _generations(scene: Scene) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
     """Return the moving nodes and their parents: first those with static parents, and so on."""
     found: list[tuple[list[int], list[int]]] = []
     generation: dict[int, int] = {}
@@ -125,7 +125,7 @@ def _generations(scene: Scene) -> list[tuple[list[int], list[int]]]:
                 found.append(([], []))
             found[own][0].append(index)
             found[own][1].append(node.parent)
-    return found
+    return [(np.array(nodes), np.array(parents)) for nodes, parents in found]
 
 
 def relative_rows(world_from_node: Array, nodes: NDArray[np.intp], origin_m: Array) -> Array:

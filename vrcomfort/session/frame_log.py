@@ -364,11 +364,14 @@ class FrameLog:
         parts: Iterable[PartTime] = (),
     ) -> None:
         """Give late values to their rows and write every complete row."""
-        self._hashes.update((each.frame_index, each) for each in hashes)
-        self._hits.update((each.frame_index, each) for each in hits)
+        for image_hash in hashes:
+            self._hashes[image_hash.frame_index] = image_hash
+        for hit in hits:
+            self._hits[hit.frame_index] = hit
         for part in parts:
             self._parts.setdefault(part.frame_index, []).append(part)
-        self._focus.update((sample.frame_index, sample) for sample in samples)
+        for sample in samples:
+            self._focus[sample.frame_index] = sample
         for time in times:
             self._gpu_ms[time.frame_index] = time.gpu_ms
             self.timing.gpu.add(time.gpu_ms)
@@ -379,13 +382,14 @@ class FrameLog:
             self._write(index)
 
     def _is_whole(self, index: int) -> bool:
-        if self._waiting[index].image is not None and index not in self._hashes:
-            return False
-        if self._waiting[index].seeks_gaze and index not in self._hits:
-            return False
-        if self._waiting[index].part is not None and index not in self._parts:
-            return False
-        return index in self._focus and (not self.times_gpu or index in self._gpu_ms)
+        waiting = self._waiting[index]
+        return (
+            index in self._focus
+            and (not self.times_gpu or index in self._gpu_ms)
+            and (waiting.image is None or index in self._hashes)
+            and (not waiting.seeks_gaze or index in self._hits)
+            and (waiting.part is None or index in self._parts)
+        )
 
     def finish(
         self,

@@ -31,7 +31,7 @@ class Capture(NamedTuple):
     """One eye's image before and after the effects (bottom row first), and how it came about."""
 
     camera: EyeCamera
-    previous: PreviousCamera | None
+    previous: PreviousCamera
     head_from_eye: Pose
     sharp: NDArray[np.float32]
     blurred: NDArray[np.float32]

@@ -109,7 +109,7 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
         # The record's shader on tiles of four equal pixels: float32, before any limit.
         radii = DepthToCoc(EffectInputs(ctx, settings, colour, reads | {"depth": fours}, 3e4))
         largest = CocTileMinMax(ctx, radii, size_px=(100, 80), tile_px=2, defines=LEVELS)
-        radii.look_through(LEFT_EYE, near_m, eye_pose)
+        radii.see_with(seen(LEFT_EYE, near_m=near_m, head_from_eye=eye_pose).camera)
         largest.render()
         found = np.frombuffer(largest.target.read(), "f4").reshape(40, 50, 4)[..., 2] / 2
         px = lens_radius.px_per_dioptre(

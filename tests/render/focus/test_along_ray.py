@@ -116,7 +116,7 @@ def test_radii_are_those_of_float64_before_they_are_rounded(ctx, name, focus_m):
     focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
     radii = DepthToCoc(EffectInputs(ctx, settings, colour, {"depth": depth, "focus": focus}, 3e4))
     largest = CocTileMinMax(ctx, radii, size_px=(100, 80), tile_px=2, defines=LEVELS)
-    radii.look_through(LEFT_EYE, NEAR_M, EYES[0])
+    radii.see_with(seen(LEFT_EYE, near_m=NEAR_M, head_from_eye=EYES[0]).camera)
     largest.render()
     found = np.frombuffer(largest.target.read(), "f4").reshape(40, 50, 4)[..., 2]
     from_head = distance_from_head_m(

@@ -248,7 +248,7 @@ def test_a_ray_draws_only_what_it_meets(ctx):
     focus = make_focus_pass(ctx, gpu, Focus())
     gpu.update(0.0, HEAD)
     focus.render(HeadView(frame_index=0, display_time_ns=0, world_from_head=HEAD))
-    assert focus.triangles == 9 * 2
+    assert gpu.triangles == 9 * 2
 
 
 def test_every_rule_of_a_protocol_is_there():

@@ -21,7 +21,7 @@ from vrcomfort.scene.data import Scene
 
 
 class EyeFrame(NamedTuple):
-    """An eye of this frame, and the previous eye as motion blur counts it.
+    """An eye of this frame, and the previous eye as motion blur counts it: itself without any.
 
     `eye_index` is 0 for the left eye, which is drawn first. `step` is how the head got here, None
     where the frame before has nothing to do with this one. `still`: nothing moves in the image.
@@ -31,7 +31,7 @@ class EyeFrame(NamedTuple):
     display_time_ns: int
     head_from_eye: Pose
     camera: EyeCamera
-    previous: PreviousCamera | None = None
+    previous: PreviousCamera
     step: HeadStep | None = None
     still: bool = False
 

@@ -27,7 +27,6 @@ class FixedFocus:
     def __init__(self, inputs: FocusInputs) -> None:
         self._focus_m = inputs.settings.fixed_m
         self.texture = focus_texture(inputs.ctx, self._focus_m)
-        self.triangles = 0
 
     def render(self, view: HeadView) -> tuple[FocusSample, ...]:
         """Return the sample of this frame."""
@@ -59,7 +58,6 @@ class ScriptedFocus:
     def __init__(self, inputs: FocusInputs) -> None:
         self._settings = inputs.settings
         self.texture = focus_texture(inputs.ctx, self._focus_m(0.0))
-        self.triangles = 0
 
     def _focus_m(self, time_s: float) -> float:
         return scripted_focus_m(self._settings.script, time_s, self._settings.script_every_s)

@@ -91,7 +91,6 @@ class AutofocusZone:
         self._zone = inputs.ctx.framebuffer([self._semantic], self._depth)
         self._cleared = passes.clear([self._semantic, self._depth])
         self._drawn = passes.Pass(SEMANTIC_SHADER, inputs.gpu.images, self._cleared.writes)
-        self.triangles = 0
         self.defines, distance = _how_it_is_read(settings, inputs.near_m)
         self.constants: dict[str, Any] = {"reduced": 2, **distance}
         self._passes = () if settings.zone_mean_on == "cpu" else self._reduction()
@@ -175,9 +174,7 @@ class AutofocusZone:
         self._cleared.run(lambda: self._zone.clear(sky, depth=0.0))
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.depth_func = gl.DEPTH_FUNC
-        self.triangles = self._gpu.run(
-            self._drawn, lambda: self._gpu.draw_semantic(clip_from_relative, head.position)
-        )
+        self._drawn.run(lambda: self._gpu.draw_semantic(clip_from_relative, head.position))
         ctx.enable_only(moderngl.NOTHING)
 
     def _reduce_on_cpu(self, along_ray: _Place | None) -> None:

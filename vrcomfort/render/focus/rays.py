@@ -44,23 +44,19 @@ class NarrowRays:
         self.image = inputs.ctx.framebuffer([], self._depth)
         self._cleared = passes.clear([self._depth])
         self._drawn = passes.Pass(DEPTH_SHADER, inputs.gpu.images, self._cleared.writes)
-        self.triangles = 0
-        """Those of the last rays."""
 
     def draw(self, clips_from_head: Array, world_from_head: Pose) -> None:
         """Draw nine rays given by (9, 4, 4) projections, and bind their depths to unit 2."""
         ctx = self._ctx
         self.image.use()
-        self.image.viewport = (0, 0, RAYS, 1)
         self._cleared.run(lambda: self.image.clear(depth=0.0))
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.depth_func = gl.DEPTH_FUNC
         head_from_relative = rotation_only(world_from_head.rotation.T)
-        self.triangles = self._gpu.run(
-            self._drawn,
+        self._drawn.run(
             lambda: self._gpu.draw_depth(
                 clips_from_head @ head_from_relative, world_from_head.position, self._aim
-            ),
+            )
         )
         self.image.viewport = (0, 0, RAYS, 1)
         ctx.enable_only(moderngl.NOTHING)
@@ -140,11 +136,6 @@ class NineRays:
             "outlier_floor": floor,
         }
 
-    @property
-    def triangles(self) -> int:
-        """Return those of the last look."""
-        return self._narrow.triangles
-
     def look(self, view: HeadView) -> ProbeResult:
         """Draw the rays ahead."""
         return self.look_along(self._ahead, view.world_from_head)
@@ -200,11 +191,6 @@ class GazeRays:
         self.fragment = self._ahead.fragment
         self.defines = {**self._ahead.defines, "GAZE": 1}
         self.constants = self._ahead.constants
-
-    @property
-    def triangles(self) -> int:
-        """Return those of the last look."""
-        return self._ahead.triangles
 
     def look(self, view: HeadView) -> ProbeResult:
         """Draw the rays around the line of sight, if there is one.
@@ -274,8 +260,6 @@ class GazeHits:
         self._drawn = passes.Pass(SEMANTIC_SHADER, gpu.images, self._cleared.writes)
         self._free = [gl.dynamic_buffer(ctx, 2 * _FLOAT_BYTES) for _ in range(LATENCY + 1)]
         self._pending: deque[tuple[int, float, moderngl.Buffer]] = deque()
-        self.triangles = 0
-        """Those that the last look sent."""
         self.sought = False
         """Whether the last frame's gaze was known, and is looked along."""
 
@@ -284,7 +268,6 @@ class GazeHits:
     ) -> tuple[GazeHit, ...]:
         """Look along the gaze of a frame, if it is known; return the hit that is due."""
         ahead = head_from_gaze.pose.forward
-        self.triangles = 0
         self.sought = head_from_gaze.valid and ahead[2] <= -WIDEST_GAZE
         if not self.sought:
             return ()
@@ -309,9 +292,8 @@ class GazeHits:
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.depth_func = gl.DEPTH_FUNC
         clip_from_relative = clip_from_head @ rotation_only(head.rotation.T)
-        self.triangles = self._gpu.run(
-            self._drawn,
-            lambda: self._gpu.draw_semantic(clip_from_relative, head.position, numbered=True),
+        self._drawn.run(
+            lambda: self._gpu.draw_semantic(clip_from_relative, head.position, numbered=True)
         )
         ctx.enable_only(moderngl.NOTHING)
 

@@ -89,10 +89,6 @@ class FocusPass(Protocol):
     def texture(self) -> moderngl.Texture:
         """1×1 RGBA32F: x = focus, y = target of the refocus law, z = bits of the rays used."""
 
-    @property
-    def triangles(self) -> int:
-        """Those that the last frame sent."""
-
     def render(self, view: HeadView) -> tuple[FocusSample, ...]:
         """Find the focus of a frame, and return the samples that have arrived meanwhile."""
 
@@ -156,10 +152,6 @@ class Probe(Protocol):
     def constants(self) -> dict[str, Any]:
         """Its uniforms that never change; textures are at unit 2."""
 
-    @property
-    def triangles(self) -> int:
-        """Those of the last look."""
-
     def look(self, view: HeadView) -> ProbeResult:
         """Draw the small image."""
 
@@ -188,11 +180,6 @@ class FocusSearch:
         self._decided = Pass(probe.fragment, before, now_images)
         self._readback = Readback(ctx, inputs.near_m, settings.infinity_m)
         self._last_time_ns: int | None = None
-
-    @property
-    def triangles(self) -> int:
-        """Return those that the last frame sent."""
-        return self._probe.triangles
 
     def render(self, view: HeadView) -> tuple[FocusSample, ...]:
         """Find the focus of a frame, and return the samples that have arrived meanwhile.

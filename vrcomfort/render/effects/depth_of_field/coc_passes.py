@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import moderngl
 import numpy as np
 
-from vrcomfort.geometry import Array, Fov, Pose, focal_length_px, rotate
+from vrcomfort.geometry import Fov, Pose, focal_length_px, rotate
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass, max_reduction
 from vrcomfort.optics import blur_kernels
@@ -60,15 +60,6 @@ class EyeInHead(NamedTuple):
         return cls(forward, -position[2], rotated(-x, -y, -z, w, *position))
 
 
-class _Eye(NamedTuple):
-    """The eye whose radii the block gives."""
-
-    fov: Fov
-    near_m: float
-    head_from_eye: Pose
-    peripheral_axis: Array | None
-
-
 _MEMBERS = (
     "head_forward_in_view",
     "near_m",
@@ -96,7 +87,8 @@ class DepthToCoc:
         self.depth = inputs.reads["depth"]
         self._size_px = self.depth.size
         self.inputs = {"focus": inputs.reads["focus"]}
-        self._eye: _Eye | None = None
+        self._camera: EyeCamera | None = None
+        """Whose constants the block has."""
         self._of_frustum: dict[Fov, tuple[float, ...]] = {}
         self.max_radius_px = max_radius_of(settings, self._size_px)
         """Largest radius of the eye that constants were given for last."""
@@ -119,7 +111,7 @@ class DepthToCoc:
     ) -> FullscreenPass:
         """Return a pass that reads `depth` and includes ``coc_of_depth.glsl``.
 
-        It is drawn after :meth:`look_through`.
+        It is drawn after :meth:`see_with`.
         """
         return FullscreenPass(
             self._ctx,
@@ -132,32 +124,17 @@ class DepthToCoc:
     def adjust(self, settings: DepthOfField, infinity_m: float) -> None:
         """Take other settings of the same law, and another distance of the sky."""
         self._settings, self._infinity_m = settings, infinity_m
-        self._eye = None
+        self._camera = None
         self._of_frustum.clear()
 
     def see_with(self, camera: EyeCamera) -> None:
-        """Give shaders the constants of a camera; see :meth:`look_through`."""
-        self.look_through(camera.fov, camera.near_m, camera.head_from_eye, camera.peripheral_axis)
-
-    def look_through(
-        self, fov: Fov, near_m: float, head_from_eye: Pose, peripheral_axis: Array | None = None
-    ) -> None:
-        """Give shaders the constants of an eye, until another asks for its own.
-
-        `peripheral_axis`: (3,) centre of peripheral blur, in the head; None: its forward axis.
-        """
-        now = self._eye
-        if (
-            now is None
-            or now.head_from_eye is not head_from_eye
-            or now.peripheral_axis is not peripheral_axis
-            or (now.fov, now.near_m) != (fov, near_m)
-        ):
-            self._eye = _Eye(fov, near_m, head_from_eye, peripheral_axis)
-            self._rewrite(self._block.packed(self._constants(self._eye)))
+        """Give shaders the constants of a camera, until another asks for its own."""
+        if camera is not self._camera:
+            self._camera = camera
+            self._rewrite(self._block.packed(self._constants(camera)))
         self._buffer.bind_to_uniform_block(COC_BINDING)
 
-    def _constants(self, eye: _Eye) -> tuple[float, ...]:
+    def _constants(self, eye: EyeCamera) -> tuple[float, ...]:
         place, axis = EyeInHead.of(eye.head_from_eye), eye.peripheral_axis
         if axis is not None:
             axis = rotate(eye.head_from_eye.inverse().orientation, axis)
