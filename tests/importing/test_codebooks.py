@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from openpyxl import Workbook
 
 from tests.importing.test_wordings import answers_in, imported_from
 from tests.support.layouts import ENGLISH, write
@@ -109,3 +110,98 @@ def test_answers_in_own_words_are_nobody_s_covariate_and_test_is_nobody(tmp_path
     rows.append(["Test", "a", "f", *[3] * 16, "does it work"])
     imported = imported_from(write(tmp_path / "form.csv", rows))
     assert imported.participants == {f"P{n}": {"gender": "fm"[n % 2]} for n in range(1, 7)}
+
+
+def test_a_sheet_of_weights_is_no_condition_and_codes_of_two_sheets_are_one_person(
+    tmp_path: Path,
+) -> None:
+    names = ["Mental", "Physical", "Temporal", "Performance", "Effort", "Frustration"]
+    book = Workbook()
+    book.active.title = "ratings"
+    book.active.append(["Code", "Interface", *names])
+    weights, people = book.create_sheet("weights"), book.create_sheet("people")
+    weights.append(["Code", *names])
+    people.append(["Code", "Age"])
+    for n in range(1, 9):
+        for place, condition in enumerate(("screen", "headset")):
+            code = "p8" if n == 8 else f"P{n}"
+            book.active.append([code, condition, *(5 * (n + k + place) for k in range(6))])
+        weights.append([f"P{n}", *(([5, 4, 3, 2, 1, 0] * 2)[n % 6 : n % 6 + 6])])
+        people.append([f"P{n}", 20 + n])
+    book.save(tmp_path / "TLX_study.xlsx")
+    imported = imported_from(tmp_path / "TLX_study.xlsx")
+    assert {place.condition for _, place in imported.responses} == {"screen", "headset"}
+    assert imported.participants == {f"P{n}": {"age": str(20 + n)} for n in range(1, 9)}
+
+
+def test_an_export_with_a_row_for_each_question_of_two_tasks(tmp_path: Path) -> None:
+    head = ["Participant Private ID", "Task Name", "randomiser-h5gk", "Question Key", "Response"]
+    files = []
+    for task, moment in enumerate(("SSQ before", "SSQ after"), start=1):
+        rows: list[list[object]] = [head]
+        for person in range(8):
+            who = [9714050 + 37 * person, moment, ("Straight", "Curved")[person % 2]]
+            rows.append([*who, "BEGIN QUESTIONNAIRE", ""])
+            for n, answer in enumerate(given(person, task), start=1):
+                rows.append([*who, f"ssq-{n}", WORDS[answer].title()])
+                rows.append([*who, f"ssq-{n}-quantised", answer + 1])
+        rows.append(["END OF FILE", *[""] * 4])
+        files.append(
+            write(tmp_path / f"data_questionnaire-{'8xkp' if task < 2 else 'q2lm'}.csv", rows)
+        )
+    asked = [head, *([9714050 + 37 * n, "Demographics", "", "age", 20 + n] for n in range(8))]
+    files.append(write(tmp_path / "data_questionnaire-1t7c.csv", asked))
+    imported = suggest_mapping(files).imported
+    assert imported is not None
+    assert {(p.condition, p.timepoint) for _, p in imported.responses} == {
+        (c, t) for c in ("Straight", "Curved") for t in ("baseline", "post")
+    }
+    assert sorted(answers_in(imported)) == sorted(
+        given(person, task) for person in range(8) for task in (1, 2)
+    )
+
+
+def test_two_flags_are_the_condition_and_a_code_of_noughts_is_nobody(tmp_path: Path) -> None:
+    rows: list[list[object]] = [
+        [
+            "pid",
+            "trial",
+            "vignette",
+            "snap",
+            "start_misc",
+            *(f"misc_{n}" for n in (2, 4, 6)),
+            "end_misc",
+        ]
+    ]
+    rows.append(["000", 1, 0, 0, *[9] * 5])
+    for n in range(1, 9):
+        for trial in range(4):
+            flags = divmod((n + trial) % 4, 2)
+            rows.append([f"{n:03}", trial + 1, *flags, 0, trial, n, 5, trial])
+    imported = imported_from(write(tmp_path / "trials.csv", rows))
+    assert {p.participant for _, p in imported.responses} == {f"{n:03}" for n in range(1, 9)}
+    single = {(p.condition, p.timepoint) for name, p in imported.responses if name == "misc"}
+    assert single == {
+        (f"{a}_{b}", when) for a in "01" for b in "01" for when in ("baseline", "post")
+    }
+    assert {rating.onset_s for rating in imported.ratings} == {120, 240, 360}
+
+
+def test_questions_of_the_task_load_index_in_german_without_umlauts(tmp_path: Path) -> None:
+    asked = {
+        "mental_demand": "range_wie_anspruchsvoll_war_die_durchfuehrung_der_aufgabe_fuer_sie",
+        "temporal_demand": "range_wie_viel_zeitdruck_hatten_sie_bei_der_durchfuehrung_der_aufgabe",
+        "performance": "range_wie_hoch_war_ihr_erfolgserlebnis_bei_der_durchfuehrung_der_aufgabe",
+        "effort": "range_wie_hart_mussten_sie_arbeiten__um_ihr_leistungsniveau_zu_erreichen",
+    }
+    rows: list[list[object]] = [["user_ID", "stimuli_file", "rating_type", "rating"]]
+    for n in range(1, 8):
+        for stimulus in ("a.mp4", "b.mp4"):
+            rows += [
+                [n, stimulus, text, (7 * n + 3 * k) % 101] for k, text in enumerate(asked.values())
+            ]
+            rows.append([n, stimulus, "wie_hoch_war_die_anstrengung_beim_zuhoeren", 3])
+    imported = imported_from(write(tmp_path / "_ratings.csv", rows))
+    first = next(iter(imported.responses.values()))
+    assert dict(first.answers) == {item: 7 + 3 * k for k, item in enumerate(asked)}
+    assert {place.condition for _, place in imported.responses} == {"a.mp4", "b.mp4"}

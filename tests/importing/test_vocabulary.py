@@ -57,7 +57,8 @@ def test_a_shipped_file_with_one_more_line_is_a_vocabulary(shipped: Path, tmp_pa
     assert line[0] in text
     own = vocabulary(tmp_path, text.replace(line[0], "".join(line), 1))
     rows = [["ID", "Condition", "Kulisse", *ITEMS], *(["P1", c, "wald", *"0" * 16] for c in "ab")]
-    rows[0][ITEMS.index("sweating") + 3] = "Feuchte Hände"
+    rows[0].remove("sweating")
+    rows[0].append("Feuchte Hände")  # in no item's place
     rows[1][5:8] = ["none", "ziemlich", "severe"]
     file = write(tmp_path / "x.csv", rows)
     said = {

@@ -24,7 +24,7 @@ from vrcomfort.importing.suggest.draft import (
     write_doubts,
 )
 from vrcomfort.importing.suggest.evidence import names_fact
-from vrcomfort.importing.suggest.groups_of_files import say_groups
+from vrcomfort.importing.suggest.groups_of_files import say_groups, say_one_person
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
 from vrcomfort.importing.suggest.table_draft import TableDraft, pattern_of
 from vrcomfort.importing.suggest.vocabulary import (
@@ -98,6 +98,7 @@ def suggest_mapping(
         groups.setdefault((table.headings, rows), []).append(table)
     drafts = [TableDraft(tables, known) for tables in groups.values()]
     useful = [draft for draft in drafts if draft.gives] or drafts
+    say_one_person(useful)
     say_groups(useful, [draft for draft in drafts if draft not in useful])
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
     top = TomlDraft({"format_version": 1, "name": files[0].stem})

@@ -9,7 +9,7 @@ from typing import Any, Generic, TypeVar
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.block_conditions import without_products, without_repeats
 from vrcomfort.importing.suggest.evidence import Roles
-from vrcomfort.importing.suggest.items import FoundAnswers, find_blocks
+from vrcomfort.importing.suggest.items import FoundAnswers, are_weights, find_blocks
 from vrcomfort.importing.suggest.long_tables import find_long
 from vrcomfort.importing.suggest.questionnaires import (
     Drafted,
@@ -75,6 +75,9 @@ class AnswerColumns:
             self._found[layout] = [] if closed else layout.find(table, left, known)
             if layout is BLOCKS:
                 self._found[layout], self.products = without_products(table, self._found[layout])
+                weights = [each for each in self._found[layout] if are_weights(table, each)]
+                self._found[layout] = [e for e in self._found[layout] if e not in weights]
+                self.taken.update(c for each in weights for c in each.columns)
                 self._found[layout], self.repeated = without_repeats(table, self._found[layout])
                 self.taken.update((*self.repeated, *self.products))
             if layout is SCORES and self.products:

@@ -47,7 +47,8 @@ class Conditions(FactDraft):
         if len(columns) == 1 and (factors := self._with_another(columns[0])):
             self._join_condition(factors)
             names = ", ".join(repr(self.heading(column)) for column in factors)
-            self._roles.forget(factors[-1])
+            for factor in factors:
+                self._roles.forget(factor)
             question = f"Are conditions made of {names} together?"
             self.doubt(question, "they are, joined by _", CONDITIONS)
         elif len(columns) == 1:
@@ -126,19 +127,28 @@ class Conditions(FactDraft):
             self.doubt_of(found[0])
 
     def _with_another(self, column: int) -> list[int]:
-        """Return a column and another one of words, which tell a person's rows apart together."""
+        """Return a column and another one of words, which tell a person's rows apart together.
+
+        Beside a flag (0 or 1) it may be another flag: numbers of trials say no condition.
+        """
         who, rows = self._context.participant, self._table.rows
         if who is None or self._answers.row_keys or self._context.time is not None:
             return []
-        decided = [c for f, cs in self._context.columns.items() if f != "condition" for c in cs]
+        flag = self._is_flag(column)
+        no_keys = {"condition", "trial", "period"} if flag else {"condition"}
+        decided = [c for f, cs in self._context.columns.items() if f not in no_keys for c in cs]
         keys = [row[who] + "".join(f"/{row[c]}" for c in decided) for row in rows]
         if len({(key, row[column]) for key, row in zip(keys, rows, strict=True)}) == len(rows):
             return []
         for other, evidence in candidates("condition", self._roles.unknown, self._context):
             cells = {(k, row[column], row[other]) for k, row in zip(keys, rows, strict=True)}
-            if evidence is WORDS_WITHIN_PEOPLE and len(cells) == len(rows):
-                return [column, other]
+            alike = evidence is WORDS_WITHIN_PEOPLE or (flag and self._is_flag(other))
+            if alike and len(cells) == len(rows):
+                return sorted([column, other]) if flag else [column, other]
         return []
+
+    def _is_flag(self, column: int) -> bool:
+        return {*texts(self._table, column)} == {"0", "1"}
 
     def _factors(self, found: Sequence[Candidate]) -> list[int]:
         """Return the columns that tell a person's rows apart together, and none of them alone."""

@@ -87,6 +87,11 @@ class FactDraft:
         self._context.columns[fact] = (column,)
         if fact == "condition":
             more = {**self.names_of_codes(column), **more}
+        values = more.get("values")
+        if isinstance(values, dict) and self._answers.row_keys:
+            # Rows of other questions have words of their own.
+            whole = (text for table in self._answers.tables for text in texts(table, column))
+            more["values"] = values | {text: text for text in whole if text not in values}
         self.found.draft.put(fact, {"column": self.heading(column), **more}, comment)
 
     def names_of_codes(self, column: int) -> dict[str, object]:

@@ -157,6 +157,8 @@ class _Facts(FactDraft):
         ]
         if not self._roles.facts.get("session"):
             wanted.append("session")
+        if self._moments_of_files():
+            wanted = [fact for fact in wanted if fact == "participant"]
         sheets = list(dict.fromkeys(table.sheet for table in answers.tables))
         stems = list(dict.fromkeys(t.file.name.removesuffix(t.file.suffix) for t in answers.tables))
         ways = (("sheet_name", sheets, "sheets"), ("file_name", stems, "files"))
@@ -179,6 +181,15 @@ class _Facts(FactDraft):
             self.doubt(f"Do the names of the {what} ({shown}) say this?", said, NAMES_OF_FILES)
             if "condition" in parts.texts and "participant" not in parts.texts:
                 self._numbered_anew(what)
+
+    def _moments_of_files(self) -> bool:
+        """Return whether a column says the moment of each file: names of files say no more."""
+        found = candidates("timepoint", self._roles.unknown, self._context)
+        if not found or len({table.file for table in self._answers.tables}) < 2:
+            return False
+        words = {*texts(self._table, found[0].column)}
+        said = [{*table.column(found[0].column)} & words for table in self._answers.tables]
+        return all(len(each) <= 1 for each in said)
 
     def _numbered_anew(self, what: str) -> None:
         """Ask whether people who are counted from 1 in each sheet or file are the same ones."""

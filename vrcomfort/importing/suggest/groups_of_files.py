@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations
 
+from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import CONDITIONS, OpenDoubt
+from vrcomfort.importing.suggest.draft import CONDITIONS, SAME_PERSON, OpenDoubt
 from vrcomfort.importing.suggest.evidence import MOST_CONDITIONS, texts
 from vrcomfort.importing.suggest.table_draft import TableDraft
 
@@ -50,3 +51,25 @@ def _groups(tables: Sequence[SourceTable], heading: str) -> dict[str, list[str]]
     apart = all(not {*one} & {*other} for one, other in combinations(groups.values(), 2))
     several = all(len(group) >= _FEWEST for group in groups.values())
     return groups if apart and several and len(groups) == len(tables) else {}
+
+
+def say_one_person(drafts: Sequence[TableDraft]) -> None:
+    """Let a code that is alike to one of other tables be that one, where no table has both; ask."""
+    people: dict[str, list[TableDraft]] = {}
+    for draft in drafts:
+        said = draft.draft.values.get("participant")
+        if isinstance(said, dict) and {*said} == {"column"}:
+            column = draft.table.headings.index(said["column"])
+            for name in texts(draft.table, column):
+                people.setdefault(name, []).append(draft)
+    for usual, *others in (sorted(g, key=lambda n: (-len(people[n]), n)) for g in alike(people)):
+        for other in others:
+            for draft in people[other]:
+                if draft in people[usual]:
+                    continue
+                said = draft.draft.values["participant"]
+                if isinstance(said, dict):
+                    values = {**said.get("values", {}), other: usual}
+                    draft.draft.put("participant", {**said, "values": values})
+                question = f"Are {usual!r} and {other!r}, in different tables, one person?"
+                draft.doubts.append(OpenDoubt(question, "they are", *SAME_PERSON))

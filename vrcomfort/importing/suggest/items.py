@@ -148,6 +148,23 @@ def _by_codes(
     return []
 
 
+def are_weights(table: SourceTable, block: Found) -> bool:
+    """Return whether answers are those to comparisons of the items: they have one sum in each row.
+
+    The weights of the task load index stand in a sheet of their own, under its items' names.
+    """
+    scales = [scale for scale in block.instrument.scales if scale.weights_sum]
+    decimal = table.reading.decimal or "."
+    rows = [[number(row[column], decimal) for column in block.columns] for row in table.rows]
+    whole = [[cell for cell in row if cell is not None] for row in rows if None not in row]
+    sums = {sum(row) for row in whole}
+    most = max((cell for row in whole for cell in row), default=0.0)
+    return any(
+        sums == {scale.weights_sum} and most < len(block.columns) and len(whole) > 1
+        for scale in scales
+    )
+
+
 def _with_weights(found: Sequence[Found]) -> list[Found]:
     """Put weights, which are asked beside the items, into the block with most of their words."""
     weights = [b for b in found if not {*b.items} & {item.name for item in b.instrument.asked}]

@@ -311,9 +311,12 @@ def _instrument_column(
     for column in range(len(table.headings)):
         if column != item_column:
             words = texts(table, column)
-            if len(words) <= 8:
-                for word in words:
-                    short = mentions(word, [instrument]) and len(tokens(word)) <= _MOST_WORDS
-                    if plain(word) == plain(instrument.title) or short:
-                        return column, word
+            naming = [w for w in words if _names(w, instrument)] if len(words) <= 8 else []
+            if len(naming) == 1:  # two would be of two moments
+                return column, naming[0]
     return None
+
+
+def _names(text: str, instrument: Instrument) -> bool:
+    short = bool(mentions(text, [instrument])) and len(tokens(text)) <= _MOST_WORDS
+    return short or plain(text) == plain(instrument.title)

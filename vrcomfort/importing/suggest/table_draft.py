@@ -169,6 +169,9 @@ class TableDraft:
             if column not in self._roles.facts.get("participant", ()):
                 self._roles.forget(column)
         self._nobodys_rows()
+        self._whole = self.table
+        """The table with rows of other questions, where each has a row."""
+        self._rows_of_items()
         self._facts: dict[Layout[Any], list[dict[str, str]]] = {}
         """Layout → what the headings of its answers say."""
         self._beside: list[str | None] = []
@@ -473,6 +476,14 @@ class TableDraft:
             self.table = replace(self.table, rows=rows)
             self._totals[named[0]] = [*self._totals.get(named[0], []), ""]
 
+    def _rows_of_items(self) -> None:
+        """Take rows of other questions out of a long table: their facts are no answers' facts."""
+        words = {(e.item_column, text) for e in self._answers[LONG] for text in e.items.values()}
+        columns = {column for column, _ in words}
+        rows = tuple(r for r in self.table.rows if any((c, r[c]) in words for c in columns))
+        if rows:
+            self.table = replace(self.table, rows=rows)
+
     def _leave_out(self, participant: int | None) -> None:
         out = {column: list(dict.fromkeys(found)) for column, found in self._totals.items()}
         if participant is not None and not all(self.table.column(participant)):
@@ -512,7 +523,8 @@ class TableDraft:
             if layout.draft is None:
                 continue
             for found, own in zip(self._answers[layout], self._facts_of(layout), strict=True):
-                draft, doubts = layout.draft(self.table, found, own, self._known, self._roles)
+                table = self._whole if layout is LONG else self.table
+                draft, doubts = layout.draft(table, found, own, self._known, self._roles)
                 beside = self._beside[len(drafts)] if len(drafts) < len(self._beside) else None
                 if beside is not None and layout is self._answers.leading:
                     draft.put("beside", {"condition": beside})

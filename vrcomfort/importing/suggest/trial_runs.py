@@ -2,10 +2,24 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
+from collections.abc import Sequence
+
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.evidence import names_fact, texts
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 from vrcomfort.questionnaire import plain
+
+_NOBODY = re.compile(r"0+|9{2,}")
+
+
+def _code_of_nobody(codes: Sequence[str]) -> set[str]:
+    """Return the code ``000`` or ``999`` if it has fewer rows than each of the others."""
+    counts = Counter(code for code in codes if code)
+    found = {code for code in counts if _NOBODY.fullmatch(code)}
+    others = [count for code, count in counts.items() if code not in found]
+    return {code for code in found if others and counts[code] < min(others)}
 
 
 def rows_of_trial_runs(table: SourceTable, vocabulary: LabVocabulary) -> dict[int, list[str]]:
@@ -21,6 +35,8 @@ def rows_of_trial_runs(table: SourceTable, vocabulary: LabVocabulary) -> dict[in
         if names_fact(heading, "participant", vocabulary):
             words |= vocabulary.trial_runs.get("participant", frozenset())
         said = {row[column] for row in kept if plain(row[column]) in words}
+        if names_fact(heading, "participant", vocabulary):
+            said |= _code_of_nobody([row[column] for row in kept])
         rest = tuple(row for row in kept if row[column] not in said)
         if said and len(rest) * 2 > len(table.rows):
             found[column] = [text for text in texts(table, column) if text in said]

@@ -322,7 +322,8 @@ class LabVocabulary:
             sentences = [
                 (item.name, frozenset(words))
                 for item in instrument.asked
-                for text in (*item.spellings(), *self._items.get(item.name, ()))
+                for said in (*item.spellings(), *self._items.get(item.name, ()))
+                for text in dict.fromkeys((said, said.casefold().translate(_UMLAUTS)))
                 if len(words := tokens(bare(text))) >= FEWEST_OF_SENTENCE
             ]
             often = Counter(word for word, _ in {(w, i) for i, each in sentences for w in each})
