@@ -205,3 +205,33 @@ def test_questions_of_the_task_load_index_in_german_without_umlauts(tmp_path: Pa
     first = next(iter(imported.responses.values()))
     assert dict(first.answers) == {item: 7 + 3 * k for k, item in enumerate(asked)}
     assert {place.condition for _, place in imported.responses} == {"a.mp4", "b.mp4"}
+
+
+@pytest.mark.parametrize("label", ["Condition", "Group"])
+def test_a_table_of_people_says_the_condition_of_others(label: str, tmp_path: Path) -> None:
+    people: list[list[object]] = [["ID", "Age", label]]
+    people += [[f"S{n}", 20 + n, ("still", "moving")[n % 2]] for n in range(1, 9)]
+    rows: list[list[object]] = [["ID", "Session", *ENGLISH]]
+    for n in range(1, 9):
+        rows += [[f"S{n}", when, *given(n, k)] for k, when in enumerate(("pre", "post"), start=1)]
+    files = [write(tmp_path / "ssq.csv", rows), write(tmp_path / "people.csv", people)]
+    suggestion = suggest_mapping(files)
+    assert suggestion.imported is not None
+    assert {(p.participant, p.condition) for _, p in suggestion.imported.responses} == {
+        (f"S{n}", ("still", "moving")[n % 2]) for n in range(1, 9)
+    }
+    assert any("those of other tables" in doubt for doubt in suggestion.doubts)
+
+
+def test_codes_with_a_letter_are_their_numbers(tmp_path: Path) -> None:
+    columns = [f"SSQ{when}[SQ{n:03}]" for when in (1, 2) for n in range(1, 17)]
+    rows: list[list[object]] = [["id", "lastpage", "CODE", "GRP", *columns]]
+    for n in range(1, 9):
+        answers = [f"A{a + 1}" for a in (*[int(a > 1) for a in given(n, 1)], *given(n, 2))]
+        rows.append([n + 7, 5, f"KL{n}", f"G{n % 2}", *answers])
+    rows[1][-1] = "A4"
+    imported = imported_from(write(tmp_path / "results-survey.csv", rows))
+    assert {(p.condition, p.timepoint) for _, p in imported.responses} == {
+        (group, when) for group in ("G0", "G1") for when in ("baseline", "post")
+    }
+    assert answers_in(imported)[3] == given(2, 2)

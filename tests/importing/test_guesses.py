@@ -202,7 +202,7 @@ def test_files_that_list_other_people_each_say_the_condition(
     assert told == {
         who: (("Walk" if who[0] == "A" else "Stick") if apart else "all") for who in people
     }
-    assert any("the files that list them" in doubt for doubt in found.doubts) == apart
+    assert any("those of other tables" in doubt for doubt in found.doubts) == apart
 
 
 def test_items_whose_names_end_in_a_number_stand_beside_another_questionnaire(

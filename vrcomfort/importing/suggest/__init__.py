@@ -99,7 +99,7 @@ def suggest_mapping(
     drafts = [TableDraft(tables, known) for tables in groups.values()]
     useful = [draft for draft in drafts if draft.gives] or drafts
     say_one_person(useful)
-    say_groups(useful, [draft for draft in drafts if draft not in useful])
+    say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
     top = TomlDraft({"format_version": 1, "name": files[0].stem})
     if own:

@@ -185,6 +185,13 @@ def _words(
             values[value] = values.get(value, 0) + words[text]
         else:
             unknown.append(text)
+    if len({(code := _CODE.fullmatch(text)) and code[1] for text in unknown} - {None}) == 1 and all(
+        map(_CODE.fullmatch, unknown)
+    ):
+        for text in unknown:  # A1, A2 … of survey programs
+            numbered[text] = int(_CODE.sub(r"\2", text))
+            values[numbered[text]] = values.get(numbered[text], 0) + words[text]
+        unknown = []
     ordered = _in_order(words, found, unknown, instrument, vocabulary)
     if unknown and not ordered:
         shown = ", ".join(repr(text) for text in unknown[:8]) + (" …" if len(unknown) > 8 else "")
@@ -216,6 +223,7 @@ def _shifts_of(
     return shifts if len(shifts) == 1 else set()
 
 
+_CODE = re.compile(r"([A-Za-z]{1,2})0*(\d{1,2})")
 _ENDS = re.compile(r"\d+(?= ?\(|$)")
 """The number in ``0 (none)``."""
 

@@ -8,34 +8,57 @@ from itertools import combinations
 from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.draft import CONDITIONS, SAME_PERSON, OpenDoubt
-from vrcomfort.importing.suggest.evidence import MOST_CONDITIONS, texts
+from vrcomfort.importing.suggest.evidence import MOST_CONDITIONS, few_texts, roles_of, texts
 from vrcomfort.importing.suggest.table_draft import TableDraft
+from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 
 _FEWEST = 2
 """People of a group."""
 
 
-def say_groups(drafts: Sequence[TableDraft], others: Sequence[TableDraft]) -> None:
-    """Let files that list other people each say the condition of drafts that have none; and ask."""
+def say_groups(
+    drafts: Sequence[TableDraft], others: Sequence[TableDraft], vocabulary: LabVocabulary
+) -> None:
+    """Let files that list other people each say the condition of drafts that have none; and ask.
+
+    So does a table with a row for each person, and a column for the condition or the group.
+    """
     for draft in drafts:
         said = draft.draft.values.get("participant")
         column = said.get("column") if isinstance(said, dict) else None
         if draft.draft.values.get("condition") != {"constant": "all"} or column is None:
             continue
         people = {*texts(draft.table, draft.table.headings.index(column))}
-        for other in others:
-            groups = _groups(other.tables, column)
+        for other in (*others, *drafts):
+            groups = {} if other is draft else _groups(other.tables, column)
+            groups = groups or _groups_in(other.table, column, vocabulary)
             if groups and people <= {person for group in groups.values() for person in group}:
                 values = {p: name for name, group in groups.items() for p in group if p in people}
                 draft.draft.put("condition", {"column": column, "values": values})
                 draft.doubts = [d for d in draft.doubts if not d.question.startswith(_ONE)]
                 shown = "; ".join(f"{name}: {', '.join(g[:3])} …" for name, g in groups.items())
-                question = f"Are people's conditions the files that list them ({shown})?"
+                question = f"Are people's conditions those of other tables ({shown})?"
                 draft.doubts.append(OpenDoubt(question, "they are, between people", *CONDITIONS))
                 break
 
 
 _ONE = "No column says the condition"
+
+
+def _groups_in(table: SourceTable, heading: str, vocabulary: LabVocabulary) -> dict[str, list[str]]:
+    """Return condition → its people, of a table with a row for each person."""
+    if heading not in table.headings:
+        return {}
+    people = table.column(table.headings.index(heading))
+    roles = roles_of(table, range(len(table.headings)), vocabulary)
+    columns = [*roles.facts.get("condition", ()), *filter(None, [roles.covariates.get("group")])]
+    columns = [c for c in columns if few_texts(table, c)]
+    if not columns or len({*people}) < len(people):
+        return {}
+    groups: dict[str, list[str]] = {}
+    for person, text in zip(people, table.column(columns[0]), strict=True):
+        groups.setdefault(table.meaning(columns[0], text), []).append(person)
+    return groups
 
 
 def _groups(tables: Sequence[SourceTable], heading: str) -> dict[str, list[str]]:
