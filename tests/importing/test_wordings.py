@@ -402,3 +402,19 @@ def test_all_but_one_of_sixteen_items_are_no_short_questionnaire(tmp_path: Path)
     rows += [[f"P{n}", "a", *((n + k) % 4 for k in range(16))] for n in range(6)]
     file = write(tmp_path / "answers.csv", rows)
     assert {instrument for instrument, _ in imported_from(file).responses} == {"ssq"}
+
+
+@pytest.mark.parametrize(
+    ("odd", "answer", "asked"),
+    [("moderdo", 2, "misspelt"), ("33", None, "rare"), ("x", None, "rare")],
+)
+def test_an_odd_cell_among_many_answers_is_asked_about(
+    odd: str, answer: int | None, asked: str, tmp_path: Path
+) -> None:
+    words = ["ninguno", "leve", "moderado", "severo"] if asked == "misspelt" else [*"0123"]
+    rows: list[list[object]] = [["id", "condition", *ENGLISH]]
+    rows += [[f"P{n}", "a", *(words[(n + k) % 4] for k in range(16))] for n in range(8)]
+    rows[1][4] = odd
+    file = write(tmp_path / "ssq.csv", rows)
+    assert answers_in(imported_from(file))[0][:4] == [0, 1, answer, 3]
+    assert any(repr(odd) in doubt and asked in doubt for doubt in suggest_mapping([file]).doubts)

@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from types import MappingProxyType
 
 from vrcomfort.importing.answers import number
@@ -192,14 +193,59 @@ def _words(
             numbered[text] = int(_CODE.sub(r"\2", text))
             values[numbered[text]] = values.get(numbered[text], 0) + words[text]
         unknown = []
+    unknown = _misspelt(unknown, said, found)
     ordered = _in_order(words, found, unknown, instrument, vocabulary)
-    if unknown and not ordered:
+    odd = {text: words[text] for text in unknown}
+    of = sum(words.values()) + sum(values.values())
+    if unknown and not ordered and not _are_rare(odd, of, instrument, found):
         shown = ", ".join(repr(text) for text in unknown[:8]) + (" …" if len(unknown) > 8 else "")
         question = f"Which answers of {instrument.name} are the words {shown}?"
         found.doubts.append(
             OpenDoubt(question, "none yet: give them under answers, or under missing", *REFUSED)
         )
     return numbered, shifts if bare else set()
+
+
+def _misspelt(unknown: Sequence[str], said: Mapping[str, int], found: Coding) -> list[str]:
+    """Take words that are nearly an answer's for it, and ask; return the others."""
+    rest, taken = [], []
+    for text in unknown:
+        key = plain(text)
+        near = get_close_matches(key, said, cutoff=_NEAR) if len(key) >= _LONG else []
+        if near and len({said[word] for word in near}) == 1:
+            found.answers[text] = said[near[0]]
+            taken.append(f"{text!r} is {said[near[0]]}")
+        else:
+            rest.append(text)
+    if taken:
+        question = f"Are these answers misspelt: {', '.join(taken[:6])}?"
+        found.doubts.append(OpenDoubt(question, "they are, as `answers` has them", *CODING))
+    return rest
+
+
+_NEAR, _LONG = 0.8, 5
+"""How alike a misspelt word is to the right one, and its letters at least."""
+
+
+def _are_rare(texts: Mapping[str, int], of: int, instrument: Instrument, found: Coding) -> bool:
+    """Take one or a few odd cells among many answers for missing ones, and ask.
+
+    Parameters
+    ----------
+    texts
+        Text → how often it was met, among `of` answers.
+    """
+    if len(texts) > _FEW_ODD or sum(texts.values()) * _ODD_OF > of:
+        return False
+    found.missing += texts
+    shown = ", ".join(map(repr, texts))
+    question = f"What does {shown} mean, so rare among answers of {instrument.name}?"
+    found.doubts.append(OpenDoubt(question, "nothing: the answer is missing", *CODING))
+    return True
+
+
+_FEW_ODD, _ODD_OF = 3, 50
+"""Different texts, and answers among which there is at most one such cell."""
 
 
 def _shifts_of(
@@ -365,7 +411,9 @@ def _numbers(
         found.coded_from = low + 1
         question = f"Are the answers {low + 1} to {high + 1} in place of {low} to {high}?"
         found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}", *CODING))
-    elif rest:
+    elif rest and not _are_rare(
+        {str(value): values[value] for value in rest}, sum(values.values()), instrument, found
+    ):
         shown = ", ".join(map(str, rest[:6]))
         question = f"What do the answers {shown} mean? {instrument.name} has {low} to {high}."
         found.doubts.append(OpenDoubt(question, "the import will refuse them", *REFUSED))
