@@ -12,6 +12,9 @@ for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 
 # ruff: noqa: E402
 from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
 
 import moderngl
 import pytest
@@ -23,6 +26,9 @@ from tests.support.openxr import fresh_monado
 from vrcomfort.cli import main
 from vrcomfort.gpu import gl
 from vrcomfort.headset.monado import Monado, RemoteFeed
+from vrcomfort.resources import data_folder
+from vrcomfort.scene import load
+from vrcomfort.scene.gltf.budget import SceneBudget
 
 # A busy machine fails no test. The same code meets the same examples: `make explore` draws others.
 UNHURRIED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -111,6 +117,20 @@ def _no_waiting_for_the_disk() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         for name in ("fsync", "fdatasync"):
             patch.setattr(os, name, lambda _: None, raising=False)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _shipped_scenes_are_read_once() -> Iterator[None]:
+    """Reading them takes longer than most tests of what is shown in them; nothing changes one."""
+    read = cache(load._read)
+
+    def reading(path: Path, budget: SceneBudget | None) -> Any:
+        shipped = budget is None and path.parent == data_folder("scenes")
+        return (read if shipped else read.__wrapped__)(path, budget)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(load, "_read", reading)
         yield
 
 

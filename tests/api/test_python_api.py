@@ -9,6 +9,7 @@ import json
 import subprocess
 import sys
 import warnings
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ import vrcomfort
 from tests.support.places import ROOT
 from tests.support.report import foreign
 from vrcomfort import stats
+from vrcomfort.api.simulation import simulate_sessions
 from vrcomfort.cli import main
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.resources import data_folder
@@ -420,3 +422,17 @@ def test_a_plan_with_other_settings_than_its_text_is_refused(tmp_path: Path) -> 
     with pytest.raises(vrcomfort.InputError, match="settings that are not in its text"):
         vrcomfort.write_report(study, tmp_path / "out", plan=changed, forms=())
     assert not (tmp_path / "out" / "index.html").exists()
+
+
+def test_progress_counts_the_participants_that_are_simulated(tmp_path):
+    told = []
+
+    @contextmanager
+    def progress(title, total, *, unit=""):
+        told.append((title, total, unit))
+        yield lambda: told.append(1)
+
+    protocol = vrcomfort.load_protocol("smoke")
+    more = {"size_px": (16, 16), "frames": False, "progress": progress}
+    simulate_sessions(protocol, participants=2, out=tmp_path / "S", **more)
+    assert told == [("simulated", 2, "participants"), 1, 1]

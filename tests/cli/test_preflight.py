@@ -13,6 +13,7 @@ import pytest
 
 from tests.support.places import ROOT
 from tests.support.study import PROTOCOL, tiny_protocol
+from vrcomfort.api.timed_show import Cost, TimedShow
 from vrcomfort.cli.preflight_checks import CHECKS, Preflight
 from vrcomfort.cli.run import DESKTOP, OPENXR, PLAYBACK, RunOptions, _preflight
 from vrcomfort.errors import InputError
@@ -21,6 +22,7 @@ from vrcomfort.protocol import load_protocol
 from vrcomfort.records.disk import OWNER
 from vrcomfort.records.json_file import PreflightShape
 from vrcomfort.records.preflights import FILE, read_preflight, why_again, write_preflight
+from vrcomfort.session.frame_log import TrialTiming
 
 Run = Callable[..., tuple[int, str, str]]
 FIND = {check.name: check.find for check in CHECKS}
@@ -59,6 +61,18 @@ def test_what_is_found_is_shown_and_written(run: Run, tmp_path: Path) -> None:
     assert content["timing"]["frames"] == pytest.approx(0.3 * 72, abs=2)
     assert content["apparatus"]["image size of an eye"] == "32×40"
     assert content["outcome"] in {"ok", "notice"}
+
+
+@pytest.mark.parametrize(
+    ("busy_ms", "outcome"), [(None, "ok"), (5.0, "ok"), (9.0, "notice"), (12.0, "notice")]
+)
+def test_a_rate_that_is_just_held_is_told(busy_ms: float | None, outcome: str) -> None:
+    timing = TrialTiming(frames=9)
+    if busy_ms is not None:
+        timing.cpu.add(busy_ms)
+    show = TimedShow(Cost("temple", "both", 3.0), timing, period_ms=10.0)
+    about = replace(flight(), shown=show)
+    assert outcomes("rate holds", about) == [outcome]
 
 
 def test_codes_for_words_stand_in_the_way(run: Run, tmp_path: Path) -> None:

@@ -65,14 +65,20 @@ def test_time_goes_on_after_everything_on_record(tmp_path: Path) -> None:
     assert [float(each) for each in began] == [400.0]
 
 
+@pytest.fixture(scope="module")
+def whole_bytes(tmp_path_factory: pytest.TempPathFactory) -> int:
+    """Return how many bytes a whole session takes."""
+    return resumed.length(tmp_path_factory.mktemp("whole"), "full disk")
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="sessions are run in forks of this process")
 @pytest.mark.parametrize("share", [0.1, 0.4, 0.8])
 def test_a_disk_that_was_full_and_has_room_again_leaves_a_whole_session(
-    tmp_path: Path, share: float
+    tmp_path: Path, whole_bytes: int, share: float
 ) -> None:
     study = tmp_path / "case" / "study"
     study.parent.mkdir()
-    size_bytes = int(share * resumed.length(tmp_path, "full disk"))
+    size_bytes = int(share * whole_bytes)
     fate = steps.Fate("full disk", size_bytes)
     code, _ = steps.run(partial(resumed.work, study, resume=False), fate, study.parent)
     assert code == steps.REFUSED

@@ -5,6 +5,7 @@ import pytest
 
 from tests.support.render import DARK, at, box, eye, floor, glowing, mesh, scene, wall
 from vrcomfort.geometry import Pose, axis_angle
+from vrcomfort.render.lighting import LampReach
 from vrcomfort.render.output import distance_m, read_depth, read_linear, read_texture
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Environment, Image, LodLevel, Material, PointLight
@@ -190,3 +191,11 @@ def test_the_whole_range_of_half_floats_stays_finite(ctx):
     colour, _ = drawn(ctx, scene([at(0, 0, -1)], [wall(4)], [blinding]))
     assert colour.max() == pytest.approx(65504)
     assert np.isfinite(colour).all()
+
+
+def test_a_lamp_reaches_the_boxes_within_its_range():
+    """The nearest sides of boxes are 0.9, 1.2, 2.9 and 3.1 m away."""
+    lamps = tuple(PointLight((0.0, 0.0, 0.0), WHITE, range_m) for range_m in (1.0, 3.0))
+    centers = np.array([[1.4, 0.0, 0.0], [0.0, -1.7, 0.0], [0.0, 0.0, 3.4], [-3.6, 0.0, 0.0]])
+    reach = LampReach(replace(DARK, point_lights=lamps))
+    assert reach.bits(centers, np.full((4, 3), 0.5)).tolist() == [3, 2, 2, 0]

@@ -516,3 +516,19 @@ def test_what_is_measured_and_practised_before_is_no_part_of_an_exposure(tmp_pat
     assert len(before) > 10 + 20 + 10  # 2 s of practice, and a validation
     assert first.first == len(before) - 10
     assert [each.first == each.shown for each in session.exposures[1:]] == [True]
+
+    file = tmp_path / SESSION / "events.csv"
+    header, *lines = file.read_text().splitlines(keepends=True)
+    place = next(n for n, line in enumerate(lines) if ",training," in line)
+    onset, rest = lines[place].split(",", 1)
+    lines.insert(place + 1, f"{float(onset) + 0.5},{rest}")  # it began again
+    file.write_text("".join([header, *lines]))
+    assert read_session(tmp_path / SESSION).exposures[0].first == first.first
+
+
+def test_the_first_frame_begins_anew_whatever_came_before_the_file(study: Path) -> None:
+    file = study / SESSION / "frames.csv"
+    header, line, rest = file.read_text().split("\n", 2)
+    cells = dict(zip(header.split(","), line.split(","), strict=True)) | {"discontinuity": "0"}
+    file.write_text("\n".join([header, ",".join(cells.values()), rest]))
+    assert read_session(study / SESSION).trace.cuts[0]

@@ -3,6 +3,7 @@
 import time
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from tests.support.waiting import WAIT_S
@@ -92,6 +93,15 @@ def test_a_gpu_is_given_more_frames_than_a_software_rasteriser(ctx, monkeypatch)
     assert (rounds_of(Scope(), ctx), rounds_of(Scope(quick=True), ctx)) == (9, 3)
     monkeypatch.setattr(adapters, "SOFTWARE", ())
     assert rounds_of(Scope(quick=True), ctx) >= 300
+
+
+def test_percentiles_are_those_that_they_are_called():
+    """Of frames whose effect takes 1, 2, … ms."""
+    timed = [{"scene": (1.0, 2), "motion_blur": (each * 1e-3, 2)} for each in range(1, 1001)]
+    found = costs._summary("ours", timed, np.ones(1000), np.zeros(1000))
+    assert found.effect_ms == pytest.approx(500.5)
+    assert found.effect_p95_ms == pytest.approx(950)
+    assert found.effect_p99_ms == pytest.approx(990)
 
 
 @pytest.mark.parametrize("on_gpu", [False, pytest.param(True, marks=pytest.mark.slow)])

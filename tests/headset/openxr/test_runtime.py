@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import islice
@@ -126,3 +127,32 @@ def test_a_fault_of_the_script_is_a_sentence(
 def test_a_line_that_is_none_refuses_the_runtime(ctx: moderngl.Context, tmp_path: Path) -> None:
     with pytest.raises(InputError), headset(ctx, tmp_path, "5 head 1 2"):
         pass
+
+
+def test_patience_begins_anew_with_each_frame_that_is_seen(
+    ctx: moderngl.Context, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now_s, passed_s = time.monotonic, [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now_s() + passed_s[0])
+    settings = OpenXrSettings(image_size_px=SIZE_PX, patience_s=600.0)
+    with (
+        ScriptedRuntime(tmp_path, "speed 0\n9-9999 present 0\n"),
+        OpenXrHeadset(ctx, settings) as made,
+    ):
+        frames = made.frames()
+
+        def is_there(count: int) -> list[bool | None]:
+            taken = []
+            for frame in islice(frames, count):
+                made.submit(frame, None)
+                taken.append(frame.user_present)
+            return taken
+
+        assert is_there(5) == [True] * 5
+        passed_s[0] = 500.0
+        assert is_there(5) == [True] * 5
+        passed_s[0] = 1000.0
+        assert is_there(5) == [False] * 5
+        passed_s[0] = 1200.0
+        with pytest.raises(RuntimeLostError, match="600 s"):
+            is_there(1)
