@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -235,3 +236,30 @@ def test_codes_with_a_letter_are_their_numbers(tmp_path: Path) -> None:
         (group, when) for group in ("G0", "G1") for when in ("baseline", "post")
     }
     assert answers_in(imported)[3] == given(2, 2)
+
+
+def test_sidecars_say_items_and_levels_and_are_no_tables(tmp_path: Path) -> None:
+    columns = [f"ssq_{n:02}" for n in range(1, 17)]
+    rows: list[list[object]] = [["participant_id", "session_id", *columns]]
+    for n in range(1, 9):
+        for when, moment in enumerate(("ses-baseline", "ses-posttask"), start=1):
+            rows.append([f"sub-{n:03}", moment, *(given(n, when)[k] for k in ALPHABETICAL)])
+    levels = {str(answer): word for answer, word in enumerate(WORDS)}
+    said: dict[str, object] = {
+        column: {"LongName": ENGLISH[item], "Description": "right now", "Levels": levels}
+        for column, item in zip(columns, ALPHABETICAL, strict=True)
+    }
+    said["session_id"] = {"Description": "when it was asked"}
+    (tmp_path / "ssq.json").write_text(json.dumps(said), encoding="utf-8")
+    files = [write(tmp_path / "ssq.csv", rows), tmp_path / "ssq.json"]
+    imported = suggest_mapping(files).imported
+    assert imported is not None
+    found = {
+        (place.participant, place.timepoint): [each.answers[name] for name in NAMES]
+        for (_, place), each in imported.responses.items()
+    }
+    assert found == {
+        (f"sub-{n:03}", moment): given(n, when)
+        for n in range(1, 9)
+        for when, moment in enumerate(("baseline", "post"), start=1)
+    }

@@ -15,7 +15,7 @@ from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.sections import sections
 from vrcomfort.importing.source import Grid, Reading, SourceTable
-from vrcomfort.importing.suggest.codebooks import with_codebooks
+from vrcomfort.importing.suggest.codebooks import is_sidecar, with_codebooks
 from vrcomfort.importing.suggest.draft import (
     REFUSED,
     ROWS,
@@ -97,7 +97,7 @@ def suggest_mapping(
         rows = None if table.reading.sections else table.reading.heading_rows
         groups.setdefault((table.headings, rows), []).append(table)
     drafts = [TableDraft(tables, known) for tables in groups.values()]
-    useful = [draft for draft in drafts if draft.gives] or drafts
+    useful = [d for d in drafts if d.gives and not is_sidecar(d.tables[0], read)] or drafts
     say_one_person(useful)
     say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))

@@ -72,6 +72,9 @@ def legend(text: str) -> dict[str, str]:
 def _explained(book: SourceTable, table: SourceTable) -> Iterator[tuple[str, list[str]]]:
     """Yield each heading of a table that a codebook explains, with the other cells of its row."""
     places = {heading: place for place, heading in enumerate(table.headings)}
+    if sidecar := _sidecar(book, places):
+        yield from sidecar.items()
+        return
     for column in range(len(book.headings)):
         cells = [cell for cell in book.column(column) if cell]
         rows = [(_range(cell, places), cell) for cell in dict.fromkeys(cells)]
@@ -86,6 +89,30 @@ def _explained(book: SourceTable, table: SourceTable) -> Iterator[tuple[str, lis
             for place in named.get(row[column], ()):
                 yield table.headings[place], others
         return
+
+
+def _sidecar(book: SourceTable, places: Mapping[str, int]) -> dict[str, list[str]]:
+    """Return heading → what a JSON file says of it, as BIDS has it: texts, and levels."""
+    split = [heading.split(".", 1) for heading in book.headings]
+    named = {name for name, *inner in split if inner and name in places}
+    if len(book.rows) != 1 or len(named) < _FEWEST_OF_SIDECAR:
+        return {}
+    said: dict[str, list[str]] = {name: [] for name in places if name in named}
+    levels: dict[str, list[str]] = {name: [] for name in said}
+    for (name, *inner), cell in zip(split, book.rows[0], strict=True):
+        if name in said and cell and inner:
+            key, _, code = inner[0].rpartition(".")
+            (levels if key else said)[name].append(f"{code} = {cell}" if key else cell)
+    return {name: [*said[name], "; ".join(levels[name])] for name in said}
+
+
+_FEWEST_OF_SIDECAR = 2
+
+
+def is_sidecar(book: SourceTable, tables: Sequence[SourceTable]) -> bool:
+    """Return whether a JSON file says of the columns of another table what they are."""
+    others = (table for table in tables if table.file != book.file)
+    return any(_sidecar(book, dict.fromkeys(table.headings, 0)) for table in others)
 
 
 def _range(cell: str, places: Mapping[str, int]) -> list[int]:
