@@ -139,9 +139,11 @@ def test_conditions_that_are_equally_often_met_are_not_misspelt(
 def test_who_has_a_row_twice_is_named(tmp_path: Path) -> None:
     rows = crossover(["a", "b"])
     file = write(tmp_path / "x.csv", [*rows, rows[4]])
-    (doubt,) = suggest_mapping([file]).doubts
-    assert "more than once: P1. " in doubt
-    assert "row 18 is the same as row 5" in doubt
+    suggested = suggest_mapping([file])
+    (doubt,) = suggested.doubts
+    assert "Were rows of P1 saved twice (row 18 is the same as row 5)?" in doubt
+    assert suggested.imported is not None
+    assert any("counted once" in note for note in suggested.imported.notes)
 
 
 def test_codes_under_name_tell_people_apart_and_names_are_numbered(tmp_path: Path) -> None:

@@ -222,7 +222,7 @@ BAD: dict[str, tuple[str, list[list[object]], str]] = {
     ),
     "high": ("", [["a", "b", 4]], "row 2, column 'General discomfort': '4' is out of range"),
     "part": ("", [["a", "b", 1.5]], "row 2, column 'General discomfort': '1.5' is no whole number"),
-    "twice": ("", [["a", "b", 1], ["a", "b", 1]], "row 3.*answered a second time.*x.csv, row 2"),
+    "twice": ("", [["a", "b", 1], ["a", "b", 2]], "row 3.*answered a second time.*x.csv, row 2"),
     "nobody": ("", [["", "b", 1]], "row 2, column 'who': there is no participant"),
     "value": (
         'condition = { column = "what", values = { c = "d" } }',

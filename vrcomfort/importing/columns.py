@@ -97,6 +97,14 @@ class Columns:
         self._ignore()
 
     @property
+    def of_answers(self) -> tuple[int, ...]:
+        """Return the indices of the columns of answers and scores, and of the times of ratings."""
+        blocks = (*self.blocks, *self.scores)
+        single = [c for block in blocks for c in (block.response_column, block.time_column)]
+        columns = (*single, *(c for block in blocks for c in block.columns))
+        return tuple(c for c in dict.fromkeys(columns) if c is not None)
+
+    @property
     def suspicions(self) -> list[str]:
         """Return a sentence for each item that was not asked, though a column looks like it."""
         return [
@@ -431,7 +439,9 @@ class RowFacts:
         self._numbers = numbers
         self._repeats: dict[tuple[str, ...], int] = defaultdict(int)
         self._of_table = self._captured(mapping.sheet_name, table.sheet, "sheet")
-        name = table.file.name.removesuffix(table.file.suffix)
+        said = mapping.file_name or mapping.file_pattern
+        folders = table.file.absolute().parts[:-1][-said.count("/") :] if "/" in said else ()
+        name = "/".join((*folders, table.file.name.removesuffix(table.file.suffix)))
         self._of_table |= self._captured(mapping.file_name, name, "file's name")
         self._of_table |= self._matched(mapping.file_pattern, name)
         self._sources = [
@@ -474,15 +484,31 @@ class RowFacts:
         InputError
             If a text is not among the mapping's values, with row and column.
         """
+        return self._of_row(self._sources, cells, row)
+
+    def participant(self, cells: tuple[str, ...], row: int) -> str:
+        """Return the participant of a row alone."""
+        sources = [each for each in self._sources if each[0] == "participant"]
+        return self._of_row(sources, cells, row).get("participant", "")
+
+    def _of_row(
+        self,
+        sources: Sequence[tuple[str, Fact, list[int] | None]],
+        cells: tuple[str, ...],
+        row: int,
+    ) -> dict[str, str]:
         facts = {}
-        for name, fact, columns in self._sources:
+        for name, fact, columns in sources:
             text = self._said(name, fact, columns, cells)
-            if text or (not columns and "" in fact.values):
+            if text or "" in fact.values:
                 facts[name] = self.renamed(name, text, row) if fact.values else text
         if self._mapping.participant.count and "participant" in facts:
             facts["participant"] = self._numbers.of(("participant",), facts["participant"])
         elif self._mapping.participant.count:
             facts["participant"] = f"R{row:03d}"
+        if self._mapping.participant.apart and facts.get("participant"):
+            place = self._table.sheet or self._table.file.name.removesuffix(self._table.file.suffix)
+            facts["participant"] = f"{place}_{facts['participant']}"
         return facts
 
     def _said(

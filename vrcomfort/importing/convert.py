@@ -85,9 +85,16 @@ class TableImport:
         self._columns = Columns(table, mapping, known)
         self._facts = RowFacts(table, mapping, self._columns, numbers)
         self._all_blocks = (*self._columns.blocks, *self._columns.scores)
+        self._answer_columns = self._columns.of_answers
+        self._events = 0
+        self._sparse: dict[int, bool] = {}
         self._beside = [tuple(block.beside.values()) for block in self._all_blocks]
         self._known_administrations: dict[tuple[object, ...], list[Administration]] = {}
+        self._behind: dict[tuple[str, Administration], list[Rating]] = {}
+        """Blank ratings since the last one of a course that has a column for each time."""
         self._left_out = 0
+        self._again: list[str] = []
+        """Rows whose answers another row has given already."""
         self._blank: Counter[str] = Counter()
         self._unknown_items: dict[str, list[tuple[int, int]]] = {}
         """Text that is no item → row and column of each such cell."""
@@ -116,16 +123,17 @@ class TableImport:
                 elsewhere += [cells[i] for i in block.where]
             else:
                 taken.append(place)
-        for place, administration in zip(
-            taken, self._administrations_of(taken, cells, row), strict=True
-        ):
+        if taken and not any(map(cells.__getitem__, self._answer_columns)):
+            self._events += 1  # a row of a log without answers may say anything of its exposure
+            taken = []
+        administrations = self._administrations_of(taken, cells, row) if taken else []
+        for place, administration in zip(taken, administrations, strict=True):
             self._take(place, self._all_blocks[place], administration, cells, row)
         if elsewhere and not taken:
             self._elsewhere[", ".join(dict.fromkeys(elsewhere))] += 1
         self._ends(cells, row)
         if self._columns.participants:
-            who = self._facts.of_row(cells, row).get("participant", "")
-            self._covariates(who, cells, row)
+            self._covariates(self._facts.participant(cells, row), cells, row)
 
     def _ends(self, cells: tuple[str, ...], row: int) -> None:
         """Read how long the exposures of a row lasted."""
@@ -269,6 +277,9 @@ class TableImport:
         response = self._imported.responses.setdefault(
             (name, administration), ImportedResponse(here)
         )
+        if all(i in response.answers and response.answers[i] == a for i, a in answers.items()):
+            self._again.append(f"row {row} says what row {response.place.row} said")
+            return
         for column, item in found:
             self._require_unanswered(response, item, administration, row, column)
             response.answers[item] = answers[item]
@@ -296,11 +307,31 @@ class TableImport:
         for column, item in self._items(block, cells, row):
             response = self._read(place, block, item, cells[column], row, column)
             rating = Rating(administration, block.instrument.name, onset_s, response)
-            self._imported.ratings.append(rating)
             here = SourceRow(self._table.file.name, self._table.sheet, row)
             summaries = block.source.summaries if isinstance(block.source, Questionnaire) else ()
             key = block.instrument.name, administration
-            self._made.courses.setdefault(key, (here, summaries, []))[2].append(rating)
+            if response is None and self._is_sparse(block):
+                self._events += 1  # a row of a log of more than ratings
+                continue
+            # Blank cells behind the last rating of a row are no missed ones: nobody asked.
+            blank = self._behind.setdefault(key, [])
+            if response is None and block.onset_s is not None:
+                blank.append(rating)
+                continue
+            self._imported.ratings += [*blank, rating]
+            course = self._made.courses.setdefault(key, (here, summaries, []))[2]
+            course += [*blank, rating]
+            blank.clear()
+
+    def _is_sparse(self, block: Block) -> bool:
+        """Return whether most rows of a table with times have no rating."""
+        if block.time_column is None or not block.columns:
+            return False
+        column = next(iter(block.columns))
+        if column not in self._sparse:
+            cells = self._table.column(column)
+            self._sparse[column] = cells.count("") * 2 >= len(cells)
+        return self._sparse[column]
 
     def _scores(
         self, block: Block, administration: Administration, cells: tuple[str, ...], row: int
@@ -385,6 +416,16 @@ class TableImport:
         name = self._table.name
         if self._left_out:
             notes.append(f"{name}: {self._left_out} rows were left out, as the mapping says")
+        if self._events:
+            what = "row has" if self._events == 1 else "rows have"
+            notes.append(f"{name}: {self._events} {what} no answer at all; none was made")
+        if short := sum(map(bool, self._behind.values())):
+            what = "1 course of ratings ends" if short == 1 else f"{short} courses of ratings end"
+            notes.append(f"{name}: {what} before the last column; blanks behind are no ratings")
+        if self._again:
+            what = "row was" if len(self._again) == 1 else "rows were"
+            told = f"{len(self._again)} {what} counted once, not twice: {self._again[0]}"
+            notes.append(f"{name}: {told}")
         for timepoint, count in self._blank.items():
             what = "questionnaire has" if count == 1 else "questionnaires have"
             notes.append(f"{name}: {count} {what} no answer at all at {timepoint}; none was made")

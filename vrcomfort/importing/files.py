@@ -10,7 +10,7 @@ from pathlib import Path
 
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import InputError
-from vrcomfort.importing.source import Grid, Reading, SourceTable, require_room, unique
+from vrcomfort.importing.source import RECORDS, Grid, Reading, SourceTable, require_room, unique
 from vrcomfort.importing.text_files import read_json_table, read_text_table
 from vrcomfort.importing.workbooks import read_workbook
 
@@ -47,7 +47,7 @@ def read_grids(file: Path, reading: Reading) -> list[Grid]:
         raise InputError(f"this is {_UNREAD[ending]}", file=file)
     if ending in {".xlsx", ".xlsm"}:
         return read_workbook(file, reading)
-    if ending in {".json", ".jsonl", ".ndjson"}:
+    if ending in RECORDS:
         return [read_json_table(file, reading)]
     return [read_text_table(file, reading)]
 
@@ -210,9 +210,11 @@ def _detected(grid: Grid) -> Reading:
     if grid.named:
         return reading._replace(heading_rows=(numbers[0],))
     ids = next((i for i, row in enumerate(rows[:4]) if _is_import_ids(row)), None)
-    if ids is not None:  # Qualtrics: names, question texts, import ids
-        skipped = tuple(numbers[1 : ids + 1])
-        return reading._replace(heading_rows=(numbers[0],), skip_rows=skipped)
+    if ids is not None:  # Qualtrics: names, question texts, import ids, in any order
+        above = [number for n, number in enumerate(numbers[: ids + 1]) if n != ids]
+        name = (above or numbers[1:2])[0]
+        skipped = tuple(n for n in numbers[: max(ids, numbers.index(name)) + 1] if n != name)
+        return reading._replace(heading_rows=(name,), skip_rows=skipped)
     first = _first_of_the_table(rows)
     titles = tuple(numbers[:first])
     rest = rows[first:]
@@ -221,7 +223,34 @@ def _detected(grid: Grid) -> Reading:
         return reading._replace(heading_rows=several, skip_rows=titles)
     if not is_heading(rest):
         return reading._replace(heading_rows=(), skip_rows=titles)
-    return reading._replace(heading_rows=(numbers[first],), skip_rows=titles)
+    below = tuple(numbers[first + 1 : first + 2]) if _labels_below(rest) else ()
+    return reading._replace(heading_rows=(numbers[first],), skip_rows=(*titles, *below))
+
+
+def _labels_below(rows: Sequence[Sequence[str]]) -> bool:
+    """Return whether the second row says the headings in other words, or what answers mean.
+
+    Survey programs write codes and question texts, one below the other. Such a row differs from
+    the data below it as headings do: in nearly all columns whose cells are numbers, or recur.
+    """
+    if len(rows) < _FEWEST_BELOW:
+        return False
+    told: list[bool] = []
+    for column, label in enumerate(rows[1]):
+        below = [row[column] for row in rows[2:60] if column < len(row) and row[column]]
+        if not label or not below:
+            continue
+        if sum(map(is_number, below)) * 2 > len(below):
+            told.append(not is_number(label) and any(map(str.isalpha, label)))
+        elif len({*below}) * 2 <= len(below):
+            told.append(label not in below)
+    heading = [cell for cell in rows[0] if cell]
+    several = len(told) >= 3 and _filled(rows[1]) * 2 > len(heading)
+    return several and sum(told) * 10 >= len(told) * 9
+
+
+_FEWEST_BELOW = 5
+"""Rows with headings and labels that tell labels from a first row of data."""
 
 
 def _is_import_ids(row: Sequence[str]) -> bool:

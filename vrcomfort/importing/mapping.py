@@ -51,6 +51,9 @@ class Fact(Settings):
     """Of the condition: the column that gives those of a row in their order, such as ``BAC``."""
     by: Literal["trial", "session", "period"] = "trial"
     """With `order`: the fact that numbers the questionnaires of a row."""
+    apart: bool = False
+    """Of participants: those of each file, or sheet, are other people; it stands before their
+    names."""
     count: bool = False
     """Number what is met, from 1 for each participant, in the order of the rows: the different
     texts of the column, or (without one) each exposure. For participants: number the texts, which
@@ -186,7 +189,8 @@ class TableMapping(Settings):
     """Names of files; ``*`` and ``?`` as in a terminal."""
     sheets: tuple[str, ...] = ("*",)
     file_name: str = ""
-    """How the file's name (without its ending) is made: ``{participant}_{condition}``."""
+    """How the file's name (without its ending) is made: ``{participant}_{condition}``; with ``/``
+    it begins with the names of folders."""
     file_pattern: str = ""
     """A regular expression instead, with named groups; one that is not there says ``""``."""
     sheet_name: str = ""

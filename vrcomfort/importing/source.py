@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 from vrcomfort.csv_table import MOST_CELLS
 from vrcomfort.errors import InputError
 
+RECORDS = frozenset([".json", ".jsonl", ".ndjson"])
+"""Endings of files of records."""
 LONGEST_TEXT = 131_072
 """Characters of a cell: the limit of Python's CSV reader."""
 
@@ -112,6 +114,11 @@ class SourceTable:
     def name(self) -> str:
         """Return file and sheet, for people."""
         return f"{self.file.name}, sheet {self.sheet}" if self.sheet else self.file.name
+
+    @property
+    def nested(self) -> bool:
+        """Return whether headings are paths in records: ``outer.inner``."""
+        return self.file.suffix.lower() in RECORDS
 
     def column(self, index: int) -> list[str]:
         """Return the cells of a column."""

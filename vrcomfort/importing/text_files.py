@@ -315,7 +315,9 @@ def _holds_records(content: dict[str, Any]) -> bool:
     if len(values) < 2 or not all(isinstance(e, dict) for each in values for e in each):
         return False
     keys = [set(e) for each in values for e in each]
-    return bool(keys) and all(len(each & keys[0]) * 2 > len(each | keys[0]) for each in keys)
+    counts = Counter(name for each in keys for name in each)
+    usual = {name for name, count in counts.items() if count * 2 > len(keys)}
+    return bool(usual) and all(len(each & usual) * 2 >= len(each | usual) for each in keys)
 
 
 def _flat(value: Any, path: str, room: _Room) -> list[dict[str, str]]:

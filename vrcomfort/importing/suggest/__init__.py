@@ -24,8 +24,10 @@ from vrcomfort.importing.suggest.draft import (
     write_doubts,
 )
 from vrcomfort.importing.suggest.evidence import names_fact
-from vrcomfort.importing.suggest.groups_of_files import say_groups, say_one_person
+from vrcomfort.importing.suggest.groups_of_files import say_baselines, say_groups
+from vrcomfort.importing.suggest.joined_tables import joined
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
+from vrcomfort.importing.suggest.same_people import say_same_people
 from vrcomfort.importing.suggest.table_draft import TableDraft, pattern_of
 from vrcomfort.importing.suggest.vocabulary import (
     Known,
@@ -96,11 +98,10 @@ def suggest_mapping(
     for table in read:
         rows = None if table.reading.sections else table.reading.heading_rows
         groups.setdefault((table.headings, rows), []).append(table)
-    drafts = [TableDraft(tables, known) for tables in groups.values()]
+    drafts = joined([TableDraft(tables, known) for tables in groups.values()], known)
     useful = [d for d in drafts if d.gives and not is_sidecar(d.tables[0], read)] or drafts
-    say_one_person(useful)
     say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)
-    doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
+    say_baselines(useful)
     top = TomlDraft({"format_version": 1, "name": files[0].stem})
     if own:
         top.put("instruments", list(own))
@@ -109,15 +110,17 @@ def suggest_mapping(
         top.put("condition_labels", labels)
     for line in _TOP:
         top.note(line, "format_version")
-    doubts += _ignored_sheets(top, drafts, useful)
+    left_out = _ignored_sheets(top, drafts, useful)
     top.lists["tables"] = [draft.draft for draft in useful]
     imported, refusal = _tried(top, files, [*own.values()])
     if again := _said_again(useful, imported):
         useful = [draft for draft in useful if draft not in again]
-        doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
-        doubts += _ignored_sheets(top, drafts, useful)
+        left_out = _ignored_sheets(top, drafts, useful)
         top.lists["tables"] = [draft.draft for draft in useful]
         imported, refusal = _tried(top, files, [*own.values()])
+    if imported is not None and say_same_people(useful, imported):
+        imported, refusal = _tried(top, files, [*own.values()])
+    doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts)) + left_out
     if refusal:
         doubts.append(OpenDoubt(_REFUSAL, refusal, *REFUSED))
     asked = write_doubts(top, doubts)

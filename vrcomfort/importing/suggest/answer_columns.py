@@ -7,7 +7,11 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.block_conditions import without_products, without_repeats
+from vrcomfort.importing.suggest.block_conditions import (
+    without_products,
+    without_repeats,
+    without_turned,
+)
 from vrcomfort.importing.suggest.evidence import Roles
 from vrcomfort.importing.suggest.items import FoundAnswers, are_weights, find_blocks
 from vrcomfort.importing.suggest.long_tables import find_long
@@ -65,6 +69,8 @@ class AnswerColumns:
         """Columns of answers."""
         self.repeated: list[int] = []
         """Those that say again what others say."""
+        self.turned: list[int] = []
+        """Those that are answers the other way round."""
         self.products: list[int] = []
         """Those of answers times their weights."""
         for layout in sorted(LAYOUTS, key=lambda each: -each.weight):
@@ -79,7 +85,8 @@ class AnswerColumns:
                 self._found[layout] = [e for e in self._found[layout] if e not in weights]
                 self.taken.update(c for each in weights for c in each.columns)
                 self._found[layout], self.repeated = without_repeats(table, self._found[layout])
-                self.taken.update((*self.repeated, *self.products))
+                self._found[layout], self.turned = without_turned(table, self._found[layout])
+                self.taken.update((*self.repeated, *self.products, *self.turned))
             if layout is SCORES and self.products:
                 self._found[layout] = [weighted(each) for each in self._found[layout]]
             self.taken.update(c for each in self._found[layout] for c in each.columns)
@@ -101,4 +108,6 @@ class AnswerColumns:
         leading: tuple[Layout[Any], ...] = (BLOCKS, SCORES, RATINGS)
         if any(each.context for each in self[LONG]):
             leading = (LONG, *leading)
-        return next((each for each in leading if self[each]), None)
+        answered = {each.instrument for each in (*self[BLOCKS], *self[LONG])}
+        made = all(each.instrument in answered for each in self[SCORES])
+        return next((e for e in leading if self[e] and not (e is SCORES and made)), None)

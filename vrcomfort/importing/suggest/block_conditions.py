@@ -6,6 +6,7 @@ They stand in a column beside each block, or in one column that gives them in th
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence, Set
+from dataclasses import replace
 from typing import Literal, NamedTuple, TypeAlias
 
 from vrcomfort.csv_table import plain_digits
@@ -162,6 +163,31 @@ def without_repeats(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[F
     return [*blocks], []
 
 
+def without_turned(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[Found], list[int]]:
+    """Return the blocks without turned copies of items, and the columns of the latter.
+
+    Labs put ``SP2_r``, the highest answer less the one to SP2, beside it.
+    """
+    turned = [b for b in blocks if any(_is_turned(table, b, other) for other in blocks)]
+    columns = [column for block in turned for column in block.columns]
+    return [block for block in blocks if block not in turned], columns
+
+
+def _is_turned(table: SourceTable, block: Found, other: Found) -> bool:
+    if block.instrument != other.instrument or not {*block.items} < {*other.items}:
+        return False
+    decimal = table.reading.decimal or "."
+    both = float(block.instrument.low + block.instrument.high)
+    pairs = [
+        (number(row[block.items[item].column], decimal), number(row[named.column], decimal))
+        for row in table.rows
+        for item, named in other.items.items()
+        if item in block.items
+    ]
+    sums = [a + b for a, b in pairs if a is not None and b is not None]
+    return len({a for a, _ in pairs}) > 1 and bool(sums) and all(s == both for s in sums)
+
+
 def without_products(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[Found], list[int]]:
     """Return the blocks without those of answers times weights, and the columns of the latter.
 
@@ -176,7 +202,41 @@ def without_products(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[
         and _mostly_multiples(table, block)
     ]
     columns = [column for block in products for column in block.columns]
-    return [block for block in blocks if block not in products], columns
+    kept = _with_weights([b for b in blocks if b not in products], table)
+    there = {column for block in kept for column in block.columns}
+    kept = [replace(b, siblings=tuple(c for c in b.siblings if c in there)) for b in kept]
+    return kept, columns
+
+
+def _with_weights(blocks: Sequence[Found], table: SourceTable) -> list[Found]:
+    """Take blocks whose rows sum to the number of comparisons for the weights of those before."""
+    kept: list[Found] = []
+    for block in blocks:
+        weights = _weights_of(block)
+        if not kept or kept[-1].instrument != block.instrument or not _sums(table, block, weights):
+            kept.append(block)
+            continue
+        named = {weights[item]: named for item, named in block.items.items() if item in weights}
+        own = {i: n for i, n in kept[-1].items.items() if i not in weights.values()}
+        kept[-1] = replace(kept[-1], items={**own, **named})
+    return kept
+
+
+def _weights_of(block: Found) -> dict[str, str]:
+    """Return item → the item that is its weight; nothing where the instrument has none."""
+    return dict(pair for scale in block.instrument.scales for pair in scale.weights)
+
+
+def _sums(table: SourceTable, block: Found, weights: Mapping[str, str]) -> bool:
+    """Return whether most rows of a block sum to the number of comparisons."""
+    columns = [named.column for item, named in block.items.items() if item in weights]
+    total = max((scale.weights_sum for scale in block.instrument.scales), default=0)
+    if not weights or len(columns) < len(weights):
+        return False
+    rows = [[number(row[c], table.reading.decimal or ".") for c in columns] for row in table.rows]
+    full = [[v for v in row if v is not None] for row in rows if None not in row]
+    fit = sum(sum(row) == total and max(row) <= _MOST_CHOSEN for row in full)
+    return bool(full) and fit * 10 >= len(full) * 8
 
 
 def _of(table: SourceTable, column: int) -> list[float]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from difflib import SequenceMatcher
 from itertools import combinations
 
-from vrcomfort.importing.suggest.draft import CONDITIONS, ORDER, SAME_CONDITION
+from vrcomfort.importing.suggest.draft import CONDITIONS, ORDER, SAME_CONDITION, TIMEPOINTS
 from vrcomfort.importing.suggest.evidence import (
     COUNTS_EXPOSURES,
     GROUPS_PEOPLE,
@@ -34,6 +34,7 @@ class Conditions(FactDraft):
         """Draft where the condition comes from, and number repetitions."""
         self._condition()
         self._alike()
+        self._before_conditions()
         self._repetitions()
 
     def _condition(self) -> None:
@@ -192,6 +193,28 @@ class Conditions(FactDraft):
         self.doubt(question, shown, CONDITIONS)
         return True
 
+    def _before_conditions(self) -> None:
+        """Take answers without a condition, which come first for each person, for baselines."""
+        column = self._context.columns.get("condition", ())
+        said = self.found.draft.values
+        who = self._context.participant
+        if said.get("timepoint") != {"constant": "post"} or len(column) != 1 or who is None:
+            return
+        if not self._context.symptoms or self._context.time is not None:
+            return
+        cells: dict[str, list[str]] = {}
+        for row in self._table.rows:
+            if not (cells.get(row[who]) and cells[row[who]][-1] == row[column[0]]):
+                cells.setdefault(row[who], []).append(row[column[0]])
+        first = [row[:1] == [""] and any(row[1:]) and "" not in row[1:] for row in cells.values()]
+        if not first or sum(first) * 10 < len(first) * 9:
+            return
+        words = texts(self._table, column[0])
+        values = {"": "baseline", **dict.fromkeys(words, "post")}
+        self.found.draft.put("timepoint", {"column": self.heading(column[0]), "values": values})
+        question = f"Are the first answers of each person, without {self.heading(column[0])!r}, "
+        self.doubt(f"{question}from before exposure?", "they are baselines", TIMEPOINTS)
+
     def _repetitions(self) -> None:
         """Draft a count of exposures where a participant has a condition at a timepoint twice."""
         if "trial" in self._context.columns:
@@ -206,6 +229,8 @@ class Conditions(FactDraft):
         people = {*self._table.column(self._context.participant)}  # without rows left out
         seen: dict[tuple[str, ...], tuple[int, tuple[str, ...]]] = {}
         again: dict[str, list[str]] = {}
+        repeated = False
+        answers = sorted(self._answers.taken)
         for table in self._answers.tables:
             for number, row in zip(table.numbers, table.rows, strict=True):
                 if not any(row[column] for column in self._answers.taken):
@@ -214,11 +239,18 @@ class Conditions(FactDraft):
                 who = row[self._context.participant]
                 if key in seen and who in people - {""}:
                     first, cells = seen[key]
-                    same = [f"row {number} is the same as row {first}"] if cells == row else []
-                    again.setdefault(who, []).extend(same)
+                    same = [cells[c] for c in answers] == [row[c] for c in answers]
+                    again.setdefault(who, [])
+                    how = "is the same as" if cells == row else "has the answers of"
+                    again[who] += [f"row {number} {how} row {first}"] if same else []
+                    repeated = repeated or not same
                 seen.setdefault(key, (number, row))
-        if again:
+        if again and (repeated or len(again) * 4 > len(people)):
             self._count_exposures(again)
+        elif again:
+            told = next(iter(again.values()))[0]
+            question = f"Were rows of {', '.join([*again][:MOST_NAMED])} saved twice ({told})?"
+            self.doubt(question, "they were; equal answers are counted once", ORDER)
 
     def _count_exposures(self, again: Mapping[str, Sequence[str]]) -> None:
         """Draft a count of exposures, and ask; `again`: participants with several → equal rows."""
@@ -228,7 +260,7 @@ class Conditions(FactDraft):
         columns = " (and conditions in a row)" if "condition" in self._answers.said else ""
         question = f"One condition more than once: {people}{more}. Do rows{columns} stand in the "
         assumed = "they do; exposures are numbered so"
-        same = [each for found in again.values() for each in found]
+        same = [each for found in again.values() for each in found if "is the same" in each]
         if same:
             assumed += f" (but {same[0]}: leave it out of the file if it was saved twice)"
         self.doubt(f"{question}order of time?", assumed, ORDER)

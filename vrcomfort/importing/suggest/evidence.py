@@ -20,6 +20,7 @@ from vrcomfort.importing.files import JOIN, is_number
 from vrcomfort.importing.mapping import FACTS
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.vocabulary import IGNORED, UNSPACED, LabVocabulary, tokens
+from vrcomfort.importing.text_files import KEY
 from vrcomfort.questionnaire import plain
 
 # A column with more different texts holds names, or answers in own words.
@@ -240,7 +241,9 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
     for column in columns:
         outer, _, inner = table.headings[column].rpartition(JOIN)
         label = table.labels[column]
-        role, weight = _heaviest((table.headings[column], label, *label.split(" | ")), vocabulary)
+        said = _inner_names(table.headings[column]) if table.nested else ()
+        said = (*said, table.headings[column], label, *label.split(" | "))
+        role, weight = _heaviest(said, vocabulary)
         if outer and merged[outer] > 1 and role not in {*FACTS, IGNORED}:
             role, weight = _heaviest((inner,), vocabulary)  # Hand tracking / SUS: no handedness
         if not role or role in roles.covariates:
@@ -255,6 +258,16 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
         roles.facts[fact] = [column for _, column in sorted(found)]
         roles.alike[fact] = [c for weight, c in sorted(found) if weight == min(found)[0]]
     return roles
+
+
+def _inner_names(heading: str) -> tuple[str, ...]:
+    """Return what a nested value is called: ``condition``, and ``person id`` where it is an id."""
+    parts = heading.split(".")
+    generic = plain(parts[-1]) in _GENERIC and len(parts) > 1
+    return (" ".join(parts[-2:]),) if generic else (parts[-1],)
+
+
+_GENERIC = frozenset(["id", "name", "number", "no", "nr", "code", "index", "type", "label"])
 
 
 def _heaviest(said: Sequence[str], vocabulary: LabVocabulary) -> tuple[str, int]:
@@ -296,13 +309,14 @@ def _counts_rows(context: Context, column: int) -> bool:
 
 def _tells_people_apart(context: Context, column: int) -> bool:
     table = context.table
-    if column not in context.roles.unknown[:FIRST_COLUMNS]:
+    named = table.headings[column] == KEY  # the names of the records of a JSON file
+    if not named and column not in context.roles.unknown[:FIRST_COLUMNS]:
         return False
     words, rows = texts(table, column), len(table.rows)
     if not words or all(map(context.vocabulary.timepoint, words)) or all(map(_DATE.match, words)):
         return False
     asked = {*tokens(table.headings[column])} & (context.vocabulary.item_labels | {"question"})
-    if _counts_rows(context, column) or (asked and not table.reading.transpose):
+    if _counts_rows(context, column) or (asked and not named and not table.reading.transpose):
         return False  # QuestionId
     each_row = len(words) == rows
     # Long tables have many rows for each person; without headings or on its side, codes repeat.
@@ -379,7 +393,8 @@ def _baseline_among_conditions(context: Context, column: int) -> bool:
     if column not in open_ or context.time is not None or not context.symptoms:
         return False
     said = [context.vocabulary.timepoint(word) for word in texts(context.table, column)]
-    return "baseline" in said and None in said and len(said) <= MOST_CONDITIONS
+    mixed = "baseline" in said and None in said and "post" not in said
+    return mixed and len(said) <= MOST_CONDITIONS
 
 
 def _other_texts_under_timepoint(context: Context, column: int) -> bool:
@@ -409,7 +424,7 @@ def _differs_within_people(context: Context, column: int) -> bool:
     table, open_ = context.table, {*context.roles.unknown, *context.roles.facts["scene"]}
     if context.participant is None or column not in open_ - context.used:
         return False
-    if column in context.derived or not few_texts(table, column) or _measures(table, column):
+    if column in context.derived or not few_texts(table, column) or measures(table, column):
         return False
     if {*tokens(table.headings[column])} & context.vocabulary.scale_fillers:
         return False  # a sum or a score
@@ -432,7 +447,7 @@ def _says_yes_or_no(context: Context, column: int) -> bool:
     return all(plain(word) in context.vocabulary.yes_no for word in words)
 
 
-def _measures(table: SourceTable, column: int) -> bool:
+def measures(table: SourceTable, column: int) -> bool:
     """Return whether a column holds decimal numbers, dates or sentences, as no condition does."""
     words = texts(table, column)
     decimals = all(map(is_number, words)) and any("." in word or "," in word for word in words)
@@ -452,6 +467,8 @@ _FEW_SCENES = 4
 def _counts_exposures(context: Context, column: int) -> bool:
     if context.participant is None or column != next(_counted(context), None):
         return False
+    if not all(context.table.column(column)):
+        return False  # a count of what some questionnaires alone repeat
     return varies_within(context.table, column, context.participant)
 
 
@@ -473,7 +490,7 @@ def _words_without_people(context: Context, column: int) -> bool:
         return False
     if _says_yes_or_no(context, column):
         return False  # an answer to a question of the lab's own
-    numbers = is_numeric(context.table, column) or _measures(context.table, column)
+    numbers = is_numeric(context.table, column) or measures(context.table, column)
     return not numbers and few_texts(context.table, column)
 
 
@@ -483,7 +500,7 @@ def _words_under_label(context: Context, column: int) -> bool:
     labels = {key for key, role in context.vocabulary.roles.items() if role == "condition"}
     open_ = column in context.roles.unknown and column not in context.used
     few = few_texts(context.table, column) and not is_numeric(context.table, column)
-    return open_ and few and bool(words & labels) and not _measures(context.table, column)
+    return open_ and few and bool(words & labels) and not measures(context.table, column)
 
 
 def _groups_people(context: Context, column: int) -> bool:
@@ -514,7 +531,7 @@ def _balanced_groups(context: Context, column: int) -> bool:
     groups = Counter(people.values())
     if not 2 <= len(groups) <= _FEW_SCENES or varies_within(table, column, who) or "" in groups:
         return False
-    if is_numeric(table, column) or _says_yes_or_no(context, column) or _measures(table, column):
+    if is_numeric(table, column) or _says_yes_or_no(context, column) or measures(table, column):
         return False
     return min(groups.values()) >= _FEWEST_OF_GROUP and max(groups.values()) - min(
         groups.values()
@@ -677,6 +694,27 @@ def total_rows(table: SourceTable, column: int, totals: Collection[str]) -> list
     ]
     found = found if len(cells) >= 2 * len(found) else []
     return found + _between_codes(cells)
+
+
+def notes_below(table: SourceTable, column: int) -> list[str]:
+    """Return the texts of the last rows that stand alone there and are no codes: a legend."""
+    width = len(table.headings)
+    cells = table.column(column)
+    found: list[str] = []
+    for row, cell in zip(reversed(table.rows), reversed(cells), strict=True):
+        alone = cell and sum(map(bool, row)) <= _FEW_CELLS < width
+        if not alone or cells.count(cell) > 1 or _shape(cell) in {*map(_shape, cells[:2])}:
+            break
+        found.append(cell)
+    return found[::-1] if len(found) * 2 < len(cells) + _LINES_OF_LEGEND else []
+
+
+_FEW_CELLS, _LINES_OF_LEGEND = 2, 20
+
+
+def _shape(text: str) -> str:
+    """Return a code with ``a`` for letters and ``0`` for numbers."""
+    return re.sub(r"[^\W\d_]+", "a", re.sub(r"\d+", "0", text))
 
 
 def scores_of_others(table: SourceTable, column: int, vocabulary: LabVocabulary) -> list[str]:

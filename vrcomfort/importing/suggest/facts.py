@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from vrcomfort.importing.suggest.codes import codes_in
 from vrcomfort.importing.suggest.conditions import Conditions
@@ -22,14 +23,17 @@ from vrcomfort.importing.suggest.evidence import (
     Context,
     candidates,
     is_numeric,
+    measures,
     texts,
     varies_within,
 )
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts, FactDraft
-from vrcomfort.importing.suggest.names_of_files import parts_of_names
+from vrcomfort.importing.suggest.names_of_files import names_with_folders, parts_of_names
+from vrcomfort.importing.suggest.vocabulary import tokens
 
 _GUESSED_TIMEPOINTS = (BASELINE_AMONG_CONDITIONS, OTHER_TIMEPOINTS)
 _FEWEST_ROWS = 3
+_MOMENTS_AFTER = 2
 
 
 def draft_facts(context: Context, answers: AnswersFound) -> DraftedFacts:
@@ -42,6 +46,8 @@ class _Facts(FactDraft):
         super().__init__(answers, DraftedFacts(context), {})
         self._varying: list[int] = []
         self._times_under_other_headings()
+        self._sessions_under_timepoints()
+        self._measures_under_labels()
         self._codes()
         self._participant_column()
         self._order()
@@ -88,6 +94,25 @@ class _Facts(FactDraft):
                 if len({*words}) > 1 and all(map(timepoint, words)):
                     facts[fact].remove(column)
                     facts["timepoint"].append(column)
+
+    def _sessions_under_timepoints(self) -> None:
+        """Take texts such as ``session_1_arm_1`` for sessions, though they are called events."""
+        facts = self._roles.facts
+        for column in list(facts["timepoint"]):
+            words = texts(self._table, column)
+            numbered, timepoint = self._vocabulary.numbered, self._vocabulary.timepoint
+            said = [[numbered.get(part) for part in tokens(word)] for word in words]
+            if words and all("session" in each for each in said) and not any(map(timepoint, words)):
+                facts["timepoint"].remove(column)
+                facts["session"].append(column)
+
+    def _measures_under_labels(self) -> None:
+        """Leave out columns such as the seconds under ``sessionTime``, which number nothing."""
+        for fact in ("session", "period", "block", "trial"):
+            for column in list(self._roles.facts[fact]):
+                if measures(self._table, column) and is_numeric(self._table, column):
+                    self._roles.facts[fact].remove(column)
+                    self._roles.metadata.append(column)
 
     def _codes(self) -> None:
         """Take participant and timepoint, or condition, from codes that say both."""
@@ -159,12 +184,14 @@ class _Facts(FactDraft):
             wanted.append("session")
         if self._moments_of_files():
             wanted = [fact for fact in wanted if fact == "participant"]
-        sheets = list(dict.fromkeys(table.sheet for table in answers.tables))
-        stems = list(dict.fromkeys(t.file.name.removesuffix(t.file.suffix) for t in answers.tables))
+        sheets = [table.sheet for table in answers.tables]
+        stems = names_with_folders([table.file for table in answers.tables])
         ways = (("sheet_name", sheets, "sheets"), ("file_name", stems, "files"))
-        for key, names, what in ways:
+        for key, each, what in ways:
             left = [fact for fact in wanted if fact not in self._named]
-            parts = parts_of_names(names, left, self._vocabulary) if len(names) > 1 else None
+            names = list(dict.fromkeys(each))
+            people = self._people_of(each)
+            parts = parts_of_names(names, left, self._vocabulary, people)
             if parts is None:
                 continue
             self.found.draft.put("file_pattern" if parts.expression else key, parts.template)
@@ -191,6 +218,18 @@ class _Facts(FactDraft):
         said = [{*table.column(found[0].column)} & words for table in self._answers.tables]
         return all(len(each) <= 1 for each in said)
 
+    def _people_of(self, names: Sequence[str]) -> list[str]:
+        """Return the participant of each name of a table; nothing where one has several."""
+        column = self._context.participant
+        if column is None or "participant" in self._answers.said:
+            return []
+        people: dict[str, set[str]] = {}
+        for name, table in zip(names, self._answers.tables, strict=True):
+            people.setdefault(name, set()).update({*table.column(column)} - {""})
+        return (
+            [min(p) for p in people.values()] if all(len(p) == 1 for p in people.values()) else []
+        )
+
     def _numbered_anew(self, what: str) -> None:
         """Ask whether people who are counted from 1 in each sheet or file are the same ones."""
         column = self._context.participant
@@ -200,8 +239,23 @@ class _Facts(FactDraft):
         counted = all(each == {str(n + 1) for n in range(len(each))} for each in people)
         if counted and len(people) > 1 and all(len(each) > 1 for each in people):
             question = f"People are counted from 1 in each of the {what}: are they the same people?"
-            other = "they are; else `values` of participant, in a table for each, tell them apart"
+            other = "they are; else write `apart = true` into `participant`"
+            if len({len(each) for each in people}) > 1 or self._are_others(column):
+                self.use("participant", column, apart=True)
+                other = "they are not, as their number, or age or the like, differs"
             self.doubt(question, other, PEOPLE)
+
+    def _are_others(self, column: int) -> bool:
+        """Return whether most numbers have other covariates in another file or sheet."""
+        columns = [c for n, c in self._roles.covariates.items() if n not in {"sequence", "group"}]
+        known: dict[str, list[tuple[str, ...]]] = {}
+        for table in self._answers.tables:
+            own = {row[column]: tuple(row[c] for c in columns) for row in table.rows}
+            for who, said in own.items():
+                known.setdefault(who, []).append(said)
+        several = [each for who, each in known.items() if who and len(each) > 1]
+        different = sum(len({*each}) > 1 for each in several)
+        return bool(several) and different * 2 > len(several)
 
     def _participant(self) -> None:
         column = self._context.participant
@@ -312,16 +366,28 @@ class _Facts(FactDraft):
     def _known_timepoints(self, column: int) -> None:
         meaning, timepoint = self._table.meaning, self._vocabulary.timepoint
         said = {word: timepoint(meaning(column, word)) for word in texts(self._table, column)}
+        # Two words for after exposure, such as "after" and "after 15 min", are two moments.
+        after = sorted((word for word, when in said.items() if when == "post"), key=len)
+        if len(after) == _MOMENTS_AFTER and "recovery" not in said.values():
+            people = [self._people_with(column, word) for word in after]
+            said |= {after[1]: "recovery"} if people[0] & people[1] else {}
         self.use("timepoint", column, values=said)
-        if len(set(said.values())) < len(said):
+        if len(set(said.values())) < len(said) or len(after) > 1:
             shown = ", ".join(f"{a} is {b}" for a, b in said.items())
-            self.doubt("Are these timepoints right, though two are one?", shown, TIMEPOINTS)
+            self.doubt("Are these timepoints right?", shown, TIMEPOINTS)
+
+    def _people_with(self, column: int, text: str) -> set[str]:
+        who = self._context.participant
+        return {row[who] for row in self._table.rows if who is not None and row[column] == text}
 
     def _other_timepoints(self, column: int) -> None:
         """Take texts such as T0 and T1 for timepoints in their alphabetical order, and ask."""
         ordered = sorted(texts(self._table, column))
         names = ["baseline", "post", "recovery", "later_4", "later_5"]
         values = dict(zip(ordered, names, strict=False))
+        known = {text: self._vocabulary.timepoint(text) for text in ordered}
+        if {"baseline", "post"} <= {*known.values()}:  # the others have their own names
+            values = {text: when or text for text, when in known.items()}
         self.use("timepoint", column, values=values)
         shown = ", ".join(f"{a} {b}" for a, b in values.items())
         self.doubt(f"Which timepoints are {', '.join(ordered)}?", shown, TIMEPOINTS)

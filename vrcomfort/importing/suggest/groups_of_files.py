@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations
 
-from vrcomfort.importing.rows import alike
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import CONDITIONS, SAME_PERSON, OpenDoubt
+from vrcomfort.importing.suggest.draft import CONDITIONS, OpenDoubt
 from vrcomfort.importing.suggest.evidence import MOST_CONDITIONS, few_texts, roles_of, texts
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
@@ -26,7 +25,7 @@ def say_groups(
     for draft in drafts:
         said = draft.draft.values.get("participant")
         column = said.get("column") if isinstance(said, dict) else None
-        if draft.draft.values.get("condition") != {"constant": "all"} or column is None:
+        if draft.draft.values.get("condition") != _ALL or column is None:
             continue
         people = {*texts(draft.table, draft.table.headings.index(column))}
         for other in (*others, *drafts):
@@ -61,6 +60,22 @@ def _groups_in(table: SourceTable, heading: str, vocabulary: LabVocabulary) -> d
     return groups
 
 
+def say_baselines(drafts: Sequence[TableDraft]) -> None:
+    """Let baselines in a file of their own be of no condition, where other files have some."""
+    for draft in drafts:
+        when = draft.draft.values.get("timepoint")
+        whole = when.get("constant") if isinstance(when, dict) else None
+        each = [part for parts in draft.draft.lists.values() for part in parts]
+        before = all(part.values.get("timepoint", whole) == "baseline" for part in each)
+        others = [d for d in drafts if d is not draft and d.draft.values.get("condition") != _ALL]
+        if before and others and draft.draft.values.get("condition") == _ALL:
+            del draft.draft.values["condition"]
+            draft.doubts = [d for d in draft.doubts if not d.question.startswith(_ONE)]
+
+
+_ALL = {"constant": "all"}
+
+
 def _groups(tables: Sequence[SourceTable], heading: str) -> dict[str, list[str]]:
     """Return name of the file or sheet → its people; nothing where two share some."""
     if not 1 < len(tables) <= MOST_CONDITIONS or heading not in tables[0].headings:
@@ -74,25 +89,3 @@ def _groups(tables: Sequence[SourceTable], heading: str) -> dict[str, list[str]]
     apart = all(not {*one} & {*other} for one, other in combinations(groups.values(), 2))
     several = all(len(group) >= _FEWEST for group in groups.values())
     return groups if apart and several and len(groups) == len(tables) else {}
-
-
-def say_one_person(drafts: Sequence[TableDraft]) -> None:
-    """Let a code that is alike to one of other tables be that one, where no table has both; ask."""
-    people: dict[str, list[TableDraft]] = {}
-    for draft in drafts:
-        said = draft.draft.values.get("participant")
-        if isinstance(said, dict) and {*said} == {"column"}:
-            column = draft.table.headings.index(said["column"])
-            for name in texts(draft.table, column):
-                people.setdefault(name, []).append(draft)
-    for usual, *others in (sorted(g, key=lambda n: (-len(people[n]), n)) for g in alike(people)):
-        for other in others:
-            for draft in people[other]:
-                if draft in people[usual]:
-                    continue
-                said = draft.draft.values["participant"]
-                if isinstance(said, dict):
-                    values = {**said.get("values", {}), other: usual}
-                    draft.draft.put("participant", {**said, "values": values})
-                question = f"Are {usual!r} and {other!r}, in different tables, one person?"
-                draft.doubts.append(OpenDoubt(question, "they are", *SAME_PERSON))

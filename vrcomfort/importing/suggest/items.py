@@ -107,7 +107,9 @@ def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> lis
     other = {*range(len(table.headings))} - {*columns}
     said = named_by_file(table, known.instruments)
     named = [each for each in known.instruments if each.name in said]
-    for find in (_by_codes, _by_name, _by_number, _by_initials):
+    # Numbers in a file that is called after a scale of one item are those of its times.
+    rated = bool(named) and all(len(each.asked) == 1 for each in named)
+    for find in (_by_codes, _by_name, *(() if rated else (_by_number,)), _by_initials):
         taken = other.union(*(block.columns for block in found))
         blocks = [b for i in known.instruments for b in find(table, i, taken, known.vocabulary)]
         found += _best(table, blocks, known.instruments)
@@ -244,6 +246,11 @@ def _by_name(
         for index, (heading, label) in enumerate(zip(headings, labels, strict=True))
         if (each := item_behind_stem(index, heading, label, instrument, vocabulary)) is not None
     ]
+    if runs := _repeated_runs(named, instrument):
+        return [
+            Found(instrument, (str(n),) if n > 1 else (), {each.item: each for each in run})
+            for n, run in enumerate(runs, start=1)
+        ]
     contexts = _contexts(named, instrument)
     if {Counter(each.item for each in named)[item.name] for item in instrument.asked} == {1}:
         # Each item stands once: what some headings share alone is wording of their questions.
@@ -253,6 +260,27 @@ def _by_name(
     for each, context in zip(named, contexts, strict=True):
         groups.setdefault(_free(groups, context, each), {})[each.item] = each
     return [Found(instrument, context, items) for context, items in groups.items()]
+
+
+def _repeated_runs(named: Sequence[Named], instrument: Instrument) -> list[list[Named]]:
+    """Return runs of columns with the same items in the same order, which nothing else tells apart.
+
+    Headings that are the same are numbered, and a misspelt one of them begins anew.
+    """
+    asked = {item.name for item in instrument.asked}
+    runs: list[list[Named]] = []
+    for each in named:
+        if each.item not in asked:
+            continue
+        if each.before or any(not word.isdecimal() for word in each.after):
+            return []
+        if not runs or each.item in {other.item for other in runs[-1]}:
+            runs.append([])
+        runs[-1].append(each)
+    orders = [[each.item for each in run] for run in runs]
+    same = len(runs) > 1 and all(order == orders[0] for order in orders)
+    misspelt = any(each.how == "near" for run in runs for each in run)
+    return runs if same and misspelt and len(orders[0]) >= FEWEST else []
 
 
 def _free(groups: dict[Context, dict[str, Named]], context: Context, each: Named) -> Context:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 
 from vrcomfort.csv_table import plain_digits
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import Grid, SourceTable
-from vrcomfort.importing.suggest.evidence import is_identifier, texts
+from vrcomfort.importing.suggest.evidence import is_identifier, names_fact, texts
 from vrcomfort.importing.suggest.item_names import How, named_item
 from vrcomfort.importing.suggest.items import (
     FEWEST_OF_NAMED,
@@ -74,19 +74,44 @@ def find_long(table: SourceTable, columns: Sequence[int], known: Known) -> list[
             continue
         response = _response_column(table, column, known.vocabulary)
         responses = [response] if response is not None else _response_columns(table, column, known)
-        for instrument in known.instruments if responses else ():
+        for instrument in known.instruments:
             named = _named_in_rows(table, column, words, instrument, known)
             if named is not None:
                 items, hows = named
+                own = responses[:1] or _answered_beside(table, column, items, instrument, known)
                 others = [word for word in words if word not in items.values()]
-                where = _instrument_column(table, instrument, column)
-                long = Long(instrument, (), column, responses[0], items, hows, others, where)
-                found.append(long)
-        if found and response is None:
+                wheres = _instrument_texts(table, instrument, column)
+                for where, context in wheres if own else ():
+                    long = Long(instrument, context, column, own[0], items, hows, others, where)
+                    found.append(long)
+        if found and response is None and responses:
             return _for_each_column(table, _best_long(found)[0], responses)
         if found:
             return _best_long(found)
     return []
+
+
+def _answered_beside(
+    table: SourceTable,
+    item_column: int,
+    items: Mapping[str, str],
+    instrument: Instrument,
+    known: Known,
+) -> list[int]:
+    """Return the only column that holds answers in all rows of items, as logs of events have it."""
+    rows = [row for row in table.rows if row[item_column] in items.values()]
+    severity = known.vocabulary.severity
+
+    def answers(cells: Set[str]) -> bool:
+        numbers = [float(cell.replace(",", ".")) for cell in cells if is_number(cell)]
+        inside = all(instrument.low <= value <= instrument.high for value in numbers)
+        words = all(is_number(cell) or plain(cell) in severity for cell in cells)
+        return 1 < len(cells) <= MOST_ANSWERS and words and inside
+
+    filled = {c: {row[c] for row in rows} for c in range(len(table.headings)) if c != item_column}
+    found = [c for c, cells in filled.items() if answers(cells)]
+    found = [c for c in found if not is_identifier(table, c, known.vocabulary)]
+    return found if len(found) == 1 and len(rows) < len(table.rows) else []
 
 
 def _response_columns(table: SourceTable, item_column: int, known: Known) -> list[int]:
@@ -130,17 +155,18 @@ def _for_each_column(table: SourceTable, long: Long, responses: Sequence[int]) -
 
 def stands_on_its_side(grid: Grid, known: Known) -> bool:
     """Return whether items stand one below the other, and participants side by side."""
-    width = max(map(len, grid.rows))
+    width = max(_filled_width(row) for row in grid.rows)
     responses = known.vocabulary.response_labels
-    if grid.named or width < 3 or any(plain(cell) in responses for cell in grid.rows[0]):
+    if grid.named or any(_last_word(cell) in responses for cell in grid.rows[0]):
+        return False
+    first = [row[0] for row in grid.rows if row[0]]
+    repeated = len(first) - len({*first})  # rows that a program adds may say nothing, and twice
+    if repeated * 10 > len(first) or (width < 3 and not _says_whose(grid, known)):
         return False
     top = {plain(word) for cell in grid.rows[0] for word in (cell, *tokens(cell)) if len(word) > 1}
     if top & {*map(plain, known.vocabulary.totals)}:
         return False  # means and deviations of groups
-    first = [row[0] for row in grid.rows if row[0]]
     others = {cell for row in grid.rows[1:] for cell in row[1:] if cell}
-    if len(set(first)) < len(first):
-        return False
     if len(others) > MOST_ANSWERS:
         return _numbered_on_its_side(grid, first, known)
     for instrument in known.instruments:
@@ -149,6 +175,16 @@ def stands_on_its_side(grid: Grid, known: Known) -> bool:
         if len(named) >= 4 and len(named) * 2 >= len(first):
             return True
     return _numbered_on_its_side(grid, first, known)
+
+
+def _filled_width(row: Sequence[str]) -> int:
+    return max((place for place, cell in enumerate(row, start=1) if cell), default=0)
+
+
+def _says_whose(grid: Grid, known: Known) -> bool:
+    """Return whether one of the names in the first column is that of a participant's code."""
+    names = [row[0] for row in grid.rows if len(row) > 1 and row[0] and row[1]]
+    return any(names_fact(name, "participant", known.vocabulary) for name in names)
 
 
 def _numbered_on_its_side(grid: Grid, first: Sequence[str], known: Known) -> bool:
@@ -303,6 +339,29 @@ def _is_response(table: SourceTable, column: int, heading: str, vocabulary: LabV
 
 _MOST_WORDS = 2
 """Of the name of a questionnaire."""
+
+
+def _instrument_texts(
+    table: SourceTable, instrument: Instrument, item_column: int
+) -> list[tuple[tuple[int, str] | None, tuple[str, ...]]]:
+    """Return where the questionnaire is named, and the words there: each moment may have its own.
+
+    Logs of events call rows ``Answer_SSQ_PRE`` and ``Answer_SSQ_POST``.
+    """
+    for column in range(len(table.headings)):
+        said = texts(table, column) if column != item_column else []
+        asked = [
+            text
+            for text in said
+            if mentions(text, [instrument])
+            and len({r[item_column] for r in table.rows if r[column] == text}) >= FEWEST_OF_NAMED
+        ]
+        if 1 < len(asked) <= _MOST_MOMENTS and len(said) <= _MOST_EVENTS:
+            return [((column, text), tuple(tokens(text))) for text in asked]
+    return [(_instrument_column(table, instrument, item_column), ())]
+
+
+_MOST_MOMENTS, _MOST_EVENTS = 12, 100
 
 
 def _instrument_column(

@@ -6,10 +6,13 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import takewhile
+from pathlib import Path
 
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 
-_PART = re.compile(r"([_\-\s.]+)")
+_PART = re.compile(r"([_\-\s./]+)")
+_DATE = re.compile(r"(19|20)?\d\d[01]\d[0-3]\d|[0-2]\d[0-5]\d([0-5]\d)?")
+"""A date such as ``20241104``, or a time such as ``1004``."""
 
 
 @dataclass(frozen=True)
@@ -32,20 +35,31 @@ class NameParts:
 
 
 def parts_of_names(
-    names: Sequence[str], wanted: Sequence[str], vocabulary: LabVocabulary
+    names: Sequence[str],
+    wanted: Sequence[str],
+    vocabulary: LabVocabulary,
+    people: Sequence[str] = (),
 ) -> NameParts | None:
     """Return the parts that differ between names, as facts; None where none differs.
 
     Timepoints are known by their words, sessions by theirs; of the rest, what differs most is
     the participant, where that is wanted.
+
+    Parameters
+    ----------
+    people
+        The one participant of each name, where columns say it: names may say it again.
     """
     split = [_PART.split(name) for name in names]
     if len(set(names)) < 2 or not wanted:
         return None
     if len({tuple(parts[1::2]) for parts in split}) > 1:  # made in different ways
-        return _optional(names, wanted, vocabulary) or _whole(names, wanted, vocabulary)
+        found = _optional(names, wanted, vocabulary) or _whole(names, wanted, vocabulary)
+        return None if people and len({*people}) == len({*names}) else found
     columns = list(zip(*split, strict=True))
     differing = [i for i in range(0, len(columns), 2) if len(set(columns[i])) > 1]
+    differing = [i for i in differing if not _tells_apart(columns[i], people)]
+    differing = _without_dates(differing, columns)
     left = list(wanted)
     roles: dict[int, str] = {}
     for i in differing:
@@ -58,15 +72,39 @@ def parts_of_names(
             roles[i] = "session"
             left.remove("session")
     rest = [i for i in differing if i not in roles]
-    if "participant" in left and rest:
-        most = max(rest, key=lambda i: len(set(columns[i])))
-        roles[most] = "participant"
-        left.remove("participant")
-        rest.remove(most)
-    if "condition" in left and rest:
-        roles[rest[0]] = "condition"
-        rest = rest[1:]
+    for fact in ("participant", "condition"):
+        if fact in left and rest:
+            # Conditions are words rather than numbers; people differ most.
+            key = _variety if fact == "participant" else _wordiness
+            chosen = max(rest, key=lambda i, key=key: key(columns[i]))  # type: ignore[misc]
+            roles |= {i: fact for i in rest if columns[i] == columns[chosen]}
+            rest = [i for i in rest if i not in roles]
     return _made(columns, roles)
+
+
+def _tells_apart(texts: Sequence[str], people: Sequence[str]) -> bool:
+    """Return whether each text goes with one person, and each person with one text."""
+    pairs = len({*zip(texts, people, strict=True)}) if people else 0
+    return pairs == len({*texts}) == len({*people})
+
+
+def _variety(texts: Sequence[str]) -> int:
+    return len({*texts})
+
+
+def _wordiness(texts: Sequence[str]) -> bool:
+    return not any(letter.isdecimal() for text in texts for letter in text)
+
+
+def _without_dates(places: Sequence[int], columns: Sequence[Sequence[str]]) -> list[int]:
+    """Return the places of parts that differ, without dates and times that stand beside others."""
+    dates = [i for i in places if all(map(_DATE.fullmatch, columns[i]))]
+    days = [i for i in dates if all(len(text) >= _DATE_DIGITS for text in columns[i])]
+    others = [i for i in places if i not in dates]
+    return others if days and others else [*places]
+
+
+_DATE_DIGITS = 6
 
 
 def _optional(
@@ -139,3 +177,13 @@ def _made(columns: Sequence[Sequence[str]], roles: dict[int, str]) -> NameParts 
     ]
     texts = {fact: list(dict.fromkeys(columns[i])) for i, fact in roles.items()}
     return NameParts("".join(parts), texts)
+
+
+def names_with_folders(files: Sequence[Path]) -> list[str]:
+    """Return the names of files without their endings, with the folders where these differ."""
+    names = [file.name.removesuffix(file.suffix) for file in files]
+    parents = [file.parent.parts for file in files]
+    if len({*parents}) < 2:
+        return names
+    shared = _same(parents)
+    return ["/".join((*folders[shared:], n)) for folders, n in zip(parents, names, strict=True)]

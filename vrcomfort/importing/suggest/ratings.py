@@ -197,7 +197,7 @@ def _is_rating(table: SourceTable, column: int, instrument: Instrument) -> bool:
     named = plain(table.headings[column]) in keys or (
         plain(instrument.name) in words and len(words) <= 5
     )
-    if not named:
+    if not named or _NO_ANSWERS & {*words}:
         return False
     cells = [cell.replace(",", ".") for cell in table.column(column) if cell]
     values = [number(cell, ".") for cell in cells]
@@ -206,6 +206,8 @@ def _is_rating(table: SourceTable, column: int, instrument: Instrument) -> bool:
     return bool(inside) and sum(map(instrument.answers.has, inside)) * 10 >= len(inside) * 7
 
 
+_NO_ANSWERS = frozenset(["complete", "rt"])
+"""Words of headings for whether a form was filled in, and for how long an answer took."""
 FEWEST_TIMES = 3
 """Columns of one scale that differ in a number alone and are a time course of ratings."""
 

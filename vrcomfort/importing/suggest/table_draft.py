@@ -10,7 +10,7 @@ from typing import Any
 
 from vrcomfort.importing.answers import number, time_in_words_s
 from vrcomfort.importing.columns import conditions_in
-from vrcomfort.importing.rows import alike
+from vrcomfort.importing.files import JOIN
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.answer_columns import (
     BLOCKS,
@@ -45,6 +45,7 @@ from vrcomfort.importing.suggest.evidence import (
     FIRST_COLUMNS,
     Context,
     is_personal,
+    notes_below,
     repeated_headings,
     roles_of,
     scores_of_others,
@@ -68,7 +69,6 @@ from vrcomfort.importing.suggest.scores import (
 )
 from vrcomfort.importing.suggest.trial_runs import rows_of_trial_runs
 from vrcomfort.importing.suggest.vocabulary import Known, words_of
-from vrcomfort.settings import toml_value
 
 _OF_WHAT_WAS_USED = frozenset(["ipq", "nasa_tlx", "sus"])
 """Instruments about a system, a task or a scene: none is asked before its use."""
@@ -122,6 +122,7 @@ def _is_written_once(cells: Sequence[str]) -> bool:
 
 _CODE = re.compile(r"(p|s|vp|id|pp|sub|subj|subject|participant|user|proband)[ _-]?\d+", re.I)
 """A heading that is the code of a person."""
+_UPPER_ROWS = 2
 _AGAIN = re.compile(r" ?\(\d\)$")
 """The mark of a person's second questionnaire."""
 
@@ -155,11 +156,13 @@ class TableDraft:
         self._totals = self._total_rows()
         trial_runs = self._trial_runs()
         self._fill_down()
+        self._said_once()
         self._rows_below()
         self.gives = False
         """Whether there is anything to import."""
         self._files()
         self._answers = AnswerColumns(self.table, known)
+        self._answered_rows()
         others = [c for c in range(len(self.table.headings)) if c not in self._answers.taken]
         self._leaving = find_leaving(self.table, others, known)
         left = self._leaving.columns if self._leaving else {}
@@ -179,9 +182,16 @@ class TableDraft:
         self._made: dict[int, str] = {
             **dict.fromkeys(self._answers.repeated, "the same answers, by their order"),
             **dict.fromkeys(self._answers.products, "an answer times its weight"),
+            **dict.fromkeys(self._answers.turned, "an answer the other way round"),
         }
         """Column of a score whose answers are there → why it is ignored."""
         self._write()
+
+    @property
+    def ignored(self) -> set[str]:
+        """Return the headings of the columns that are not imported."""
+        said = self.draft.values.get("ignore")
+        return {*said} if isinstance(said, list) else set()
 
     @property
     def files(self) -> list[str]:
@@ -209,10 +219,14 @@ class TableDraft:
             values["sections"] = True
             question = "Do several tables stand one below the other, each below a title or a gap?"
             self.doubts.append(OpenDoubt(question, f"they do: {', '.join(sheets)}", *LAYOUT))
-        elif self.table.file.suffix.lower() not in {".json", ".jsonl", ".ndjson"}:
+        elif not self.table.nested:
             values["heading_rows"] = list(read.heading_rows or ())
         if read.skip_rows and not read.sections:
             values["skip_rows"] = list(read.skip_rows)
+            labels = [n for n in read.skip_rows if n > max(read.heading_rows or (n,))]
+            if len(labels) == 1 and any(self.table.labels):
+                question = f"Does row {labels[0]} say the headings in other words?"
+                self.doubts.append(OpenDoubt(question, "it does, and is no answer", *LAYOUT))
         if read.transpose:
             values["transpose"] = True
             question = "Do participants stand side by side, and items one below the other?"
@@ -465,6 +479,42 @@ class TableDraft:
             kept = self.table.rows[: last + 1]
             self.table = replace(self.table, rows=kept)
             self._totals[named[0]] = [*self._totals.get(named[0], []), ""]
+        if named and (notes := notes_below(self.table, named[0])):
+            self.table = replace(self.table, rows=self.table.rows[: -len(notes)])
+            self._totals[named[0]] = [*self._totals.get(named[0], []), *notes]
+
+    def _said_once(self) -> None:
+        """Let a column of groups that each person's first row alone fills hold for the others."""
+        facts = roles_of(self.table, range(len(self.table.headings)), self._vocabulary)
+        columns = [c for n, c in facts.covariates.items() if n == "group"]
+        columns += facts.facts.get("condition", [])
+        named = facts.facts.get("participant", [])
+        people = self.table.column(named[0]) if named else []
+        first = [n for n, who in enumerate(people) if n == 0 or who != people[n - 1]]
+        if not len({*people}) == len(first) < len(people):
+            return
+        for column in dict.fromkeys(columns):
+            filled = [n for n, cell in enumerate(self.table.column(column)) if cell]
+            if filled == first and not self._is_filled_down(column):
+                self._fill(column)
+                there = self.draft.values.get("fill_down", [])
+                names = [*(there if isinstance(there, list) else []), self.table.headings[column]]
+                self.draft.put("fill_down", names)
+                question = f"Does {names[-1]!r} of a person's first row hold for the others?"
+                self.doubts.append(OpenDoubt(question, "it does", *CONDITIONS))
+
+    def _is_filled_down(self, column: int) -> bool:
+        there = self.draft.values.get("fill_down", [])
+        return isinstance(there, list) and self.table.headings[column] in there
+
+    def _answered_rows(self) -> None:
+        """Take rows without answers out of the table, such as other events of a log."""
+        columns = [c for layout in LAYOUTS for each in self._answers[layout] for c in each.columns]
+        if long := self._answers[LONG]:
+            columns = [each.response_column for each in long]
+        rows = tuple(row for row in self.table.rows if any(row[c] for c in columns))
+        if rows:
+            self.table = replace(self.table, rows=rows)
 
     def _nobodys_rows(self) -> None:
         """Take rows without a participant out of the table: means often stand in them."""
@@ -587,8 +637,34 @@ class TableDraft:
         whole.note(f"{count} questionnaires in a row: {shown}")
         return [whole, *drafts[count:]]
 
+    def _upper_facts(self, found: Sequence[FoundAnswers]) -> list[dict[str, str]]:
+        """Return the facts in two rows of headings above the items: moments, and conditions."""
+        uppers = [
+            {tuple(self.table.headings[c].split(JOIN)[:-1]) for c in each.columns} for each in found
+        ]
+        rows = [min(each) for each in uppers if len(each) == 1]
+        if len(rows) < 2 or len(rows) < len(uppers) or {*map(len, rows)} != {_UPPER_ROWS}:
+            return []
+        timepoint = self._vocabulary.timepoint
+        whens = [
+            place for place in range(_UPPER_ROWS) if all(timepoint(row[place]) for row in rows)
+        ]
+        if len(whens) != 1:
+            return []
+        moments = {row[whens[0]]: timepoint(row[whens[0]]) or "" for row in rows}
+        if len({*moments.values()}) < len(moments):
+            return []
+        names = ["_".join(words_of(row[1 - whens[0]])) for row in rows]
+        self.labels |= {n: row[1 - whens[0]] for n, row in zip(names, rows, strict=True)}
+        return [
+            {"condition": name, "timepoint": moments[row[whens[0]]]}
+            for name, row in zip(names, rows, strict=True)
+        ]
+
     def _heading_facts_of(self, found: Sequence[FoundAnswers]) -> list[dict[str, str]]:
         """Return the facts in the words of headings, each instrument by itself."""
+        if upper := self._upper_facts(found):
+            return upper
         named = [(each.instrument.name, each.context) for each in found]
         if any(isinstance(each, FoundScores) and each.where for each in found):
             return [{} for _ in named]  # a heading of all of them
@@ -652,42 +728,12 @@ class TableDraft:
             names = {n: self.table.headings[c] for n, c in exposures.context.covariates.items()}
             there = self.draft.values.get("participants", {})
             self.draft.put("participants", {**(there if isinstance(there, dict) else {}), **names})
-        self._same_people(exposures.context)
+        if exposures.context.participant is not None:
+            self._asked_again(exposures.context.participant)
 
-    def _same_people(self, context: Context) -> None:
-        """Ask whether participants whose codes are nearly the same are one person.
-
-        They are where each code has rows that the others lack: other conditions of one person.
-        """
-        if context.participant is None:
-            return
-        people = [*dict.fromkeys(self.table.column(context.participant))]
-        groups = alike(people)
-        if not groups:
-            self._asked_again(context.participant, people)
-            return
-        shown = "; ".join(" and ".join(map(repr, group)) for group in groups)
-        one = {other: group[0] for group in groups for other in group[1:]}
-        columns = [c for each in context.columns.values() for c in each if c != context.participant]
-        said = [
-            (
-                one.get(row[context.participant], row[context.participant]),
-                *(row[c] for c in columns),
-            )
-            for row in self.table.rows
-        ]
-        assumed = "they are not; `values` of participant make them one: "
-        if columns and len({*said}) == len(said):
-            assumed = "they are, as each code has conditions that the other lacks: "
-            name = self.table.headings[context.participant]
-            self.draft.put("participant", {"column": name, "values": one})
-        question = f"Are these participants one person each: {shown}?"
-        self.doubts.append(
-            OpenDoubt(question, f"{assumed}values = {toml_value(one)}", *SAME_PERSON)
-        )
-
-    def _asked_again(self, column: int, people: Sequence[str]) -> None:
+    def _asked_again(self, column: int) -> None:
         """Take ``5(2)`` beside ``5`` for the second time of one person, and ask."""
+        people = texts(self.table, column)
         again = {
             code: code[: -len(mark[0])].strip() for code in people if (mark := _AGAIN.search(code))
         }

@@ -1,0 +1,104 @@
+"""Finds participants whose codes are spelt in two ways, in one table or from table to table."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+from vrcomfort.importing.rows import Imported, alike
+from vrcomfort.importing.suggest.draft import SAME_PERSON, OpenDoubt
+from vrcomfort.importing.suggest.table_draft import TableDraft
+from vrcomfort.settings import toml_value
+
+_SHOWN = 8
+"""Pairs of codes that the question lists."""
+
+
+def say_same_people(drafts: Sequence[TableDraft], imported: Imported) -> bool:
+    """Make codes that are nearly the same one participant, and ask; return whether any are.
+
+    They are where no code has answers to what another has answered, too, and no covariate
+    contradicts: they are rows of one person, from other conditions, moments or files.
+    """
+    answered = _answered(imported)
+    groups = alike(answered) or _with_and_without_letters([*answered])
+    if not groups:
+        return False
+    apart = [group for group in groups if not _are_one(group, answered, imported)]
+    groups = apart or groups
+    ways = Counter(re.sub(r"\d+", "0", code) for code in answered)
+    usual = {
+        code: max(group, key=lambda c: (ways[re.sub(r"\d+", "0", c)], len(answered[c])))
+        for group in groups
+        for code in group
+    }
+    one = {code: name for code, name in usual.items() if code != name}
+    assumed = "they are not; `values` of participant make them one: "
+    if not apart:
+        assumed = "they are, as each code has answers that the other lacks: "
+        for draft in drafts:
+            _rename(draft, one)
+    shown = "; ".join(" and ".join(map(repr, group)) for group in groups[:_SHOWN])
+    shown += f"; and {len(groups) - _SHOWN} more" if groups[_SHOWN:] else ""
+    question = f"Are these participants one person each: {shown}?"
+    doubt = OpenDoubt(question, f"{assumed}values = {toml_value(one)}", *SAME_PERSON)
+    drafts[0].doubts.append(doubt)
+    return not apart
+
+
+def _answered(imported: Imported) -> dict[str, set[tuple[object, ...]]]:
+    """Return participant → what was answered, and when."""
+    found: dict[str, set[tuple[object, ...]]] = {name: set() for name in imported.participants}
+    for instrument, m in imported.responses:
+        found.setdefault(m.participant, set()).add((instrument, m._replace(participant="")))
+    for rating in imported.ratings:
+        m = rating.administration
+        key = (rating.instrument, m._replace(participant=""), rating.onset_s)
+        found.setdefault(m.participant, set()).add(key)
+    return found
+
+
+def _are_one(
+    group: Sequence[str], answered: Mapping[str, set[tuple[object, ...]]], imported: Imported
+) -> bool:
+    whole = set().union(*(answered[code] for code in group))
+    known = [imported.participants.get(code, {}) for code in group]
+    names = {name for each in known for name in each}
+    agree = all(len({e[n] for e in known if e.get(n)}) <= 1 for n in names)
+    return agree and len(whole) == sum(len(answered[code]) for code in group)
+
+
+def _with_and_without_letters(codes: Sequence[str]) -> list[list[str]]:
+    """Return the pairs of ``7`` and ``P07``, where most people are called in both ways."""
+    parts = {code: match for code in codes if (match := _CODE.fullmatch(code))}
+    bare = {match[2]: code for code, match in parts.items() if not match[1]}
+    full = {match[2]: code for code, match in parts.items() if match[1]}
+    pairs = [[code, bare[number]] for number, code in full.items() if number in bare]
+    one_way = len({match[1].casefold() for match in parts.values() if match[1]}) == 1
+    whole = len(full) + len(bare) == len(codes) and len(pairs) * 4 >= max(len(full), len(bare)) * 3
+    return pairs if one_way and whole and len(pairs) >= _FEWEST_PAIRS else []
+
+
+_CODE = re.compile(r"([^\W\d_]{0,12}[ _-]?)0*(\d+)")
+_FEWEST_PAIRS = 3
+
+
+def _rename(draft: TableDraft, one: Mapping[str, str]) -> None:
+    """Give the names of participants under `values`, where a table has one of the codes."""
+    said = draft.draft.values.get("participant")
+    fact = dict(said) if isinstance(said, dict) else {}
+    if fact.get("count"):
+        return
+    values: dict[str, str] = {}
+    if isinstance(there := fact.get("values"), dict):
+        values = {text: one.get(name, name) for text, name in there.items()}
+    elif "column" in fact:
+        column = draft.table.headings.index(fact["column"])
+        cells = dict.fromkeys(cell for table in draft.tables for cell in table.column(column))
+        values = {text: one[text] for text in cells if text in one}
+    else:
+        names = [f"{table.file} {table.sheet}" for table in draft.tables]
+        values = {code: name for code, name in one.items() if any(code in n for n in names)}
+    if values:
+        draft.draft.put("participant", {**fact, "values": values})
