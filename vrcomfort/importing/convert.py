@@ -66,6 +66,10 @@ class Made:
     )
 
 
+_FEWEST_OF_LOG = 20
+"""Rows of a log that has other rows than ratings; of fewer, blank ones are missed ratings."""
+
+
 class TableImport:
     """The import of one table."""
 
@@ -330,7 +334,7 @@ class TableImport:
         column = next(iter(block.columns))
         if column not in self._sparse:
             cells = self._table.column(column)
-            self._sparse[column] = cells.count("") * 2 >= len(cells)
+            self._sparse[column] = cells.count("") * 2 >= len(cells) >= _FEWEST_OF_LOG
         return self._sparse[column]
 
     def _scores(
