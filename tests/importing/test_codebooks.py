@@ -263,3 +263,19 @@ def test_sidecars_say_items_and_levels_and_are_no_tables(tmp_path: Path) -> None
         for n in range(1, 9)
         for when, moment in enumerate(("baseline", "post"), start=1)
     }
+
+
+def test_ratings_weights_and_products_side_by_side_are_the_ratings(tmp_path: Path) -> None:
+    names = ["Mental", "Physical", "Temporal", "Performance", "Effort"]
+    blocks = [*names, "Frustration", "", *names, "Fustration", "Total", *names, "Fustration"]
+    rows: list[list[object]] = [["SID", "Ver", *blocks, "Sum", "Weighted Rate"]]
+    weights = [5, 4, 3, 2, 1, 0]
+    for n in range(1, 13):
+        ratings = [(35 * n + 15 * k) % 101 // 5 * 5 for k in range(6)]
+        own = [weights[(k + n) % 6] for k in range(6)]
+        products = [a * b for a, b in zip(ratings, own, strict=True)]
+        total = [sum(products), round(sum(products) / 15, 1)]
+        rows.append([f"S{n}", f"v{n % 2}", *ratings, "", *own, 15, *products, *total])
+    imported = imported_from(write(tmp_path / "nasatlx.csv", rows))
+    assert answers_in(imported) == [row[2:8] for row in rows[1:]]
+    assert {place.timepoint for _, place in imported.responses} == {"post"}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
 from vrcomfort.importing.source import SourceTable
@@ -13,7 +13,7 @@ from vrcomfort.importing.suggest.block_conditions import (
     without_turned,
 )
 from vrcomfort.importing.suggest.evidence import Roles
-from vrcomfort.importing.suggest.items import FoundAnswers, are_weights, find_blocks
+from vrcomfort.importing.suggest.items import Found, FoundAnswers, are_weights, find_blocks
 from vrcomfort.importing.suggest.long_tables import find_long
 from vrcomfort.importing.suggest.questionnaires import (
     Drafted,
@@ -73,6 +73,8 @@ class AnswerColumns:
         """Those that are answers the other way round."""
         self.products: list[int] = []
         """Those of answers times their weights."""
+        self.weights: list[int] = []
+        """Those of the weights alone."""
         for layout in sorted(LAYOUTS, key=lambda each: -each.weight):
             left = [c for c in range(len(table.headings)) if c not in self.taken]
             closed = layout.whole and any(
@@ -83,10 +85,12 @@ class AnswerColumns:
                 self._found[layout], self.products = without_products(table, self._found[layout])
                 weights = [each for each in self._found[layout] if are_weights(table, each)]
                 self._found[layout] = [e for e in self._found[layout] if e not in weights]
-                self.taken.update(c for each in weights for c in each.columns)
+                self.weights = [c for each in weights for c in each.columns]
                 self._found[layout], self.repeated = without_repeats(table, self._found[layout])
                 self._found[layout], self.turned = without_turned(table, self._found[layout])
-                self.taken.update((*self.repeated, *self.products, *self.turned))
+                made = (*self.repeated, *self.products, *self.turned, *self.weights)
+                self.taken.update(made)
+                self._found[layout] = _without_siblings(self._found[layout])
             if layout is SCORES and self.products:
                 self._found[layout] = [weighted(each) for each in self._found[layout]]
             self.taken.update(c for each in self._found[layout] for c in each.columns)
@@ -111,3 +115,9 @@ class AnswerColumns:
         answered = {each.instrument for each in (*self[BLOCKS], *self[LONG])}
         made = all(each.instrument in answered for each in self[SCORES])
         return next((e for e in leading if self[e] and not (e is SCORES and made)), None)
+
+
+def _without_siblings(blocks: Sequence[Found]) -> list[Found]:
+    """Return blocks without siblings that are none of them."""
+    kept = {column for block in blocks for column in block.columns}
+    return [replace(b, siblings=tuple(c for c in b.siblings if c in kept)) for b in blocks]

@@ -150,6 +150,15 @@ def _by_codes(
     return []
 
 
+def _without_stray_weights(block: Found) -> Found:
+    """Return a block without weights where most are lacking: `Weighted Rate` is a score."""
+    asked = {item.name for item in block.instrument.asked}
+    weights = {*block.items} - asked
+    lacking = {item.name for item in block.instrument.items} - asked - weights
+    kept = {i: n for i, n in block.items.items() if i in asked or len(weights) > len(lacking)}
+    return replace(block, items=kept or block.items)
+
+
 def are_weights(table: SourceTable, block: Found) -> bool:
     """Return whether answers are those to comparisons of the items: they have one sum in each row.
 
@@ -169,6 +178,7 @@ def are_weights(table: SourceTable, block: Found) -> bool:
 
 def _with_weights(found: Sequence[Found]) -> list[Found]:
     """Put weights, which are asked beside the items, into the block with most of their words."""
+    found = [_without_stray_weights(block) for block in found]
     weights = [b for b in found if not {*b.items} & {item.name for item in b.instrument.asked}]
     blocks = [block for block in found if block not in weights]
     for each in weights:
@@ -292,7 +302,11 @@ def _free(groups: dict[Context, dict[str, Named]], context: Context, each: Named
             groups[key][each.item] = each  # the other is left to be asked about
             return key
         if WEIGHTS[each.how] < WEIGHTS[there.how]:
-            return (*context, "?")
+            beside = (
+                k for k, g in groups.items() if each.column - 1 in {n.column for n in g.values()}
+            )
+            key = next(beside, key)  # a misspelt item of the block that it stands beside
+            return (*context, "?") if each.item in groups[key] else key
         number += 1
         key = (*context, str(number))
     return key

@@ -183,6 +183,7 @@ class TableDraft:
             **dict.fromkeys(self._answers.repeated, "the same answers, by their order"),
             **dict.fromkeys(self._answers.products, "an answer times its weight"),
             **dict.fromkeys(self._answers.turned, "an answer the other way round"),
+            **dict.fromkeys(self._answers.weights, "a weight"),
         }
         """Column of a score whose answers are there → why it is ignored."""
         self._write()
