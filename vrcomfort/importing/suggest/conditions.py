@@ -280,6 +280,11 @@ class Conditions(FactDraft):
             shown = "; ".join(f"{usual!r} and {rare!r}" for usual, rare in pairs)
             one = {word: word for word in counts} | {rare: usual for usual, rare in pairs}
             said = "they are not; `values` of condition make them one: "
+            if all(plain(usual) == plain(rare) for usual, rare in pairs):
+                there = self.found.draft.values["condition"]
+                if isinstance(there, dict) and "values" not in there:
+                    self.found.draft.put("condition", {**there, "values": one})
+                    said = "they are: "
             question = f"Is each of these one condition, typed differently: {shown}?"
             self.doubt(question, f"{said}values = {toml_value(one)}", SAME_CONDITION)
 

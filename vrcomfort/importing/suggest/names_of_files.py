@@ -67,7 +67,10 @@ def parts_of_names(
             roles[i] = "timepoint"
             left.remove("timepoint")
     for i in differing:
-        session = all(re.fullmatch(r"(?i)(ses(sion)?|s|day|visit)\d+", t) for t in columns[i])
+        # S01 is a person's code, too, unless other parts differ more.
+        most = max(_variety(columns[k]) for k in differing)
+        words = _SESSION if _variety(columns[i]) == most else _SHORT_SESSION
+        session = all(words.fullmatch(text) for text in columns[i])
         if i not in roles and session and "session" in left and len(differing) > 1:
             roles[i] = "session"
             left.remove("session")
@@ -86,6 +89,10 @@ def _tells_apart(texts: Sequence[str], people: Sequence[str]) -> bool:
     """Return whether each text goes with one person, and each person with one text."""
     pairs = len({*zip(texts, people, strict=True)}) if people else 0
     return pairs == len({*texts}) == len({*people})
+
+
+_SESSION = re.compile(r"(?i)(ses(sion)?|day|visit)\d+")
+_SHORT_SESSION = re.compile(r"(?i)(ses(sion)?|s|day|visit)\d+")
 
 
 def _variety(texts: Sequence[str]) -> int:
