@@ -32,9 +32,16 @@ def kinds(page: str) -> dict[str, str]:
     }
 
 
-def test_columns_have_the_colour_of_their_role(tmp_path: Path) -> None:
-    file = example(tmp_path / "two_displays.csv")
-    page = page_of(file, "--suggest", "--preview", tmp_path / "page.html")
+@pytest.fixture(scope="module")
+def previewed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """Return a file, and the page of the mapping that is suggested for it."""
+    folder = tmp_path_factory.mktemp("previewed")
+    file = example(folder / "two_displays.csv")
+    return file, page_of(file, "--suggest", "--preview", folder / "page.html")
+
+
+def test_columns_have_the_colour_of_their_role(previewed: tuple[Path, str]) -> None:
+    _, page = previewed
     found = kinds(page)
     assert found["VP-Code"] == "participant"
     assert found["Display"] == "condition"
@@ -44,9 +51,8 @@ def test_columns_have_the_colour_of_their_role(tmp_path: Path) -> None:
     assert 'title="SSQ: nausea (Post)"' in page
 
 
-def test_the_mapping_can_be_copied_from_the_page_as_it_is(tmp_path: Path) -> None:
-    file = example(tmp_path / "two_displays.csv")
-    page = page_of(file, "--suggest", "--preview", tmp_path / "page.html")
+def test_the_mapping_can_be_copied_from_the_page_as_it_is(previewed: tuple[Path, str]) -> None:
+    file, page = previewed
     field = page.split('wrap="off">\n')[1].split("</textarea>")[0]
     assert unescape(field) == suggest_mapping([file]).text
 

@@ -9,15 +9,18 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Callable
+from contextlib import chdir
 from pathlib import Path
 from typing import Any
 
 import jsonschema
 import pytest
 from pydantic import BaseModel, ValidationError
+from typer.testing import CliRunner
 
 from tests.importing.test_head_logs import uxf, walk
 from tests.support.doc_blocks import ELSEWHERE, ROOT, Block, blocks, shortened
+from vrcomfort.cli.app import app
 from vrcomfort.importing.mapping import LabMapping
 from vrcomfort.importing.suggest.vocabulary import VocabularyFile
 from vrcomfort.protocol import Protocol
@@ -63,8 +66,9 @@ def text_of(page: str, start: str, language: str = "toml") -> str:
 
 
 def vrcomfort(folder: Path, *words: str) -> None:
-    command = [sys.executable, "-m", "vrcomfort", *words]
-    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    with chdir(folder):
+        done = CliRunner().invoke(app, words, catch_exceptions=False)
+    assert done.exit_code == 0, done.output
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,7 @@ from vrcomfort.report.study_data import read_study, trial_s
 from vrcomfort.seen_time import LIMITED, SEEN, UNSEEN, SeenState, SeenTime
 
 PERIOD_NS = 100_000_000
-PEOPLE = 25
+PEOPLE = 12
 """With two exposures each."""
 FAULTS = (
     "not drawn", "untracked", "off", "hidden", "no frames", "menu", "frozen", "half rate",
@@ -73,7 +73,7 @@ class Faulty(AheadHeadset):
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory):
-    """A study of a hundred exposures, some of which were interrupted and shown again."""
+    """A study of many exposures, some of which were interrupted and shown again."""
     folder, random = tmp_path_factory.mktemp("faults"), np.random.default_rng(26)
     protocol = tiny_protocol(folder)
     for number in range(PEOPLE):
