@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -162,3 +162,29 @@ def _joined(doubts: Iterable[OpenDoubt]) -> list[OpenDoubt]:
 def _said(doubt: OpenDoubt) -> dict[str, object]:
     said = {"question": doubt.question, "assumed": doubt.assumed, "otherwise": doubt.otherwise}
     return {key: text for key, text in said.items() if text}
+
+
+def placed_in_short(drafts: Sequence[TomlDraft]) -> list[TomlDraft]:
+    """Merge questionnaires that are known by their first columns, and alike otherwise."""
+    merged: list[TomlDraft] = []
+    for draft in drafts:
+        own = {k: v for k, v in draft.values.items() if k not in {"first_columns", "beside"}}
+        before = merged[-1] if merged else None
+        alike_so_far = before is not None and own == {
+            k: v for k, v in before.values.items() if k not in {"first_columns", "beside"}
+        }
+        if before is None or not alike_so_far:
+            merged.append(draft)
+            continue
+        for key in ("first_columns", "beside"):
+            before.values[key] = _together(before.values.get(key), draft.values.get(key))
+    return merged
+
+
+def _together(one: object, other: object) -> object:
+    """Return two lists as one, or of two tables the values of each key."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return {key: _together(one[key], other[key]) for key in one}
+    return [
+        *(one if isinstance(one, list) else [one]), *(other if isinstance(other, list) else [other])
+    ]  # fmt: skip

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 from vrcomfort.importing.answers import number, time_in_words_s
@@ -34,28 +32,24 @@ from vrcomfort.importing.suggest.draft import (
     LAYOUT,
     ORDER,
     PEOPLE,
-    ROWS,
     SAME_PERSON,
     SCORE_KIND,
     STAYED,
     OpenDoubt,
     TomlDraft,
+    placed_in_short,
 )
 from vrcomfort.importing.suggest.evidence import (
-    FIRST_COLUMNS,
     Context,
     is_personal,
-    notes_below,
-    repeated_headings,
     roles_of,
-    scores_of_others,
     texts,
-    total_rows,
 )
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.facts import draft_facts
 from vrcomfort.importing.suggest.heading_facts import heading_facts, template_of
 from vrcomfort.importing.suggest.items import Found, FoundAnswers
+from vrcomfort.importing.suggest.kept_rows import KeptRows
 from vrcomfort.importing.suggest.leaving import find_leaving
 from vrcomfort.importing.suggest.questionnaires import (
     answers_of_block,
@@ -67,7 +61,6 @@ from vrcomfort.importing.suggest.scores import (
     by_kind,
     rise_from_first,
 )
-from vrcomfort.importing.suggest.trial_runs import rows_of_trial_runs
 from vrcomfort.importing.suggest.vocabulary import Known, words_of
 
 _OF_WHAT_WAS_USED = frozenset(["ipq", "nasa_tlx", "sus"])
@@ -85,41 +78,6 @@ def _baseline_as_condition(facts: Mapping[str, str]) -> dict[str, str]:
     return {("condition" if name == "timepoint" else name): text for name, text in facts.items()}
 
 
-def _placed_in_short(drafts: Sequence[TomlDraft]) -> list[TomlDraft]:
-    """Merge questionnaires that are known by their first columns, and alike otherwise."""
-    merged: list[TomlDraft] = []
-    for draft in drafts:
-        own = {k: v for k, v in draft.values.items() if k not in {"first_columns", "beside"}}
-        before = merged[-1] if merged else None
-        alike_so_far = before is not None and own == {
-            k: v for k, v in before.values.items() if k not in {"first_columns", "beside"}
-        }
-        if before is None or not alike_so_far:
-            merged.append(draft)
-            continue
-        for key in ("first_columns", "beside"):
-            before.values[key] = _together(before.values.get(key), draft.values.get(key))
-    return merged
-
-
-def _together(one: object, other: object) -> object:
-    """Return two lists as one, or of two tables the values of each key."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        return {key: _together(one[key], other[key]) for key in one}
-    return [
-        *(one if isinstance(one, list) else [one]), *(other if isinstance(other, list) else [other])
-    ]  # fmt: skip
-
-
-def _is_written_once(cells: Sequence[str]) -> bool:
-    """Return whether most texts have blanks below them: the last one alone may have notes there."""
-    if not cells[0] or cells.count("") * 4 < len(cells):
-        return False
-    places = [place for place, cell in enumerate(cells) if cell]
-    below = [b - a - 1 for a, b in pairwise([*places, len(cells)])]
-    return sum(map(bool, below)) * 2 > len(below)
-
-
 _CODE = re.compile(r"(p|s|vp|id|pp|sub|subj|subject|participant|user|proband)[ _-]?\d+", re.I)
 """A heading that is the code of a person."""
 _UPPER_ROWS = 2
@@ -132,7 +90,7 @@ def pattern_of(name: str) -> str:
     return re.sub("[\ud800-\udfff]", "?", re.sub(r"[*?[]", r"[\g<0>]", name))
 
 
-class TableDraft:
+class TableDraft(KeptRows):
     """The mapping of tables with the same headings.
 
     Parameters
@@ -144,37 +102,27 @@ class TableDraft:
     """
 
     def __init__(self, tables: Sequence[SourceTable], known: Known) -> None:
-        self.tables = tables
+        super().__init__(tables, known.vocabulary)
         self._known = known
-        self._vocabulary = known.vocabulary
-        rows = tuple(row for table in tables for row in table.rows)
-        self.table = replace(tables[0], rows=rows)
-        self.draft = TomlDraft()
-        self.doubts: list[OpenDoubt] = []
         self.labels: dict[str, str] = {}
         """Condition that headings say → how they write it."""
-        self._totals = self._total_rows()
-        trial_runs = self._trial_runs()
-        self._fill_down()
-        self._said_once()
-        self._rows_below()
         self.gives = False
         """Whether there is anything to import."""
         self._files()
         self._answers = AnswerColumns(self.table, known)
-        self._answered_rows()
+        self._keep_answered(self._answers)
         others = [c for c in range(len(self.table.headings)) if c not in self._answers.taken]
         self._leaving = find_leaving(self.table, others, known)
         left = self._leaving.columns if self._leaving else {}
         others = [column for column in others if column not in left]
         self._roles = roles_of(self.table, others, self._vocabulary)
-        for column in trial_runs:
+        for column in self._trial_runs:
             if column not in self._roles.facts.get("participant", ()):
                 self._roles.forget(column)
-        self._nobodys_rows()
+        self._keep_peoples(self._roles.facts.get("participant", []) if self._answers else [])
         self._whole = self.table
         """The table with rows of other questions, where each has a row."""
-        self._rows_of_items()
+        self._keep_items(self._answers[LONG])
         self._facts: dict[Layout[Any], list[dict[str, str]]] = {}
         """Layout → what the headings of its answers say."""
         self._beside: list[str | None] = []
@@ -418,138 +366,6 @@ class TableDraft:
         answered = bool(self._answers) or self._leaving is not None
         return AnswersFound(self.tables, said, self._answers.taken, keys, answered)
 
-    def _total_rows(self) -> dict[int, list[str]]:
-        """Take rows of means and sums out of the table; return column → their texts."""
-        for column in range(min(FIRST_COLUMNS, len(self.table.headings))):
-            found = [
-                text
-                for table in self.tables
-                for text in total_rows(table, column, self._vocabulary.totals)
-            ]
-            found += repeated_headings(self.table, column)
-            found += scores_of_others(self.table, column, self._vocabulary)
-            if found:
-                rows = tuple(row for row in self.table.rows if row[column] not in found)
-                self.table = replace(self.table, rows=rows)
-                return {column: list(dict.fromkeys(found))}
-        return {}
-
-    def _trial_runs(self) -> list[int]:
-        """Take rows of trial runs out of the table; return the columns that say so."""
-        found = rows_of_trial_runs(self.table, self._vocabulary)
-        for column, words in found.items():
-            kept = tuple(row for row in self.table.rows if row[column] not in words)
-            self.table = replace(self.table, rows=kept)
-            self._totals[column] = [*self._totals.get(column, []), *words]
-        return [*found]
-
-    def _fill_down(self) -> None:
-        """Let blank cells of a column of participants mean the one above, where they are many."""
-        first = range(min(FIRST_COLUMNS, len(self.table.headings)))
-        facts = roles_of(self.table, first, self._vocabulary).facts
-        columns = facts.get("participant", facts.get("condition", []))
-        for column in columns or ([0] if self.table.reading.transpose else []):
-            cells = self.table.column(column)
-            if _is_written_once(cells):
-                merged = [c for c in first if c != column]
-                merged = [c for c in merged if _is_written_once(self.table.column(c))]
-                for each in (column, *merged):
-                    self._fill(each)
-                names = [self.table.headings[each] for each in (column, *merged)]
-                self.draft.put("fill_down", names)
-                shown = " and ".join(map(repr, names))
-                question = f"Do the blank cells of {shown} mean what stands above them?"
-                self.doubts.append(OpenDoubt(question, "they do", *PEOPLE))
-                return
-
-    def _fill(self, column: int) -> None:
-        above, rows = "", []
-        for row in self.table.rows:
-            above = row[column] or above
-            rows.append((*row[:column], above, *row[column + 1 :]))
-        self.table = replace(self.table, rows=tuple(rows))
-
-    def _rows_below(self) -> None:
-        """Take rows below the last participant out of the table: statistics stand there."""
-        first = range(min(FIRST_COLUMNS, len(self.table.headings)))
-        named = roles_of(self.table, first, self._vocabulary).facts.get("participant", [])
-        named = named or ([0] if self.table.reading.transpose else [])
-        cells = self.table.column(named[0]) if named else []
-        last = max((place for place, cell in enumerate(cells) if cell), default=-1)
-        if 0 <= last < len(cells) - 1:
-            kept = self.table.rows[: last + 1]
-            self.table = replace(self.table, rows=kept)
-            self._totals[named[0]] = [*self._totals.get(named[0], []), ""]
-        if named and (notes := notes_below(self.table, named[0])):
-            self.table = replace(self.table, rows=self.table.rows[: -len(notes)])
-            self._totals[named[0]] = [*self._totals.get(named[0], []), *notes]
-
-    def _said_once(self) -> None:
-        """Let a column of groups that each person's first row alone fills hold for the others."""
-        facts = roles_of(self.table, range(len(self.table.headings)), self._vocabulary)
-        columns = [c for n, c in facts.covariates.items() if n == "group"]
-        columns += facts.facts.get("condition", [])
-        named = facts.facts.get("participant", [])
-        people = self.table.column(named[0]) if named else []
-        first = [n for n, who in enumerate(people) if n == 0 or who != people[n - 1]]
-        if not len({*people}) == len(first) < len(people):
-            return
-        for column in dict.fromkeys(columns):
-            filled = [n for n, cell in enumerate(self.table.column(column)) if cell]
-            if filled == first and not self._is_filled_down(column):
-                self._fill(column)
-                there = self.draft.values.get("fill_down", [])
-                names = [*(there if isinstance(there, list) else []), self.table.headings[column]]
-                self.draft.put("fill_down", names)
-                question = f"Does {names[-1]!r} of a person's first row hold for the others?"
-                self.doubts.append(OpenDoubt(question, "it does", *CONDITIONS))
-
-    def _is_filled_down(self, column: int) -> bool:
-        there = self.draft.values.get("fill_down", [])
-        return isinstance(there, list) and self.table.headings[column] in there
-
-    def _answered_rows(self) -> None:
-        """Take rows without answers out of the table, such as other events of a log."""
-        columns = [c for layout in LAYOUTS for each in self._answers[layout] for c in each.columns]
-        if long := self._answers[LONG]:
-            columns = [each.response_column for each in long]
-        rows = tuple(row for row in self.table.rows if any(row[c] for c in columns))
-        if rows:
-            self.table = replace(self.table, rows=rows)
-
-    def _nobodys_rows(self) -> None:
-        """Take rows without a participant out of the table: means often stand in them."""
-        named = self._roles.facts.get("participant", [])
-        if not named or not self._answers or all(self.table.column(named[0])):
-            return
-        rows = tuple(row for row in self.table.rows if row[named[0]])
-        if rows:
-            self.table = replace(self.table, rows=rows)
-            self._totals[named[0]] = [*self._totals.get(named[0], []), ""]
-
-    def _rows_of_items(self) -> None:
-        """Take rows of other questions out of a long table: their facts are no answers' facts."""
-        words = {(e.item_column, text) for e in self._answers[LONG] for text in e.items.values()}
-        columns = {column for column, _ in words}
-        rows = tuple(r for r in self.table.rows if any((c, r[c]) in words for c in columns))
-        if rows:
-            self.table = replace(self.table, rows=rows)
-
-    def _leave_out(self, participant: int | None) -> None:
-        out = {column: list(dict.fromkeys(found)) for column, found in self._totals.items()}
-        if participant is not None and not all(self.table.column(participant)):
-            out[participant] = list(dict.fromkeys([*out.get(participant, []), ""]))
-        if not out:
-            return
-        names = self.table.headings
-        self.draft.put("leave_out", {names[c]: found for c, found in out.items()})
-        for column, found in out.items():
-            shown = ", ".join(repr(text) if text else "nothing" for text in found)
-            question = (
-                f"May the rows with {shown} in {names[column]!r} be left out, as no person's?"
-            )
-            self.doubts.append(OpenDoubt(question, "they are left out", *ROWS))
-
     def _draft_leaving(self) -> None:
         """Draft when participants left exposures, and ask how long exposures were to be."""
         if self._leaving is None:
@@ -605,7 +421,7 @@ class TableDraft:
         if count < 2 or len(names) > 1:
             return drafts
         if any("items" not in draft.tables for draft in drafts[:count]):
-            return [*_placed_in_short(drafts[:count]), *drafts[count:]]
+            return [*placed_in_short(drafts[:count]), *drafts[count:]]
         first = drafts[0]
         own = {key: value for key, value in first.values.items() if key not in facts[0]}
         own.pop("answers", None)
