@@ -1,7 +1,5 @@
 """Texture reads, bytes, draws and passes of passes that are known."""
 
-from collections import namedtuple
-
 import moderngl
 import numpy as np
 import pytest
@@ -70,7 +68,6 @@ def test_pictures_are_the_same_with_counting(ctx):
 
 
 def test_a_mip_chain_is_one_pass_of_many_draws(ctx):
-    size = namedtuple("Size", "size_px")((32, 32))
     source, chain = gl.color_texture(ctx, (32, 32)), []
     for level in (1, 2, 3):
         chain.append(
@@ -79,7 +76,7 @@ def test_a_mip_chain_is_one_pass_of_many_draws(ctx):
                 "common/mip_downsample.frag",
                 source,
                 size_px=(32 >> level, 32 >> level),
-                constants=size,
+                constants={"size_px": (32, 32)},
                 defines={"TEXEL": 2 ** (level - 1)},
             )
         )

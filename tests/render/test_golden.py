@@ -10,7 +10,7 @@ from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.camera import PreviousCamera
-from vrcomfort.render.display import ToneMapPass, noise_texture
+from vrcomfort.render.display import noise_texture, tone_map_pass
 from vrcomfort.render.output import read_rgb8, read_texture, side_by_side
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.scene_pass import ScenePass
@@ -41,7 +41,7 @@ def test_golden_pixels_change_with_the_stimulus_version_alone():
 def test_still_life(ctx, request, tmp_path):
     """Sun, shadow, lamp, fog, clouds, metal, normal map, mask, blend and velocity in one view."""
     scene_pass = ScenePass(ctx, still_life(), SIZE, velocity=True)
-    tone_map = ToneMapPass(
+    tone_map = tone_map_pass(
         ctx,
         radiance=scene_pass.colour,
         blue_noise=noise_texture(ctx),

@@ -5,7 +5,7 @@ import pytest
 
 from vrcomfort.gpu import gl
 from vrcomfort.optics import dither, tone
-from vrcomfort.render.display import ToneMapPass, noise_texture
+from vrcomfort.render.display import noise_texture, tone_map_pass
 from vrcomfort.render.output import read_rgb8
 
 
@@ -14,7 +14,7 @@ def shown(ctx, radiance, exposure=0.7):
     height, width = radiance.shape[:2]
     source = gl.color_texture(ctx, (width, height))
     source.write(radiance.tobytes())
-    tone_map = ToneMapPass(
+    tone_map = tone_map_pass(
         ctx,
         radiance=source,
         blue_noise=noise_texture(ctx),

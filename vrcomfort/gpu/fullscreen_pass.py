@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from math import ceil
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -13,15 +13,6 @@ import numpy as np
 from vrcomfort.gpu import gl, passes, shaders, visible_area
 from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.gpu.visible_area import DRAWN, limited_draw, texel_list
-
-
-class Uniforms(Protocol):
-    """A named tuple with the names of a program's uniforms as fields."""
-
-    @property
-    def _fields(self) -> tuple[str, ...]: ...
-
-    def __iter__(self) -> Iterator[Any]: ...
 
 
 class FullscreenPass:
@@ -65,7 +56,7 @@ class FullscreenPass:
         *,
         size_px: tuple[int, int],
         inputs: Mapping[str, moderngl.Texture | Sequence[moderngl.Texture]],
-        constants: Uniforms | None = None,
+        constants: Mapping[str, Any] | None = None,
         defines: shaders.Defines | None = None,
         filtered: Collection[str] = (),
         components: int = 4,
@@ -100,10 +91,8 @@ class FullscreenPass:
             self._triangle.program[name] = units if len(units) > 1 else units[0]
         self._values: dict[str, Any] = {}
         self._members: dict[str, Any] = {}
-        self._last: Uniforms | None = None
-        self._kind: type | None = None
-        if constants is not None:
-            self._set(constants)
+        self._last: Mapping[str, Any] = {}
+        self._set(constants or {})
         framebuffer = ctx.framebuffer(self.targets, depth)
         flags = moderngl.NOTHING if depth is None else moderngl.DEPTH_TEST
         self._ctx, self._writes_depth, self._over = ctx, depth is not None, over
@@ -142,11 +131,11 @@ class FullscreenPass:
         """Return the first of `targets`."""
         return self.targets[0]
 
-    def render(self, uniforms: Uniforms | None = None) -> None:
+    def render(self, **uniforms: Any) -> None:
         """Draw, after setting the uniforms of this frame."""
-        if uniforms is not None and (uniforms != self._last or type(uniforms) is not self._kind):
+        if uniforms and uniforms != self._last:
             self._set(uniforms)
-            self._last, self._kind = uniforms, type(uniforms)
+            self._last = uniforms
         self._bind()
         if self._writes_depth:
             self._ctx.depth_func = "1"  # moderngl's GL_ALWAYS: fragments replace any depth
@@ -164,9 +153,9 @@ class FullscreenPass:
                     texel * (each.width * each.height * each.components * int(each.dtype[1]))
                 )
 
-    def _set(self, uniforms: Uniforms) -> None:
+    def _set(self, uniforms: Mapping[str, Any]) -> None:
         known = self._values
-        for name, value in zip(uniforms._fields, uniforms, strict=True):
+        for name, value in uniforms.items():
             if name not in known or known[name] != value:  # a program keeps uniforms between draws
                 known[name] = value
                 self._write(name, value)
@@ -204,10 +193,6 @@ def copier(
     return copied.render
 
 
-class _Size(NamedTuple):
-    size_px: tuple[int, int]
-
-
 class MipChain:
     """Levels 1, 2, … of `image` (RGBA16F): ``common/mip_downsample.frag``.
 
@@ -232,7 +217,7 @@ class MipChain:
                     "common/mip_downsample.frag",
                     size_px=(ceil(width / 2**level), ceil(height / 2**level)),
                     inputs={"source": self._halves[-1].target if self._halves else image},
-                    constants=_Size(size_px),
+                    constants={"size_px": size_px},
                     defines={"TEXEL": 2 ** (level - 1)},
                     reach_px=0.0,
                     texel_px=(2**level, 2**level),
@@ -273,7 +258,7 @@ class ReductionPass:
         texel_px: tuple[int, int] | None = None,
         components: int = 1,
         defines: shaders.Defines | None = None,
-        constants: Uniforms | None = None,
+        constants: Mapping[str, Any] | None = None,
     ) -> None:
         self._ctx = ctx
         name, self._texels = texels
@@ -285,9 +270,8 @@ class ReductionPass:
         defines = {**(defines or {}), **({} if area is None else {"LISTED": 1})}
         self._program = shaders.compute(ctx, shader, defines)
         self._program[name] = 0
-        if constants is not None:
-            for uniform, value in zip(constants._fields, constants, strict=True):
-                self._program[uniform] = value
+        for uniform, value in (constants or {}).items():
+            self._program[uniform] = value
         of_all = PassImage.of(self._of_all)
         reads = (PassImage.of(self._texels, reach_px=math.inf if area is None else DRAWN),)
         writes = PassImage.of(self.target), of_all

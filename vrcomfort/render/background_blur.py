@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fnmatch import fnmatchcase
-from typing import NamedTuple
 
 import moderngl
 import numpy as np
@@ -60,10 +59,6 @@ def foreground(scene: Scene, condition: Condition) -> NDArray[np.bool_]:
     return found
 
 
-class _Level(NamedTuple):
-    level: float
-
-
 class MipLevelPass:
     """Draws `colour` (linear HDR RGBA16F) at a MIP level, magnified to full size, into `target`.
 
@@ -100,4 +95,4 @@ class MipLevelPass:
     def render(self, level: float) -> None:
         """Draw the present image at a level above 0."""
         self._chain.render(halvings(level))
-        self._pass.render(_Level(level))
+        self._pass.render(level=level)

@@ -19,7 +19,7 @@ from vrcomfort.optics.focus import Centre, GazeFollower
 from vrcomfort.protocol.conditions import CentredEffect, Condition
 from vrcomfort.protocol.viewing import DepthMode
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
-from vrcomfort.render.display import ToneMapPass, noise_texture
+from vrcomfort.render.display import noise_texture, tone_map_pass
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass, LensViews
 from vrcomfort.render.effects.depth_of_field.seen_depth import SeenDepthPass
 from vrcomfort.render.effects.effect import (
@@ -151,7 +151,7 @@ class ConditionPasses:
             # A target for each eye: both images of a frame are valid until the next frame.
             exposure, blue_noise = scene.environment.exposure, noise_texture(ctx)
             self.tone_maps = tuple(
-                ToneMapPass(
+                tone_map_pass(
                     ctx,
                     radiance=self.colour,
                     blue_noise=blue_noise,

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import moderngl
 import numpy as np
@@ -32,43 +31,31 @@ def noise_texture(ctx: moderngl.Context) -> moderngl.Texture:
     return texture
 
 
-class _Exposure(NamedTuple):
-    exposure: float
-
-
-class ToneMapPass:
-    """Encodes `radiance` (linear RGBA16F) into `target` (RGBA8, sRGB-encoded, dithered).
+def tone_map_pass(
+    ctx: moderngl.Context,
+    *,
+    radiance: moderngl.Texture,
+    blue_noise: moderngl.Texture,
+    size_px: tuple[int, int],
+    exposure: float,
+) -> FullscreenPass:
+    """Return the pass that encodes `radiance` (linear RGBA16F) as RGBA8: sRGB, dithered.
 
     Parameters
     ----------
     blue_noise
         That of :func:`noise_texture`.
     """
-
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        *,
-        radiance: moderngl.Texture,
-        blue_noise: moderngl.Texture,
-        size_px: tuple[int, int],
-        exposure: float,
-    ) -> None:
-        self._pass = FullscreenPass(
-            ctx,
-            "display/tone_map.frag",
-            size_px=size_px,
-            inputs={"radiance": radiance, "blue_noise": blue_noise},
-            constants=_Exposure(exposure),
-            defines=TONE_CURVE,
-            dtype="f1",
-            reach_px={"radiance": 0.0},
-        )
-        self.target = self._pass.target
-
-    def render(self) -> None:
-        """Encode the present image."""
-        self._pass.render()
+    return FullscreenPass(
+        ctx,
+        "display/tone_map.frag",
+        size_px=size_px,
+        inputs={"radiance": radiance, "blue_noise": blue_noise},
+        constants={"exposure": exposure},
+        defines=TONE_CURVE,
+        dtype="f1",
+        reach_px={"radiance": 0.0},
+    )
 
 
 Rectangle = tuple[int, int, int, int]

@@ -572,7 +572,7 @@ class ResolvePass:
         self._by_brightness = by_brightness
         self.colour, self.depth, self.velocity = colour, depth, velocity
         self._radii: Radii | None = None
-        self._places: _SamplePlaces | None = None
+        self._places: dict[str, Any] = {}
         self._pass = self._make()
 
     def write_radii(self, radii: Radii) -> None:
@@ -584,13 +584,13 @@ class ResolvePass:
         """Resolve an eye's image into the single-sample textures."""
         if self._radii is not None:
             self._radii.see_with(camera)
-        self._pass.render(self._places)
+        self._pass.render(**self._places)
 
     def learn_sample_places(self) -> None:
         """Ask the driver where samples lie; it tells of the framebuffer in use only."""
-        if self.velocity is not None and self._places is None:
+        if self.velocity is not None and not self._places:
             places = gl.sample_places(self._ctx, self._samples.colour.samples)
-            self._places = _SamplePlaces(places if len(places) > 1 else places[0])
+            self._places = {"sample_place": places if len(places) > 1 else places[0]}
 
     def _make(self) -> FullscreenPass:
         many, radii = self._samples, self._radii
@@ -616,7 +616,3 @@ class ResolvePass:
             depth=self.depth,
             reach_px={"colors": 0.0, "depths": 0.0, "velocities": 0.0},
         )
-
-
-class _SamplePlaces(NamedTuple):
-    sample_place: Any

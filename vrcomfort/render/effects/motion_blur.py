@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import ceil
-from typing import NamedTuple
 
 import moderngl
 import numpy as np
@@ -118,7 +117,7 @@ class MotionBlurPass(EffectPass):
         self._draw(0.0)
 
     def _draw(self, scale: float) -> None:
-        self._method.render(Shutter(self.settings.shutter_fraction * scale, self.max_radius_px))
+        self._method.render(self.settings.shutter_fraction * scale)
 
     def longest_half_velocity_px(self) -> float:
         """Return the longest half streak of all frames, before the limit; waits for the GPU.
@@ -141,18 +140,6 @@ class MotionBlurPass(EffectPass):
 EFFECT = RegisteredEffect(
     "motion_blur", decide, MotionBlurPass, reads=frozenset({"depth", "velocity"})
 )
-
-
-class Shutter(NamedTuple):
-    """Uniforms of ``include/half_velocity.glsl``."""
-
-    shutter_fraction: float
-    """Of the frame period, times the scale of the frame's streaks."""
-    max_radius_px: float
-
-
-class _Limit(NamedTuple):
-    max_radius_px: float
 
 
 class Reconstruction:
@@ -185,6 +172,7 @@ class Reconstruction:
     ) -> None:
         self._ctx, self._colour, self._velocity = ctx, colour, velocity
         self._max_radius_px = max_radius_px
+        self._limit = {"max_radius_px": max_radius_px}
         self._sampling = sampling = sampling_of(samples, colour.width)
         self._tile_max = TileMaxPass(
             ctx, velocity=velocity, max_radius_px=max_radius_px, sampling=sampling
@@ -239,6 +227,7 @@ class Reconstruction:
                 "source": source,
             },
             filtered={"source"},
+            constants=self._limit,
             defines={
                 **self._tile_max.frame_defines,
                 **defines,
@@ -270,6 +259,7 @@ class Reconstruction:
                 "frame": self._tile_max.frame.target,
             },
             filtered={"colour"},
+            constants=self._limit,
             defines={
                 "JUMP": self._sampling.jump,
                 "TILE": tile_px,
@@ -296,13 +286,12 @@ class Reconstruction:
         longest, crossing = self._dilate.targets
         return longest, crossing
 
-    def render(self, shutter: Shutter) -> None:
-        """Blur along the present streaks."""
-        self._tile_max.render(shutter.shutter_fraction)
+    def render(self, shutter_fraction: float) -> None:
+        """Blur along the present streaks; the shutter is open for this part of a frame period."""
+        self._tile_max.render(shutter_fraction)
         self._dilate.render()
-        for each in self._averages:
-            each.render(shutter)
-        self._foreground.render(shutter)
+        for each in (*self._averages, self._foreground):
+            each.render(shutter_fraction=shutter_fraction)
 
     def longest_half_velocity_px(self) -> float:
         """Return the longest half streak of all frames, before the limit; waits for the GPU."""
@@ -323,7 +312,7 @@ def _dilation(
             "frame": tile_max.frame.target,
         },
         more_components=(2,),
-        constants=_Limit(max_radius_px),
+        constants={"max_radius_px": max_radius_px},
         defines={**tile_max.frame_defines, "TILE": tile_px, "JUMP": jump, "PASSING": 1},
         vertex="motion_blur/frame_of_streaks.vert",
         reach_px=dict.fromkeys(("tile_max", "tile_max_crossing"), max_radius_px + tile_px),
@@ -340,10 +329,6 @@ ROWS = 4
 """Rows of pixels that are summed up first; a tile has a multiple of them."""
 AT_ONCE_PX = 400
 """Images up to so wide have few tiles: each is summed up at once."""
-
-
-class _Opening(NamedTuple):
-    shutter_fraction: float
 
 
 class TileMaxPass:
@@ -403,7 +388,7 @@ class TileMaxPass:
             texel_px=(self.tile_px, self.tile_px),
             components=4,
             defines=self.frame_defines,
-            constants=_Limit(max_radius_px),
+            constants={"max_radius_px": max_radius_px},
         )
 
     def _of_strips(self, ctx: moderngl.Context, height: int) -> FullscreenPass:
@@ -421,7 +406,7 @@ class TileMaxPass:
 
     def render(self, shutter_fraction: float) -> None:
         """Find the present streaks; the shutter is open for this part of a frame period."""
-        self._strips.render(_Opening(shutter_fraction))
+        self._strips.render(shutter_fraction=shutter_fraction)
         if self._tiles is not None:
             self._tiles.render()
         self.frame.render()
@@ -456,14 +441,15 @@ class PerPixel:
             inputs={"colour": colour, "velocity": velocity},
             filtered={"colour"},
             reach_px={"colour": max_radius_px + 1, "velocity": 0.0},
+            constants={"max_radius_px": max_radius_px},
             defines={"SAMPLES": samples, "LONGEST_BINDING": _LONGEST_BINDING},
         )
         self.target = self._gather.target
 
-    def render(self, shutter: Shutter) -> None:
+    def render(self, shutter_fraction: float) -> None:
         """Blur along the present streaks."""
         self._longest.bind_to_storage_buffer(_LONGEST_BINDING)
-        self._gather.render(shutter)
+        self._gather.render(shutter_fraction=shutter_fraction)
 
     def longest_half_velocity_px(self) -> float:
         """Return the longest half streak that was shortened, 0 where none was; waits."""

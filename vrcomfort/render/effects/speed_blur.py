@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import moderngl
 
 from vrcomfort.geometry import focal_length_px
@@ -16,10 +14,6 @@ from vrcomfort.scene.data import Scene
 
 LEAST_PX = 0.05
 """A narrower Gaussian gives a neighbour less than one part in 10^80: the image stays as it is."""
-
-
-class _Sigma(NamedTuple):
-    sigma_px: float
 
 
 def decide(settings: SpeedBlur, _: Condition, __: Scene) -> tuple[bool, str]:
@@ -59,8 +53,8 @@ class SpeedBlurPass(EffectPass):
         self._draw(1.0, 1.0)
 
     def _draw(self, x_px: float, y_px: float) -> None:
-        self._across.render(_Sigma(x_px))
-        self._along.render(_Sigma(y_px))
+        self._across.render(sigma_px=x_px)
+        self._along.render(sigma_px=y_px)
 
 
 def _axis(ctx: moderngl.Context, axis: int, image: moderngl.Texture) -> FullscreenPass:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import moderngl
 import numpy as np
 
@@ -17,17 +15,6 @@ from vrcomfort.scene.data import Scene
 
 BLOCKS = (32, 32)
 """Parts of the image whose means are averaged."""
-
-
-class _Field(NamedTuple):
-    tangents: tuple[float, float, float, float]
-    centre_from_eye: bytes
-    clear_rad: float
-    feather_rad: float
-
-
-class _Target(NamedTuple):
-    target_px: tuple[int, int]
 
 
 def decide(settings: Vignette, condition: Condition, _: Scene) -> tuple[bool, str]:
@@ -123,12 +110,10 @@ class VignettePass(EffectPass):
     def _draw(self, fov: Fov, centre_from_eye: Pose) -> None:
         rotation = centre_from_eye.matrix()[:3, :3]
         self._pass.render(
-            _Field(
-                fov.tangents,
-                rotation.T.astype("f4").tobytes(),
-                float(np.radians(self.clear_deg / 2)),
-                float(np.radians(self.settings.feather_deg)),
-            )
+            tangents=fov.tangents,
+            centre_from_eye=rotation.T.astype("f4").tobytes(),
+            clear_rad=float(np.radians(self.clear_deg / 2)),
+            feather_rad=float(np.radians(self.settings.feather_deg)),
         )
 
 
@@ -148,7 +133,7 @@ def _mean(
         "vignette/block_mean.frag",
         size_px=size_px,
         inputs={"image": image},
-        constants=_Target(size_px),
+        constants={"target_px": size_px},
         dtype="f4",
     )
 

@@ -55,19 +55,6 @@ def screen_tangents(views: tuple[View, View]) -> tuple[float, float]:
     return (right - left) / 2, (up - down) / 2
 
 
-class _Candidates(NamedTuple):
-    near_m: float
-    infinity_m: float
-    semantic_limits: tuple[float, float]
-
-
-class _Weights(NamedTuple):
-    near_m: float
-    infinity_m: float
-    semantic_limits: tuple[float, float]
-    gauss_limits: tuple[float, float]
-
-
 class _Place(NamedTuple):
     half_tangents: tuple[float, float]
     centre: tuple[float, float]
@@ -103,11 +90,17 @@ class AutofocusZone:
     def _reduction(self) -> tuple[FullscreenPass, ...]:
         """Return the passes from the zone to one texel, each a half of the one before."""
         settings = self._settings
-        limits = settings.semantic_min, settings.semantic_max
-        candidates = _Candidates(self._near_m, settings.infinity_m, limits)
+        candidates = {
+            "near_m": self._near_m,
+            "infinity_m": settings.infinity_m,
+            "semantic_limits": (settings.semantic_min, settings.semantic_max),
+        }
         along_ray = {"ALONG_RAY": 1} if self._along_ray else {}
         if settings.zone_statistic == "mean":
-            weights = _Weights(*candidates, (settings.gauss_border, settings.gauss_centre))
+            weights = {
+                **candidates,
+                "gauss_limits": (settings.gauss_border, settings.gauss_centre),
+            }
             first = self._pass("focus/focus_weights.frag", weights, {**self.defines, **along_ray})
             return self._halved(first, "focus/focus_downsample.frag", {})
         first = self._pass("focus/focus_candidates.frag", candidates, along_ray)
@@ -115,7 +108,7 @@ class AutofocusZone:
         return self._halved(first, "focus/focus_extreme.frag", farthest)
 
     def _pass(
-        self, fragment: str, constants: _Candidates | _Weights, defines: dict[str, int]
+        self, fragment: str, constants: dict[str, Any], defines: dict[str, int]
     ) -> FullscreenPass:
         return FullscreenPass(
             self._ctx,
@@ -156,7 +149,7 @@ class AutofocusZone:
         self._draw(view, place)
         along_ray = place if self._along_ray else None
         for index, each in enumerate(self._passes):
-            each.render(along_ray if index == 0 else None)
+            each.render(**(along_ray._asdict() if along_ray and index == 0 else {}))
         if not self._passes:
             self._reduce_on_cpu(along_ray)
         self._reduced.use(2)

@@ -8,7 +8,6 @@ sharp image.
 from __future__ import annotations
 
 from math import ceil, log2
-from typing import NamedTuple
 
 import moderngl
 import numpy as np
@@ -16,15 +15,6 @@ import numpy as np
 from vrcomfort.geometry import Array
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
-from vrcomfort.render.effects.depth_of_field.layered_gather import Aspect
-
-
-class TapUniforms(NamedTuple):
-    """Places of samples in the unit disc, and the largest radius."""
-
-    offsets: bytes
-    max_radius_px: float
-
 
 HALF_PX = 2
 """Side of a texel of half an image: how far beyond a pixel a bilinear read of it goes."""
@@ -85,7 +75,7 @@ class HalfResolutionDiscKernel:
             {"half_image": self._half.target, **widest},
             texel_px=HALF_PX,
             filtered={"half_image"},
-            constants=TapUniforms(offsets.tobytes(), coc.max_radius_px),
+            constants={"offsets": offsets.tobytes(), "max_radius_px": coc.max_radius_px},
             defines={"TAPS": len(offsets), **({"WIDEST": 1} if widest else {})},
             reach_px={"half_image": coc.max_radius_px + HALF_PX},
         )
@@ -102,7 +92,7 @@ class HalfResolutionDiscKernel:
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
         self._half.render()
-        self._gather.render(Aspect(pixel_aspect))
+        self._gather.render(pixel_aspect=pixel_aspect)
         self._tent.render()
         self._composite.render()
 
@@ -174,7 +164,7 @@ class HalfResolutionRingsKernel:
         """Blur the present points."""
         for each in self._before:
             each.render()
-        self._gather.render(Aspect(pixel_aspect))
+        self._gather.render(pixel_aspect=pixel_aspect)
         for each in self._after:
             each.render()
 
@@ -210,10 +200,6 @@ GAUSSIAN_REACH = 1.5
 """Half the width of the Gaussian's samples, in standard deviations: Bevy's value."""
 
 
-class _Axis(NamedTuple):
-    axis: tuple[float, float]
-
-
 class SeparableGaussianKernel:
     """As the Gaussian depth of field of Bevy (0.14).
 
@@ -231,8 +217,8 @@ class SeparableGaussianKernel:
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
-        self._rows.render(_Axis((1.0, 0.0)))
-        self._columns.render(_Axis((0.0, pixel_aspect)))
+        self._rows.render(axis=(1.0, 0.0))
+        self._columns.render(axis=(0.0, pixel_aspect))
 
 
 def _along(coc: CocPasses, source: moderngl.Texture) -> FullscreenPass:

@@ -9,7 +9,6 @@ from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import blur_kernels
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs, each_level
-from vrcomfort.render.effects.depth_of_field.layered_gather import Aspect
 
 FILL_PX = 4.0
 """How far from a texel in focus its surroundings are, in ``half_gather.frag``."""
@@ -90,15 +89,14 @@ class HalfGatherKernel:
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the image of the last eye."""
-        aspect = Aspect(pixel_aspect)
         for each in self._surfaces:
             each.render()
         self._tiles.render()
-        self._dilate.render(aspect)
-        self._gather.render(aspect)
+        self._dilate.render(pixel_aspect=pixel_aspect)
+        self._gather.render(pixel_aspect=pixel_aspect)
         self._sharp.render()
         self._wide.render()
-        self._mixed.render(aspect)
+        self._mixed.render(pixel_aspect=pixel_aspect)
 
     def _composite(
         self,

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
 
 import moderngl
 import numpy as np
@@ -23,11 +22,9 @@ from vrcomfort.render.effects.depth_of_field.engine_kernels import (
     HalfResolutionDiscKernel,
     HalfResolutionRingsKernel,
     SeparableGaussianKernel,
-    TapUniforms,
 )
 from vrcomfort.render.effects.depth_of_field.half_gather import HalfGatherKernel
 from vrcomfort.render.effects.depth_of_field.layered_gather import (
-    Aspect,
     BlurKernel,
     LayeredGatherKernel,
 )
@@ -56,7 +53,7 @@ class Poisson12Kernel:
             "poisson12",
             {"colour_and_coc": coc.colour_and_coc, "rotations": rotations},
             filtered={"colour_and_coc"},
-            constants=TapUniforms(taps.tobytes(), coc.max_radius_px),
+            constants={"offsets": taps.tobytes(), "max_radius_px": coc.max_radius_px},
             defines={"TAPS": len(taps)},
             reach_px=coc.max_radius_px + 1,  # read between pixels
         )
@@ -64,7 +61,7 @@ class Poisson12Kernel:
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
-        self._pass.render(Aspect(pixel_aspect))
+        self._pass.render(pixel_aspect=pixel_aspect)
 
 
 class Poisson15NearKernel:
@@ -94,7 +91,7 @@ class Poisson15NearKernel:
             "poisson15_near",
             {**points, "near_mean": self._near_mean.target},
             filtered={"near_mean", "colour_and_coc"},
-            constants=TapUniforms(taps.tobytes(), coc.max_radius_px),
+            constants={"offsets": taps.tobytes(), "max_radius_px": coc.max_radius_px},
             defines={"TAPS": len(taps), "CELL": cell_px},
             reach_px={"colour_and_coc": coc.max_radius_px + 1, "near_mean": float(cell_px)},
         )
@@ -103,11 +100,7 @@ class Poisson15NearKernel:
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
         self._near_mean.render()
-        self._gather.render(Aspect(pixel_aspect))
-
-
-class _Slices(NamedTuple):
-    slices_m: bytes
+        self._gather.render(pixel_aspect=pixel_aspect)
 
 
 class MipKernel:
@@ -139,7 +132,7 @@ class MipKernel:
         if slices_m:
             inputs = {**inputs, "depth": coc.depth_to_coc.depth}
             defines["AT_DISTANCES"] = 1
-            constants = _Slices(np.array(slices_m, dtype=np.float32).tobytes())
+            constants = {"slices_m": np.array(slices_m, dtype=np.float32).tobytes()}
         self._shown = coc.make_pass(
             "mip",
             inputs,

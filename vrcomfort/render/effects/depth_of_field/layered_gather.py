@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import ceil
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import moderngl
 
@@ -12,12 +12,6 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import blur_kernels
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs
-
-
-class Aspect(NamedTuple):
-    """The uniform that all kernels with round discs have."""
-
-    pixel_aspect: float
 
 
 class BlurKernel(Protocol):
@@ -73,16 +67,15 @@ class LayeredGatherKernel:
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the image of the last eye."""
-        aspect = Aspect(pixel_aspect)
-        self._dilate.render(aspect)
+        self._dilate.render(pixel_aspect=pixel_aspect)
         for layer in self._layers:
             layer.render()
         if self._gather is not None:
-            self._gather.render(aspect)
+            self._gather.render(pixel_aspect=pixel_aspect)
         sharp, *others = self._composite
         sharp.render()
         for each in others:
-            each.render(aspect)
+            each.render(pixel_aspect=pixel_aspect)
 
     def _dilate_pass(self) -> FullscreenPass:
         tiles, (inputs, defines) = self._coc.tile_min_max, self._coc.reach

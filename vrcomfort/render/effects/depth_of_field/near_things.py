@@ -9,7 +9,6 @@ Where nothing is near, the GPU skips all of it.
 from __future__ import annotations
 
 from math import floor
-from typing import NamedTuple
 
 import moderngl
 import numpy as np
@@ -20,7 +19,6 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.visible_area import DRAWN
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, each_level
 from vrcomfort.render.effects.depth_of_field.layered_gather import (
-    Aspect,
     level_size,
     of_class,
     on_tiles,
@@ -36,10 +34,6 @@ SILHOUETTE = 3.0
 
 _BEHIND = 2
 """As in ``include/tile_classes.glsl``."""
-
-
-class _Size(NamedTuple):
-    size_px: tuple[int, int]
 
 
 class NearThings:
@@ -114,7 +108,7 @@ class NearThings:
             size_px=coc.size_px,
             inputs={"near": self._gather.target, "dilated": self._classes},
             filtered={"near"},
-            constants=_Size(coc.size_px),
+            constants={"size_px": coc.size_px},
             defines={**of_class("NEAR", coc.tile_px, beside=0), "OR_ABOVE": 1},
             target=blurred,
             over=True,
@@ -126,7 +120,7 @@ class NearThings:
     def draw_behind(self, pixel_aspect: float) -> None:
         """Draw what is behind the near things of the last eye, whose radii are known."""
         for each in self._tiles:
-            each.render(Aspect(pixel_aspect))
+            each.render(pixel_aspect=pixel_aspect)
         self._if_any.ask(self._open.render)
         self._if_any.run(self._draw_behind)
 
@@ -154,7 +148,7 @@ class NearThings:
         self._again.render()
 
     def _draw_over(self, pixel_aspect: float) -> None:
-        self._gather.render(Aspect(pixel_aspect))
+        self._gather.render(pixel_aspect=pixel_aspect)
         self._over.render()
 
     def _tile_passes(self) -> tuple[FullscreenPass, FullscreenPass]:
@@ -193,7 +187,7 @@ class NearThings:
             "depth_of_field/near_limit.frag",
             size_px=(columns + 1, rows + 1),
             inputs=radii.inputs,
-            constants=_Size(coc.size_px),
+            constants={"size_px": coc.size_px},
             defines={**radii.defines, "TILE": coc.tile_px},
             components=1,
             dtype="f4",

@@ -7,8 +7,6 @@ outline would tear. With this depth it moves with what it belongs to.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from vrcomfort.geometry import focal_length_px
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
@@ -20,11 +18,6 @@ from vrcomfort.render.effects.effect import EffectInputs
 
 TAPS = 16
 """On each side of a pixel: discs wider than this are sought in steps."""
-
-
-class _Columns(NamedTuple):
-    max_radius_px: float
-    pixel_aspect: float
 
 
 class SeenDepthPass:
@@ -75,4 +68,4 @@ class SeenDepthPass:
         max_radius_px = max_radius_of(self._settings, self._size_px, focal_x)
         self._radii.see_with(camera)
         self._rows.render()
-        self._columns.render(_Columns(max_radius_px, focal_y / focal_x))
+        self._columns.render(max_radius_px=max_radius_px, pixel_aspect=focal_y / focal_x)
