@@ -406,7 +406,7 @@ def test_all_but_one_of_sixteen_items_are_no_short_questionnaire(tmp_path: Path)
 
 @pytest.mark.parametrize(
     ("odd", "answer", "asked"),
-    [("moderdo", 2, "misspelt"), ("33", None, "rare"), ("x", None, "rare")],
+    [("moderdo", 2, "misspelt"), ("33", None, "rare"), ("x", None, "rare"), ("stop", None, "rare")],
 )
 def test_an_odd_cell_among_many_answers_is_asked_about(
     odd: str, answer: int | None, asked: str, tmp_path: Path
@@ -415,6 +415,20 @@ def test_an_odd_cell_among_many_answers_is_asked_about(
     rows: list[list[object]] = [["id", "condition", *ENGLISH]]
     rows += [[f"P{n}", "a", *(words[(n + k) % 4] for k in range(16))] for n in range(8)]
     rows[1][4] = odd
+    if odd == "stop":  # one word may be met more often
+        rows[2][9:16] = [odd] * 7
     file = write(tmp_path / "ssq.csv", rows)
     assert answers_in(imported_from(file))[0][:4] == [0, 1, answer, 3]
     assert any(repr(odd) in doubt and asked in doubt for doubt in suggest_mapping([file]).doubts)
+
+
+def test_the_key_of_a_response_is_a_person_where_others_are_ages(tmp_path: Path) -> None:
+    headings = [f"Q{question}_{n}" for question in (3, 9) for n in range(1, 17)]
+    rows: list[list[object]] = [["ResponseId", "Cond", "Q1", *headings]]
+    for n in range(8):
+        low = [int((n + k) % 4 == 0) for k in range(16)]
+        rows.append([f"R_{n}x", n % 2, 20 + n * 5 % 8, *low, *(answer + 1 for answer in low)])
+    imported = imported_from(write(tmp_path / "SSQ_export.csv", rows))
+    assert {(p.participant, p.condition, p.timepoint) for _, p in imported.responses} == {
+        (f"R_{n}x", str(n % 2), when) for n in range(8) for when in ("baseline", "post")
+    }

@@ -10,6 +10,7 @@ from difflib import get_close_matches
 from types import MappingProxyType
 
 from vrcomfort.importing.answers import number
+from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.draft import CODING, INSTRUMENT, REFUSED, ROWS, OpenDoubt
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
@@ -235,7 +236,9 @@ def _are_rare(texts: Mapping[str, int], of: int, instrument: Instrument, found: 
     texts
         Text → how often it was met, among `of` answers.
     """
-    if len(texts) > _FEW_ODD or sum(texts.values()) * _ODD_OF > of:
+    often = 1 if len(texts) == 1 and not any(map(is_number, texts)) else _FEW_ODD
+    most = _ONE_WORD_OF if often == 1 else _ODD_OF
+    if len(texts) > often or sum(texts.values()) * most > of:
         return False
     found.missing += texts
     shown = ", ".join(map(repr, texts))
@@ -244,8 +247,8 @@ def _are_rare(texts: Mapping[str, int], of: int, instrument: Instrument, found: 
     return True
 
 
-_FEW_ODD, _ODD_OF = 3, 50
-"""Different texts, and answers among which there is at most one such cell."""
+_FEW_ODD, _ODD_OF, _ONE_WORD_OF = 3, 50, 8
+"""Different texts, and answers among which there is at most one such cell; one word is a mark."""
 
 
 def _shifts_of(

@@ -318,6 +318,8 @@ def _tells_people_apart(context: Context, column: int) -> bool:
     asked = {*tokens(table.headings[column])} & (context.vocabulary.item_labels | {"question"})
     if _counts_rows(context, column) or (asked and not named and not table.reading.transpose):
         return False  # QuestionId
+    if is_numeric(table, column) and _are_ages(words):
+        return False
     each_row = len(words) == rows
     # Long tables have many rows for each person; without headings or on its side, codes repeat.
     few_rows = not context.one_row_each and 1 < len(words) <= rows / 4
@@ -325,6 +327,20 @@ def _tells_people_apart(context: Context, column: int) -> bool:
         table.reading.transpose and column == 0 and len(words) > 1
     )
     return (each_row or few_rows or in_front) and max(map(len, words)) <= LONGEST_CODE
+
+
+def _are_ages(words: Sequence[str]) -> bool:
+    """Return whether numbers are in no order, and can be years of age."""
+    whole = all(map(str.isdecimal, words))
+    numbers = [*map(int, words)] if whole else []
+    return whole and numbers != sorted(numbers) and 15 <= min(numbers) <= max(numbers) <= 99
+
+
+def _numbers_responses(context: Context, column: int) -> bool:
+    """Return whether a column has the key of each response, where no row is of another person."""
+    words = texts(context.table, column)
+    labelled = plain(context.table.headings[column]) in context.vocabulary.responses
+    return labelled and len(words) == len(context.table.rows) and context.one_row_each
 
 
 def _codes_in_equally_many_rows(context: Context, column: int) -> bool:
@@ -583,6 +599,10 @@ CELLS: tuple[CellEvidence, ...] = (
         "Does {heading!r} tell participants apart?", "it does; it holds codes, no names of people",
     ),
     RECURRING_NAMES,
+    CellEvidence(
+        "participant", "the key of each response", 10, _numbers_responses,
+        "Is each row, with a {heading!r} of its own, another person?", "it is",
+    ),
     CellEvidence("timepoint", "timepoints under their heading", 40, _timepoints_under_heading),
     CellEvidence("timepoint", "two timepoints or more, any heading", 30, _several_timepoints),
     BASELINE_AMONG_CONDITIONS,

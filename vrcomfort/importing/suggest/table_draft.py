@@ -307,7 +307,11 @@ class TableDraft(KeptRows):
         if not said:
             return "timepoint" if rises else "condition"
         each_once = any(len(texts(self.table, c)) == len(self.table.rows) for c in people)
-        return "timepoint" if each_once and (scores or rises) else "trial"
+        return (
+            "timepoint"
+            if (each_once and scores) or (rises and (each_once or not people))
+            else "trial"
+        )
 
     def _answers_rise(self, found: Sequence[FoundAnswers]) -> bool:
         """Return whether answers to symptoms of the first of several blocks are half of later ones.

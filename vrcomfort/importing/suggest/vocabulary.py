@@ -88,6 +88,8 @@ class IgnoredLabels(Settings):
     labels: _Words = ()
     words: _Words = ()
     """Words of headings of answers in own words."""
+    responses: _Words = ()
+    """Those among `labels` of which each response has its own."""
     personal: _Words = ()
     """Headings of columns that may identify a person."""
 
@@ -264,6 +266,7 @@ class LabVocabulary:
         self.covariate_words = _word_sets(merged["covariates"], "words")
         self.covariate_labels = _word_sets(merged["covariates"], "labels")
         self.free_texts = _plain_set(merged["ignored"]["words"])
+        self.responses = _plain_set(merged["ignored"]["responses"])
         self.personal = _plain_set(merged["ignored"]["personal"])
         self.trial_runs = {
             label: _plain_set(each["words"])
