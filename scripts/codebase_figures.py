@@ -95,9 +95,10 @@ def is_protocol(node: ast.ClassDef) -> bool:
 def names_used_twice(trees: Mapping[str, ast.Module]) -> dict[str, list[str]]:
     """Return the public classes' names that more than one module defines, with the modules."""
     places: dict[str, list[str]] = defaultdict(list)
-    for module, node in classes(trees):
-        if not node.name.startswith("_") and node in trees[module].body:
-            places[node.name].append(module)
+    for module, tree in trees.items():
+        for node in tree.body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                places[node.name].append(module)
     return {name: where for name, where in sorted(places.items()) if len(where) > 1}
 
 

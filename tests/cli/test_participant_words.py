@@ -54,6 +54,8 @@ def written(node: ast.AST, constants: Mapping[str, str]) -> Iterator[str]:
 
 def own_words(source: str) -> list[str]:
     """Return the words of letters that code shows to participants by itself."""
+    if not any(f"{name}(" in source for name in SHOWS):
+        return []
     tree = ast.parse(source)
     constants = {
         target.id: node.value.value

@@ -22,7 +22,10 @@ FORBIDDEN = re.compile(
 
 def messages(file: Path) -> Iterator[tuple[int, str]]:
     """Yield (line, text) of the errors and problems of a file, with `{…}` for values."""
-    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+    source = file.read_text("utf-8")
+    if not re.search(r"\b(InputError|Problem|message)\b", source):
+        return
+    for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") in {"InputError", "Problem"}:
             for given in node.args:
                 yield node.lineno, text_of(given)
