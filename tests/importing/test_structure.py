@@ -420,3 +420,22 @@ def test_rows_of_a_log_between_ratings_are_no_missed_ratings(tmp_path: Path) -> 
     assert imported is not None
     assert [r.response for r in imported.ratings] == [1, 2, 3, 4, 5] * 2 * len(PEOPLE)
     assert any("80 rows have no answer" in note for note in imported.notes)
+
+
+def test_files_of_tests_and_of_broken_starts_are_left_out_and_asked_about(tmp_path: Path) -> None:
+    """S01 is the code of a person, and no first session."""
+    RANDOM.seed(7)
+    files, truth = [], Truth()
+    for day, person in enumerate(PEOPLE, start=10):
+        for hour, condition in enumerate(("joystick", "none"), start=10):
+            code = person.replace("P", "S")
+            truth[code, condition, "post"] = given = answers()
+            rows = list(zip(ENGLISH, given, strict=True))
+            name = f"{code}_{condition}_2024-11-{day}_{hour}h{day}.csv"
+            files.append(table(tmp_path / name, [["Question", "Answer"], *rows]))
+    rows = [["Question", "Answer"], *zip(ENGLISH[:5], [1] * 5, strict=True)]
+    files.append(table(tmp_path / "S01_none_2024-11-10_09h10.csv", rows))
+    files.append(table(tmp_path / "TEST_none_2024-11-01_09h10.csv", rows))
+    assert found(files) == truth
+    left_out = [doubt for doubt in suggest_mapping(files).doubts if "be left out" in doubt]
+    assert len(left_out) == 2

@@ -107,6 +107,7 @@ class Conditions(FactDraft):
         elif found[0].evidence is COUNTS_EXPOSURES and found[-1].evidence is GROUPS_PEOPLE:
             self._crossover(found[-1].column, found[0].column)
         elif found[0].column in decided:  # it keeps the role that it has
+            self._context.columns["condition"] = (found[0].column,)
             column = found[0].column
             said = {"column": self.heading(column), **self.names_of_codes(column)}
             self.found.draft.put("condition", said)

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.draft import ROWS, OpenDoubt
+from vrcomfort.importing.suggest.names_of_files import DATE
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
 
-_DATE = re.compile(
-    r"(19|20)\d\d[-_.]?[01]\d[-_.]?[0-3]\d"
-    r"([-_. T]*[0-2]\d[-_.:h]?[0-5]\d([-_.:m]?[0-5]\d([.]\d+)?)?)?"
-)
-"""A date, perhaps with a time behind it."""
 _RARE = 5
 """One in so many files, at most, is a start that was repeated."""
 
@@ -33,7 +28,7 @@ def files_of_nobody(
     tests = tests if len(tests) * _RARE <= len(files) else []
     started: dict[str, list[Path]] = {}
     for file in files:
-        started.setdefault(_DATE.sub("", file.stem), []).append(file)
+        started.setdefault(DATE.sub("", file.stem), []).append(file)
     again = [sorted(each, key=lambda f: rows[f]) for each in started.values() if len(each) > 1]
     broken = [file for each in again for file in each[:-1] if rows[file] * 2 < rows[each[-1]]]
     broken = broken if len(again) * _RARE <= len(files) else []

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import takewhile
 from pathlib import Path
 
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 
 _PART = re.compile(r"([_\-\s./]+)")
-_DATE = re.compile(r"(19|20)?\d\d[01]\d[0-3]\d|[0-2]\d[0-5]\d([0-5]\d)?")
-"""A date such as ``20241104``, or a time such as ``1004``."""
+DATE = re.compile(
+    r"(?<!\d)((19|20)\d\d[-_.]?[01]\d[-_.]?[0-3]\d|[0-3]\d[-_.][01]\d[-_.](19|20)\d\d)"
+    r"([-_. T]{1,3}[0-2]\d[-_.:h]?[0-5]\d([-_.:m]?[0-5]\d([.]\d+)?)?)?(?!\d)"
+)
+"""A date, perhaps with a time behind it: ``20241104-1004``, ``2024-11-04_10h04``."""
+_ANY = "\N{REPLACEMENT CHARACTER}"
+"""Stands in for a date, which says nothing of a questionnaire, where names differ otherwise."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +55,11 @@ def parts_of_names(
     people
         The one participant of each name, where columns say it: names may say it again.
     """
+    dated = [DATE.sub(_ANY, name) for name in names]
+    if len(set(dated)) > 1 and all(map(DATE.search, names)):
+        found = parts_of_names(dated, wanted, vocabulary, people)
+        sign = ".*?" if found is not None and found.expression else "{*}"
+        return found and replace(found, template=found.template.replace(_ANY, sign))
     split = [_PART.split(name) for name in names]
     if len(set(names)) < 2 or not wanted:
         return None
@@ -59,7 +69,6 @@ def parts_of_names(
     columns = list(zip(*split, strict=True))
     differing = [i for i in range(0, len(columns), 2) if len(set(columns[i])) > 1]
     differing = [i for i in differing if not _tells_apart(columns[i], people)]
-    differing = _without_dates(differing, columns)
     left = list(wanted)
     roles: dict[int, str] = {}
     for i in differing:
@@ -101,17 +110,6 @@ def _variety(texts: Sequence[str]) -> int:
 
 def _wordiness(texts: Sequence[str]) -> bool:
     return not any(letter.isdecimal() for text in texts for letter in text)
-
-
-def _without_dates(places: Sequence[int], columns: Sequence[Sequence[str]]) -> list[int]:
-    """Return the places of parts that differ, without dates and times that stand beside others."""
-    dates = [i for i in places if all(map(_DATE.fullmatch, columns[i]))]
-    days = [i for i in dates if all(len(text) >= _DATE_DIGITS for text in columns[i])]
-    others = [i for i in places if i not in dates]
-    return others if days and others else [*places]
-
-
-_DATE_DIGITS = 6
 
 
 def _optional(
