@@ -432,3 +432,42 @@ def test_the_key_of_a_response_is_a_person_where_others_are_ages(tmp_path: Path)
     assert {(p.participant, p.condition, p.timepoint) for _, p in imported.responses} == {
         (f"R_{n}x", str(n % 2), when) for n in range(8) for when in ("baseline", "post")
     }
+
+
+@pytest.mark.parametrize(
+    ("heading", "moments", "known"),
+    [
+        ("t", ("t0", "t1"), ("baseline", "post")),
+        ("MZP", (1, 2), ("baseline", "post")),
+        ("When", ("Pre", "Post 0 min", "Post 20 min"), ("baseline", "post", "recovery")),
+        (
+            "When",
+            ("before", "after", "after 10 min", "after 30 min"),
+            ("baseline", "post", "recovery", "later_30"),
+        ),
+    ],
+)
+def test_moments_with_numbers_are_known_in_their_order(
+    heading: str, moments: tuple[object, ...], known: tuple[str, ...], tmp_path: Path
+) -> None:
+    rows: list[list[object]] = [["id", "place", heading, *ENGLISH]]
+    for n in range(8):
+        for place in ("forest", "city"):
+            for when, moment in enumerate(moments):
+                rows.append([n, place, moment, *((n + k + when) % 4 for k in range(16))])
+    imported = imported_from(write(tmp_path / "ssq.csv", rows))
+    assert {(p.condition, p.timepoint) for _, p in imported.responses} == {
+        (place, when) for place in ("forest", "city") for when in known
+    }
+
+
+def test_a_rating_without_the_name_of_the_questionnaire_is_none_of_its_items(
+    tmp_path: Path,
+) -> None:
+    short = ["gendisc", "fatigue", "eyestrain", "diff_focus", "headache", "fullhead", "blur"]
+    short += ["dizzy_closed", "vertigo"]
+    rows: list[list[object]] = [["id", "cond", "discomfort_pre", *(f"vrsq_{s}" for s in short)]]
+    rows += [[f"P{n}", "ab"[n % 2], 3, *((n + k) % 3 for k in range(9))] for n in range(8)]
+    imported = imported_from(write(tmp_path / "answers.csv", rows))
+    assert answers_in(imported)[1][:2] == [1, 2]
+    assert {name for name, _ in imported.responses} == {"vrsq"}

@@ -415,7 +415,13 @@ def _baseline_among_conditions(context: Context, column: int) -> bool:
 
 def _other_texts_under_timepoint(context: Context, column: int) -> bool:
     named = column in context.roles.facts["timepoint"] and column not in context.used
-    return named and 1 < len(texts(context.table, column)) <= 5
+    words = texts(context.table, column)
+    counted = column in context.roles.unknown and all(map(_MOMENT.fullmatch, words))
+    return (named or counted) and 1 < len(words) <= 5
+
+
+_MOMENT = re.compile(r"[tT] ?\d{1,2}")
+"""A moment such as ``T1``, under any heading."""
 
 
 def _order_within_people(context: Context, column: int) -> bool:

@@ -353,9 +353,9 @@ class _Facts(FactDraft):
         elif found:
             self._known_timepoints(found[0].column)
         elif "timepoint" in self._named:
-            timepoint = self._vocabulary.timepoint
             words = [text for text in self._named["timepoint"] if text]
-            values = {text: timepoint(text) or text for text in words}
+            moments = self._vocabulary.moments(words)
+            values = {text: moments[text] or text for text in words}
             if "" in self._named["timepoint"]:
                 values[""] = "post" if "baseline" in values.values() else "baseline"
             self.found.draft.put("timepoint", {"values": values})
@@ -364,8 +364,9 @@ class _Facts(FactDraft):
             self.found.draft.put("timepoint", {"constant": "post"}, comment)
 
     def _known_timepoints(self, column: int) -> None:
-        meaning, timepoint = self._table.meaning, self._vocabulary.timepoint
-        said = {word: timepoint(meaning(column, word)) for word in texts(self._table, column)}
+        meant = {w: self._table.meaning(column, w) for w in texts(self._table, column)}
+        moments = self._vocabulary.moments([*meant.values()])
+        said = {word: moments[meaning] for word, meaning in meant.items()}
         # Two words for after exposure, such as "after" and "after 15 min", are two moments.
         after = sorted((word for word, when in said.items() if when == "post"), key=len)
         if len(after) == _MOMENTS_AFTER and "recovery" not in said.values():

@@ -161,6 +161,8 @@ def _abbreviated(words: Sequence[str], _: LabVocabulary, instrument: Instrument)
             if any(len(word) < 3 or word.isdecimal() for word in part):
                 continue
             found = [item.name for item in instrument.items if _abbreviates(part, item.name)]
+            if not found and length == 1:
+                found = [i.name for i in instrument.items if _is_glued(part[0], i.name)]
             enough = length > 1 or len(part[0]) >= 4
             if len(found) == 1 and enough:
                 return start, start + length, found[0]
@@ -180,6 +182,15 @@ def _abbreviates(part: Sequence[str], name: str) -> bool:
             return False
         place += 1
     return True
+
+
+def _is_glued(word: str, name: str) -> bool:
+    """Return whether a word is the beginnings of the first two words of a name: ``gendisc``."""
+    first, *rest = [part for part in name.split("_") if part not in {"of"}]
+    return bool(rest) and any(
+        first.startswith(word[:place]) and rest[0].startswith(word[place:])
+        for place in range(3, len(word) - 2)
+    )
 
 
 class NameEvidence(NamedTuple):

@@ -256,6 +256,7 @@ def _by_name(
         for index, (heading, label) in enumerate(zip(headings, labels, strict=True))
         if (each := item_behind_stem(index, heading, label, instrument, vocabulary)) is not None
     ]
+    named = _without_strays(table, named, instrument)
     if runs := _repeated_runs(named, instrument):
         return [
             Found(instrument, (str(n),) if n > 1 else (), {each.item: each for each in run})
@@ -291,6 +292,16 @@ def _repeated_runs(named: Sequence[Named], instrument: Instrument) -> list[list[
     same = len(runs) > 1 and all(order == orders[0] for order in orders)
     misspelt = any(each.how == "near" for run in runs for each in run)
     return runs if same and misspelt and len(orders[0]) >= FEWEST else []
+
+
+def _without_strays(table: SourceTable, named: list[Named], instrument: Instrument) -> list[Named]:
+    """Return headings without a few that lack the instrument's name, where most others have it.
+
+    A rating of discomfort beside a questionnaire is none of its items.
+    """
+    own = [each for each in named if mentions(table.headings[each.column], [instrument])]
+    few = len(named) - len(own) < FEWEST <= len(own) and len(own) * 3 >= len(named) * 2
+    return own if few else named
 
 
 def _free(groups: dict[Context, dict[str, Named]], context: Context, each: Named) -> Context:

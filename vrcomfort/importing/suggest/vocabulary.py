@@ -375,6 +375,23 @@ class LabVocabulary:
             return "recovery"  # 15 minutes after
         return found.pop() if len(found) == 1 else None
 
+    def moments(self, words: Sequence[str]) -> dict[str, str | None]:
+        """Return word → timepoint of several words, those minutes after exposure in their order.
+
+        The first is the timepoint after exposure if no word is; later ones have a number.
+        """
+        found = {word: self.timepoint(word) for word in words}
+        timed = {w: int(n[0]) for w in words if found[w] == "recovery" if (n := _DIGITS.search(w))}
+        if len(timed) < 2:
+            return found
+        names = [*([] if "post" in found.values() else ["post"]), "recovery"]
+        for place, word in enumerate(sorted(timed, key=lambda each: timed[each])):
+            found[word] = names[place] if place < len(names) else f"later_{timed[word]}"
+        return found
+
+
+_DIGITS = re.compile(r"\d+")
+
 
 class Known(NamedTuple):
     """Instruments that a file may hold answers to, and the words of other labs' files."""
