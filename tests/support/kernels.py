@@ -28,7 +28,7 @@ def blur(ctx, kernel, rgb, radius_px, *, max_radius_px, pixel_aspect=1.0, **sett
     _, coc = defocused(ctx, rgb, radius_px, max_radius_px=max_radius_px, **settings)
     lens = DepthOfField(kernel=kernel, law="dioptre", **settings)
     wide = lens.model_copy(update={"max_radius_percent": 100 * max_radius_px / width})
-    made = make_kernel(ctx, coc, wide)
+    made = make_kernel(coc, wide)
     made.render(pixel_aspect)
     points = np.frombuffer(coc.colour_and_coc.read(), "f2").reshape(height, width, 4)
     return Blurred(points.astype(float), rgb_of(made.target), coc.max_radius_px)

@@ -196,7 +196,7 @@ class ScenePass:
         """
         self._nearest = nearest
         self.gpu.make_behind(tile_px)
-        self._single = _SingleTargets(self._ctx, colour, depth)
+        self._single = _Surfaces(self._ctx, [colour], depth)
         images = tuple(map(passes.PassImage.of, (colour, depth)))
         limit = passes.PassImage.of(nearest)
         self._opaque_behind = replace(
@@ -304,7 +304,28 @@ class _Sky:
         self._triangle.render(vertices=3)
 
 
-class _Targets:
+class _Surfaces:
+    """Where surfaces are drawn: into all of some images (colour first) with their depth."""
+
+    def __init__(
+        self, ctx: moderngl.Context, images: list[moderngl.Texture], depth: moderngl.Texture
+    ) -> None:
+        self._ctx = ctx
+        self._all = ctx.framebuffer(images, depth)
+        self._colour_only = ctx.framebuffer(images[:1], depth)
+
+    def use(self) -> None:
+        """Draw into all of them from now on."""
+        self._all.use()
+
+    def blend(self) -> None:
+        """Continue with colour only: blended surfaces cover by alpha and write no depth."""
+        self._colour_only.use()
+        self._colour_only.depth_mask = False
+        self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
+
+
+class _Targets(_Surfaces):
     """Multisampled targets and the single-sample ones they are resolved into."""
 
     def __init__(
@@ -316,18 +337,16 @@ class _Targets:
         samples: int,
         by_brightness: float | None,
     ) -> None:
-        self._ctx = ctx
         colour, velocity = _colours(ctx, size_px, velocity_dtype, 0)
         depth = gl.depth_texture(ctx, size_px)
         many_colour, many_velocity = _colours(ctx, size_px, velocity_dtype, samples)
         many_depth = gl.depth_texture(ctx, size_px, samples=samples)
         many = [many_colour, *([many_velocity] if many_velocity else [])]
         self._colours = many_colour
-        self._many = ctx.framebuffer(many, many_depth)
+        super().__init__(ctx, many, many_depth)
         self._cleared = passes.clear([*many, many_depth])
         self.samples = self._cleared.writes
         """Colour first, depth last."""
-        self._many_colour_only = ctx.framebuffer([many_colour], many_depth)
         area = visible_area.current()
         self._hidden = None if area is None else _HiddenTiles(ctx, area, many_depth)
         self.resolve = ResolvePass(
@@ -340,10 +359,6 @@ class _Targets:
         )
         self.count = 2 * (len(many) + 1)
 
-    def use(self) -> None:
-        """Draw colour, depth and velocity from now on."""
-        self._many.use()
-
     def background_blur(self, level: float) -> MipLevelPass:
         """Return the pass that blurs the colour of all samples; depth stays as it is."""
         colour = self.resolve.colour
@@ -353,39 +368,11 @@ class _Targets:
 
     def begin(self) -> None:
         """Clear to black at infinity; what is not seen lies on the near plane."""
-        self._cleared.run(lambda: self._many.clear(depth=0.0))
+        self._cleared.run(lambda: self._all.clear(depth=0.0))
         if self._hidden is not None:
             self._hidden.render()
         self.use()
         self.resolve.learn_sample_places()
-
-    def blend(self) -> None:
-        """Continue with colour only: blended surfaces cover by alpha and write no depth."""
-        _blend(self._ctx, self._many_colour_only)
-
-
-class _SingleTargets:
-    """An image and its depth, one sample a pixel."""
-
-    def __init__(
-        self, ctx: moderngl.Context, colour: moderngl.Texture, depth: moderngl.Texture
-    ) -> None:
-        self._ctx = ctx
-        self._both, self._colour_only = (ctx.framebuffer([colour], depth) for _ in range(2))
-
-    def use(self) -> None:
-        """Draw colour and depth from now on."""
-        self._both.use()
-
-    def blend(self) -> None:
-        """Continue as :meth:`_Targets.blend`."""
-        _blend(self._ctx, self._colour_only)
-
-
-def _blend(ctx: moderngl.Context, colour_only: moderngl.Framebuffer) -> None:
-    colour_only.use()
-    colour_only.depth_mask = False
-    ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
 
 
 class _HiddenTiles:

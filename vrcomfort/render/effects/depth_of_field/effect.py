@@ -68,7 +68,7 @@ class DepthOfFieldPass(EffectPass):
         self._size_px = inputs.size_px
         self._slices_m = settings.slices_m if settings.kernel == "mip_slices" else None
         self._coc = CocPasses(inputs)
-        self._kernel = make_kernel(inputs.ctx, self._coc, settings)
+        self._kernel = make_kernel(self._coc, settings)
         self.target = self._kernel.target
         self._near: NearThings | None = None
         ours = isinstance(self._kernel, LayeredGatherKernel) and settings.views == 1

@@ -9,6 +9,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import blur_kernels
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs, each_level
+from vrcomfort.render.effects.depth_of_field.layered_gather import of_class, on_tiles
 
 FILL_PX = 4.0
 """How far from a texel in focus its surroundings are, in ``half_gather.frag``."""
@@ -107,16 +108,14 @@ class HalfGatherKernel:
         **options: Any,
     ) -> FullscreenPass:
         """Return the pass that draws the tiles of a class."""
-        of_class = {"CLASS": name, "POINT_PX": self._coc.tile_px, "BESIDE": 0}
         # Discs up to SMALL_PX are summed from pixels; all is read between two, or two texels.
         reach_px = {"colour_and_coc": blur_kernels.SMALL_PX + 1, "gathered": 2.0, "dilated": 0.0}
         return self._coc.make_pass(
             fragment,
             {**inputs, "dilated": self._dilate.target},
-            defines={**(defines or {}), **of_class},
+            defines={**(defines or {}), **of_class(name, self._coc.tile_px, beside=0)},
             target=self.target,
-            vertex="depth_of_field/tiles_of_class.vert",
-            tiles=self._dilate.target.size,
             reach_px=reach_px,
+            **on_tiles(self._dilate.target),
             **options,
         )

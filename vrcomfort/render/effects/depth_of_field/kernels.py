@@ -221,10 +221,10 @@ _KERNELS: dict[Kernel, Callable[[CocPasses], BlurKernel]] = {
 }
 
 
-def make_kernel(ctx: moderngl.Context, coc: CocPasses, settings: DepthOfField) -> BlurKernel:
+def make_kernel(coc: CocPasses, settings: DepthOfField) -> BlurKernel:
     """Return the kernel that `settings` name, reading the points of `coc`."""
     if settings.kernel != "vrcomfort":
         return _KERNELS[settings.kernel](coc)
     if settings.samples == blur_kernels.HALF_GATHER_SAMPLES:
         return HalfGatherKernel(coc)
-    return LayeredGatherKernel(ctx, coc, settings)
+    return LayeredGatherKernel(coc, settings)

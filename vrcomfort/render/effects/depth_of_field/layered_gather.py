@@ -41,17 +41,16 @@ class LayeredGatherKernel:
 
     def __init__(
         self,
-        ctx: moderngl.Context,
         coc: CocPasses,
         settings: DepthOfField,
     ) -> None:
-        self._ctx, self._coc = ctx, coc
+        self._coc = coc
         self._defines = coc.level_defines
         self._points = {"colour_and_coc": coc.colour_and_coc}
         self._dilate = self._dilate_pass()
         self._layers = self._layer_passes()
         layers: Inputs = {"layers": [each.target for each in self._layers]} if self._layers else {}
-        self.target = gl.color_texture(ctx, coc.size_px)
+        self.target = gl.color_texture(coc.ctx, coc.size_px)
         # A shader for each class, which reads only what the class needs.
         self._composite = [self._tiles("IN_FOCUS", "in_focus"), self._tiles("FAST", "fast")]
         coarser = {"COARSER_BEHIND": int(blur_kernels.coarser_behind(settings.samples))}
@@ -79,42 +78,37 @@ class LayeredGatherKernel:
 
     def _dilate_pass(self) -> FullscreenPass:
         tiles, (inputs, defines) = self._coc.tile_min_max, self._coc.reach
-        tile_px = self._coc.tile_px
-        return self._pass(
+        return self._coc.make_pass(
             "coc_tile_dilate",
             {"tiles": tiles, **inputs},
+            texel_px=self._coc.tile_px,
             defines={**self._defines, **defines},
-            size_px=tiles.size,
             reach_px={"tiles": self._coc.max_radius_px + 2},  # tiles that it touches count whole
-            texel_px=(tile_px, tile_px),
         )
 
     def _layer_passes(self) -> list[FullscreenPass]:
         found: list[FullscreenPass] = []
         for level in range(1, int(self._defines["LEVELS"])):
             finer = found[-1].target if found else self._coc.colour_and_coc
-            defines = {"FROM_LAYERS": 1} if found else {}
-            size_px = level_size(self._coc.size_px, level)
             # Eight half floats in a texel: light and radius of a foreground and of a background.
             found.append(
-                self._pass(
+                self._coc.make_pass(
                     "layers",
                     {"finer": finer},
-                    size_px=size_px,
+                    texel_px=2**level,
                     dtype="u4",
-                    defines=defines,
+                    defines={"FROM_LAYERS": 1} if found else {},
                     reach_px=0.0,
-                    texel_px=(2**level, 2**level),
                 )
             )
         return found
 
     def _gather_pass(self, layers: Inputs) -> FullscreenPass:
         """Return the pass that sums wide discs, in tiles of that class and beside them."""
-        return self._pass(
+        return self._coc.make_pass(
             "gather",
             {**layers, "dilated": self._dilate.target},
-            size_px=level_size(self._coc.size_px, 1),
+            texel_px=2,
             defines={
                 **self._defines,
                 **of_class("FAST_HALF_RESOLUTION", self._coc.tile_px // 2, beside=1),
@@ -123,8 +117,7 @@ class LayeredGatherKernel:
                 "layers": self._coc.disc_px,
                 "dilated": self._coc.tile_px,
             },
-            texel_px=(2, 2),
-            **self._on_tiles(),
+            **on_tiles(self._dilate.target),
         )
 
     def _tiles(
@@ -140,23 +133,15 @@ class LayeredGatherKernel:
         read = {**self._points, **(inputs or {})}
         # What was gathered is read between its texels.
         reach_px = dict.fromkeys(read, self._coc.disc_px) | {"dilated": 0.0, "gathered": 2.0}
-        return self._pass(
+        return self._coc.make_pass(
             fragment,
             {**read, "dilated": self._dilate.target},
-            size_px=self._coc.size_px,
             target=self.target,
             defines={**self._defines, **class_defines, **(defines or {})},
             reach_px=reach_px,
-            **self._on_tiles(),
+            **on_tiles(self._dilate.target),
             **options,
         )
-
-    def _on_tiles(self) -> dict[str, Any]:
-        return on_tiles(self._dilate.target)
-
-    def _pass(self, name: str, inputs: Inputs, **options: Any) -> FullscreenPass:
-        fragment = f"depth_of_field/{name}.frag"
-        return FullscreenPass(self._ctx, fragment, inputs=inputs, **options)
 
 
 def level_size(size_px: tuple[int, int], level: int) -> tuple[int, int]:
