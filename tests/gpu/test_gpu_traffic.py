@@ -119,10 +119,10 @@ def test_samples_are_written_one_by_one_and_overdrawn_ones_again(ctx):
 
 def test_copies_and_clears_are_bytes_and_no_draws(ctx):
     source, target = (gl.color_texture(ctx, SIZE) for _ in range(2))
-    copy = gl.copier(ctx)
+    copy = gl.copier(ctx, source, target)
     largest = max_reduction(ctx, source)
-    drawn = counted(ctx, lambda: copy(source, target), largest.reset)
-    copy(source, target)
+    drawn = counted(ctx, copy, largest.reset)
+    copy()
     assert [(each.declared.name, each.bytes) for each in drawn] == [
         ("copy", PIXELS * 16),
         ("clear", 4),

@@ -184,8 +184,7 @@ def copier(
 ) -> Callable[[], None]:
     """Return a function that copies an image bit by bit, or what is drawn of it."""
     if visible_area.current() is None:
-        copy = gl.copier(ctx)
-        return lambda: copy(source, target)
+        return gl.copier(ctx, source, target)
     inputs, size_px = {"image": source}, target.size
     copied = FullscreenPass(
         ctx, "common/copy.frag", size_px=size_px, inputs=inputs, target=target, reach_px=0.0

@@ -143,23 +143,18 @@ def depth_texture(
     return _entered(ctx, point_sampled(texture, comparison=False), 1, "f4")
 
 
-def copier(ctx: moderngl.Context) -> Callable[[moderngl.Texture, moderngl.Texture], None]:
+def copier(
+    ctx: moderngl.Context, source: moderngl.Texture, target: moderngl.Texture
+) -> Callable[[], None]:
     """Return a function that copies a single-sample texture (depth too) over another like it.
 
     `Context.copy_framebuffer` copies colour only.
     """
     copy = function(ctx, "glCopyImageSubData", *[ctypes.c_int] * 15)
-
-    def copy_texture(source: moderngl.Texture, target: moderngl.Texture) -> None:
-        level_and_corner = (0, 0, 0, 0)
-        place = (_TEXTURE_2D, *level_and_corner)
-        passes.run_copy(
-            source,
-            target,
-            lambda: copy(source.glo, *place, target.glo, *place, *source.size, 1),
-        )
-
-    return copy_texture
+    level_and_corner = (0, 0, 0, 0)
+    place = (_TEXTURE_2D, *level_and_corner)
+    draw = partial(copy, source.glo, *place, target.glo, *place, *source.size, 1)
+    return partial(passes.run_copy, source, target, draw)
 
 
 def binder(

@@ -148,6 +148,7 @@ class ConditionPasses:
                 self._seen_depth = SeenDepthPass(
                     EffectInputs(ctx, blur, self.colour, reads, condition.focus.infinity_m)
                 )
+            self._effects: Mapping[str, EffectPass] = self._of_view | self._of_eye
             # A target for each eye: both images of a frame are valid until the next frame.
             exposure, blue_noise = scene.environment.exposure, noise_texture(ctx)
             self.tone_maps = tuple(
@@ -206,10 +207,6 @@ class ConditionPasses:
         """Draw once the passes that frames without motion skip, so that they are compiled."""
         for effect in self._effects.values():
             effect.warm_up()
-
-    @property
-    def _effects(self) -> Mapping[str, EffectPass]:
-        return self._of_view | self._of_eye
 
     @property
     def max_blur_px(self) -> float | None:
@@ -359,7 +356,7 @@ class ConditionPasses:
         draw_part("scene", self.scene.render, camera, scene_time_s, eye.previous, resolve=False)
         draw_part(RESOLVE, self.scene.resolve.render, camera)
         if keep_pinhole and self._pinhole is not None:
-            gl.copier(self._ctx)(self.scene.colour, self._pinhole)
+            gl.copier(self._ctx, self.scene.colour, self._pinhole)()
         seen = eye._replace(still=self.scene.still)
         for name, effect in effects.items():
             draw_part(name, effect.render, seen)

@@ -50,7 +50,7 @@ class ShadowMap:
         self._light_from_world = light_rotation(gpu.scene.environment.sun_direction)
         self._static = _Map(ctx, size_px, gpu.images)
         self._live = _Map(ctx, size_px, gpu.images) if gpu.moves else self._static
-        self._copy = gl.copier(ctx)
+        self._copy = gl.copier(ctx, self._static.depth, self._live.depth)
         self._center: list[float] | None = None
         self._drawn_for: tuple[float, Pose] | None = None
         texel_m = 2 * radius_m / size_px
@@ -73,7 +73,7 @@ class ShadowMap:
             self._draw(self._static, clear=True)
         if self._live is not self._static:
             # Moving casters are drawn over a copy of the static ones, which stay as they are.
-            self._copy(self._static.depth, self._live.depth)
+            self._copy()
             self._draw(self._live, clear=False)
 
     @property
