@@ -439,3 +439,23 @@ def test_files_of_tests_and_of_broken_starts_are_left_out_and_asked_about(tmp_pa
     assert found(files) == truth
     left_out = [doubt for doubt in suggest_mapping(files).doubts if "be left out" in doubt]
     assert len(left_out) == 2
+
+
+def test_ratings_stand_among_the_events_of_a_log(tmp_path: Path) -> None:
+    files = []
+    for number, person in enumerate(PEOPLE):
+        for condition in ("slow", "fast"):
+            rows: list[Sequence[object]] = [
+                ["time", "event", "arg0", "arg1"],
+                [0.5, "start", "", ""],
+            ]
+            for minute in range(1, 7):
+                rows.append([minute * 60.2, "FMS", minute, minute + number])
+                rows.append([minute * 60.2 + 4, "collision", "wall", 30 + minute])
+            files.append(table(tmp_path / f"{person}_{condition}.csv", rows))
+    suggested = suggest_mapping(files)
+    assert suggested.imported is not None, suggested.doubts
+    given = [(r.onset_s, r.response) for r in suggested.imported.ratings[:6]]
+    assert given == [(60 * minute, minute) for minute in range(1, 7)]
+    assert len(suggested.imported.ratings) == 2 * 6 * len(PEOPLE)
+    assert any("in minutes since the exposure began" in doubt for doubt in suggested.doubts)

@@ -299,6 +299,9 @@ class TableImport:
         cells: tuple[str, ...],
         row: int,
     ) -> None:
+        found = self._items(block, cells, row)
+        if not found:
+            return
         onset_s = block.onset_s
         if block.time_column is not None:
             decimal = self._table.reading.decimal or "."
@@ -308,7 +311,7 @@ class TableImport:
         if onset_s is None:
             text = "" if block.time_column is None else cells[block.time_column]
             raise self._table.fault(f"{text!r} is no time", row, block.time_column)
-        for column, item in self._items(block, cells, row):
+        for column, item in found:
             response = self._read(place, block, item, cells[column], row, column)
             rating = Rating(administration, block.instrument.name, onset_s, response)
             here = SourceRow(self._table.file.name, self._table.sheet, row)

@@ -318,13 +318,16 @@ def _other_instruments(table: SourceTable, column: int, known: Known) -> list[Op
 
 
 def draft_rating(
-    table: SourceTable, rating: FoundRating, facts: Mapping[str, str], known: Known, _: Roles
+    table: SourceTable, rating: FoundRating, facts: Mapping[str, str], known: Known, roles: Roles
 ) -> Drafted:
     """Draft a scale of one item: ratings during exposure, where there is a time."""
     (item,) = rating.instrument.items
     draft = TomlDraft({"instrument": rating.instrument.name, **facts})
     if rating.time is not None:
-        minutes = bool({*tokens(table.headings[rating.time])} & MINUTES)
+        minutes = rating.counts or bool({*tokens(table.headings[rating.time])} & MINUTES)
+        if rating.event is not None:
+            column, text = rating.event
+            table = replace(table, rows=tuple(r for r in table.rows if r[column] == text))
         what = "minutes" if minutes else "seconds"
         draft.put("time", table.headings[rating.time], f"{what} since the exposure began")
         if minutes:
@@ -332,7 +335,16 @@ def draft_rating(
         draft.put("summaries", ["peak", "mean", "last"], "what the report has of each exposure")
     coding = coding_of(table, rating.columns, rating.instrument, known.vocabulary)
     _coded(draft, coding)
-    draft.tables["items"] = TomlDraft({item.name: table.headings[rating.column]})
+    heading = table.headings[rating.column]
+    if rating.event is not None:
+        column, text = rating.event
+        for each in (column, rating.time, rating.column):
+            if each is not None:
+                roles.forget(each)
+        draft.put("item_column", table.headings[column])
+        draft.put("response_column", heading)
+        heading = text
+    draft.tables["items"] = TomlDraft({item.name: heading})
     doubts = list(coding.doubts)
     if (
         rating.time is not None

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from vrcomfort.importing.suggest.block_conditions import (
     number_in_words,
     numbered_conditions,
 )
-from vrcomfort.importing.suggest.evidence import is_identifier
+from vrcomfort.importing.suggest.evidence import is_identifier, texts
 from vrcomfort.importing.suggest.items import FoundAnswers, named_by_file
 from vrcomfort.importing.suggest.scores import find_scores, values_of
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens, words_of
@@ -23,10 +24,20 @@ from vrcomfort.questionnaire import Instrument, plain
 
 @dataclass(frozen=True)
 class FoundRating(FoundAnswers):
-    """A column of ratings, and that of the seconds at which they were given."""
+    """A column of ratings, and that of the seconds at which they were given.
+
+    Parameters
+    ----------
+    event
+        In logs, the column of what happened, and the text that is a rating.
+    counts
+        The times count on from 1, as minutes do.
+    """
 
     column: int
     time: int | None
+    event: tuple[int, str] | None = None
+    counts: bool = False
 
     @property
     def columns(self) -> list[int]:
@@ -48,7 +59,7 @@ class FoundCourse(FoundAnswers):
 
 def find_ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
     """Return the columns of ratings that are in no time course."""
-    ratings = _ratings(table, columns, known)
+    ratings = _ratings(table, columns, known) or _among_events(table, known)
     courses = _times_of(table, ratings, known.vocabulary)
     in_courses = [rating for course in courses for rating in course]
     return [rating for rating in ratings if rating not in in_courses]
@@ -95,6 +106,43 @@ def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[F
 
 MINUTES = frozenset(["min", "mins", "minute", "minutes", "minuten"])
 """Words for minutes in the heading of a column of times."""
+
+
+def _among_events(table: SourceTable, known: Known) -> list[FoundRating]:
+    """Return ratings among the events of a log: their scale's name, a time, and a value."""
+    scales = {
+        key: each
+        for each in known.instruments
+        if len(each.asked) == 1
+        for key in (plain(each.name), plain(each.short), plain(each.title))
+    }
+    for column in range(len(table.headings) if table.reading.heading_rows else 0):
+        words = texts(table, column)
+        named = [word for word in words if plain(word) in scales]
+        if len(named) != 1 or not 1 < len(words) <= _MOST_EVENTS:
+            continue
+        scale = scales[plain(named[0])]
+        rows = tuple(row for row in table.rows if row[column] == named[0])
+        own = replace(table, rows=rows)
+        others = [c for c in range(len(table.headings)) if c != column and all(own.column(c))]
+        numbers = [c for c in others if len(values_of(own, c)) == len(rows)]
+        counts = [c for c in numbers if _counts_anew(own, c)]
+        time = counts[0] if counts else _time_column(own, numbers, known.vocabulary)
+        rated = [c for c in numbers if c != time and all(map(scale.answers.has, values_of(own, c)))]
+        rated = [c for c in rated if not is_identifier(own, c, known.vocabulary)]
+        if time is not None and len(rated) == 1 and len(rows) >= _FEWEST_RISING:
+            return [FoundRating(scale, (), rated[0], time, (column, named[0]), bool(counts))]
+    return []
+
+
+_MOST_EVENTS = 100
+
+
+def _counts_anew(table: SourceTable, column: int) -> bool:
+    """Return whether numbers count on from 1, over and over."""
+    values = values_of(table, column)
+    steps = all(b in {a + 1, 1} for a, b in pairwise(values))
+    return len({*values}) >= FEWEST_TIMES and values[0] == 1 and steps
 
 
 def _numbered_columns(
