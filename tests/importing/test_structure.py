@@ -459,3 +459,22 @@ def test_ratings_stand_among_the_events_of_a_log(tmp_path: Path) -> None:
     assert given == [(60 * minute, minute) for minute in range(1, 7)]
     assert len(suggested.imported.ratings) == 2 * 6 * len(PEOPLE)
     assert any("in minutes since the exposure began" in doubt for doubt in suggested.doubts)
+
+
+def test_scores_of_answers_in_another_sheet_are_left_out_and_asked_about(tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    raw, scores = book.worksheets[0], book.create_sheet("Scores")
+    raw.append(["ID", "Condition", *ENGLISH])
+    scores.append(["ID", "Condition", "Nausea", "Oculomotor", "Disorientation", "Total"])
+    for number, person in enumerate(PEOPLE, start=1):
+        for condition in ("A", "B"):
+            raw.append([person, condition, *answers()])
+            scores.append([person, condition, *(number * each for each in SCORE_UNITS)])
+    book.save(tmp_path / "ssq.xlsx")
+    suggested = suggest_mapping([tmp_path / "ssq.xlsx"])
+    assert suggested.imported is not None, suggested.doubts
+    assert {instrument for instrument, _ in suggested.imported.responses} == {"ssq"}
+    assert any("sheets Scores be left out" in doubt for doubt in suggested.doubts)
+
+
+SCORE_UNITS = (9.54, 7.58, 13.92, 3.74)

@@ -157,25 +157,38 @@ def _table(grid: Grid, known: Known) -> SourceTable:
 
 
 def _said_again(useful: Sequence[TableDraft], imported: Imported | None) -> list[TableDraft]:
-    """Return the drafts of sheets that say the answers of another again, perhaps recoded."""
-    said: dict[str, dict[str, Counter[object]]] = {}
-    for (instrument, _), response in (imported.responses if imported else {}).items():
-        of_sheet = said.setdefault(response.place.sheet, {})
+    """Return the drafts of sheets that say the answers of another again: recoded, or as scores."""
+    said: dict[tuple[str, str], dict[str, Counter[object]]] = {}
+    answered = {*imported.responses} if imported else set()
+    scored: dict[tuple[str, str], list[bool]] = {}
+    for (instrument, m), response in (imported.responses if imported else {}).items():
+        place = response.place.file, response.place.sheet
+        of_sheet = said.setdefault(place, {})
         of_sheet.setdefault(instrument, Counter()).update(response.answers.items())
+        base = _MADE_OF.sub("", instrument)
+        scored.setdefault(place, []).append(base != instrument and (base, m) in answered)
     again: list[TableDraft] = []
     earlier: list[dict[str, Counter[object]]] = []
     for draft in useful:
-        mine = said.get(draft.table.sheet, {})
+        places = {(table.file.name, table.sheet) for table in draft.tables}
+        mine: dict[str, Counter[object]] = {}
+        for place in places:
+            for name, counts in said.get(place, {}).items():
+                mine.setdefault(name, Counter()).update(counts)
         repeats = (
             sum(counts.values()) >= _FEWEST_ALIKE and any(e.get(name) == counts for e in earlier)
             for name, counts in mine.items()
         )
-        if draft.table.sheet and mine and all(repeats):
+        made = [each for place in places for each in scored.get(place, ())]
+        only = "participants" not in draft.draft.values and made and all(made)
+        if (draft.table.sheet and mine and all(repeats)) or only:
             again.append(draft)
         earlier.append(mine)
     return again
 
 
+_MADE_OF = re.compile("_(scores|raw_sums|other_scores)$")
+"""What an instrument of scores has behind the name of the one that they are of."""
 _FEWEST_ALIKE = 24
 """Answers to an instrument, in two sheets, that are equally often there by no chance."""
 
