@@ -332,6 +332,25 @@ def sessions_of_a_registry_are_no_moments(folder: Path) -> Made:
     return [table(folder / "study_DATA.csv", rows)], truth
 
 
+@layout
+def codes_of_questions_before_their_texts(folder: Path) -> Made:
+    """The number of the response is nobody's code; the last letter of SSQV and SSQN is a moment."""
+    ask = "How much does each symptom affect you now?"
+    head = ["id. Response ID", "CODE. Your code (letters of your mother's name, birthday)"]
+    head += ['cond. {if(is_empty(cond),"",cond)}']
+    for letter in "VN":
+        head += [f"SSQ{letter}[SQ{n:03d}]. {ask} [{t}]" for n, t in enumerate(ENGLISH, start=1)]
+    rows: list[Sequence[object]] = [head]
+    truth = Truth()
+    for number, person in enumerate(PEOPLE):
+        condition = ("still", "moving")[number % 2]
+        before, after = answers(), answers()
+        truth[person, condition, "baseline"] = before
+        truth[person, condition, "post"] = after
+        rows.append([4 + number * 3 // 2, person, condition, *before, *after])
+    return [table(folder / "results-survey.csv", rows)], truth
+
+
 def found(files: Sequence[Path]) -> Mapping[tuple[str, str, str], Answers]:
     suggested = suggest_mapping(files)
     assert suggested.imported is not None, suggested.doubts

@@ -242,6 +242,8 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
         outer, _, inner = table.headings[column].rpartition(JOIN)
         label = table.labels[column]
         said = _inner_names(table.headings[column]) if table.nested else ()
+        if code := _CODE_AND_TEXT.fullmatch(table.headings[column]):
+            said = (code[2],) if code[1] == "id" else (code[2], code[1])  # that of the response
         said = (*said, table.headings[column], label, *label.split(" | "))
         role, weight = _heaviest(said, vocabulary)
         if outer and merged[outer] > 1 and role not in {*FACTS, IGNORED}:
@@ -258,6 +260,10 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
         roles.facts[fact] = [column for _, column in sorted(found)]
         roles.alike[fact] = [c for weight, c in sorted(found) if weight == min(found)[0]]
     return roles
+
+
+_CODE_AND_TEXT = re.compile(r"([A-Za-z][A-Za-z0-9_]{0,19})\. (\S.*)")
+"""Headings of a survey program that writes the code of a question before its text."""
 
 
 def _inner_names(heading: str) -> tuple[str, ...]:

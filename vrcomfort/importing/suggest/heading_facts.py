@@ -28,6 +28,10 @@ def heading_facts(
     contexts = [tuple(_unglued(word, vocabulary) for word in each) for each in contexts]
     if len(contexts) == 1:
         return _of_one(contexts[0], vocabulary)
+    lettered, letters = _lettered(contexts)
+    if letters:
+        said, others = heading_facts(lettered, vocabulary, numbers=numbers)
+        return said, [*others, letters]
     shared = set.intersection(*map(set, contexts))
     telling = _telling(contexts, vocabulary)
     if any(set(context) <= shared for context in contexts) and max(map(len, contexts)) <= 4:
@@ -79,6 +83,26 @@ def _unglued(word: str, vocabulary: LabVocabulary) -> str:
     return found if len(word) - len(found) <= _GLUED else word
 
 
+def _lettered(
+    contexts: Sequence[tuple[str, ...]],
+) -> tuple[list[tuple[str, ...]], OpenDoubt | None]:
+    """Return words of headings with the moments that V and N say in SSQV and SSQN, and ask."""
+    for place in range(min(map(len, contexts))):
+        words = {context[place] for context in contexts}
+        stems = {word[:-1] for word in words}
+        means = _ENDS.get(frozenset(word[-1] for word in words))
+        if means and len(words) == 2 and len(stems) == 1 and len(min(stems)) >= _LETTERS:
+            shown = ", ".join(f"{word} {means[word[-1]]}" for word in sorted(words))
+            found = [(*c[:place], means[c[place][-1]], *c[place + 1 :]) for c in contexts]
+            question = f"Do {' and '.join(sorted(words))} say before and after exposure?"
+            return found, OpenDoubt(question, shown, *TIMEPOINTS)
+    return [*contexts], None
+
+
+_ENDS = {
+    frozenset("vn"): {"v": "vorher", "n": "nachher"},
+    frozenset("ba"): {"b": "before", "a": "after"},
+}
 _LETTERS, _GLUED = 3, 2
 """Letters of a timepoint that is known inside a word, and the most before it."""
 
