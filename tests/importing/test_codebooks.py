@@ -279,3 +279,13 @@ def test_ratings_weights_and_products_side_by_side_are_the_ratings(tmp_path: Pat
     imported = imported_from(write(tmp_path / "nasatlx.csv", rows))
     assert [answers[:6] for answers in answers_in(imported)] == [row[2:8] for row in rows[1:]]
     assert {place.timepoint for _, place in imported.responses} == {"post"}
+
+
+@pytest.mark.parametrize("heading", ["Experimenter", "Highest degree", "Dominant eye", "Browser"])
+def test_what_divides_people_in_two_is_no_condition_where_its_heading_says_so(
+    heading: str, tmp_path: Path
+) -> None:
+    rows: list[list[object]] = [["ID", heading, *ENGLISH]]
+    rows += [[f"P{n}", ("left", "right")[n % 2], *given(n, 1)] for n in range(1, 9)]
+    imported = imported_from(write(tmp_path / "ssq.csv", rows))
+    assert {place.condition for _, place in imported.responses} == {"all"}
