@@ -289,3 +289,11 @@ def test_what_divides_people_in_two_is_no_condition_where_its_heading_says_so(
     rows += [[f"P{n}", ("left", "right")[n % 2], *given(n, 1)] for n in range(1, 9)]
     imported = imported_from(write(tmp_path / "ssq.csv", rows))
     assert {place.condition for _, place in imported.responses} == {"all"}
+
+
+def test_glasses_of_which_each_person_wears_two_are_the_condition(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["VPN", "Brille", "Runde", *ENGLISH]]
+    for n in range(1, 9):
+        rows += [[n, g, k, *given(n, k)] for k, g in enumerate(("Quest", "Pico"), start=1)]
+    imported = imported_from(write(tmp_path / "ssq.csv", rows))
+    assert {place.condition for _, place in imported.responses} == {"Quest", "Pico"}

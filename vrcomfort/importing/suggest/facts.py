@@ -22,6 +22,7 @@ from vrcomfort.importing.suggest.evidence import (
     RECURRING_NAMES,
     Context,
     candidates,
+    few_texts,
     is_numeric,
     measures,
     texts,
@@ -404,16 +405,29 @@ class _Facts(FactDraft):
         question = f"Is {before} in {self.heading(column)!r} before exposure, of no condition?"
         self.doubt(question, "it is; the others are conditions, asked after exposure", TIMEPOINTS)
 
+    def _is_shown_in_turn(self, column: int) -> bool:
+        """Return whether nearly all people have several of a few words, as of conditions."""
+        people: dict[str, set[str]] = {}
+        for row in self._table.rows:
+            if self._context.participant is not None and row[column]:
+                people.setdefault(row[self._context.participant], set()).add(row[column])
+        several = sum(len(words) > 1 for words in people.values())
+        words = few_texts(self._table, column) and not is_numeric(self._table, column)
+        return words and several * 5 >= len(people) * 4 > 0
+
     def _covariates(self) -> None:
         who = self._context.participant
         if who is None and "participant" in self._named:
             return
-        for name, column in self._roles.covariates.items():
+        for name, column in [*self._roles.covariates.items()]:
             if column in self._context.used:
                 continue
             if who is None or not varies_within(self._table, column, who):
                 self._context.covariates[name] = column
                 self._context.used.add(column)
+            elif self._is_shown_in_turn(column):
+                self._roles.unknown.append(column)  # glasses, of which each person wears two
+                del self._roles.covariates[name]
             else:
                 self._varying.append(column)
         for column, _ in candidates("covariate", self._roles.unknown, self._context):
