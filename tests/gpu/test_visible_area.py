@@ -57,6 +57,12 @@ def test_what_may_be_read_anywhere_is_drawn_whole():
     assert found == {1: math.inf, 2: math.inf, 3: 0}
 
 
+def test_passes_in_a_ring_that_reach_farther_each_time_draw_whole_images():
+    ring = [step(image(1, 8.0), 2), step(image(2, 0.0), 1), step(image(1, 0.0), 3)]
+    assert margins(ring) == {1: math.inf, 2: math.inf, 3: 0}
+    assert margins([step(image(1, 0.0), 2), *ring[1:]]) == {1: 0, 2: 0, 3: 0}
+
+
 def test_a_sum_of_what_is_drawn_asks_for_no_more():
     assert margins([step(image(1, DRAWN), 2), step(image(1, 3.0), 3)]) == {1: 1, 2: 0, 3: 0}
 

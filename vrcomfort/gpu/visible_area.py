@@ -8,6 +8,7 @@ reads anywhere, so that the passes before it draw whole images.
 
 from __future__ import annotations
 
+import itertools
 import math
 import weakref
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -233,7 +234,8 @@ def _texels_in(
 def margins(declared: Iterable[Pass], pixel_aspect: float = 1.0) -> dict[int, float]:
     """Return by how many tiles around what is seen each texture has to be drawn.
 
-    What nothing reads is drawn where it is seen: 0.
+    What nothing reads is drawn where it is seen: 0. Textures that passes read and write in turns,
+    each time from farther away, are drawn as a whole: infinity.
 
     Parameters
     ----------
@@ -242,8 +244,7 @@ def margins(declared: Iterable[Pass], pixel_aspect: float = 1.0) -> dict[int, fl
     """
     listed = list(declared)
     found = {image.name: 0.0 for each in listed for image in (*each.reads, *each.writes)}
-    changes = True
-    while changes:
+    for turn in itertools.count():
         before = dict(found)
         for each in listed:
             # All targets of a pass are drawn in the same tiles.
@@ -252,7 +253,12 @@ def margins(declared: Iterable[Pass], pixel_aspect: float = 1.0) -> dict[int, fl
             for image in each.reads:
                 around = tiles_within(pixel_aspect * image.reach_px, each)
                 found[image.name] = max(found[image.name], own + around)
-        changes = found != before
+        if found == before:
+            break
+        if turn > len(found):
+            # No chain of passes is that long: those in a ring reach farther each time round.
+            grown = (name for name, tiles in found.items() if tiles != before[name])
+            found.update(dict.fromkeys(grown, math.inf))
     return found
 
 
