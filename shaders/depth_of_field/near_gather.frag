@@ -1,13 +1,16 @@
 #version 450 core
 // The discs of near things at half resolution, and who hides whom among them.
 //
-// Input:  light, radius: NEAR_LEVELS levels of what is near (near_layer.frag); tile (near_tiles.frag).
+// Input:  light, radius: NEAR_LEVELS levels of what is near; light_2, radius_2: of what is near behind that, or
+//         beside it in the texel (near_layer.frag); tile (near_tiles.frag).
 //         EACH_NEAR_LEVEL(f): f(1) f(2) … of them (include/levels.glsl).
 // Output: rgb and opacity, premultiplied, about the middles of texels of level 1.
 //
-// Where p is near, its surface is the mean over p's own disc of what is not nearer: where nothing is, all
-// behind is seen. Within a surface that is exactly 1. What is nearer scatters over it, and over a p that is
-// not near: a q adds 1 / area(q). Every texel of a disc counts once, on its level (include/levels.glsl).
+// Where p is near, its surface is the mean over p's own disc of what is neither nearer nor well behind it: within a
+// surface that is exactly 1. What is nearer scatters over it, and over a p that is not near: a q adds 1 / area(q).
+// Below it is the mean of the surface behind, and what else lies well behind. What a nearer surface hides in the
+// image is cut off where that surface hides it from the lens's point, too: a lamp is no veil.
+// Every texel of a disc counts once, on its level (include/levels.glsl).
 #include "coc.glsl"
 #include "discs.glsl"
 #include "finite.glsl"
@@ -18,15 +21,38 @@ flat in vec4 tile;
 
 uniform sampler2D light[NEAR_LEVELS];   // of level 1, 2, …
 uniform sampler2D radius[NEAR_LEVELS];
+uniform sampler2D light_2[NEAR_LEVELS];
+uniform sampler2D radius_2[NEAR_LEVELS];
 
 out vec4 over_all;
 
-vec4 p = texelFetch(light[0], ivec2(gl_FragCoord.xy), 0);
-float own_radius = p.a > 0.0 ? texelFetch(radius[0], ivec2(gl_FragCoord.xy), 0).r / p.a : 0.0;
+ivec2 middle = ivec2(gl_FragCoord.xy);
+ivec2 last_texel = textureSize(light[0], 0) - 1;
+vec4 p = texelFetch(light[0], middle, 0);
+vec4 p_behind = texelFetch(light_2[0], middle, 0);
+float own_radius = p.a > 0.0 ? texelFetch(radius[0], middle, 0).r / p.a : 0.0;
+float radius_behind = p_behind.a > 0.0 ? texelFetch(radius_2[0], middle, 0).r / p_behind.a : 0.0;
 
-vec4 own = vec4(0.0);        // of p's surface
+vec4 own = vec4(0.0);          // of p's surface
+vec4 behind = vec4(0.0);       // of the surface behind it
 vec4 nearer_only = vec4(0.0);  // of what is nearer than p
-vec4 all = vec4(0.0);        // of all that is near
+vec4 farther_only = vec4(0.0); // of what is farther
+vec4 all = vec4(0.0), all_behind = vec4(0.0);  // of all that is near
+
+// How the radius of p's surface grows: the lesser of the steps to both sides, per pixel.
+float step_to(ivec2 to) {
+    ivec2 at = clamp(middle + to, ivec2(0), last_texel);
+    float part = texelFetch(light[0], at, 0).a;
+    return part > 0.0 ? 0.5 * (texelFetch(radius[0], at, 0).r / part - own_radius) : 1e4;
+}
+
+float lesser(float a, float b) {
+    float found = abs(a) < abs(b) ? a : b;
+    return abs(found) < 0.5 ? found : 0.0;
+}
+
+vec2 slope = vec2(lesser(step_to(ivec2(1, 0)), -step_to(ivec2(-1, 0))),
+                  lesser(step_to(ivec2(0, 1)), -step_to(ivec2(0, -1))));
 
 // Part of a disc that is drawn on a level: the first has those of pixels, too.
 float part_on(int level, float radius_px) {
@@ -37,21 +63,28 @@ float texels_of(float radius_px, float texel_px) {
     return grid_radius_px(disc_texels(sqrt(max(radius_px * radius_px - ENLARGED_PX2, 0.0)), texel_px));
 }
 
-void gather(sampler2D light_of, sampler2D radius_of, int level) {
+// Whether a level draws a disc that p wants.
+float own_part_on(int level, vec4 of, float radius_px) {
+    return of.a > 0.0 ? part_on(level, -radius_px) : 0.0;
+}
+
+void gather(sampler2D light_of, sampler2D radius_of, sampler2D light_2_of, sampler2D radius_2_of, int level) {
     float texel_px = float(1 << level);
-    float own_part = p.a > 0.0 ? part_on(level, -own_radius) : 0.0;
+    float own_part = own_part_on(level, p, own_radius), behind_part = own_part_on(level, p_behind, radius_behind);
     float widest = level < LEVELS - 1 ? min(tile.r, widest_on(level)) : tile.r;
     bool comes = level == 1 ? tile.g < widest_on(1) || LEVELS == 2 : coarser_part(level - 1, tile.r) > 0.0;
     comes = comes && (level == LEVELS - 1 || tile.g < widest_on(level));
-    float own_texels = texels_of(-own_radius, texel_px);
-    float most = max(own_part > 0.0 ? own_texels : 0.0, comes ? texels_of(widest, texel_px) : 0.0);
+    float own_texels = texels_of(-own_radius, texel_px), behind_texels = texels_of(-radius_behind, texel_px);
+    float most = max(max(own_part > 0.0 ? own_texels : 0.0, behind_part > 0.0 ? behind_texels : 0.0),
+                     comes ? texels_of(widest, texel_px) : 0.0);
     float reach = most + 0.5 * RIM_PX;
     vec2 place = 2.0 * gl_FragCoord.xy / texel_px - 0.5;
     float rows = reach * pixel_aspect;
-    int top = comes || own_part > 0.0 ? int(floor(place.y + rows)) : -1000000;
+    int top = comes || own_part + behind_part > 0.0 ? int(floor(place.y + rows)) : -1000000;
     ivec2 last = textureSize(light_of, 0) - 1;
-    vec4 found = vec4(0.0), over = vec4(0.0), over_own = vec4(0.0);
-    float seen = 0.0;
+    vec4 found = vec4(0.0), found_behind = vec4(0.0);
+    vec4 over = vec4(0.0), over_nearer = vec4(0.0), over_farther = vec4(0.0), over_behind = vec4(0.0);
+    float seen = 0.0, seen_behind = 0.0;
     for (int y = int(ceil(place.y - rows)); y <= top; ++y) {
         float row = (float(y) - place.y) / pixel_aspect;
         float cells = sqrt(max(reach * reach - row * row, 0.0));
@@ -59,37 +92,69 @@ void gather(sampler2D light_of, sampler2D radius_of, int level) {
         for (int x = int(ceil(place.x - cells)); x <= right; ++x) {
             ivec2 at = clamp(ivec2(x, y), ivec2(0), last);
             vec4 q = texelFetch(light_of, at, 0);
-            float away = length(vec2(float(x) - place.x, row));
-            float share = disc_share(away, own_texels);
-            if (q.a > 0.0) {
-                float q_radius = texelFetch(radius_of, at, 0).r / q.a;
-                float is_nearer = nearer(own_radius, q_radius);
-                vec4 comes_here = apart(q_radius) * part_on(level, -q_radius) * disc_share(away, texels_of(-q_radius, texel_px)) * q;
-                over += comes_here;
-                over_own += is_nearer * comes_here;
-                found += (1.0 - is_nearer) * share * q;
-                seen -= is_nearer * share * q.a;
-            }
+            vec2 off = vec2(float(x), float(y)) - place;
+            float away = length(vec2(off.x, row));
+            float share = disc_share(away, own_texels), share_behind = disc_share(away, behind_texels);
             seen += share;
+            seen_behind += share_behind;
+            if (q.a > 0.0) {
+                float q_px = texelFetch(radius_of, at, 0).r / q.a;
+                float own_px = clamp(own_radius + texel_px * dot(slope, off), 2.0 * own_radius, 0.25 * own_radius);
+                float is_nearer = nearer(own_px, q_px), is_farther = farther(own_px, q_px);
+                // Of what q hides: far behind it, what is known; close behind it goes on as beside it.
+                float far_before = is_nearer * farther(q_px, own_px);
+                float beside = nearer(radius_behind, q_px), far_beside = beside * farther(q_px, radius_behind);
+                vec4 comes_here = apart(q_px) * part_on(level, -q_px) * disc_share(away, texels_of(-q_px, texel_px)) * q;
+                over += comes_here;
+                over_nearer += is_nearer * comes_here;
+                float last_px = p_behind.a > 0.0 ? radius_behind : own_px;
+                over_farther += farther(last_px, q_px) * comes_here;
+                found += (1.0 - is_nearer - is_farther) * share * q;
+                found_behind += (1.0 - beside - farther(radius_behind, q_px)) * share_behind * q;
+                vec4 q2 = texelFetch(light_2_of, at, 0);
+                float hidden = (is_nearer - far_before) * q.a, hidden_behind = (beside - far_beside) * q.a;
+                if (q2.a > 0.0) {
+                    float q2_px = texelFetch(radius_2_of, at, 0).r / q2.a;
+                    // Seen from here, the nearer surface hides it elsewhere.
+                    ivec2 by = clamp(ivec2(floor(place + off * (q_px / q2_px) + 0.5)), ivec2(0), last);
+                    vec4 front = texelFetch(light_of, by, 0);
+                    float front_px = front.a > 0.0 ? texelFetch(radius_of, by, 0).r / front.a : 0.0;
+                    vec4 comes_2 = (1.0 - front.a * nearer(q2_px, front_px)) * apart(q2_px) * part_on(level, -q2_px)
+                                 * disc_share(away, texels_of(-q2_px, texel_px)) * q2;
+                    over_behind += comes_2;
+                    over_farther += farther(last_px, q2_px) * comes_2;
+                    float visible = min(1.0 - q.a, q2.a) / q2.a;
+                    float same = 1.0 - nearer(own_px, q2_px) - farther(own_px, q2_px);
+                    found += mix(visible, 1.0, far_before) * same * share * q2;
+                    hidden += far_before * nearer(own_px, q2_px) * q2.a;
+                    float beside_2 = nearer(radius_behind, q2_px);
+                    found_behind += mix(visible, 1.0, far_beside) * (1.0 - beside_2 - farther(radius_behind, q2_px)) * share_behind * q2;
+                    hidden_behind += far_beside * beside_2 * q2.a;
+                }
+                seen -= hidden * share;
+                seen_behind -= hidden_behind * share_behind;
+            }
         }
     }
     own += own_part > 0.0 && seen > 1e-5 ? own_part * found / seen : vec4(0.0);
+    behind += behind_part > 0.0 && seen_behind > 1e-5 ? behind_part * found_behind / seen_behind : vec4(0.0);
     all += over / (PI * pixel_aspect);
-    nearer_only += over_own / (PI * pixel_aspect);
+    nearer_only += over_nearer / (PI * pixel_aspect);
+    farther_only += over_farther / (PI * pixel_aspect);
+    all_behind += over_behind / (PI * pixel_aspect);
 }
 
 // Part of p that is drawn apart, or goes on beside what is: a straight end takes 3 texels of 9.
 float part_apart() {
-    float found = 3.0 * apart(own_radius);
+    float found = 3.0 * max(apart(own_radius), apart(radius_behind));
     int around = p.a > 0.0 && found < 3.0 ? 1 : -1;
-    ivec2 last = textureSize(light[0], 0) - 1;
     for (int y = -around; y <= around; ++y)
         for (int x = -around; x <= around; ++x) {
-            ivec2 at = clamp(ivec2(gl_FragCoord.xy) + ivec2(x, y), ivec2(0), last);
+            ivec2 at = clamp(middle + ivec2(x, y), ivec2(0), last_texel);
             float q_part = texelFetch(light[0], at, 0).a;
             found += q_part > 0.0 ? q_part * apart(texelFetch(radius[0], at, 0).r / q_part) : 0.0;
         }
-    return p.a * min(found / 3.0, 1.0);
+    return min(p.a + p_behind.a, 1.0) * min(found / 3.0, 1.0);
 }
 
 // Opacity adds up to 1 at most.
@@ -97,9 +162,18 @@ vec4 limited(vec4 sum) {
     return sum / max(sum.a, 1.0);
 }
 
+vec4 upon(vec4 front, vec4 back) {
+    return front + (1.0 - front.a) * back;
+}
+
+// What is seen past the front, and not through it.
+vec4 past(vec4 front, vec4 back) {
+    return front + min(1.0, (1.0 - front.a) / max(back.a, 1e-4)) * back;
+}
+
 void main() {
-#define GATHER(level) gather(light[level - 1], radius[level - 1], level);
+#define GATHER(level) gather(light[level - 1], radius[level - 1], light_2[level - 1], radius_2[level - 1], level);
     EACH_NEAR_LEVEL(GATHER)
-    vec4 over = limited(nearer_only);
-    over_all = min(mix(limited(all), over + (1.0 - over.a) * limited(own), part_apart()), HALF_MAX);
+    vec4 near = upon(upon(limited(nearer_only), limited(own)), limited(behind));
+    over_all = min(mix(past(limited(all), all_behind), past(near, farther_only), part_apart()), HALF_MAX);
 }

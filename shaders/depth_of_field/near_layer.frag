@@ -1,33 +1,86 @@
 #version 450 core
-// A coarser level of what is near: nothing else is in it.
+// A coarser level of what is near, two surfaces in a texel: nothing else is in it.
 //
-// Input:  FROM_PIXELS: colour_and_coc (colour_and_coc.frag); else finer and finer_radius, a level as fine again.
-// Output: texel t holds texels 2t and 2t + 1 of the input: rgb and coverage, premultiplied by coverage;
-//         signed RADIUS (px of image width), times coverage.
+// Input:  FROM_PIXELS: colour_and_coc as `finer` (colour_and_coc.frag); next, next_depth: what is seen behind its
+//         near things (near_depth.frag), depth 1 where nothing was drawn; else light and radius of a level as fine again.
+// Output: texel t holds texels 2t and 2t + 1 of the input: rgb and coverage, premultiplied by coverage, and
+//         signed RADIUS (px of image width), times coverage; of the nearer surface, then of the farther one.
+//
+// What lies farther may be hidden by the nearer surface, or beside it in the texel.
+#include "coc.glsl"
 #include "near.glsl"
+#ifdef FROM_PIXELS
+#include "coc_of_depth.glsl"
+#include "finite.glsl"
 
 uniform sampler2D finer;
-#ifndef FROM_PIXELS
-uniform sampler2D finer_radius;
+uniform sampler2D next;
+uniform sampler2D next_depth;
+#else
+uniform sampler2D light[2];
+uniform sampler2D radius[2];
 #endif
 
-layout(location = 0) out vec4 light;
-layout(location = 1) out float radius;
+layout(location = 0) out vec4 nearer_light;
+layout(location = 1) out float nearer_radius;
+layout(location = 2) out vec4 farther_light;
+layout(location = 3) out float farther_radius;
+
+vec4 lights[8];  // of each texel the nearer surface, and the farther
+float radii[8];  // times coverage
+
+float radius_of(int i) {
+    return lights[i].a > 0.0 ? radii[i] / lights[i].a : 0.0;
+}
+
+void read(int i, ivec2 at) {
+#ifdef FROM_PIXELS
+    vec4 pixel = texelFetch(finer, at, 0);
+    float z = texelFetch(next_depth, at, 0).r;
+    float behind = radius_at(z, (vec2(at) + 0.5) / vec2(textureSize(finer, 0)));
+    vec2 part = vec2(near_part(pixel.a), z < 1.0 ? apart(behind) : 0.0);
+    lights[2 * i] = part.x * vec4(pixel.rgb, 1.0);
+    radii[2 * i] = part.x * pixel.a;
+    lights[2 * i + 1] = part.y > 0.0 ? part.y * vec4(finite(texelFetch(next, at, 0).rgb), 1.0) : vec4(0.0);
+    radii[2 * i + 1] = part.y * behind;
+#else
+    lights[2 * i] = texelFetch(light[0], at, 0);
+    radii[2 * i] = texelFetch(radius[0], at, 0).r;
+    lights[2 * i + 1] = texelFetch(light[1], at, 0);
+    radii[2 * i + 1] = texelFetch(radius[1], at, 0).r;
+#endif
+}
 
 void main() {
-    ivec2 first = 2 * ivec2(gl_FragCoord.xy), last = textureSize(finer, 0) - 1;
-    light = vec4(0.0);
-    radius = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        ivec2 at = min(first + ivec2(i & 1, i >> 1), last);
-        vec4 texel = texelFetch(finer, at, 0);
 #ifdef FROM_PIXELS
-        float part = near_part(texel.a);
-        light += 0.25 * part * vec4(texel.rgb, 1.0);
-        radius += 0.25 * part * texel.a;
+    ivec2 last = textureSize(finer, 0) - 1;
 #else
-        light += 0.25 * texel;
-        radius += 0.25 * texelFetch(finer_radius, at, 0).r;
+    ivec2 last = textureSize(light[0], 0) - 1;
 #endif
+    float nearest = 0.0, farthest = -1e4;
+    for (int i = 0; i < 4; ++i) {
+        read(i, min(2 * ivec2(gl_FragCoord.xy) + ivec2(i & 1, i >> 1), last));
+        for (int k = 2 * i; k < 2 * i + 2; ++k) {
+            nearest = min(nearest, radius_of(k));
+            farthest = lights[k].a > 0.0 ? max(farthest, radius_of(k)) : farthest;
+        }
     }
+    // Which are one surface, gather as one.
+    float between = farthest - nearest > 2.0 * margin_px(nearest) ? 0.5 * (nearest + farthest) : 0.0;
+    vec4 found[2] = vec4[2](vec4(0.0), vec4(0.0));
+    vec2 found_radius = vec2(0.0);
+    for (int i = 0; i < 4; ++i) {
+        vec2 covered = vec2(0.0);
+        for (int k = 2 * i; k < 2 * i + 2; ++k) {
+            int which = k % 2 == 0 && radius_of(k) <= between ? 0 : 1;
+            float part = lights[k].a > 0.0 ? 0.25 * min(1.0, max(1.0 - covered[which], 0.0) / lights[k].a) : 0.0;
+            covered[which] += lights[k].a;
+            found[which] += part * lights[k];
+            found_radius[which] += part * radii[k];
+        }
+    }
+    nearer_light = found[0];
+    nearer_radius = found_radius[0];
+    farther_light = found[1];
+    farther_radius = found_radius[1];
 }

@@ -1,9 +1,10 @@
 #version 450 core
-// Along rows: how far each tile is from one where not all is near, and how far near discs come.
+// Along rows: how far each tile is from the silhouette of something near, and how far near discs come.
 //
 // Input:  tiles (coc_tile_min_max.frag).
-// Output: r = least distance (tiles) of a tile in this row where not all is near, at most AWAY;
+// Output: r = least distance (tiles) of a tile in this row in which something near ends, at most AWAY;
 //         g, b = widest and least of the RADII (px) of near discs that may come here along the row, 0 without.
+#include "levels.glsl"
 #include "near.glsl"
 #include "tile_dilate.glsl"
 
@@ -11,14 +12,18 @@ uniform sampler2D tiles;
 
 out vec4 row;
 
+bool ends(vec4 t) {
+    return t.r < -BEHIND_PX && (int(t.a) >> LEVEL_BITS) != 0;
+}
+
 void main() {
     ivec2 last = textureSize(tiles, 0) - 1, middle = ivec2(gl_FragCoord.xy);
     vec4 own = texelFetch(tiles, middle, 0);
     int around = tiles_around(), away = int(AWAY);
     for (int x = 0; x < away; ++x) {
-        float left = texelFetch(tiles, ivec2(max(middle.x - x, 0), middle.y), 0).g;
-        float right = texelFetch(tiles, ivec2(min(middle.x + x, last.x), middle.y), 0).g;
-        away = max(left, right) > -NEAR_PX ? x : away;
+        vec4 left = texelFetch(tiles, ivec2(max(middle.x - x, 0), middle.y), 0);
+        vec4 right = texelFetch(tiles, ivec2(min(middle.x + x, last.x), middle.y), 0);
+        away = ends(left) || ends(right) ? x : away;
     }
     float widest = 0.0, least = 1e4;
     for (int x = -around; x <= around; ++x) {

@@ -21,3 +21,13 @@ float near_part(float radius_px) {
 float apart(float radius_px) {
     return clamp((-radius_px - BEHIND_PX) / FADES_PX + 1.0, 0.0, 1.0);
 }
+
+// From which RADIUS on what is behind a surface lies well behind it, and does not go on from it.
+float well_behind_px(float radius_px) {
+    return 0.75 * radius_px + 0.5;
+}
+
+// 0 up to there, 1 as far again behind it.
+float farther(float own, float q) {
+    return clamp((q - own) / (well_behind_px(own) - own) - 1.0, 0.0, 1.0);
+}

@@ -5,7 +5,7 @@
 // Output: linear HDR radiance, before exposure; VELOCITY: px per frame, or AS_THE_EYE
 //         (include/velocity.glsl).
 //         ALPHA_MASK: alpha is coverage (the samples of a pixel are switched by it).
-//         BEHIND_NEAR: only what is no nearer than `nearest` says, reverse-Z depths on corners of tiles of TILE px.
+//         BEHIND_NEAR: only what is no nearer than `nearest` says, reverse-Z depths.
 #include "where.glsl"
 #include "view.glsl"
 #include "light.glsl"
@@ -224,8 +224,7 @@ void main() {
     if (coverage < 0.5)
         discard;  // one sample: it is covered or not
 #endif
-    vec2 corner = gl_FragCoord.xy / float(TILE) + 0.5;
-    if (gl_FragCoord.z > textureLod(nearest, corner / vec2(textureSize(nearest, 0)), 0.0).r)
+    if (gl_FragCoord.z > texelFetch(nearest, ivec2(gl_FragCoord.xy), 0).r)
         discard;
 #elif defined(ALPHA_MASK)
     if (coverage <= 0.0)

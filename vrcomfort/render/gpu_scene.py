@@ -222,9 +222,9 @@ class GpuScene:
         """Return what surfaces may read, to declare passes that draw them."""
         return self._drawer.images
 
-    def make_behind(self, tile_px: int) -> None:
+    def make_behind(self) -> None:
         """Compile what `draw` needs for what lies behind near things (``BEHIND_NEAR``)."""
-        self._behind_states = self._make_behind(tile_px)
+        self._behind_states = self._make_behind()
 
     def draw(
         self, view: int, *, blended: bool, foreground: bool = False, behind: bool = False
@@ -361,8 +361,8 @@ def _semantic_states(factory: BatchStateFactory, table: DrawList) -> list[BatchS
     return [factory.semantic(key) for key in table.depth_keys]
 
 
-def _behind_states(factory: BatchStateFactory, table: DrawList, tile_px: int) -> list[BatchState]:
-    return [factory.color(key, {"BEHIND_NEAR": 1, "TILE": tile_px}) for key in table.keys]
+def _behind_states(factory: BatchStateFactory, table: DrawList) -> list[BatchState]:
+    return [factory.color(key, {"BEHIND_NEAR": 1}) for key in table.keys]
 
 
 def _vertex_array(

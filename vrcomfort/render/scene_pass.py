@@ -181,7 +181,6 @@ class ScenePass:
     def prepare_behind(
         self,
         nearest: moderngl.Texture,
-        tile_px: int,
         colour: moderngl.Texture,
         depth: moderngl.Texture,
     ) -> None:
@@ -190,15 +189,15 @@ class ScenePass:
         Parameters
         ----------
         nearest
-            R32F on the corners of tiles of `tile_px`: the reverse-Z depth of the nearest thing.
+            R32F: the reverse-Z depth of the nearest thing that is drawn at a pixel.
         colour, depth
             Where it draws, one sample a pixel: RGBA16F and D32F.
         """
         self._nearest = nearest
-        self.gpu.make_behind(tile_px)
+        self.gpu.make_behind()
         self._single = _Surfaces(self._ctx, [colour], depth)
         images = tuple(map(passes.PassImage.of, (colour, depth)))
-        limit = passes.PassImage.of(nearest)
+        limit = passes.PassImage.of(nearest, reach_px=0.0)
         self._opaque_behind = replace(
             self._opaque, reads=(*self._opaque.reads, limit), writes=images
         )
@@ -208,7 +207,7 @@ class ScenePass:
         self._sky_behind = replace(self._behind, writes=images)
 
     def draw_behind(self) -> None:
-        """Draw the last view again, without what is near, wherever `depth` is less than 1."""
+        """Draw the last view again, up to `nearest`, wherever `depth` is less than 1."""
         if self._shadow is not None:
             self._shadow.bind()
         self._nearest.use(NEAREST_UNIT)

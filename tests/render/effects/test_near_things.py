@@ -24,7 +24,7 @@ LENS = {"law": "dioptre", "max_radius_percent": 10.0, "full_blur_dioptre": 2.0}
 COLOURS = [(0.9, 0.2, 0.1), (0.05, 0.3, 0.8), (0.2, 0.9, 0.4)]
 
 
-def bar_before_stripes(near_m=0.5, width_m=0.04, *, upright=True, light=1.0):
+def bar_before_stripes(near_m=0.5, width_m=0.04, *, upright=True, light=1.0, more=()):
     """A bar from top to bottom before stripes of 4 px, which are in focus."""
     bar = at(0.01, 0.0, -near_m, mesh=(0,), scale=np.array([width_m, 2.0, 1.0]))
     long = np.array([1 / 8, 6.0, 1.0])
@@ -34,7 +34,8 @@ def bar_before_stripes(near_m=0.5, width_m=0.04, *, upright=True, light=1.0):
         for i, x in enumerate(np.arange(-2.5, 2.5, 1 / 8))
     ]
     shine = [glowing(tuple(light * np.array(colour))) for colour in COLOURS]
-    return scene([bar, *far], [wall(1, i) for i in range(3)], shine)
+    shine.append(glowing((0.3, 0.3, 0.05)))  # of what is in `more`
+    return scene([bar, *far, *more], [wall(1, i) for i in range(4)], shine)
 
 
 def floor_edge(far_m):
@@ -118,6 +119,14 @@ def test_what_a_near_bar_hides_is_what_the_lens_sees(in_three_ways, samples):
         each[near] for each in in_three_ways(bar_before_stripes(), samples=samples)
     )
     assert rms(ours - true) < 0.5 * rms(alone - true)
+
+
+def test_nothing_shines_through_a_near_board_behind_a_near_bar(in_three_ways):
+    """A board of one colour at 0.75 m (5.3 px) is all that is behind a bar at 0.5 m (9.6 px)."""
+    board = at(0.06, 0.0, -0.75, mesh=(3,), scale=np.array([1.0, 2.0, 1.0]))
+    near = np.s_[20:-20, 48:82]
+    ours, alone, true = (each[near] for each in in_three_ways(bar_before_stripes(more=[board])))
+    assert rms(ours - true) < 1.1 * rms(alone - true)
 
 
 def test_no_second_outline_stands_inside_a_blurred_bar(in_three_ways):

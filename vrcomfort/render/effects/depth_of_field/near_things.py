@@ -1,9 +1,10 @@
 """What lies behind near things is drawn, and they over it.
 
-One image does not know what a blurred foreground hides. Where tiles have such a foreground and
-something else, the scene is drawn a second time without it, with one sample a pixel.
-That is blurred as ever, and the foreground's discs, gathered by themselves, are drawn over it.
-Where nothing is near, the GPU skips all of it.
+One image does not know what a blurred foreground hides. Around its silhouettes the scene is drawn
+again with one sample a pixel: what lies well behind. Where that is near as well, the scene is drawn
+once more, without all that is near. That image is blurred as ever, and the discs of near things,
+of both depths, are gathered by themselves and drawn over it. Where nothing is near, the GPU skips
+all of it.
 """
 
 from __future__ import annotations
@@ -12,12 +13,13 @@ from math import floor
 
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 from vrcomfort.gpu import gl, passes
 from vrcomfort.gpu.conditional import ConditionalDraws
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.visible_area import DRAWN
-from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, each_level
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs, each_level
 from vrcomfort.render.effects.depth_of_field.layered_gather import (
     level_size,
     of_class,
@@ -59,22 +61,19 @@ class NearThings:
         self._tiles = self._tile_passes()
         self._classes = self._tiles[-1].target
         self._if_any = ConditionalDraws(ctx, self._any_behind)
+        self._if_more = ConditionalDraws(ctx, self._any_more)
         behind_depth = gl.depth_texture(ctx, coc.size_px)
         self._closed = ctx.framebuffer([], behind_depth)
         self._close = passes.clear([behind_depth])
-        self._open = coc.depth_to_coc.make_pass(
-            "depth_of_field/near_depth.frag",
-            size_px=coc.size_px,
-            inputs={"dilated": self._classes},
-            defines=of_class("BEHIND", coc.tile_px, beside=0),
-            target=(),
-            depth=behind_depth,
-            reach_px={"depth": 0.0, "dilated": DRAWN},
-            **on_tiles(self._classes),
-        )
         self._limit = self._limit_pass()
+        nearest = gl.color_texture(ctx, coc.size_px, components=1, dtype="f4")
+        self._open_next, self._open_last = (
+            self._open_pass(nearest, behind_depth, *kind)
+            for kind in (({"depth": coc.depth_to_coc.depth}, {"NEXT": 1}), ({}, {}))
+        )
         # The image of the kernel is free until it draws.
-        scene.prepare_behind(self._limit.target, coc.tile_px, blurred, behind_depth)
+        scene.prepare_behind(nearest, blurred, behind_depth)
+        self._layers = self._layer_passes(blurred, behind_depth)
         self._take = coc.depth_to_coc.make_pass(
             "depth_of_field/colour_and_coc.frag",
             size_px=coc.size_px,
@@ -100,7 +99,6 @@ class NearThings:
             texel_px=(coc.tile_px, coc.tile_px),
             **on_tiles(self._classes),
         )
-        self._layers = self._layer_passes(colour)
         self._gather = self._gather_pass()
         self._over = FullscreenPass(
             ctx,
@@ -121,8 +119,10 @@ class NearThings:
         """Draw what is behind the near things of the last eye, whose radii are known."""
         for each in self._tiles:
             each.render(pixel_aspect=pixel_aspect)
-        self._if_any.ask(self._open.render)
-        self._if_any.run(self._draw_behind)
+        self._if_any.ask(self._again.render)
+        self._if_any.run(self._draw_next)
+        self._if_more.run(self._draw_last)
+        self._if_any.run(self._again.render)
 
     def draw_over(self, pixel_aspect: float) -> None:
         """Draw near things over the blurred image."""
@@ -130,32 +130,82 @@ class NearThings:
 
     def warm_up(self) -> None:
         """Draw once what frames without near things skip."""
-        self._draw_behind()
+        self._draw_next()
+        self._draw_last()
+        self._again.render()
         self._draw_over(1.0)
 
     def _any_behind(self) -> bool:
-        classes = np.frombuffer(self._classes.read(), np.float16)[3::4]
-        return bool((classes == _BEHIND).any())
+        return bool(self._is_behind().any())
 
-    def _draw_behind(self) -> None:
+    def _any_more(self) -> bool:
+        """Whether something near is behind something near."""
+        colour, tile_px = self._coc.colour_and_coc, self._coc.tile_px
+        width, height = colour.size
+        radii = np.frombuffer(colour.read(), np.float16)[3::4].reshape(height, width)
+        behind = self._is_behind().repeat(tile_px, axis=0).repeat(tile_px, axis=1)
+        return bool((radii[behind[:height, :width]] <= -BEHIND_PX).any())
+
+    def _is_behind(self) -> NDArray[np.bool_]:
+        columns, rows = self._classes.size
+        classes = np.frombuffer(self._classes.read(), np.float16)[3::4]
+        return np.equal(classes.reshape(rows, columns), _BEHIND)
+
+    def _draw_next(self) -> None:
+        self._limit.render()
+        self._close.run(self._shut)
+        self._open_next.render()
+        self._scene.draw_behind()
         for each in self._layers:
             each.render()
-        self._limit.render()
-        self._close.run(lambda: self._closed.clear(depth=1.0))
-        self._open.render()
+        self._take.render()
+        self._close.run(self._shut)
+        self._if_more.ask(self._open_last.render)
+
+    def _draw_last(self) -> None:
         self._scene.draw_behind()
         self._take.render()
-        self._again.render()
+
+    def _shut(self) -> None:
+        self._closed.clear(depth=1.0)
 
     def _draw_over(self, pixel_aspect: float) -> None:
         self._gather.render(pixel_aspect=pixel_aspect)
         self._over.render()
 
+    def _open_pass(
+        self,
+        nearest: moderngl.Texture,
+        depth: moderngl.Texture,
+        more: dict[str, moderngl.Texture],
+        defines: dict[str, int],
+    ) -> FullscreenPass:
+        coc = self._coc
+        return coc.make_pass(
+            "near_depth",
+            {
+                "colour_and_coc": coc.colour_and_coc,
+                "limit": self._limit.target,
+                "dilated": self._classes,
+                **more,
+            },
+            defines={"TILE": coc.tile_px, **defines, **of_class("BEHIND", coc.tile_px, beside=0)},
+            target=nearest,
+            depth=depth,
+            reach_px={
+                "colour_and_coc": 0.0,
+                "depth": 0.0,
+                "limit": coc.tile_px,
+                "dilated": DRAWN,
+            },
+            **on_tiles(self._classes),
+        )
+
     def _tile_passes(self) -> tuple[FullscreenPass, FullscreenPass]:
         coc, (inputs, defines) = self._coc, self._coc.reach
         # Nothing is drawn apart from here on (near_tiles.frag); what is as far is not looked at.
         away_tiles = floor(SILHOUETTE * coc.max_radius_px / coc.tile_px) + 4
-        away = {**defines, "AWAY": float(away_tiles)}
+        away = {**coc.level_defines, **defines, "AWAY": float(away_tiles)}
         reach_px = float((away_tiles - 1) * coc.tile_px)
         tiles = {"tiles": coc.tile_min_max, **inputs}
         size_px = coc.tile_min_max.size
@@ -195,20 +245,30 @@ class NearThings:
         made.target.filter = (moderngl.LINEAR, moderngl.LINEAR)
         return made
 
-    def _layer_passes(self, colour: moderngl.Texture) -> list[FullscreenPass]:
+    def _layer_passes(
+        self, next_colour: moderngl.Texture, next_depth: moderngl.Texture
+    ) -> list[FullscreenPass]:
+        coc = self._coc
+        inputs: Inputs = {
+            "finer": coc.colour_and_coc,
+            "next": next_colour,
+            "next_depth": next_depth,
+            **coc.depth_to_coc.inputs,
+        }
+        defines = {**coc.depth_to_coc.defines, "FROM_PIXELS": 1}
         found: list[FullscreenPass] = []
-        for level in range(1, max(int(self._coc.level_defines["LEVELS"]), 2)):
-            inputs = {"finer": colour}
+        for level in range(1, max(int(coc.level_defines["LEVELS"]), 2)):
             if found:
-                inputs = dict(zip(("finer", "finer_radius"), found[-1].targets, strict=True))
+                light, radius, *second = found[-1].targets
+                inputs, defines = {"light": (light, second[0]), "radius": (radius, second[1])}, {}
             found.append(
                 FullscreenPass(
                     self._ctx,
                     "depth_of_field/near_layer.frag",
-                    size_px=level_size(self._coc.size_px, level),
+                    size_px=level_size(coc.size_px, level),
                     inputs=inputs,
-                    defines={} if found else {"FROM_PIXELS": 1},
-                    more_components=(1,),
+                    defines=defines,
+                    more_components=(1, 4, 1),
                     reach_px=0.0,
                     texel_px=(2**level, 2**level),
                 )
@@ -217,8 +277,9 @@ class NearThings:
 
     def _gather_pass(self) -> FullscreenPass:
         coc = self._coc
-        light, radius = zip(*(each.targets for each in self._layers), strict=True)
-        levels = {"light": light, "radius": radius}
+        names = "light", "radius", "light_2", "radius_2"
+        images = zip(*(each.targets for each in self._layers), strict=True)
+        levels = dict(zip(names, images, strict=True))
         return FullscreenPass(
             self._ctx,
             "depth_of_field/near_gather.frag",
