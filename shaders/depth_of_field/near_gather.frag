@@ -1,8 +1,8 @@
 #version 450 core
 // The discs of near things at half resolution, and who hides whom among them.
 //
-// Input:  light, radius: NEAR_LEVELS levels of what is near; light_2, radius_2: of what is near behind that, or
-//         beside it in the texel (near_layer.frag); tile (near_tiles.frag).
+// Input:  light: NEAR_LEVELS levels of what is near; light_2: of what is near behind that, or beside it in the
+//         texel; radius: of both (near_layer.frag); tile (near_tiles.frag).
 //         EACH_NEAR_LEVEL(f): f(1) f(2) … of them (include/levels.glsl).
 // Output: rgb and opacity, premultiplied, about the middles of texels of level 1.
 //
@@ -20,9 +20,8 @@
 flat in vec4 tile;
 
 uniform sampler2D light[NEAR_LEVELS];   // of level 1, 2, …
-uniform sampler2D radius[NEAR_LEVELS];
 uniform sampler2D light_2[NEAR_LEVELS];
-uniform sampler2D radius_2[NEAR_LEVELS];
+uniform sampler2D radius[NEAR_LEVELS];  // of both
 
 out vec4 over_all;
 
@@ -31,7 +30,7 @@ ivec2 last_texel = textureSize(light[0], 0) - 1;
 vec4 p = texelFetch(light[0], middle, 0);
 vec4 p_behind = texelFetch(light_2[0], middle, 0);
 float own_radius = p.a > 0.0 ? texelFetch(radius[0], middle, 0).r / p.a : 0.0;
-float radius_behind = p_behind.a > 0.0 ? texelFetch(radius_2[0], middle, 0).r / p_behind.a : 0.0;
+float radius_behind = p_behind.a > 0.0 ? texelFetch(radius[0], middle, 0).g / p_behind.a : 0.0;
 
 vec4 own = vec4(0.0);          // of p's surface
 vec4 behind = vec4(0.0);       // of the surface behind it
@@ -68,7 +67,7 @@ float own_part_on(int level, vec4 of, float radius_px) {
     return of.a > 0.0 ? part_on(level, -radius_px) : 0.0;
 }
 
-void gather(sampler2D light_of, sampler2D radius_of, sampler2D light_2_of, sampler2D radius_2_of, int level) {
+void gather(sampler2D light_of, sampler2D light_2_of, sampler2D radius_of, int level) {
     float texel_px = float(1 << level);
     float own_part = own_part_on(level, p, own_radius), behind_part = own_part_on(level, p_behind, radius_behind);
     float widest = level < LEVELS - 1 ? min(tile.r, widest_on(level)) : tile.r;
@@ -114,7 +113,7 @@ void gather(sampler2D light_of, sampler2D radius_of, sampler2D light_2_of, sampl
                 vec4 q2 = texelFetch(light_2_of, at, 0);
                 float hidden = (is_nearer - far_before) * q.a, hidden_behind = (beside - far_beside) * q.a;
                 if (q2.a > 0.0) {
-                    float q2_px = texelFetch(radius_2_of, at, 0).r / q2.a;
+                    float q2_px = texelFetch(radius_of, at, 0).g / q2.a;
                     // Seen from here, the nearer surface hides it elsewhere.
                     ivec2 by = clamp(ivec2(floor(place + off * (q_px / q2_px) + 0.5)), ivec2(0), last);
                     vec4 front = texelFetch(light_of, by, 0);
@@ -172,7 +171,7 @@ vec4 past(vec4 front, vec4 back) {
 }
 
 void main() {
-#define GATHER(level) gather(light[level - 1], radius[level - 1], light_2[level - 1], radius_2[level - 1], level);
+#define GATHER(level) gather(light[level - 1], light_2[level - 1], radius[level - 1], level);
     EACH_NEAR_LEVEL(GATHER)
     vec4 near = upon(upon(limited(nearer_only), limited(own)), limited(behind));
     over_all = min(mix(past(limited(all), all_behind), past(near, farther_only), part_apart()), HALF_MAX);

@@ -18,13 +18,12 @@ uniform sampler2D next;
 uniform sampler2D next_depth;
 #else
 uniform sampler2D light[2];
-uniform sampler2D radius[2];
+uniform sampler2D radius;
 #endif
 
 layout(location = 0) out vec4 nearer_light;
-layout(location = 1) out float nearer_radius;
-layout(location = 2) out vec4 farther_light;
-layout(location = 3) out float farther_radius;
+layout(location = 1) out vec4 farther_light;
+layout(location = 2) out vec2 radius_of_both;
 
 vec4 lights[8];  // of each texel the nearer surface, and the farther
 float radii[8];  // times coverage
@@ -45,9 +44,10 @@ void read(int i, ivec2 at) {
     radii[2 * i + 1] = part.y * behind;
 #else
     lights[2 * i] = texelFetch(light[0], at, 0);
-    radii[2 * i] = texelFetch(radius[0], at, 0).r;
     lights[2 * i + 1] = texelFetch(light[1], at, 0);
-    radii[2 * i + 1] = texelFetch(radius[1], at, 0).r;
+    vec2 both = texelFetch(radius, at, 0).rg;
+    radii[2 * i] = both.x;
+    radii[2 * i + 1] = both.y;
 #endif
 }
 
@@ -80,7 +80,6 @@ void main() {
         }
     }
     nearer_light = found[0];
-    nearer_radius = found_radius[0];
     farther_light = found[1];
-    farther_radius = found_radius[1];
+    radius_of_both = found_radius;
 }

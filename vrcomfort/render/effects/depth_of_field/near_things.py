@@ -259,8 +259,8 @@ class NearThings:
         found: list[FullscreenPass] = []
         for level in range(1, max(int(coc.level_defines["LEVELS"]), 2)):
             if found:
-                light, radius, *second = found[-1].targets
-                inputs, defines = {"light": (light, second[0]), "radius": (radius, second[1])}, {}
+                *light, radius = found[-1].targets
+                inputs, defines = {"light": light, "radius": radius}, {}
             found.append(
                 FullscreenPass(
                     self._ctx,
@@ -268,8 +268,9 @@ class NearThings:
                     size_px=level_size(coc.size_px, level),
                     inputs=inputs,
                     defines=defines,
-                    more_components=(1, 4, 1),
-                    reach_px=0.0,
+                    more_components=(4, 2),
+                    # What is drawn behind is there wherever it is wanted.
+                    reach_px={**dict.fromkeys(inputs, 0.0), "next": DRAWN, "next_depth": DRAWN},
                     texel_px=(2**level, 2**level),
                 )
             )
@@ -277,7 +278,7 @@ class NearThings:
 
     def _gather_pass(self) -> FullscreenPass:
         coc = self._coc
-        names = "light", "radius", "light_2", "radius_2"
+        names = "light", "light_2", "radius"
         images = zip(*(each.targets for each in self._layers), strict=True)
         levels = dict(zip(names, images, strict=True))
         return FullscreenPass(
