@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Callable, Mapping, Sequence
+from itertools import combinations
 from pathlib import Path
 
 import openpyxl
@@ -410,6 +411,43 @@ def test_weights_and_products_of_a_task_load_index_stand_beside_its_ratings(
     for response, row in zip(suggested.imported.responses.values(), rows[1:], strict=True):
         assert [*response.answers.values()] == [*row[3:9], *row[10:16]]
     assert not any("What do the answers" in doubt for doubt in suggested.doubts)
+
+
+LOADS = ["Mental Demand", "Physical Demand", "Temporal Demand", "Performance", "Effort"]
+LOADS += ["Frustration"]
+CHOICES: list[tuple[Callable[[str, str], str], Callable[[str], str]]] = [
+    (lambda one, other: f"{one} vs. {other}", str),
+    (lambda one, other: f"Which matters more: {other} or {one}?", str.lower),
+    (lambda one, other: f"{one[0]}{other[0]}", lambda item: "".join(w[0] for w in item.split())),
+]
+
+
+@pytest.mark.parametrize("choice", CHOICES)
+def test_choices_between_items_are_no_answers_and_ranges_in_brackets_no_conditions(
+    choice: tuple[Callable[[str, str], str], Callable[[str], str]], tmp_path: Path
+) -> None:
+    heading, said = choice
+    pairs = list(combinations(LOADS, 2))
+    scales = ["(0-100)", "[0 to 100]", "(0 = low, 100 = high)"]
+    rows: list[Sequence[object]] = [
+        [
+            "ID",
+            "Condition",
+            *(f"{n}. {item} {scales[n // 3]}" for n, item in enumerate(LOADS)),
+            *(f"{n}. {heading(*pair)}" for n, pair in enumerate(pairs, start=7)),
+        ]
+    ]
+    for number, person in enumerate(PEOPLE):
+        for condition in ("soft", "stiff"):
+            given = [(number * 35 + place * 20) % 101 for place in range(6)]
+            chosen = [said(pair[(number + n) % 2]) for n, pair in enumerate(pairs)]
+            rows.append([person, condition, *given, *chosen])
+    suggested = suggest_mapping([table(tmp_path / "nasatlx.csv", rows)])
+    assert suggested.imported is not None, suggested.doubts
+    assert suggested.imported.conditions == ["soft", "stiff"]
+    for response, row in zip(suggested.imported.responses.values(), rows[1:], strict=True):
+        assert [*response.answers.values()] == [*row[2:8]]
+    assert not any("numbers" in doubt for doubt in suggested.doubts)
 
 
 def test_items_the_other_way_round_are_no_second_questionnaire(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from typing import Any, Generic, TypeVar
 
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.block_conditions import (
+    comparisons,
     without_products,
     without_repeats,
     without_turned,
@@ -73,8 +74,9 @@ class AnswerColumns:
         """Those that are answers the other way round."""
         self.products: list[int] = []
         """Those of answers times their weights."""
-        self.weights: list[int] = []
-        """Those of the weights alone."""
+        self.weights = comparisons(table, known)
+        """Those of the weights alone, or of the comparisons that they come from."""
+        self.taken.update(self.weights)
         for layout in sorted(LAYOUTS, key=lambda each: -each.weight):
             left = [c for c in range(len(table.headings)) if c not in self.taken]
             closed = layout.whole and any(
@@ -85,7 +87,7 @@ class AnswerColumns:
                 self._found[layout], self.products = without_products(table, self._found[layout])
                 weights = [each for each in self._found[layout] if are_weights(table, each)]
                 self._found[layout] = [e for e in self._found[layout] if e not in weights]
-                self.weights = [c for each in weights for c in each.columns]
+                self.weights += [c for each in weights for c in each.columns]
                 self._found[layout], self.repeated = without_repeats(table, self._found[layout])
                 self._found[layout], self.turned = without_turned(table, self._found[layout])
                 made = (*self.repeated, *self.products, *self.turned, *self.weights)

@@ -16,7 +16,7 @@ from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.evidence import LONGEST_CONDITION, MOST_CONDITIONS, texts
 from vrcomfort.importing.suggest.items import Found
-from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
+from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 
 FARTHEST = 6
@@ -206,6 +206,26 @@ def without_products(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[
     there = {column for block in kept for column in block.columns}
     kept = [replace(b, siblings=tuple(c for c in b.siblings if c in there)) for b in kept]
     return kept, columns
+
+
+def comparisons(table: SourceTable, known: Known) -> list[int]:
+    """Return the columns of choices between items, such as the pairs of the task load index.
+
+    Every cell is the name of an item that has a weight, as no answer is.
+    """
+    chosen = [{*map(plain, texts(table, c))} for c in range(len(table.headings))]
+    found: list[int] = []
+    for instrument in known.instruments:
+        if any(scale.weights_sum for scale in instrument.scales):
+            short = known.vocabulary.initials(instrument)
+            names = {*short, *known.vocabulary.spellings(instrument)}
+            columns = [c for c, words in enumerate(chosen) if words and words <= names]
+            found += columns if len(columns) >= _FEWEST_CHOICES else []
+    return found
+
+
+_FEWEST_CHOICES = 3
+"""Columns of item names; one or two name the items of a long table."""
 
 
 def _with_weights(blocks: Sequence[Found], table: SourceTable) -> list[Found]:

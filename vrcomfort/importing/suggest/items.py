@@ -246,7 +246,7 @@ def _siblings(block: Found, found: Sequence[Found]) -> tuple[int, ...]:
 
 
 def _by_name(
-    table: SourceTable, instrument: Instrument, _: set[int], vocabulary: LabVocabulary
+    table: SourceTable, instrument: Instrument, taken: set[int], vocabulary: LabVocabulary
 ) -> list[Found]:
     if len(instrument.asked) == 1:
         return []
@@ -254,7 +254,8 @@ def _by_name(
     named = [
         each
         for index, (heading, label) in enumerate(zip(headings, labels, strict=True))
-        if (each := item_behind_stem(index, heading, label, instrument, vocabulary)) is not None
+        if index not in taken
+        and (each := item_behind_stem(index, heading, label, instrument, vocabulary)) is not None
     ]
     named = _without_strays(table, named, instrument)
     if runs := _repeated_runs(named, instrument):

@@ -56,8 +56,14 @@ def tokens(heading: str) -> list[str]:
 
 
 def words_of(heading: str) -> list[str]:
-    """Return the words and numbers of a heading."""
-    return _TOKEN.findall(_CAPITALS.sub(" ", heading))
+    """Return the words and numbers of a heading, but for a scale in brackets: ``(0-100)``."""
+    return _TOKEN.findall(_CAPITALS.sub(" ", _SCALE.sub(" ", heading)))
+
+
+_SCALE = re.compile(
+    r"[(\[]\s*[-+]?\d+\s*([-–…]|\.{2,3}|to|bis|=[^()\[\]]*[,;/–-]\s*)\s*[-+]?\d+\s*"
+    r"(=[^()\[\]]*)?[)\]]"
+)
 
 
 class Labels(Settings):
