@@ -413,6 +413,34 @@ def test_weights_and_products_of_a_task_load_index_stand_beside_its_ratings(
     assert not any("What do the answers" in doubt for doubt in suggested.doubts)
 
 
+@pytest.mark.parametrize(
+    ("people", "runs", "time", "score"),
+    [("participants", "runs", "t", "score"), ("data", "exposures", "time_s", "value"),
+     ("subjects", "rides", "seconds", "rating")],
+)  # fmt: skip
+def test_names_of_lists_are_no_conditions_and_a_time_beside_a_score_no_rating(
+    people: str, runs: str, time: str, score: str, tmp_path: Path
+) -> None:
+    records, truth = [], Truth()
+    for number, person in enumerate(PEOPLE):
+        truth[person, "", "baseline"] = before = answers()
+        record = {"pid": person, "ssqBefore": dict(zip(ITEMS, before, strict=True)), runs: []}
+        for place, condition in enumerate(("vignette", "none"), start=1):
+            truth[person, condition, "post"] = given = answers()
+            fms = [{time: 60 * minute, score: minute + number} for minute in range(4)]
+            said = {"ssq": dict(zip(ITEMS, given, strict=True)), "fms": fms}
+            record[runs].append({"run": place, "technique": condition, **said})
+        records.append(record)
+    file = tmp_path / "export.json"
+    file.write_text(json.dumps({"study": "Rest", people: records}))
+    assert found([file]) == truth
+    imported = suggest_mapping([file]).imported
+    assert imported is not None
+    ratings = [(r.onset_s, r.response) for r in imported.ratings[:4]]
+    assert ratings == [(60 * minute, minute) for minute in range(4)]
+    assert len(imported.ratings) == 4 * 2 * len(PEOPLE)
+
+
 LOADS = ["Mental Demand", "Physical Demand", "Temporal Demand", "Performance", "Effort"]
 LOADS += ["Frustration"]
 CHOICES: list[tuple[Callable[[str, str], str], Callable[[str], str]]] = [

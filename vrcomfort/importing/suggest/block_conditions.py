@@ -5,6 +5,7 @@ They stand in a column beside each block, or in one column that gives them in th
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Literal, NamedTuple, TypeAlias
@@ -15,7 +16,7 @@ from vrcomfort.importing.columns import conditions_in
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.evidence import LONGEST_CONDITION, MOST_CONDITIONS, texts
-from vrcomfort.importing.suggest.items import Found
+from vrcomfort.importing.suggest.items import Found, FoundAnswers
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 
@@ -35,6 +36,40 @@ def numbered_conditions(table: SourceTable, vocabulary: LabVocabulary) -> dict[i
         if named and 0 < len(texts(table, column)) <= MOST_CONDITIONS:
             found.setdefault(int(words[1]), column)
     return found if len(found) > 1 else {}
+
+
+def without_levels(
+    table: SourceTable, found: FoundAnswers, vocabulary: LabVocabulary
+) -> tuple[str, ...]:
+    """Return the words of headings without those of levels that all such records have: ``runs``.
+
+    The name of a condition is one that others stand beside: ``gaze.ssq`` and ``walk.ssq``.
+    """
+    if not table.nested:
+        return found.context
+    paths = [heading.split(".") for heading in table.headings]
+    places = Counter((*path[:n], None, *path[n + 1 :]) for path in paths for n in range(len(path)))
+    levels: set[str] = set()
+    for path in (paths[column] for column in found.columns):
+        alone = (n for n in range(len(path) - 1) if places[*path[:n], None, *path[n + 1 :]] == 1)
+        levels.update(word for n in alone for word in tokens(path[n]))
+    said = vocabulary.timepoints
+    return tuple(w for w in found.context if w not in levels or w in said or w.isdecimal())
+
+
+def before_exposures(
+    table: SourceTable, found: FoundAnswers, said: Mapping[str, str], facts: Mapping[str, object]
+) -> dict[str, str]:
+    """Return blanks for facts of exposures whose records a baseline stands outside of."""
+    headings = [table.headings[column] for column in found.columns]
+    blank = {}
+    for fact in ("condition", *_COUNTED):
+        where = facts.get(fact)
+        name = where.get("column") if isinstance(where, Mapping) else None
+        level = name.rpartition(".")[0] if isinstance(name, str) else ""
+        if table.nested and level and not any(h.startswith(f"{level}.") for h in headings):
+            blank[fact] = ""
+    return blank if said.get("timepoint") == "baseline" else {}
 
 
 def number_in_words(words: Sequence[str]) -> int | None:

@@ -241,7 +241,7 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
     for column in columns:
         outer, _, inner = table.headings[column].rpartition(JOIN)
         label = table.labels[column]
-        said = _inner_names(table.headings[column]) if table.nested else ()
+        said = inner_names(table.headings[column]) if table.nested else ()
         if code := _CODE_AND_TEXT.fullmatch(table.headings[column]):
             said = (code[2],) if code[1] == "id" else (code[2], code[1])  # that of the response
         said = (*said, table.headings[column], label, *label.split(" | "))
@@ -266,7 +266,7 @@ _CODE_AND_TEXT = re.compile(r"([A-Za-z][A-Za-z0-9_]{0,19})\. (\S.*)")
 """Headings of a survey program that writes the code of a question before its text."""
 
 
-def _inner_names(heading: str) -> tuple[str, ...]:
+def inner_names(heading: str) -> tuple[str, ...]:
     """Return what a nested value is called: ``condition``, and ``person id`` where it is an id."""
     parts = heading.split(".")
     generic = plain(parts[-1]) in _GENERIC and len(parts) > 1

@@ -88,13 +88,15 @@ def _time_in(context: Sequence[str], units: Set[str]) -> int | None:
 def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
     """Return the columns that are called by the name of a scale of one item."""
     totals = {c for each in find_scores(table, columns, known) for c in each.columns}
-    time = _time_column(table, [c for c in columns if c not in totals], known.vocabulary)
+    time = _time_column(table, [c for c in columns if c not in totals], known)
     if not table.reading.heading_rows:
         return _beside_their_time(table, columns, time, known) or _in_columns(table, columns, known)
     found = []
     for instrument in known.instruments:
         if len(instrument.asked) == 1:
             named = [c for c in columns if _is_rating(table, c, instrument)]
+            if len(named) > 1 and time in named and not any(map(str.isdigit, table.headings[time])):
+                named.remove(time)  # fms.t beside fms.score
             own = {plain(instrument.name), "score", "rating", *map(plain, instrument.title.split())}
             for column in named:
                 words = _words_of_rating(table.headings[column], instrument)
@@ -127,7 +129,7 @@ def _among_events(table: SourceTable, known: Known) -> list[FoundRating]:
         others = [c for c in range(len(table.headings)) if c != column and all(own.column(c))]
         numbers = [c for c in others if len(values_of(own, c)) == len(rows)]
         counts = [c for c in numbers if _counts_anew(own, c)]
-        time = counts[0] if counts else _time_column(own, numbers, known.vocabulary)
+        time = counts[0] if counts else _time_column(own, numbers, known)
         rated = [c for c in numbers if c != time and all(map(scale.answers.has, values_of(own, c)))]
         rated = [c for c in rated if not is_identifier(own, c, known.vocabulary)]
         if time is not None and len(rated) == 1 and len(rows) >= _FEWEST_RISING:
@@ -169,11 +171,12 @@ def _numbered_columns(
     ]
 
 
-def _time_column(
-    table: SourceTable, columns: Sequence[int], vocabulary: LabVocabulary
-) -> int | None:
+def _time_column(table: SourceTable, columns: Sequence[int], known: Known) -> int | None:
     """Return the column of the seconds of ratings: by its heading, or one of times that rise."""
-    named = [c for c in columns if plain(table.headings[c]) in vocabulary.seconds]
+    vocabulary, scales = known.vocabulary, {plain(i.name) for i in known.instruments}
+    inner = [h.rpartition(".")[2] if table.nested else h for h in table.headings]
+    rest = ["".join(word for word in tokens(h) if word not in scales) for h in inner]
+    named = [c for c in columns if {plain(table.headings[c]), rest[c]} & vocabulary.seconds]
     if named:
         return named[0]
     headed = bool(table.reading.heading_rows)

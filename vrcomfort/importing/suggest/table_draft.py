@@ -21,11 +21,13 @@ from vrcomfort.importing.suggest.answer_columns import (
     Layout,
 )
 from vrcomfort.importing.suggest.block_conditions import (
+    before_exposures,
     conditions_beside,
     fitting,
     number_in_words,
     numbered_conditions,
     order_column,
+    without_levels,
 )
 from vrcomfort.importing.suggest.draft import (
     CONDITIONS,
@@ -395,7 +397,8 @@ class TableDraft(KeptRows):
                 continue
             for found, own in zip(self._answers[layout], self._facts_of(layout), strict=True):
                 table = self._whole if layout is LONG else self.table
-                draft, doubts = layout.draft(table, found, own, self._known, self._roles)
+                said = {**own, **before_exposures(table, found, own, self.draft.values)}
+                draft, doubts = layout.draft(table, found, said, self._known, self._roles)
                 beside = self._beside[len(drafts)] if len(drafts) < len(self._beside) else None
                 if beside is not None and layout is self._answers.leading:
                     draft.put("beside", {"condition": beside})
@@ -486,7 +489,9 @@ class TableDraft(KeptRows):
         """Return the facts in the words of headings, each instrument by itself."""
         if upper := self._upper_facts(found):
             return upper
-        named = [(each.instrument.name, each.context) for each in found]
+        named = [
+            (e.instrument.name, without_levels(self.table, e, self._vocabulary)) for e in found
+        ]
         if any(isinstance(each, FoundScores) and each.where for each in found):
             return [{} for _ in named]  # a heading of all of them
         facts: list[dict[str, str]] = [{} for _ in named]

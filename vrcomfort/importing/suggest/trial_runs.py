@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.evidence import names_fact, texts
+from vrcomfort.importing.suggest.evidence import inner_names, names_fact, texts
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 from vrcomfort.questionnaire import plain
 
@@ -32,10 +32,12 @@ def rows_of_trial_runs(table: SourceTable, vocabulary: LabVocabulary) -> dict[in
     for column, (heading, label) in enumerate(zip(table.headings, table.labels, strict=True)):
         words = vocabulary.trial_runs.get(plain(heading), frozenset())
         words |= vocabulary.trial_runs.get(plain(label), frozenset())
-        if names_fact(heading, "participant", vocabulary):
+        names = inner_names(heading) if table.nested else (heading,)
+        person = any(names_fact(name, "participant", vocabulary) for name in names)
+        if person:
             words |= vocabulary.trial_runs.get("participant", frozenset())
         said = {row[column] for row in kept if plain(row[column]) in words}
-        if names_fact(heading, "participant", vocabulary):
+        if person:
             said |= _code_of_nobody([row[column] for row in kept])
         rest = tuple(row for row in kept if row[column] not in said)
         if said and len(rest) * 2 > len(table.rows):
