@@ -240,3 +240,18 @@ def test_a_flag_is_no_condition_beside_words_that_are(tmp_path: Path) -> None:
     ]  # fmt: skip
     found = suggest_mapping([write(tmp_path / "ssq.csv", rows)])
     assert 'condition = { column = "road" }' in found.text
+
+
+@pytest.mark.parametrize(
+    ("ends", "turned"),
+    [("0=Low, 100=High", True), ("0 = very poor; 100 = very good", True),
+     ("raw: 0=Misserfolg, 100=Erfolg", True), ("0=perfect, 100=failure", False)],
+)  # fmt: skip
+def test_the_heading_of_performance_says_which_end_is_good(
+    ends: str, turned: bool, tmp_path: Path
+) -> None:
+    rows: list[list[object]] = [["ID", *(f"{i} ({ends})" for i in LOAD)]]
+    rows += [[who, 10, 20, 30, 80, 50, 60 + n] for n, who in enumerate("ABCDEFGH")]
+    imported = suggest_mapping([write(tmp_path / "tlx.csv", rows)]).imported
+    assert imported is not None
+    assert {r.answers["performance"] for r in imported.responses.values()} == {20 if turned else 80}

@@ -441,6 +441,41 @@ def test_names_of_lists_are_no_conditions_and_a_time_beside_a_score_no_rating(
     assert len(imported.ratings) == 4 * 2 * len(PEOPLE)
 
 
+STATEMENTS = [
+    ["Frequently use", "Unnecessarily complex", "Easy to use", "Need technical support",
+     "Functions integrated", "Too inconsistent", "Learn quickly", "Cumbersome",
+     "Confident using", "Need to learn a lot"],
+    ["use frequently", "unnecessary complexity", "ease of use", "technical support",
+     "well integrated", "too much inconsistency", "quick to learn", "cumbersome to use",
+     "felt confident", "learn a lot"],
+    ["I would like to use it frequently", "The app is unnecessarily complex",
+     "The app is easy to use", "I would need the support of a technical person",
+     "Its functions are well integrated", "There is too much inconsistency",
+     "Most people would learn it quickly", "Very cumbersome to use",
+     "I felt very confident", "I needed to learn a lot of things"],
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("statements", STATEMENTS)
+def test_shortened_statements_name_items_and_a_note_across_a_sheet_is_nobody(
+    statements: list[str], tmp_path: Path
+) -> None:
+    book = openpyxl.Workbook()
+    sheet = book.worksheets[0]
+    sheet.append(["Participant", *(f"Q{n}\n{text}" for n, text in enumerate(statements, start=1))])
+    given = [[1 + (n * 3 + place * 2) % 5 for place in range(10)] for n in range(len(PEOPLE))]
+    for person, row in zip(PEOPLE, given, strict=True):
+        sheet.append([person, *row])
+    sheet.append(["Scoring: odd items less one, even items from five, the sum times 2.5."])
+    sheet.merge_cells(start_row=len(PEOPLE) + 2, end_row=len(PEOPLE) + 2, end_column=11,
+                      start_column=1)  # fmt: skip
+    book.save(tmp_path / "usability.xlsx")
+    imported = suggest_mapping([tmp_path / "usability.xlsx"]).imported
+    assert imported is not None
+    assert {instrument for instrument, _ in imported.responses} == {"sus"}
+    assert [[*r.answers.values()] for r in imported.responses.values()] == given
+
+
 LOADS = ["Mental Demand", "Physical Demand", "Temporal Demand", "Performance", "Effort"]
 LOADS += ["Frustration"]
 CHOICES: list[tuple[Callable[[str, str], str], Callable[[str], str]]] = [

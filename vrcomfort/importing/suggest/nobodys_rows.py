@@ -46,12 +46,16 @@ def total_rows(table: SourceTable, column: int, totals: Collection[str]) -> list
 
 
 def notes_below(table: SourceTable, column: int) -> list[str]:
-    """Return the texts of the last rows that stand alone there and are no codes: a legend."""
+    """Return the texts of the last rows that stand alone there and are no codes: a legend.
+
+    A cell that spans a row is read as the same text in each column.
+    """
     width = len(table.headings)
     cells = table.column(column)
     found: list[str] = []
     for row, cell in zip(reversed(table.rows), reversed(cells), strict=True):
-        alone = cell and sum(map(bool, row)) <= _FEW_CELLS < width
+        spans = all(each == cell for each in row)
+        alone = cell and (spans or sum(map(bool, row)) <= _FEW_CELLS) and width > _FEW_CELLS
         if not alone or cells.count(cell) > 1 or _shape(cell) in {*map(_shape, cells[:2])}:
             break
         found.append(cell)

@@ -125,7 +125,8 @@ def draft_block(
         draft.put("instrument", block.instrument.name)
     _coded(draft, coding)
     doubts += coding.doubts
-    doubts += _direction_doubts(block, coding)
+    turned = _turned_round(table, block)
+    doubts += [d for item, d in _direction_doubts(block, coding).items() if item not in turned]
     order = [item.name for item in block.instrument.items if item.name in block.items]
     headings = {item: table.headings[block.items[item].column] for item in order}
     doubts += _name_doubts(block, headings)
@@ -150,7 +151,31 @@ def draft_block(
             items.note(f"found by its {'spelling' if how == 'near' else how}", item)
     draft.tables["items"] = items
     _of_single_items(table, block, coding, draft, doubts)
+    for item, end in turned.items():
+        own = draft.tables.setdefault("item_coding", TomlDraft())
+        own.tables.setdefault(item, TomlDraft()).put("reverse_coded", True)
+        question = f"{headings[item]!r} calls its highest number {end!r}: is that the best?"
+        doubts.append(OpenDoubt(question, "it is, so the item is turned round", *DIRECTION))
     return draft, doubts
+
+
+def _turned_round(table: SourceTable, block: Found) -> dict[str, str]:
+    """Return item → the word for its highest number, where a heading says that it is the best."""
+    found = {}
+    for item in block.instrument.items:
+        if item.name in block.items and item.answers.labels[:1] == ("perfect",):
+            column = block.items[item.name].column
+            ends = _ENDS.findall(f"{table.headings[column]} {table.labels[column]}")
+            _, end = max(((int(n), word) for n, word in ends), default=(0, ""))
+            if plain(end) in _BEST and len(ends) > 1:
+                found[item.name] = end
+    return found
+
+
+_ENDS = re.compile(r"(\d+)\s*[=:]\s*(?:very |sehr )?([^\W\d_]+)")
+_BEST = frozenset(["high", "good", "perfect", "success", "successful", "excellent", "best"]) | {
+    *("hoch", "gut", "perfekt", "erfolg", "erfolgreich"),
+}
 
 
 def _instrument_doubts(table: SourceTable, block: Found, known: Known) -> list[OpenDoubt]:
@@ -219,24 +244,24 @@ def _coded(draft: TomlDraft, coding: Coding) -> None:
         draft.put("missing", list(coding.missing))
 
 
-def _direction_doubts(block: Found, coding: Coding) -> list[OpenDoubt]:
-    """Return a question for each item whose ends are its own, as those of performance in the TLX.
+def _direction_doubts(block: Found, coding: Coding) -> dict[str, OpenDoubt]:
+    """Return item → a question where its ends are its own, as of performance in the TLX.
 
     Labs turn such an item round so that it runs like the others: its numbers look the same.
     """
     if coding.answers:
-        return []
+        return {}
     asked = (item for item in block.instrument.items if item.name in block.items)
     usual = block.instrument.labels[-1:]
     own = (item for item in asked if item.answers.labels[-1:] not in {(), usual})
-    return [
-        OpenDoubt(
+    return {
+        item.name: OpenDoubt(
             f"Does the highest number of {item.name} mean {item.answers.labels[-1]!r}?",
             f"it does; else add item_coding.{item.name}.reverse_coded = true",
             *DIRECTION,
         )
         for item in own
-    ]
+    }
 
 
 def _of_single_items(
@@ -284,7 +309,7 @@ def draft_long(
     }
     block = Found(long.instrument, (), named)
     order = [item.name for item in long.instrument.items if item.name in long.items]
-    doubts = [*coding.doubts, *_direction_doubts(block, coding)]
+    doubts = [*coding.doubts, *_direction_doubts(block, coding).values()]
     doubts += _name_doubts(block, {item: long.items[item] for item in order})
     if long.instrument_column is None:
         doubts += _instrument_doubts(table, block, known)
