@@ -255,3 +255,15 @@ def test_the_heading_of_performance_says_which_end_is_good(
     imported = suggest_mapping([write(tmp_path / "tlx.csv", rows)]).imported
     assert imported is not None
     assert {r.answers["performance"] for r in imported.responses.values()} == {20 if turned else 80}
+
+
+def test_yes_does_not_answer_why_the_import_refuses(tmp_path: Path) -> None:
+    mapping = tmp_path / "map.toml"
+    mapping.write_text(
+        'format_version = 1\n[[tables]]\nfiles = ["*.csv"]\nparticipants = { age = "a" }\n'
+        '[[doubts]]\nanswer = "Yes"\n'
+        'question = "As it stands, the import refuses the files; mend this:"\n'
+        'assumed = "row 2: 60 is out of range"\n'
+    )
+    with pytest.raises(InputError, match="mends nothing: row 2: 60 is out of range - edit that"):
+        load_mapping(mapping)

@@ -11,7 +11,7 @@ from pathlib import Path
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
 from vrcomfort.importing.files import as_table, read_grids, repeated_runs
-from vrcomfort.importing.mapping import parse_mapping
+from vrcomfort.importing.mapping import REFUSAL, parse_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.sections import sections
 from vrcomfort.importing.source import Grid, Reading, SourceTable
@@ -39,7 +39,6 @@ from vrcomfort.importing.suggest.vocabulary import (
 from vrcomfort.json_text import escape_surrogates
 from vrcomfort.questionnaire import Instrument, usual_instruments
 
-_REFUSAL = "As it stands, the import refuses the files; mend this:"
 _TOP = (
     "What the columns of these files mean, as `vrcomfort import --suggest` understood them.",
     "Read it, mend what is wrong, and write an answer in each [[doubts]] below: while one is",
@@ -126,7 +125,7 @@ def suggest_mapping(
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
     doubts += [*ignored, *left_out]
     if refusal:
-        doubts.append(OpenDoubt(_REFUSAL, refusal, *REFUSED))
+        doubts.append(OpenDoubt(f"{REFUSAL}; mend this:", refusal, *REFUSED))
     asked = write_doubts(top, doubts)
     notes = tuple(dict.fromkeys(note for table in read for note in table.notes))
     return Suggestion(
