@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
 
 from my_lab.grey import Grey
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
@@ -12,10 +11,6 @@ from vrcomfort.render.effects.effect import EffectInputs, EffectPass, EyeFrame, 
 from vrcomfort.scene.data import Scene
 
 SHADER = Path(__file__).with_name("grey.frag")
-
-
-class _Constants(NamedTuple):
-    amount: float
 
 
 def decide(settings: Grey, _: Condition, __: Scene) -> tuple[bool, str]:
@@ -33,7 +28,7 @@ class GreyPass(EffectPass):
             str(SHADER),
             size_px=inputs.size_px,
             inputs={"image": inputs.colour},
-            constants=_Constants(inputs.settings.amount),
+            constants={"amount": inputs.settings.amount},
         )
         self.target = self._pass.target
 

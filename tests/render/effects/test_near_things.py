@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from tests.render.effects.test_optics import evaluate
 from tests.support.render import RIGHT_ANGLE, at, glowing, mesh, scene, wall
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Pose, View
@@ -119,6 +120,16 @@ def test_what_a_near_bar_hides_is_what_the_lens_sees(in_three_ways, samples):
         each[near] for each in in_three_ways(bar_before_stripes(), samples=samples)
     )
     assert rms(ours - true) < 0.5 * rms(alone - true)
+
+
+def test_what_lies_close_behind_a_near_surface_goes_on_from_it(ctx):
+    """Radii: from -5.5 px on, behind one of -8 px, it is another surface; at -3 px it is wholly."""
+    radii = np.array([-9.0, -8.0, -5.5, -4.25, -3.0, 2.0], "f4")
+    given = np.column_stack([np.full(6, -8.0, "f4"), radii, *np.zeros((2, 6), "f4")])
+    call = "vec4(farther(x.x, x.y), well_behind_px(x.x), 0.0, 0.0)"
+    found = evaluate(ctx, "near.glsl", call, given.astype("f4"))
+    np.testing.assert_allclose(found[:, 0], [0, 0, 0, 0.5, 1, 1], atol=1e-5)
+    np.testing.assert_allclose(found[:, 1], -5.5)
 
 
 def test_nothing_shines_through_a_near_board_behind_a_near_bar(in_three_ways):
