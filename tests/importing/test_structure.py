@@ -598,3 +598,19 @@ def test_scores_of_answers_in_another_sheet_are_left_out_and_asked_about(tmp_pat
 
 
 SCORE_UNITS = (9.54, 7.58, 13.92, 3.74)
+
+
+@pytest.mark.parametrize("end", ["\r", "\r\n", "\n"])
+@pytest.mark.parametrize(("sign", "declared"), [(";", False), ("\t", False), (";", True)])
+def test_separators_are_found_whatever_ends_the_lines(
+    tmp_path: Path, end: str, sign: str, declared: bool
+) -> None:
+    lines = [f"sep={sign}"] if declared else []
+    rows = [["ID", "Condition", *ENGLISH]]
+    rows += [[person, each, *answers()] for person in PEOPLE for each in ("A", "B")]
+    lines += [sign.join(map(str, row)) for row in rows]
+    file = tmp_path / "ssq.csv"
+    file.write_bytes((end.join(lines) + end).encode())
+    suggested = suggest_mapping([file])
+    assert suggested.imported is not None, suggested.doubts
+    assert len(suggested.imported.responses) == 2 * len(PEOPLE)

@@ -136,7 +136,7 @@ def _is_windows_1252(content: bytes) -> bool:
 
 def declared(text: str) -> tuple[str | None, str]:
     """Return the separator of a first line ``sep=;``, as Excel writes it, and the rest."""
-    found = re.match(r"sep=(.)\r?\n", text)
+    found = re.match(r"sep=(.)(?:\r\n?|\n)", text)
     return (found[1], "\n" + text[found.end() :]) if found else (None, text)
 
 
@@ -150,7 +150,11 @@ def separator_of(text: str) -> str:
 
     def merit(sign: str) -> tuple[float, bool, int]:
         try:
-            rows = [len(row) for row in csv.reader(io.StringIO(sample), delimiter=sign) if row]
+            rows = [
+                len(row)
+                for row in csv.reader(io.StringIO(sample, newline=""), delimiter=sign)
+                if row
+            ]
         except csv.Error:
             return 0.0, False, 0
         wide = {width: count for width, count in Counter(rows).items() if width > 1}
