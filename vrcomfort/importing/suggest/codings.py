@@ -187,11 +187,10 @@ def _words(
             values[value] = values.get(value, 0) + words[text]
         else:
             unknown.append(text)
-    if len({(code := _CODE.fullmatch(text)) and code[1] for text in unknown} - {None}) == 1 and all(
-        map(_CODE.fullmatch, unknown)
-    ):
-        for text in unknown:  # A1, A2 … of survey programs
-            numbered[text] = int(_CODE.sub(r"\2", text))
+    codes = [code for text in unknown if (code := _CODE.fullmatch(text))]
+    if len(codes) == len(unknown) and len({code[1] for code in codes}) == 1:
+        for text, code in zip(unknown, codes, strict=True):  # A1, A2 … of survey programs
+            numbered[text] = int(code[2])
             values[numbered[text]] = values.get(numbered[text], 0) + words[text]
         unknown = []
     unknown = _misspelt(unknown, said, found)

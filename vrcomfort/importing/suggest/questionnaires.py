@@ -125,7 +125,7 @@ def draft_block(
         draft.put("instrument", block.instrument.name)
     _coded(draft, coding)
     doubts += coding.doubts
-    turned = _turned_round(table, block)
+    turned = _turned_round(table, block, known.vocabulary)
     doubts += [d for item, d in _direction_doubts(block, coding).items() if item not in turned]
     order = [item.name for item in block.instrument.items if item.name in block.items]
     headings = {item: table.headings[block.items[item].column] for item in order}
@@ -159,7 +159,7 @@ def draft_block(
     return draft, doubts
 
 
-def _turned_round(table: SourceTable, block: Found) -> dict[str, str]:
+def _turned_round(table: SourceTable, block: Found, vocabulary: LabVocabulary) -> dict[str, str]:
     """Return item → the word for its highest number, where a heading says that it is the best."""
     found = {}
     for item in block.instrument.items:
@@ -167,15 +167,12 @@ def _turned_round(table: SourceTable, block: Found) -> dict[str, str]:
             column = block.items[item.name].column
             ends = _ENDS.findall(f"{table.headings[column]} {table.labels[column]}")
             _, end = max(((int(n), word) for n, word in ends), default=(0, ""))
-            if plain(end) in _BEST and len(ends) > 1:
+            if plain(end) in vocabulary.best and len(ends) > 1:
                 found[item.name] = end
     return found
 
 
 _ENDS = re.compile(r"(\d+)\s*[=:]\s*(?:very |sehr )?([^\W\d_]+)")
-_BEST = frozenset(["high", "good", "perfect", "success", "successful", "excellent", "best"]) | {
-    *("hoch", "gut", "perfekt", "erfolg", "erfolgreich"),
-}
 
 
 def _instrument_doubts(table: SourceTable, block: Found, known: Known) -> list[OpenDoubt]:

@@ -212,6 +212,8 @@ class VocabularyFile(Settings):
     missing: _Words = ()
     totals: _Words = ()
     yes_no: _Words = ()
+    best: _Words = ()
+    """Words for the good end of a scale of performance."""
     timepoints: TimepointWords = TimepointWords()
     severity: dict[str, SeverityWords] = Field(default_factory=dict)
     """Language → answers in words."""
@@ -299,6 +301,7 @@ class LabVocabulary:
         self.missing = frozenset(text.casefold() for text in merged["missing"])
         self.totals = frozenset(text.casefold() for text in merged["totals"])
         self.yes_no = _plain_set(merged["yes_no"])
+        self.best = _plain_set(merged["best"])
         self.timepoints = _looked_up(merged["timepoints"])
         """Word → timepoint."""
         self.severity = _by_degree(merged["severity"])
