@@ -48,6 +48,18 @@ def exported(folder: Path, *heads: Sequence[object]) -> Made:
     return [table(folder / "export.csv", rows)], truth
 
 
+@layout
+def codes_as_typed_beside_mended_ones(folder: Path) -> Made:
+    """P03 typed P02 once more, and P05 its number alone."""
+    truth = {(person, "all", "post"): answers() for person in PEOPLE}
+    typed = {person: person for person in PEOPLE} | {"P03": "P02", "P05": "5"}
+    rows: list[Sequence[object]] = [("participant_id", "question", "answer", "pp")]
+    for (person, *_), given in truth.items():
+        said = zip(ENGLISH, given, strict=True)
+        rows += [(typed[person], text, WORDS[g], person) for text, g in said]
+    return [table(folder / "answers.csv", rows)], truth
+
+
 CODES = ["StartDate", "Q1", "Q2", *(f"Q3_{number}" for number in range(1, 17))]
 TEXTS = ["Start Date", "What is your participant ID?", "Which version did you just use?"]
 TEXTS += [f"Rate your symptoms - {text}" for text in ENGLISH]

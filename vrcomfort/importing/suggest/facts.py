@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 
 from vrcomfort.importing.suggest.codes import codes_in
@@ -40,6 +41,11 @@ _MOMENTS_AFTER = 2
 def draft_facts(context: Context, answers: AnswersFound) -> DraftedFacts:
     """Draft every fact that the headings of the answers do not say."""
     return _Facts(context, answers).found
+
+
+def _are_even(cells: Sequence[str]) -> bool:
+    """Return whether each text is in equally many cells."""
+    return len({*Counter(cells).values()}) == 1
 
 
 class _Facts(FactDraft):
@@ -150,11 +156,35 @@ class _Facts(FactDraft):
         columns = [c for c in columns if not self._has_codes(c)] or columns
         if columns:
             self._context.participant = columns[0]
+            if (corrected := self._corrected(columns[0])) is not None:
+                self._roles.forget(corrected)
+                self._roles.facts["participant"].insert(0, corrected)
+                self._context.participant = corrected
+                self._ask_which([corrected, columns[0]])
+                return
             columns = [c for c in columns if c in self._roles.alike["participant"]]
             if len(columns) > 1:
-                names = ", ".join(repr(self.heading(c)) for c in columns)
-                question = f"Which of the columns {names} tells participants apart?"
-                self.doubt(question, f"`{self.heading(columns[0])}`", PEOPLE)
+                self._ask_which(columns)
+
+    def _ask_which(self, columns: Sequence[int]) -> None:
+        names = ", ".join(repr(self.heading(c)) for c in columns)
+        question = f"Which of the columns {names} tells participants apart?"
+        self.doubt(question, f"`{self.heading(columns[0])}`", PEOPLE)
+
+    def _corrected(self, column: int) -> int | None:
+        """Return the column that has the codes of another once more, with its errors mended.
+
+        Most rows have the same text in both. There each person has equally many rows, here not.
+        """
+        cells = self._table.column(column)
+        if _are_even(cells):
+            return None
+        for other in range(len(self._table.headings)):
+            texts_there = self._table.column(other) if other != column else ()
+            alike = sum(a == b != "" for a, b in zip(cells, texts_there, strict=False))
+            if 2 * alike > len(cells) > alike and all(texts_there) and _are_even(texts_there):
+                return other
+        return None
 
     def _has_codes(self, column: int) -> bool:
         """Return whether a column has codes of missing values, such as -66, in place of people."""
