@@ -49,6 +49,21 @@ def exported(folder: Path, *heads: Sequence[object]) -> Made:
 
 
 @layout
+def b_and_a_before_numbers(folder: Path) -> Made:
+    """b1 … b16 before, a1 … a16 after; each person used one display."""
+    truth: Truth = {}
+    heads = [f"{letter}{number}" for letter in "ba" for number in range(1, 17)]
+    rows: list[Sequence[object]] = [("user", "output", *heads)]
+    for index, person in enumerate(PEOPLE):
+        display = ("Rift", "Wall")[index % 2]
+        both = [answers(), answers()]
+        for moment, given in zip(("baseline", "post"), both, strict=True):
+            truth[person, display, moment] = given
+        rows.append((person, display, *both[0], *both[1]))
+    return [table(folder / "ssq_data.csv", rows)], truth
+
+
+@layout
 def codes_as_typed_beside_mended_ones(folder: Path) -> Made:
     """P03 typed P02 once more, and P05 its number alone."""
     truth = {(person, "all", "post"): answers() for person in PEOPLE}

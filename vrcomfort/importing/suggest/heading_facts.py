@@ -86,12 +86,15 @@ def _unglued(word: str, vocabulary: LabVocabulary) -> str:
 def _lettered(
     contexts: Sequence[tuple[str, ...]],
 ) -> tuple[list[tuple[str, ...]], OpenDoubt | None]:
-    """Return words of headings with the moments that V and N say in SSQV and SSQN, and ask."""
+    """Return words of headings with the moments that V and N say in SSQV, or b and a; and ask."""
     for place in range(min(map(len, contexts))):
         words = {context[place] for context in contexts}
         stems = {word[:-1] for word in words}
         means = _ENDS.get(frozenset(word[-1] for word in words))
-        if means and len(words) == 2 and len(stems) == 1 and len(min(stems)) >= _LETTERS:
+        # Alone, a and b may be conditions: not where b comes first.
+        alone = stems == {""} and contexts[0][place] == next(iter(means or ""), None)
+        named = len(stems) == 1 and len(min(stems)) >= _LETTERS
+        if means and len(words) == 2 and (named or alone):
             shown = ", ".join(f"{word} {means[word[-1]]}" for word in sorted(words))
             found = [(*c[:place], means[c[place][-1]], *c[place + 1 :]) for c in contexts]
             question = f"Do {' and '.join(sorted(words))} say before and after exposure?"
