@@ -129,6 +129,8 @@ def main() -> None:
     if others and table.measured:
         only = f" --levels {' '.join(options.levels)}"
         earlier = f". Other levels: {table.measured.command}, {table.measured.date}"
+        if table.measured.command.endswith(only):  # the same once more
+            earlier = "".join(table.measured.how.partition(". Other levels")[1:])
     ctx = create_context()
     scope = Scope(motions=("walk",), samples=options.samples)
     cost, error = ("×".join(map(str, size)) for size in (COST_SIZE_PX, scope.size_px))
