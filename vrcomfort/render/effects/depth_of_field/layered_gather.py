@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import ceil
 from typing import Any, Protocol
 
 import moderngl
@@ -142,12 +141,6 @@ class LayeredGatherKernel:
             **on_tiles(self._dilate.target),
             **options,
         )
-
-
-def level_size(size_px: tuple[int, int], level: int) -> tuple[int, int]:
-    """Return the size of a level of an image, rounded up."""
-    width, height = size_px
-    return ceil(width / 2**level), ceil(height / 2**level)
 
 
 def on_tiles(classes: moderngl.Texture) -> dict[str, Any]:

@@ -21,7 +21,6 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.visible_area import DRAWN
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs, each_level
 from vrcomfort.render.effects.depth_of_field.layered_gather import (
-    level_size,
     of_class,
     on_tiles,
 )
@@ -67,10 +66,8 @@ class NearThings:
         self._close = passes.clear([behind_depth])
         self._limit = self._limit_pass()
         nearest = gl.color_texture(ctx, coc.size_px, components=1, dtype="f4")
-        self._open_next, self._open_last = (
-            self._open_pass(nearest, behind_depth, *kind)
-            for kind in (({"depth": coc.depth_to_coc.depth}, {"NEXT": 1}), ({}, {}))
-        )
+        self._open_next = self._open_pass(nearest, behind_depth, seen=coc.depth_to_coc.depth)
+        self._open_last = self._open_pass(nearest, behind_depth)
         # The image of the kernel is free until it draws.
         scene.prepare_behind(nearest, blurred, behind_depth)
         self._layers = self._layer_passes(blurred, behind_depth)
@@ -83,11 +80,10 @@ class NearThings:
             reach_px={"colour": DRAWN, "depth": DRAWN, "dilated": DRAWN},
             **on_tiles(self._classes),
         )
-        self._again = FullscreenPass(
-            ctx,
-            "depth_of_field/coc_tile_min_max.frag",
-            size_px=coc.tile_min_max.size,
-            inputs={"colour_and_coc": colour, "dilated": self._classes},
+        self._again = coc.make_pass(
+            "coc_tile_min_max",
+            {"colour_and_coc": colour, "dilated": self._classes},
+            texel_px=coc.tile_px,
             defines={
                 **coc.level_defines,
                 **of_class("BEHIND", 1, beside=1),
@@ -96,15 +92,12 @@ class NearThings:
             },
             target=coc.tile_min_max,
             reach_px={"colour_and_coc": 2.0, "dilated": DRAWN},
-            texel_px=(coc.tile_px, coc.tile_px),
             **on_tiles(self._classes),
         )
         self._gather = self._gather_pass()
-        self._over = FullscreenPass(
-            ctx,
-            "depth_of_field/near_over.frag",
-            size_px=coc.size_px,
-            inputs={"near": self._gather.target, "dilated": self._classes},
+        self._over = coc.make_pass(
+            "near_over",
+            {"near": self._gather.target, "dilated": self._classes},
             filtered={"near"},
             constants={"size_px": coc.size_px},
             defines={**of_class("NEAR", coc.tile_px, beside=0), "OR_ABOVE": 1},
@@ -177,19 +170,19 @@ class NearThings:
         self,
         nearest: moderngl.Texture,
         depth: moderngl.Texture,
-        more: dict[str, moderngl.Texture],
-        defines: dict[str, int],
+        *,
+        seen: moderngl.Texture | None = None,
     ) -> FullscreenPass:
+        """Return the pass that opens `depth` for what is not near; or well behind depths `seen`."""
         coc = self._coc
+        inputs = {"colour_and_coc": coc.colour_and_coc, "limit": self._limit.target}
+        defines = {"TILE": coc.tile_px, **of_class("BEHIND", coc.tile_px, beside=0)}
+        if seen is not None:
+            inputs["depth"], defines["NEXT"] = seen, 1
         return coc.make_pass(
             "near_depth",
-            {
-                "colour_and_coc": coc.colour_and_coc,
-                "limit": self._limit.target,
-                "dilated": self._classes,
-                **more,
-            },
-            defines={"TILE": coc.tile_px, **defines, **of_class("BEHIND", coc.tile_px, beside=0)},
+            {**inputs, "dilated": self._classes},
+            defines=defines,
             target=nearest,
             depth=depth,
             reach_px={
@@ -208,24 +201,19 @@ class NearThings:
         away = {**coc.level_defines, **defines, "AWAY": float(away_tiles)}
         reach_px = float((away_tiles - 1) * coc.tile_px)
         tiles = {"tiles": coc.tile_min_max, **inputs}
-        size_px = coc.tile_min_max.size
-        rows = FullscreenPass(
-            self._ctx,
-            "depth_of_field/near_rows.frag",
-            size_px=size_px,
-            inputs=tiles,
+        rows = coc.make_pass(
+            "near_rows",
+            tiles,
+            texel_px=coc.tile_px,
             defines=away,
             reach_px={"tiles": reach_px},
-            texel_px=(coc.tile_px, coc.tile_px),
         )
-        found = FullscreenPass(
-            self._ctx,
-            "depth_of_field/near_tiles.frag",
-            size_px=size_px,
-            inputs={**tiles, "rows": rows.target},
+        found = coc.make_pass(
+            "near_tiles",
+            {**tiles, "rows": rows.target},
+            texel_px=coc.tile_px,
             defines=away,
             reach_px={"tiles": 0.0, "rows": reach_px},
-            texel_px=(coc.tile_px, coc.tile_px),
         )
         return rows, found
 
@@ -262,16 +250,14 @@ class NearThings:
                 *light, radius = found[-1].targets
                 inputs, defines = {"light": light, "radius": radius}, {}
             found.append(
-                FullscreenPass(
-                    self._ctx,
-                    "depth_of_field/near_layer.frag",
-                    size_px=level_size(coc.size_px, level),
-                    inputs=inputs,
+                coc.make_pass(
+                    "near_layer",
+                    inputs,
+                    texel_px=2**level,
                     defines=defines,
                     more_components=(4, 2),
                     # What is drawn behind is there wherever it is wanted.
                     reach_px={**dict.fromkeys(inputs, 0.0), "next": DRAWN, "next_depth": DRAWN},
-                    texel_px=(2**level, 2**level),
                 )
             )
         return found
@@ -281,11 +267,10 @@ class NearThings:
         names = "light", "light_2", "radius"
         images = zip(*(each.targets for each in self._layers), strict=True)
         levels = dict(zip(names, images, strict=True))
-        return FullscreenPass(
-            self._ctx,
-            "depth_of_field/near_gather.frag",
-            size_px=level_size(coc.size_px, 1),
-            inputs={**levels, "dilated": self._classes},
+        return coc.make_pass(
+            "near_gather",
+            {**levels, "dilated": self._classes},
+            texel_px=2,
             defines={
                 **coc.level_defines,
                 "NEAR_LEVELS": len(self._layers),
@@ -294,6 +279,5 @@ class NearThings:
                 "OR_ABOVE": 1,
             },
             reach_px={**dict.fromkeys(levels, coc.disc_px), "dilated": coc.tile_px},
-            texel_px=(2, 2),
             **on_tiles(self._classes),
         )
