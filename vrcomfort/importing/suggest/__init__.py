@@ -24,7 +24,7 @@ from vrcomfort.importing.suggest.draft import (
     write_doubts,
 )
 from vrcomfort.importing.suggest.evidence import names_fact
-from vrcomfort.importing.suggest.files_of_nobody import files_of_nobody
+from vrcomfort.importing.suggest.excluded_files import excluded_files
 from vrcomfort.importing.suggest.groups_of_files import say_baselines, say_groups
 from vrcomfort.importing.suggest.joined_tables import joined
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
@@ -94,8 +94,8 @@ def suggest_mapping(
     words = LabVocabulary([*map(read_vocabulary, vocabularies)]) if vocabularies else None
     known = Known((*own.values(), *usual_instruments()), words or shipped_vocabulary())
     read = with_codebooks([table for file in files for table in _tables(file, known)])
-    nobodys, left_out = files_of_nobody(read, known.vocabulary)
-    read = [table for table in read if table.file not in nobodys]
+    excluded, left_out = excluded_files(read, known.vocabulary)
+    read = [table for table in read if table.file not in excluded]
     groups: dict[tuple[object, ...], list[SourceTable]] = {}
     for table in read:
         rows = None if table.reading.sections else table.reading.heading_rows
@@ -112,12 +112,12 @@ def suggest_mapping(
         top.put("condition_labels", labels)
     for line in _TOP:
         top.note(line, "format_version")
-    ignored = _ignored_sheets(top, drafts, useful, nobodys)
+    ignored = _ignored_sheets(top, drafts, useful, excluded)
     top.lists["tables"] = [draft.draft for draft in useful]
     imported, refusal = _tried(top, files, [*own.values()])
     if again := _said_again(useful, imported):
         useful = [draft for draft in useful if draft not in again]
-        ignored = _ignored_sheets(top, drafts, useful, nobodys)
+        ignored = _ignored_sheets(top, drafts, useful, excluded)
         top.lists["tables"] = [draft.draft for draft in useful]
         imported, refusal = _tried(top, files, [*own.values()])
     if imported is not None and say_same_people(useful, imported):
@@ -193,11 +193,11 @@ _FEWEST_ALIKE = 24
 
 
 def _ignored_sheets(
-    top: TomlDraft, drafts: list[TableDraft], useful: list[TableDraft], nobodys: Sequence[Path]
+    top: TomlDraft, drafts: list[TableDraft], useful: list[TableDraft], excluded: Sequence[Path]
 ) -> list[OpenDoubt]:
     """List sheets and files in which no answers were found, and ask; and files of nobody."""
-    if nobodys:
-        top.put("ignore_files", [pattern_of(file.name) for file in nobodys])
+    if excluded:
+        top.put("ignore_files", [pattern_of(file.name) for file in excluded])
     doubts = []
     rest = [draft for draft in drafts if draft not in useful]
     used = {name for draft in useful for name in draft.files}
@@ -205,7 +205,7 @@ def _ignored_sheets(
     files = [name for draft in rest for name in draft.files if name not in used]
     for what, others in (("sheets", sheets), ("files", files)):
         if others:
-            names = [*others, *(file.name for file in nobodys if what == "files")]
+            names = [*others, *(file.name for file in excluded if what == "files")]
             top.put(f"ignore_{what}", [*map(pattern_of, dict.fromkeys(names))])
             shown = ", ".join(dict.fromkeys(others))
             question = f"May the {what} {shown} be left out? No answers were understood in them."

@@ -56,10 +56,7 @@ def with_codebooks(tables: Sequence[SourceTable]) -> list[SourceTable]:
 
 def _often(said: Mapping[str, Sequence[str]]) -> set[str]:
     """Return texts that a codebook says of many columns, such as their type."""
-    counts: dict[str, int] = {}
-    for texts in said.values():
-        for text in {*texts}:
-            counts[text] = counts.get(text, 0) + 1
+    counts = Counter(text for texts in said.values() for text in {*texts})
     return {text for text, count in counts.items() if count > 1 or is_number(text)}
 
 

@@ -357,6 +357,18 @@ def _doubled(found: Coding, instrument: Instrument) -> None:
         found.doubts.append(OpenDoubt(question, "they are, as `answers` has them", *CODING))
 
 
+def _without_codes(outside: Sequence[int], instrument: Instrument, found: Coding) -> list[int]:
+    """Take numbers beyond the scale that programs use for missing answers; return the others."""
+    # One above the highest answer is an answer counted from 1, not a code.
+    codes = [value for value in outside if value in _CODES and value != int(instrument.high) + 1]
+    found.missing += map(str, codes)
+    if codes:
+        shown = ", ".join(map(str, codes))
+        question = f"Do the numbers {shown} stand for missing answers? {instrument.name} has none."
+        found.doubts.append(OpenDoubt(question, "they do", *CODING))
+    return [value for value in outside if value not in codes]
+
+
 def _numbers(
     values: dict[int, int],
     instrument: Instrument,
@@ -376,17 +388,8 @@ def _numbers(
     low, high = int(instrument.low), int(instrument.high)
     outside = sorted(value for value in values if not low <= value <= high)
     inside = [value for value in values if low <= value <= high]
-    # One above the highest answer is an answer counted from 1, not a code.
-    codes = [value for value in outside if value in _CODES and value != high + 1]
     around_zero = bool(values) and min(values) < 0 and _around_zero(values, instrument)
-    codes = [] if around_zero else codes
-    for code in codes:
-        found.missing.append(str(code))
-    if codes:
-        shown = ", ".join(map(str, codes))
-        question = f"Do the numbers {shown} stand for missing answers? {instrument.name} has none."
-        found.doubts.append(OpenDoubt(question, "they do", *CODING))
-    rest = [value for value in outside if value not in codes]
+    rest = outside if around_zero else _without_codes(outside, instrument, found)
     variant = _variant(instrument, values)
     if rest and low in values and variant is not None:
         found.variant = variant

@@ -1,4 +1,4 @@
-"""Finds files that are no person's: trial runs, and starts that were broken off and repeated."""
+"""Finds files to leave out: trial runs, and starts that were broken off and repeated."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _RARE = 5
 """One in so many files, at most, is a start that was repeated."""
 
 
-def files_of_nobody(
+def excluded_files(
     tables: Sequence[SourceTable], vocabulary: LabVocabulary
 ) -> tuple[list[Path], list[OpenDoubt]]:
     """Return the files to leave out, and the questions whether they are."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -11,7 +12,7 @@ from vrcomfort.importing.suggest.answer_columns import LAYOUTS, LONG, AnswerColu
 from vrcomfort.importing.suggest.draft import CONDITIONS, PEOPLE, ROWS, OpenDoubt, TomlDraft
 from vrcomfort.importing.suggest.evidence import FIRST_COLUMNS, roles_of
 from vrcomfort.importing.suggest.long_tables import Long
-from vrcomfort.importing.suggest.nobodys_rows import (
+from vrcomfort.importing.suggest.summary_rows import (
     notes_below,
     repeated_headings,
     scores_of_others,
@@ -40,7 +41,7 @@ class KeptRows:
         self.table = replace(tables[0], rows=rows)
         self.draft = TomlDraft()
         self.doubts: list[OpenDoubt] = []
-        self._totals = self._total_rows()
+        self._left_out = defaultdict(list, self._total_rows())
         """Column → texts of rows that are left out."""
         self._trial_runs = self._trial_run_columns()
         self._fill_down()
@@ -69,7 +70,7 @@ class KeptRows:
         for column, words in found.items():
             kept = tuple(row for row in self.table.rows if row[column] not in words)
             self.table = replace(self.table, rows=kept)
-            self._totals[column] = [*self._totals.get(column, []), *words]
+            self._left_out[column] += words
         return [*found]
 
     def _fill_down(self) -> None:
@@ -108,10 +109,10 @@ class KeptRows:
         if 0 <= last < len(cells) - 1:
             kept = self.table.rows[: last + 1]
             self.table = replace(self.table, rows=kept)
-            self._totals[named[0]] = [*self._totals.get(named[0], []), ""]
+            self._left_out[named[0]].append("")
         if named and (notes := notes_below(self.table, named[0])):
             self.table = replace(self.table, rows=self.table.rows[: -len(notes)])
-            self._totals[named[0]] = [*self._totals.get(named[0], []), *notes]
+            self._left_out[named[0]] += notes
 
     def _said_once(self) -> None:
         """Let a column of groups that each person's first row alone fills hold for the others."""
@@ -125,17 +126,17 @@ class KeptRows:
             return
         for column in dict.fromkeys(columns):
             filled = [n for n, cell in enumerate(self.table.column(column)) if cell]
-            if filled == first and not self._is_filled_down(column):
+            if filled == first and self.table.headings[column] not in self._filled_down():
                 self._fill(column)
-                there = self.draft.values.get("fill_down", [])
-                names = [*(there if isinstance(there, list) else []), self.table.headings[column]]
+                names = [*self._filled_down(), self.table.headings[column]]
                 self.draft.put("fill_down", names)
                 question = f"Does {names[-1]!r} of a person's first row hold for the others?"
                 self.doubts.append(OpenDoubt(question, "it does", *CONDITIONS))
 
-    def _is_filled_down(self, column: int) -> bool:
+    def _filled_down(self) -> list[str]:
+        """Return the headings of columns whose blank cells have been filled so far."""
         there = self.draft.values.get("fill_down", [])
-        return isinstance(there, list) and self.table.headings[column] in there
+        return there if isinstance(there, list) else []
 
     def _keep_answered(self, answers: AnswerColumns) -> None:
         """Take rows without answers out of the table, such as other events of a log."""
@@ -153,7 +154,7 @@ class KeptRows:
         rows = tuple(row for row in self.table.rows if row[named[0]])
         if rows:
             self.table = replace(self.table, rows=rows)
-            self._totals[named[0]] = [*self._totals.get(named[0], []), ""]
+            self._left_out[named[0]].append("")
 
     def _keep_items(self, long: Sequence[Long]) -> None:
         """Take rows of other questions out of a long table: their facts are no answers' facts."""
@@ -164,7 +165,7 @@ class KeptRows:
             self.table = replace(self.table, rows=rows)
 
     def _leave_out(self, participant: int | None) -> None:
-        out = {column: list(dict.fromkeys(found)) for column, found in self._totals.items()}
+        out = {column: list(dict.fromkeys(found)) for column, found in self._left_out.items()}
         if participant is not None and not all(self.table.column(participant)):
             out[participant] = list(dict.fromkeys([*out.get(participant, []), ""]))
         if not out:

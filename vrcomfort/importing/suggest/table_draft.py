@@ -581,7 +581,7 @@ class TableDraft(KeptRows):
                 *exposures.unused,
                 *self._made,
             )
-            if column not in exposures.context.used and column not in self._totals
+            if column not in exposures.context.used and column not in self._left_out
         ]
         columns = sorted(set(rest))
         if not columns:
