@@ -1,4 +1,4 @@
-"""Finds what the modules of a package declare: effects, focus rules, analyses of a report."""
+"""Finds the declarations in a package's modules: effects, focus rules, analyses of a report."""
 
 from __future__ import annotations
 

@@ -316,7 +316,7 @@ class HiddenArea:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """Return what :meth:`of_facts` makes it of again, for a JSON file."""
+        """Return the area for a JSON file; :meth:`of_facts` is the inverse."""
         return {"vertices": self.vertices.tolist(), "triangles": self.triangles.tolist()}
 
     @classmethod

@@ -1,4 +1,4 @@
-"""Finds what installed packages add, by their entry points: tasks, effects, questionnaires.
+"""Finds additions of installed packages by entry points: tasks, effects, questionnaires.
 
 To install a package is the consent to its code. What lies in the present folder, where `python -m`
 looks too, is not installed.

@@ -36,7 +36,7 @@ class Cost(NamedTuple):
 
     @property
     def words(self) -> str:
-        """Return what was drawn."""
+        """Return the condition and its scene, in words."""
         return f"{self.condition} in {self.scene}"
 
 
@@ -98,7 +98,7 @@ class _NoRows:
 
 @dataclass
 class TimedShow:
-    """What came of showing a condition for a time.
+    """Measurements of a condition shown for a time.
 
     Parameters
     ----------

@@ -219,7 +219,7 @@ def _trace(trace: Trace | str | Path | None, note: Note) -> Trace | None:
 
 @dataclass(frozen=True)
 class _Moment:
-    """What is drawn: a head's poses, or a moment of a trace; and the time of animations."""
+    """The head poses of a view, or a moment of a trace; and the time of animations."""
 
     pose: Pose | None
     previous_pose: Pose | None

@@ -32,7 +32,7 @@ FAULTS_OF_THE_MACHINE = {
 
 
 class Listed(NamedTuple):
-    """What is known of a command before its module is imported."""
+    """A command's help before its module is imported."""
 
     module: str
     """In `vrcomfort.cli`; its `register` adds the command."""
@@ -189,7 +189,7 @@ class LazyCommands(TyperGroup):
         return super().resolve_command(ctx, [args[0], *_renamed(args[0], args[1:])])
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Write the help, with what is known of the commands without their modules."""
+        """Write the help from the listed commands; no module is imported."""
         self._listed().format_help(ctx, formatter)
 
     def _listed(self) -> TyperGroup:

@@ -132,7 +132,7 @@ def _openxr_runtime(facts: RuntimeFacts) -> Iterator[Diagnosis]:
 
 
 def _controllers(extensions: Container[str]) -> Diagnosis:
-    """Return the controllers whose buttons can be taken, and what stops on each."""
+    """Return the supported controllers, and the stop button of each."""
     from vrcomfort.headset.openxr.profiles import PROFILES
 
     taken = [each for each in PROFILES if each.extension is None or each.extension in extensions]
@@ -220,7 +220,7 @@ def doctor(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Check the installation, and name remedies for what is missing.
+    """Check the installation, and name a remedy for each missing part.
 
     The exit code is 1 if something is missing that every use of vrcomfort needs. A headset is not:
     playback, rendering and reports work without.

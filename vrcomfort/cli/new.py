@@ -165,7 +165,7 @@ def new(
 
 
 def _tell_changes(draft: ProtocolDraft, wanted: int) -> None:
-    """Warn where the draft is not what was asked for; `wanted` is the number of participants."""
+    """Warn where the draft differs from the request; `wanted` is the number of participants."""
     if draft.rating and not draft.has_time_for_ratings:
         needed_s = sum(draft.rating_times_s)
         warn(

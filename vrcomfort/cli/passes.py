@@ -175,7 +175,7 @@ def _traffic_as_data(part: str, found: Traffic, size_px: tuple[int, int]) -> dic
 
 
 def _whole(traffic: dict[str, Traffic]) -> Traffic:
-    """Return a frame's traffic of one eye, what is drawn once for both eyes by half its bytes."""
+    """Return one eye's traffic of a frame; parts drawn once for both eyes count half."""
     from vrcomfort.gpu.traffic import Traffic
 
     found = traffic.items()

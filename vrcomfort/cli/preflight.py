@@ -131,7 +131,7 @@ def preflight(ctx: typer.Context, options: PreflightOptions) -> None:
 def _examine(
     flight: Preflight, seconds: float, measured: dict[str, Any], advance: Callable[..., object]
 ) -> Iterator[Diagnosis]:
-    """Yield what the checks find, up to what leaves no headset to look at."""
+    """Yield the findings of the checks, up to a missing OpenGL or headset."""
     from vrcomfort.gpu.gl import release
 
     yield from _checked(flight, "machine", advance)
@@ -166,7 +166,7 @@ def _checked(
 def _show_frames(
     flight: Preflight, seconds: float, live: HeadsetSetup | None, advance: Callable[..., object]
 ) -> dict[str, Any]:
-    """Show the dearest condition for a time; return what the file has of it."""
+    """Show the dearest condition for a time; return its measurements for the file."""
     from vrcomfort.api.rendering import describe_machine, make_renderer
     from vrcomfort.api.timed_show import costs, show_for
     from vrcomfort.headset.base import CanSleep

@@ -1,4 +1,4 @@
-"""The checks of a preflight, each declared once: its name, what it looks at, and how."""
+"""The checks of a preflight, each declared once: its name, its moment and its function."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ Stage = Literal["machine", "runtime", "frames"]
 
 @dataclass
 class Preflight:
-    """What the checks look at: a planned session, its protocol, and what is known so far.
+    """State of a preflight: a planned session, its protocol, and the facts found so far.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class Preflight:
 
     @property
     def worn(self) -> bool:
-        """Return whether a headset is on somebody's head: no playback, and no window."""
+        """Return whether a headset is worn: no playback, and no window."""
         return self.run.headset is OPENXR
 
     @property
@@ -208,7 +208,7 @@ EYES = {"eye tracker", "each eye"}
 
 
 def _runtime(flight: Preflight) -> Iterator[Diagnosis]:
-    """Look for what `doctor` looks for; what stands in the way of a session is refused."""
+    """Examine the runtime as `doctor` does; a fault that would stop a session is refused."""
     if not flight.worn:
         yield _there("runtime", str(flight.run.headset))
         return

@@ -492,7 +492,7 @@ def _preflight(
 
 
 def _differences_before(enrolment: OpenEnrolment, now: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return what the session will differ in from earlier ones of the study."""
+    """Return the differences between this session's apparatus and that of earlier ones."""
     from vrcomfort.records.apparatus import differences_in
 
     who = {"participant": enrolment.participant, "session": enrolment.numbers[0]}

@@ -1,4 +1,4 @@
-"""`list` and `docs`: what comes with the program, and its documentation."""
+"""`list` and `docs`: the shipped scenes, protocols and instruments, and the documentation."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ _NO_WIDTH = 10_000
 
 
 class _Terminal(Console):
-    r"""Shows control characters as ``\u001b``: a terminal would do what those in data say."""
+    r"""Shows control characters as ``\u001b``: a terminal would obey those in data."""
 
     def render(
         self, renderable: RenderableType, options: ConsoleOptions | None = None

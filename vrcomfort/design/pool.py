@@ -300,7 +300,7 @@ def _rows(
 
 
 def _deal(name: str, group: str, trials: list[Trial], sessions: int) -> Sequence:
-    """Return a sequence whose first sessions have one trial more, where they do not divide."""
+    """Divide trials into sessions; the first ones have one more where they do not divide evenly."""
     size, more = divmod(len(trials), sessions)
     ends = [size * each + min(each, more) for each in range(sessions + 1)]
     dealt = tuple(tuple(trials[start:end]) for start, end in pairwise(ends))

@@ -27,7 +27,7 @@ _BLANK = ("enrolled_at", "note")
 def write_anonymous(
     source: Import, out: Path, names: Mapping[str, str], kept: Needs, access: Access
 ) -> dict[str, Any]:
-    """Write the tables of an import with new names; return what is recorded of the copy.
+    """Write the tables of an import with new names; return the copy's record.
 
     Parameters
     ----------

@@ -95,7 +95,7 @@ def labels_of(names: list[str]) -> dict[str, str]:
 
 
 def place_of(row: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield what tells a row of a participant from others: column and value."""
+    """Yield the columns that identify a row of a participant, with their values."""
     for column in _OF_A_ROW:
         if row.get(column):
             yield column, row[column]

@@ -86,7 +86,7 @@ class _Table:
 
 @dataclass(frozen=True)
 class _Source:
-    """What is exported.
+    """An exported study.
 
     Parameters
     ----------

@@ -54,7 +54,7 @@ class HasDisplayClock(Protocol):
 
 @runtime_checkable
 class HasWaits(Protocol):
-    """A headset whose runtime makes frames wait."""
+    """A headset with a runtime that makes frames wait."""
 
     def waits(self) -> FrameWaits:
         """Return the waits of the frame that was submitted last."""
@@ -62,7 +62,7 @@ class HasWaits(Protocol):
 
 @runtime_checkable
 class CanSleep(Protocol):
-    """A headset that shows nothing while nobody wears it."""
+    """A headset that shows nothing while it is not worn."""
 
     def wake(self, timeout_s: float) -> bool:
         """Wait until the headset wants frames; return False where it sleeps on."""

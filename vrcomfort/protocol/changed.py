@@ -45,7 +45,7 @@ def changed(condition: Condition, option: str, texts: Iterable[str]) -> Conditio
 
 
 def idle_settings(condition: Condition, texts: Iterable[str]) -> list[str]:
-    """Return what :func:`changed` has changed to no effect, in words."""
+    """Return the changes of :func:`changed` that have no effect, in words."""
     said = []
     for text in texts:
         path = text.partition("=")[0].strip()

@@ -1,4 +1,4 @@
-"""Marks of settings: what lies beside a type in `Annotated`, and what is derived from it.
+"""Marks of settings: metadata in `Annotated`, and its derivations.
 
 A setting says itself when it has an effect and whether participants can adjust it while it is
 shown; the check of protocols, adjustments, the reference of keys and the tests read the marks.
@@ -28,14 +28,14 @@ class OnlyWith:
 
 
 class Live:
-    """Taken up between two frames; the other settings decide what is built, and cannot change."""
+    """Adjustable between two frames; other settings are built in, and cannot change."""
 
 
 LIVE = Live()
 
 
 def needs_of(table: type[BaseModel]) -> dict[str, dict[str, Collection[Any]]]:
-    """Return setting → what it needs, of the settings of a table that need something."""
+    """Return setting → required values of other settings, where there are any."""
     return {
         name: mark.needs
         for name, field in table.model_fields.items()

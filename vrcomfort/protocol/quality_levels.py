@@ -84,7 +84,7 @@ def quality_table() -> QualityTable:
 
 
 def dialled() -> tuple[str, ...]:
-    """Return the effects whose sampling a level decides: those that levels have settings of."""
+    """Return the effects with settings in quality levels: a level decides their sampling."""
     names = (name for level in quality_table().levels.values() for name in level.root)
     return tuple(dict.fromkeys(name for name in names if name != "lens"))
 

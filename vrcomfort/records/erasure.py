@@ -1,4 +1,4 @@
-"""Erases a participant's data on request; a dated row without what identifies them stays."""
+"""Erases a participant's data on request; a dated row without identifying data stays."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def _word(name: str) -> re.Pattern[str]:
 
 
 def _mentions(study: Path, participant: str) -> Iterator[Path]:
-    """Yield the files that name somebody; recordings have numbers alone."""
+    """Yield the files that name a participant; recordings have numbers alone."""
     word = re.compile(rf"(?<![A-Za-z0-9]){participant}(?![A-Za-z0-9])")
     for file in sorted(study.rglob("*")):
         place = file.relative_to(study)

@@ -98,7 +98,7 @@ class Memory:
 
 
 def quoted(text: str | Path) -> str:
-    """Return a text as SQL writes it; of a path whose bytes are no UTF-8, one by way of a link.
+    """Return a text as SQL writes it; a path that is not UTF-8 is replaced by a link to it.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def quoted(text: str | Path) -> str:
 
 
 def _by_a_link(path: Path) -> Path:
-    """Return a path to the same file, without the folders whose names are no UTF-8."""
+    """Return a path to the same file, without folder names that are not UTF-8."""
     odd = next(each for each in (path, *path.parents) if not is_utf8(each.name))
     return _link_to(odd.absolute()) / path.relative_to(odd)
 

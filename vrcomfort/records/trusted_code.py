@@ -15,7 +15,7 @@ from vrcomfort.tasks import TaskCode
 
 
 def consents_folder() -> Path:
-    """Return where this user's consents are kept; who removes a file there takes it back."""
+    """Return the folder of this user's consents; removing a file there withdraws one."""
     home = os.environ.get("APPDATA" if sys.platform == "win32" else "XDG_CONFIG_HOME")
     return (Path(home) if home else Path.home() / ".config") / "vrcomfort" / "trusted_code"
 
@@ -43,7 +43,7 @@ def trust(code: TaskCode) -> None:
 
 
 def require_given_hash(code: TaskCode, given: str) -> None:
-    """Check the hash that somebody consents to.
+    """Check the hash given as consent.
 
     Raises
     ------

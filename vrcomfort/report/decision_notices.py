@@ -1,4 +1,4 @@
-"""Notices on the tests of the primary outcome: what keeps them from an answer, or changes it."""
+"""Notices on the tests of the primary outcome: reasons why they give no answer, or another."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _not_possible(tests: Sequence[Tested], outcome: str, level: float) -> Iterat
 
 
 def _no_difference_at_all(tests: Sequence[Tested], outcome: str, pair: _Pair) -> Iterator[str]:
-    """Yield the pairs of conditions between which nobody's score differs."""
+    """Yield the pairs of conditions with equal scores for every participant."""
     alike = [
         test
         for test in tests
@@ -75,7 +75,7 @@ def _no_difference_at_all(tests: Sequence[Tested], outcome: str, pair: _Pair) ->
 def _changed_by_the_family(
     tests: Sequence[Tested], plan: Plan, outcome: str, pair: _Pair
 ) -> Iterator[str]:
-    """Yield the tests that would have shown a difference alone, but not among so many."""
+    """Yield the tests that would have shown a difference alone, but not within their family."""
     level = level_of(plan.confidence)
     lost = [
         t
@@ -99,7 +99,7 @@ def _changed_by_the_family(
 def _many_conditions(
     tests: Sequence[Tested], scored: Exposures, plan: Plan, outcome: str
 ) -> Iterator[str]:
-    """Yield what comparing all pairs of many conditions costs, where the plan names none."""
+    """Yield the price of comparing all pairs of many conditions without planned contrasts."""
     conditions = scored.table["condition"].nunique()
     if conditions > MOST_LEVELS and len(tests) > conditions:
         level = (level_of(plan.confidence)) / len(tests)

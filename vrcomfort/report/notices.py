@@ -194,7 +194,7 @@ def _losses(
 
 
 def _never_met(study: StudyData, tests: Sequence[SignedRankRow]) -> list[str]:
-    """Say who met one condition of a comparison and never the other, though most met both."""
+    """Name the participants with one condition of a comparison only, where most had both."""
     found = []
     for test in {(test.a, test.b): test for test in reversed(tests)}.values():
         if any(side.timepoint for side in test.sides):

@@ -107,7 +107,7 @@ def _orders(runs: list[tuple[str, list[str]]]) -> tuple[OrderMet, ...]:
 
 @dataclass(frozen=True)
 class OneOrder:
-    """An order of two conditions that all met, or so many that it is no accident."""
+    """An order of two conditions for all participants, or for too many to be chance."""
 
     first: str
     second: str

@@ -1,4 +1,4 @@
-"""Plausibility warnings: answers and ratings that may not be what they are taken for."""
+"""Plausibility warnings: answers and ratings that may mean something else."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def answers_by_instrument(study: StudyData) -> dict[str, Counter[Answer]]:
 
 
 def _of_answers(instrument: Instrument, counts: Mapping[Answer, int]) -> Iterator[str]:
-    """Yield what is odd about all answers to an instrument; the likeliest reason alone."""
+    """Yield the likeliest fault of an instrument's answers as a whole."""
     low, high, answered = instrument.low, instrument.high, sum(counts.values())
     if len(counts) == 1 and answered >= FEWEST_ANSWERS:
         (only,) = counts
@@ -85,7 +85,7 @@ def _few_zeros(counts: Mapping[Answer, int], answered: int) -> bool:
 
 
 def _same_answer_always(study: StudyData, of_choices: Collection[str]) -> Iterator[str]:
-    """Yield who gave one answer, not 0, to every question of an instrument, time after time."""
+    """Yield the participants with one answer, not 0, to every question at every timepoint."""
     given: dict[tuple[str, str], list[Counter[Answer]]] = defaultdict(list)
     for sheet in study.sheets:
         answers = Counter(each for each in sheet.answers.values() if each is not None)

@@ -33,7 +33,7 @@ class Possible(NamedTuple):
 
 
 def limited(found: Found, possible: Possible, ends: tuple[str, str] = ("low", "high")) -> Found:
-    """Return an estimate whose interval ends within what is possible; of None, None.
+    """Limit an estimate's interval to the possible range; None stays None.
 
     One that lies beyond it altogether (of a model that misses the scale) has no interval.
     """

@@ -72,7 +72,7 @@ class Effect(NamedTuple):
 
 
 class Pilot(NamedTuple):
-    """Differences of a pilot study's primary contrast, in whole steps of so many points."""
+    """Differences of a pilot study's primary contrast, in whole steps of `unit` points."""
 
     differences: tuple[int, ...]
     unit: float
@@ -267,7 +267,7 @@ def simulate_power(
     work: Work = map,
     advance: Callable[[int], None] = lambda _: None,
 ) -> list[PowerRow]:
-    """Simulate so many studies of each size.
+    """Simulate a number of studies of each size.
 
     Parameters
     ----------

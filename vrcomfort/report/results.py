@@ -387,7 +387,7 @@ def _answers_in_words(instrument: Instrument) -> str:
 
 
 def _named(data: AnalysisData) -> list[str]:
-    """Return the conditions of the report; also those compared although nobody finished them."""
+    """Return the conditions of the report, with compared ones that no participant finished."""
     sides = [side for each in data.contrasts for side in (each.a, each.b)]
     compared = [side.condition for side in sides if side.condition]
     return list(dict.fromkeys([*data.conditions, *compared]))

@@ -348,7 +348,7 @@ def length_s(trial: Mapping[str, str]) -> float | None:
 
 
 def undone_attempts(study: StudyData) -> set[tuple[str, ...]]:
-    """Return the attempts in which somebody withdrew, and an operator took it back."""
+    """Return the attempts that ended in a withdrawal which an operator undid."""
     return {
         (of.participant, str(of.session), str(undone.trial), str(undone.attempt))
         for of in study.manifests
@@ -393,7 +393,7 @@ def _table(folder: Study, row_type: type[Row], warnings: list[str]) -> tuple[dic
 
 
 def _require_each_once(source: Path, rows: list[dict[str, str]]) -> None:
-    """Raise `InputError` where somebody has two statuses: which of them counts is not known."""
+    """Raise `InputError` where a participant has two statuses: either may be wrong."""
     known: dict[str, str] = {}
     for row in rows:
         who, status = row["participant"], row.get("status", "")
@@ -428,7 +428,7 @@ def _of_last_attempts(rows: tuple[dict[str, str], ...]) -> tuple[dict[str, str],
 
 
 def _ratings(folder: Study, warnings: list[str]) -> tuple[RatingSeries, ...]:
-    """Read the ratings of a study; what is not read is reported."""
+    """Read the ratings of a study; unread rows are reported."""
     read = read_ratings(folder.files(RatingRow))
     warnings += [note.removeprefix(f"{folder.folder}/") for note in read.notes]
     return read.series

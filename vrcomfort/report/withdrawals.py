@@ -127,7 +127,7 @@ def find_withdrawals(study: StudyData) -> list[Withdrawal]:
 
 
 def _comes_back(trial: Mapping[str, str]) -> bool:
-    """Return whether a trial ended somebody's session alone, not their study."""
+    """Return whether a withdrawal ended the session alone, not the study."""
     return trial.get("abort_code", "").endswith("_session")
 
 

@@ -1,4 +1,4 @@
-"""Respondents: simulated participants, and people who answer aloud or in the headset."""
+"""Respondents: simulated participants; terminal and panel for real ones."""
 
 from vrcomfort.respondent.base import (
     Exposure,

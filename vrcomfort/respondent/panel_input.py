@@ -151,7 +151,7 @@ FIST_S = 2.0
 
 
 class Rest:
-    """Follows what a participant holds for a while: a look, a fist. It asks once, and then anew.
+    """Detects an input held for a while (a look, a fist). It triggers once per hold.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ class Rest:
         self._asked = False
 
     def update(self, holds: bool, now_s: float) -> bool:
-        """Take a frame; return whether what is held has just asked. A blink ends nothing."""
+        """Take a frame; return whether the hold has just triggered. A blink does not end it."""
         if holds:
             self._away_since_s = None
             self._since_s = now_s if self._since_s is None else self._since_s

@@ -161,7 +161,7 @@ def _list_cell(columns: int, rows: int, index: int, question: str, answer: str) 
 
 
 def _ticks(texts: Sequence[str], cell_px: int) -> list[str]:
-    """Return the numbers of a slider, as many as have room: all, or every so many; or none."""
+    """Return a slider's tick numbers: all, every n-th, or none, as there is room."""
     last = len(texts) - 1
     if last >= NUMBERED:
         return [""] * len(texts)

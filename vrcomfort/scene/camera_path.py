@@ -129,7 +129,7 @@ def _slopes_of_loop(times_s: Array, values: Array) -> Array:
 
 
 def _at_their_rates(points: Sequence[PathPoint], yaws_rad: Array) -> Array:
-    """Return the (n,) headings with turns at the rates of points; what follows turns with them."""
+    """Return the (n,) headings with turns at the rates of points; later ones turn with them."""
     if all(point.turning_deg_s is None for point in points):
         return yaws_rad
     turned = yaws_rad.copy()

@@ -98,7 +98,7 @@ class _Triangles(NamedTuple):
         )
 
     def _cells_met(self, origin: Array, along: Array) -> NDArray[np.intp]:
-        """Return the cells whose boxes a ray meets, rising."""
+        """Return the indices of cells with boxes that a ray hits, ascending."""
         blocks = np.flatnonzero(_meets(self.block_low, self.block_high, origin, along))
         near = (blocks[:, None] * _BLOCK + np.arange(_BLOCK)).ravel()
         near = near[near < self.low.shape[1]]
@@ -266,7 +266,7 @@ def _passes_near(middle: Array, edges: Array, world: Array, origin: Array, along
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """Return the cross product along the last axis: np.cross, whose moves of axes cost more."""
+    """Return the cross product along the last axis; np.cross, which moves axes, is slower."""
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
     return np.stack((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx), axis=-1)

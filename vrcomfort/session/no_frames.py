@@ -86,7 +86,7 @@ class EventLoop(FrameLoop):
         return isinstance(respondent, SimulatedRespondent) and respondent.has_eyes
 
     def _with_eyes(self, frame: Frame) -> Frame:
-        """Return a frame with a head that turns to what its simulated eyes look at, and them."""
+        """Return a frame with simulated eyes, and a head that turns to their target."""
         if self._shows and self._sees:
             frame = self._turned(frame)
         return super()._with_eyes(frame)

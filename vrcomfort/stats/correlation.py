@@ -101,7 +101,7 @@ def correlation(
 
 
 def _decided(found: Correlation) -> Correlation:
-    """Return a correlation whose interval says of 0 what its p says."""
+    """Return a correlation with an interval that agrees with p about 0."""
     if found.estimate is None or found.p is None:
         return found
     ends = EffectSize(found.estimate, found.low, found.high, found.confidence)

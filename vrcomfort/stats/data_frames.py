@@ -849,7 +849,7 @@ def _estimate(found: Shift | EffectSize | None, name: str, prefix: str = "") -> 
 
 
 def _t_rows(key: str, effects: Mapping[str, Estimate]) -> list[Row]:
-    """Return a row for each effect of a model, whose names stand in column `key`."""
+    """Return a row for each effect of a model, with its name in column `key`."""
     return [
         {
             key: name, "estimate": each.estimate, "se": each.standard_error, "df": each.df,

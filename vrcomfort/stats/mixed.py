@@ -104,7 +104,7 @@ def crossover(
 def _difference(
     x: NDArray[np.float64], y: NDArray[np.float64], confidence: float, rounding: float
 ) -> Estimate:
-    """Estimate mean(x) − mean(y) with the pooled variance; what is less than rounding is 0."""
+    """Estimate mean(x) − mean(y) with the pooled variance; rounding errors count as 0."""
     df = x.size + y.size - 2
     spread = float(np.sqrt((np.sum((x - x.mean()) ** 2) + np.sum((y - y.mean()) ** 2)) / df))
     error = spread * math.sqrt(1 / x.size + 1 / y.size) if spread > rounding else 0.0

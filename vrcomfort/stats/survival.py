@@ -292,7 +292,7 @@ def _scores(times: Floats, had: Floats) -> Floats:
 
 
 def _permutation_p(strata: list[tuple[Floats, NDArray[np.bool_]]]) -> float | None:
-    """Return the share of all labellings within strata whose sum is as far from 0."""
+    """Return the share of labellings within strata with a sum at least as far from 0."""
     sums, shares = np.zeros(1), np.ones(1)
     for scores, mine in strata:
         if mine.all() or not mine.any():

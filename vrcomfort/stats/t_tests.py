@@ -148,7 +148,7 @@ def paired_t(
 
 
 def _decided(found: TTest) -> TTest:
-    """Return a test whose standardised effects say of 0 what its p says.
+    """Return a test with standardised effects that agree with p about 0.
 
     Welch's p is not that of the pooled deviation that they are in units of.
     """

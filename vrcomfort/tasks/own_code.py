@@ -88,7 +88,7 @@ class TaskCode:
 
     @property
     def sha256(self) -> str:
-        """Return the SHA-256 of all: of what `sha256sum` prints of the files, sorted by path."""
+        """Return the SHA-256 of the output of `sha256sum` for the files, sorted by path."""
         lines = "".join(f"{sha256}  {name}\n" for name, sha256 in sorted(self.hashes.items()))
         return hashlib.sha256(lines.encode()).hexdigest()
 

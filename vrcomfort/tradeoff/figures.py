@@ -132,7 +132,7 @@ def front_figure(choice: Recommendation, folder: Path) -> str:
 
 
 def draw_front(choice: Recommendation) -> Figure:
-    """Return error against milliseconds of a frame: the front, with what is chosen on it."""
+    """Plot error against milliseconds of a frame: the front, and the chosen level on it."""
     figure = Figure(figsize=(7.2, 3.9), layout=ConstrainedLayoutEngine(w_pad=0.08))
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()

@@ -252,7 +252,7 @@ def _faded(image: Array, counted: NDArray[np.bool_]) -> Array:
 def _crops(
     choice: Recommendation, found: dict[str, Any], measured: Sequence[MeasuredCase]
 ) -> dict[str, list[tuple[str, str]]]:
-    """Return for each scene names and pictures (data URIs) around what is chosen, at 100 %.
+    """Return each scene's crops at 100 % around the chosen level: names and data URIs.
 
     They are what is next on the front in both directions, no blur and the reference.
     """

@@ -46,7 +46,7 @@ class Option(NamedTuple):
 
 
 class Recommendation(NamedTuple):
-    """What to choose for one effect.
+    """The recommended level of one effect.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def _option(
 
 
 def _lines(condition: Condition, effect: Effect) -> tuple[str, ...]:
-    """Return what a condition sets beside the strength of its blur, as lines of a protocol."""
+    """Return a condition's settings but for the strength of its blur, as lines of a protocol."""
     base, found = base_condition(effect), []
     if condition.effect_order != base.effect_order:
         found.append(f'effect_order = "{condition.effect_order}"')

@@ -224,7 +224,7 @@ OPTION_COLUMNS: tuple[tuple[str, Callable[[Option], str]], ...] = (
 
 
 def answer(choice: Recommendation, size_px: Sequence[int]) -> str:
-    """Return what to choose, in words."""
+    """Return the recommendation in words."""
     width, height = size_px
     one = choice.front[choice.chosen]
     price = (

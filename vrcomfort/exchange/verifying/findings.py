@@ -82,7 +82,7 @@ class Verified:
         self.findings.append(Finding(self._name(file), None, message, fault=False))
 
     def add(self, other: Verified) -> None:
-        """Add what was found elsewhere in the study."""
+        """Add the findings of another part of the study."""
         self.findings += other.findings
         self.counts += other.counts
         self.intact |= other.intact

@@ -112,7 +112,7 @@ def _consents(
     manifests: Mapping[str, Mapping[int, Mapping[str, Any] | None]],
     found: Verified,
 ) -> None:
-    """Check the consent of each participant who was asked for it; copies leave it out."""
+    """Check that each requested consent was given; anonymised copies have none."""
     file = study / ConsentRow.FILE
     if (study / _ANONYMISED).exists():
         return
@@ -376,7 +376,7 @@ def _imported(study: Path, found: Verified) -> None:
 
 
 def _unlisted(study: Path, name: str, line: int, who: str, found: Verified) -> None:
-    """Tell of a row of somebody who is not in the list of participants."""
+    """Report a row of a participant missing from the list of participants."""
     people = study / ParticipantRow.FILE
     if found.suspect(study / name, people) == people:
         message = f"does not list {who} of {name}, line {line}"

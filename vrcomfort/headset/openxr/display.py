@@ -73,7 +73,7 @@ def hidden_areas(session: xr.Session, extensions: Container[str]) -> HiddenAreas
 
 
 def mask_facts(areas: HiddenAreas, extensions: Container[str]) -> list[dict[str, Any] | None] | str:
-    """Return the visibility mask for the manifest: what each eye never sees, or why none is known.
+    """Return the visibility mask for the manifest, or the reason why there is none.
 
     `headset.visibility_mask` of a manifest is read back by :func:`geometry.hidden_areas_of`.
     """

@@ -260,7 +260,7 @@ class OpenXrHeadset:
 
     @property
     def hidden_areas(self) -> HiddenAreas:
-        """Return what the lens of each eye never shows; None where the runtime knows of nothing."""
+        """Return the hidden area of each eye's lens; None where the runtime reports none."""
         return self._xr.hidden_areas
 
     def close(self) -> None:

@@ -135,7 +135,7 @@ class EyeLayer:
             self._depth.release()
 
     def _be_acquired(self) -> None:
-        """Acquire what a frame did not begin with: the first one of a scene."""
+        """Acquire the images if the frame began without them, as the first one of a scene does."""
         if not (self._colour.is_acquired and (self._depth is None or self._depth.is_acquired)):
             self.acquire()
             make_current(self._ctx)

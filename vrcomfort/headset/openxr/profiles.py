@@ -1,4 +1,4 @@
-"""Interaction profiles of OpenXR: what each hand chooses, stops and walks with on each controller.
+"""Interaction profiles of OpenXR: the inputs that choose, stop and walk on each controller.
 
 One table, from which the bindings are suggested, and the documentation and `doctor` list them. It
 has every profile of the specification's registry for ``/user/hand/left`` and ``right`` that a
@@ -59,14 +59,14 @@ class Profile:
         return [("aim", "input/aim/pose"), *tick, *own]
 
     def words(self, action: str) -> str:
-        """Return what does an action, in words: of each hand where they differ."""
+        """Return the inputs of an action, in words: for each hand where they differ."""
         left, right = (_in_words(self.own(hand).get(action)) for hand in HANDS)
         if action == "stop" and "fist" in self.left:
             return "both fists, or one for 2 s"
         return left if left == right else f"{left} (left), {right} (right)"
 
     def stops(self, hand: str) -> str:
-        """Return what stops an exposure with a hand alone, in words."""
+        """Return the input that stops an exposure with one hand alone, in words."""
         own = self.own(hand)
         return "a fist for 2 s" if "fist" in own else _in_words(own.get("stop"))
 
@@ -209,7 +209,7 @@ def profile_of(path: str) -> Profile | None:
 
 
 def stop_of(path: str, hand: str) -> str:
-    """Return what stops an exposure with a hand alone, by the path of its profile."""
+    """Return the input that stops an exposure with one hand alone, by the path of its profile."""
     profile = profile_of(path)
     return "nothing" if profile is None else profile.stops(hand)
 

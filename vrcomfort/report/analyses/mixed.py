@@ -125,7 +125,7 @@ def _fit(data: AnalysisData, outcome: str) -> MixedFit:
 def within_possible(
     model: MixedModel, possible: Possible, covariates: Collection[str] = ()
 ) -> MixedModel:
-    """Return a model whose intervals of means and differences end within what is possible."""
+    """Limit a model's intervals of means and differences to the possible range."""
     apart = possible.difference
     return replace(
         model,

@@ -1,4 +1,4 @@
-"""The files of another lab that a plan is of, and the mapping that says what is in them."""
+"""The files of another lab that a plan analyses, and the mapping that describes them."""
 
 from __future__ import annotations
 

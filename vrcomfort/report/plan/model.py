@@ -38,7 +38,7 @@ class Entry(Settings):
 
     @property
     def of_choices(self) -> str:
-        """Return the questionnaire whose answers are choices, and no scores; blank: none."""
+        """Return the questionnaire with choices instead of scores; blank: none."""
         return ""
 
 
@@ -79,7 +79,7 @@ class Factor(Settings):
 
 
 class Family(Settings):
-    """Tests whose p values are adjusted together."""
+    """A family of tests: their p values are adjusted together."""
 
     name: Name
     outcomes: Annotated[tuple[str, ...], Field(min_length=1)]

@@ -168,7 +168,7 @@ def _row(data: AnalysisData, contrast: Compared, outcome: str) -> ComparisonRow:
 def _tested(
     data: AnalysisData, row: ComparisonRow, samples: Pairs | Groups, confidence: float
 ) -> _Test | None:
-    """Test two sides; the interval of their difference ends within what is possible."""
+    """Test two sides; the interval of their difference ends within the possible range."""
     test = _TESTS[row.test](samples, data.plan, row.alternative, confidence)
     if test is None or test.numbers.difference is None:
         return test
