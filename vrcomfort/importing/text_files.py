@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 import csv
 import io
+import json
 import re
 from collections import Counter
 from collections.abc import Iterator
@@ -55,6 +56,7 @@ def read_text_table(file: Path, reading: Reading) -> Grid:
         notes.append(f"{file.name}: decimals are written with commas")
     found = reading._replace(encoding=encoding, separator=separator, decimal=decimal)
     kept = [(number, row) for number, row in enumerate(rows, start=1) if any(row)]
+    _unpack(kept, file)
     return Grid(
         file,
         "",
@@ -63,6 +65,34 @@ def read_text_table(file: Path, reading: Reading) -> Grid:
         found,
         tuple(notes),
     )
+
+
+def _unpack(numbered: list[tuple[int, list[str]]], file: Path) -> None:
+    """Put the answers of cells such as ``{"Q0": 2, "Q1": 0}`` into columns of their own, behind.
+
+    Programs for web experiments write a page of questions so, under the heading ``response``.
+    """
+    headings, *rows = [row for _, row in numbered] or [[]]
+    room = _Room(file)
+    for column in range(len(headings)):
+        cells = [_object_in(row[column]) if column < len(row) else {} for row in rows]
+        found = [_flat(each, headings[column], room)[0] if each else {} for each in cells]
+        names = list(dict.fromkeys(name for said in found for name in said))
+        if names and max(map(len, rows)) <= len(headings):
+            for row, said in zip(rows, found, strict=True):
+                blank = [""] * (len(headings) - len(row))
+                row.extend([*blank, *(said.get(name, "") for name in names)])
+            headings += names
+    require_few_columns(len(headings), file, "the answers in its cells")
+
+
+def _object_in(cell: str) -> dict[str, Any]:
+    """Return the object that a cell holds in JSON, or an empty one."""
+    try:
+        found = json.loads(cell) if cell[:1] == "{" and cell[-1:] == "}" else {}
+    except ValueError:
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def content_of(file: Path, *, first: int | None = None) -> bytes:

@@ -25,7 +25,8 @@ from vrcomfort.importing.suggest.questionnaires import (
 )
 from vrcomfort.importing.suggest.ratings import find_courses, find_ratings
 from vrcomfort.importing.suggest.scores import find_scores, weighted
-from vrcomfort.importing.suggest.vocabulary import Known
+from vrcomfort.importing.suggest.vocabulary import IGNORED, Known
+from vrcomfort.questionnaire import plain
 
 FoundT = TypeVar("FoundT", bound=FoundAnswers)
 
@@ -77,8 +78,11 @@ class AnswerColumns:
         self.weights = comparisons(table, known)
         """Those of the weights alone, or of the comparisons that they come from."""
         self.taken.update(self.weights)
+        # "Marca temporal" is no temporal demand: a program writes it, and nobody answers it.
+        roles = [known.vocabulary.roles.get(plain(heading)) for heading in table.headings]
+        meta = {c for c, role in enumerate(roles) if role == IGNORED}
         for layout in sorted(LAYOUTS, key=lambda each: -each.weight):
-            left = [c for c in range(len(table.headings)) if c not in self.taken]
+            left = [c for c in range(len(table.headings)) if c not in self.taken | meta]
             closed = layout.whole and any(
                 each.whole and found for each, found in self._found.items()
             )

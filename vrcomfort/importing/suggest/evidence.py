@@ -244,7 +244,8 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
         said = inner_names(table.headings[column]) if table.nested else ()
         if code := _CODE_AND_TEXT.fullmatch(table.headings[column]):
             said = (code[2],) if code[1] == "id" else (code[2], code[1])  # that of the response
-        said = (*said, table.headings[column], label, *label.split(" | "))
+        without = _REMARK.sub("", table.headings[column])  # Proband (see the slip of paper)
+        said = (*said, table.headings[column], without, label, *label.split(" | "))
         role, weight = _heaviest(said, vocabulary)
         if outer and merged[outer] > 1 and role not in {*FACTS, IGNORED}:
             role, weight = _heaviest((inner,), vocabulary)  # Hand tracking / SUS: no handedness
@@ -262,6 +263,7 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
     return roles
 
 
+_REMARK = re.compile(r"\s*\([^()]*\)$")
 _CODE_AND_TEXT = re.compile(r"([A-Za-z][A-Za-z0-9_]{0,19})\. (\S.*)")
 """Headings of a survey program that writes the code of a question before its text."""
 
@@ -557,7 +559,9 @@ def _balanced_groups(context: Context, column: int) -> bool:
         return False
     people = {row[who]: row[column] for row in table.rows}
     groups = Counter(people.values())
-    if not 2 <= len(groups) <= _FEW_SCENES or varies_within(table, column, who) or "" in groups:
+    if groups.pop("", 0) * 10 > len(people):  # who broke off early was in no group
+        return False
+    if not 2 <= len(groups) <= _FEW_SCENES or varies_within(table, column, who):
         return False
     if is_numeric(table, column) or _says_yes_or_no(context, column) or measures(table, column):
         return False

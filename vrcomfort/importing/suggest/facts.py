@@ -327,7 +327,7 @@ class _Facts(FactDraft):
         column = next((c for c in columns if c not in self._context.used), None)
         if column is None:
             return
-        if self._is_key_of_rows(fact, column):
+        if self._is_key_of_rows(fact, column) or (fact == "trial" and self._numbers_pages(column)):
             self._roles.metadata.append(column)
             return
         if fact == "block" and not is_numeric(self._table, column) and not self._has_condition():
@@ -346,6 +346,20 @@ class _Facts(FactDraft):
             self.doubt(question, f"they are, {what}", ORDER)
         else:
             self.use(fact, column)
+
+    def _numbers_pages(self, column: int) -> bool:
+        """Return whether most people have numbers with gaps, as those of a program's pages are.
+
+        Where no column says before and after, they still tell the order of exposures.
+        """
+        if not self._roles.facts["timepoint"]:
+            return False
+        people: dict[str, set[int]] = {}
+        for row in self._table.rows:
+            if self._context.participant is not None and row[column].isdecimal():
+                people.setdefault(row[self._context.participant], set()).add(int(row[column]))
+        gaps = sum(max(said) - min(said) >= len(said) for said in people.values())
+        return gaps * 2 > len(people)
 
     def _has_condition(self) -> bool:
         return "condition" in self._context.columns or self._condition_is_named()

@@ -229,14 +229,34 @@ def _without_gaps(table: SourceTable, found: Sequence[Found], other: Set[int]) -
         ranked = sorted(places, key=order.index)
         rising = [places[item] for item in ranked] == sorted(places.values())
         items = dict(block.items)
-        for one, next_ in pairwise(ranked if rising and len(ranked) * 2 > len(order) else []):
-            lacking = order[order.index(one) + 1 : order.index(next_)]
-            between = [c for c in range(places[one] + 1, places[next_]) if c not in taken]
+        if not rising or len(ranked) * 2 <= len(order):
+            ranked = []
+        known = [(order.index(item), places[item]) for item in ranked]
+        for (one, left), (next_, right) in pairwise(_with_ends(table, known, len(order))):
+            lacking = order[one + 1 : next_]
+            between = [c for c in range(left + 1, right) if c not in taken]
             if lacking and len(between) == len(lacking) and _fit(table, between, block.instrument):
                 for item, column in zip(lacking, between, strict=True):
                     items[item] = Named(column, block.instrument.name, item, "order", (), ())
         filled.append(replace(block, items=items))
     return filled
+
+
+def _with_ends(
+    table: SourceTable, known: Sequence[tuple[int, int]], count: int
+) -> list[tuple[int, int]]:
+    """Return places of items, and their columns, with those just beyond the first and the last.
+
+    Columns there are of the same questionnaire where a heading begins with the same word.
+    """
+    if not known:
+        return []
+    (first, left), (last, right) = known[0], known[-1]
+    low, high = left - first, right + count - 1 - last
+    starts = [(tokens(heading) or [""])[0] for heading in table.headings]
+    before = low >= 0 and {*starts[low:left]} <= {starts[left]}
+    after = high < len(starts) and {*starts[right + 1 : high + 1]} <= {starts[right]}
+    return [*([(-1, low - 1)] if before else []), *known, *([(count, high + 1)] if after else [])]
 
 
 def _siblings(block: Found, found: Sequence[Found]) -> tuple[int, ...]:

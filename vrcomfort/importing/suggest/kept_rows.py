@@ -76,8 +76,9 @@ class KeptRows:
     def _fill_down(self) -> None:
         """Let blank cells of a column of participants mean the one above, where they are many."""
         first = range(min(FIRST_COLUMNS, len(self.table.headings)))
-        facts = roles_of(self.table, first, self._vocabulary).facts
-        columns = facts.get("participant", facts.get("condition", []))
+        facts = roles_of(self.table, range(len(self.table.headings)), self._vocabulary).facts
+        named = facts.get("participant", facts.get("condition", []))
+        columns = [column for column in named if column in first]
         for column in columns or ([0] if self.table.reading.transpose else []):
             cells = self.table.column(column)
             if _is_written_once(cells):

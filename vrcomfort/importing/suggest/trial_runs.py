@@ -22,6 +22,10 @@ def _code_of_nobody(codes: Sequence[str]) -> set[str]:
     return {code for code in found if others and counts[code] < min(others)}
 
 
+def _spelt(code: str) -> tuple[str, str]:
+    return plain(code), plain(code).rstrip("0123456789")
+
+
 def rows_of_trial_runs(table: SourceTable, vocabulary: LabVocabulary) -> dict[int, list[str]]:
     """Return column → its texts in rows that are no person's, each row by one column.
 
@@ -36,7 +40,8 @@ def rows_of_trial_runs(table: SourceTable, vocabulary: LabVocabulary) -> dict[in
         person = any(names_fact(name, "participant", vocabulary) for name in names)
         if person:
             words |= vocabulary.trial_runs.get("participant", frozenset())
-        said = {row[column] for row in kept if plain(row[column]) in words}
+        # "test123" is a test, too.
+        said = {row[column] for row in kept if {*_spelt(row[column])} & words}
         if person:
             said |= _code_of_nobody([row[column] for row in kept])
         rest = tuple(row for row in kept if row[column] not in said)

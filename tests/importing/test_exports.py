@@ -1,0 +1,133 @@
+"""Exports of survey programs: their own columns, codes, tests, leavers, and answers in JSON."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import pytest
+
+from tests.support.layouts import ENGLISH, GERMAN, GERMAN_WORDS, ITEMS, WORDS, write
+from vrcomfort.importing.suggest import suggest_mapping
+
+Truth = dict[tuple[str, str, str], list[int]]
+"""(participant, condition, timepoint) → answers."""
+Made = tuple[list[Path], Truth]
+LAYOUTS: dict[str, Callable[[Path, random.Random], Made]] = {}
+
+
+def layout(make: Callable[[Path, random.Random], Made]) -> Callable[[Path, random.Random], Made]:
+    LAYOUTS[make.__name__] = make
+    return make
+
+
+def answers(draw: random.Random, count: int = len(ITEMS), most: int = 3) -> list[int]:
+    return [draw.randint(0, most) for _ in range(count)]
+
+
+def found(files: Sequence[Path]) -> Mapping[tuple[str, str, str], list[int]]:
+    suggested = suggest_mapping(files)
+    assert suggested.imported is not None, suggested.doubts
+    return {
+        (m.participant, m.condition, m.timepoint): [
+            -1 if answer is None else int(answer) for answer in response.answers.values()
+        ]
+        for (_, m), response in suggested.imported.responses.items()
+    }
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_answers_are_those_that_were_given(name: str, tmp_path: Path) -> None:
+    files, truth = LAYOUTS[name](tmp_path, random.Random(7))  # noqa: S311
+    assert found(files) == truth
+
+
+@layout
+def a_remark_in_brackets_behind_the_question_for_the_person(
+    folder: Path, draw: random.Random
+) -> Made:
+    truth: Truth = {}
+    head = ["Zeitstempel", "Probanden-Nr. (steht auf dem Zettel)", "Welche Fahrt?"]
+    rows: list[Sequence[object]] = [[*head, *(f"Spüren Sie jetzt? [{text}]" for text in GERMAN)]]
+    for person in range(1, 13):
+        for ride in draw.sample(["Stadt", "Wald"], 2):
+            truth[str(person), ride, "post"] = given = answers(draw)
+            rows.append(
+                [f"{person}.06.2024 10:00:00", person, ride, *(GERMAN_WORDS[g] for g in given)]
+            )
+    return [write(folder / "Antworten.csv", rows)], truth
+
+
+@layout
+def who_broke_off_is_in_no_group(folder: Path, draw: random.Random) -> Made:
+    truth: Truth = {}
+    heads = [f"SSQ{when}[SQ{n:03d}]" for when in ("vor", "nach") for n in range(1, 17)]
+    rows: list[Sequence[object]] = [["id", "submitdate", *heads, "bed"]]
+    for person in range(1, 15):
+        group = "" if person == 5 else ("langsam", "schnell")[person % 2]
+        truth[str(person), group, "baseline"] = before = answers(draw)
+        after: Sequence[object] = [""] * 16
+        if group:
+            truth[str(person), group, "post"] = after = answers(draw)
+        rows.append([person, "2024-11-01 10:00:00" if group else "", *before, *after, group])
+    return [write(folder / "results-survey.csv", rows)], truth
+
+
+@layout
+def a_time_stamp_is_no_time_pressure_and_test123_nobody(folder: Path, draw: random.Random) -> Made:
+    truth: Truth = {}
+    scales = ["mental", "física", "temporal", "Rendimiento", "Esfuerzo", "Frustración"]
+    heads = [f"Exigencia {scale}" if scale.islower() else scale for scale in scales]
+    rows: list[Sequence[object]] = [
+        ["Marca temporal", "Código de participante", "Interfaz", *heads]
+    ]
+    for person in ["test123", *(f"A{n:02d}" for n in range(1, 13))]:
+        for interface in draw.sample(["Mando", "Manos"], 2):
+            given = answers(draw, 6, 100)
+            if person != "test123":
+                truth[person, interface, "post"] = given
+            rows.append([f"1/10/2024 11:15:{draw.randint(10, 59)}", person, interface, *given])
+    return [write(folder / "respuestas.csv", rows)], truth
+
+
+@layout
+def a_statement_worded_otherwise_ends_the_questionnaire(folder: Path, draw: random.Random) -> Made:
+    truth: Truth = {}
+    texts = [*ENGLISH[:-1], "Pressure below the ribs"]
+    heads = [f"Q{n:02d}. How strong is it? [{text}]" for n, text in enumerate(texts, start=1)]
+    rows: list[Sequence[object]] = [["Participant", "Condition", *heads, "Comments"]]
+    for person in (f"P{n}" for n in range(1, 13)):
+        for condition in draw.sample(["Gaze", "Walk"], 2):
+            truth[person, condition, "post"] = given = answers(draw)
+            rows.append([person, condition, *(WORDS[g] for g in given), ""])
+    return [write(folder / "export.csv", rows)], truth
+
+
+@layout
+def answers_of_a_page_in_one_cell(folder: Path, draw: random.Random) -> Made:
+    truth: Truth = {}
+    keys = [name.replace("difficulty_", "") for name in ITEMS]
+    head = [
+        "rt",
+        "stimulus",
+        "response",
+        "trial_type",
+        "trial_index",
+        "subject",
+        "condition",
+        "phase",
+    ]
+    rows: list[Sequence[object]] = [head]
+    for number in range(12):
+        person, condition = f"k{number}x7", ("fov60", "fov100")[number % 2]
+        rows.append([9, "<p>Hi</p>", 0, "html-button-response", 0, person, condition, ""])
+        for index, (phase, when) in enumerate((("pre", "baseline"), ("post", "post"))):
+            truth[person, condition, when] = given = answers(draw)
+            page = json.dumps(dict(zip(keys, given, strict=True)))
+            at = 2 * index + 1
+            rows.append([900, "", page, "survey-likert", at, person, condition, phase])
+            button = "html-button-response"
+            rows.append([9, "<p>On</p>", 0, button, at + 1, person, condition, phase])
+    return [write(folder / "data_all.csv", rows)], truth
