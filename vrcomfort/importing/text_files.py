@@ -5,7 +5,6 @@ from __future__ import annotations
 import codecs
 import csv
 import io
-import json
 import re
 from collections import Counter
 from collections.abc import Iterator
@@ -75,7 +74,7 @@ def _unpack(numbered: list[tuple[int, list[str]]], file: Path) -> None:
     headings, *rows = [row for _, row in numbered] or [[]]
     room = _Room(file)
     for column in range(len(headings)):
-        cells = [_object_in(row[column]) if column < len(row) else {} for row in rows]
+        cells = [_object_in(row[column], file) if column < len(row) else {} for row in rows]
         found = [_flat(each, headings[column], room)[0] if each else {} for each in cells]
         names = list(dict.fromkeys(name for said in found for name in said))
         if names and max(map(len, rows)) <= len(headings):
@@ -86,13 +85,13 @@ def _unpack(numbered: list[tuple[int, list[str]]], file: Path) -> None:
     require_few_columns(len(headings), file, "the answers in its cells")
 
 
-def _object_in(cell: str) -> dict[str, Any]:
-    """Return the object that a cell holds in JSON, or an empty one."""
+def _object_in(cell: str, file: Path) -> dict[str, Any]:
+    """Return the object that a cell holds in JSON, or an empty one; Qualtrics' ids are none."""
     try:
-        found = json.loads(cell) if cell[:1] == "{" and cell[-1:] == "}" else {}
-    except ValueError:
+        found = parse_json(cell, file) if cell[:1] == "{" and cell[-1:] == "}" else {}
+    except InputError:
         return {}
-    return found if isinstance(found, dict) else {}
+    return found if isinstance(found, dict) and "ImportId" not in found else {}
 
 
 def content_of(file: Path, *, first: int | None = None) -> bytes:
