@@ -165,6 +165,8 @@ Rows rows_within(float texel_px, float texels) {
     return Rows(place, reach, int(ceil(place.y - rows)), reach > 0.0 ? int(floor(place.y + rows)) : -1000000);
 }
 
+const float HALF_DIAGONAL = 0.7072;  // of a texel
+
 // All texels of a level around: the surface where `own`, and, unless left out, the foreground drawn there.
 void gather_texels(usampler2D layers, int level, float own, float foreground_px, bool with_foreground) {
     float texel_px = float(1 << level);
@@ -186,8 +188,11 @@ void gather_texels(usampler2D layers, int level, float own, float foreground_px,
             float front = q.coverage, back = 1.0 - q.coverage;
             float front_nearer = nearer_than_p(q.front.a), back_nearer = nearer_than_p(q.back.a);
             float front_farther = farther(q.front.a), back_farther = farther(q.back.a);
-            found += share * (front * (1.0 - front_nearer - front_farther) * vec4(q.front.rgb, 1.0)
-                            + back * (1.0 - back_nearer - back_farther) * vec4(q.back.rgb, 1.0));
+            // A texel at the rim comes farther than the reach within which no surface ends.
+            bool is_rim = (away + HALF_DIAGONAL) * texel_px > own_px;
+            float front_own = 1.0 - front_farther - (is_rim ? nearer(p.a, q.front.a) : front_nearer);
+            float back_own = 1.0 - back_farther - (is_rim ? nearer(p.a, q.back.a) : back_nearer);
+            found += share * (front * front_own * vec4(q.front.rgb, 1.0) + back * back_own * vec4(q.back.rgb, 1.0));
             free += share * (front * front_farther + back * back_farther);
             note_behind(q.front.a, share * front * front_farther);
             note_behind(q.back.a, share * back * back_farther);

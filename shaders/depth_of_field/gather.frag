@@ -20,8 +20,16 @@ vec4 mean_of(Layers texel) {
     return mix(texel.back, texel.front, texel.coverage);
 }
 
+float own_radius = mean_of(unpack_layers(texelFetch(layers[0], ivec2(gl_FragCoord.xy), 0))).a;
+float radius_px = abs(own_radius);
+
+// A texel at the rim comes farther than what makes a tile one surface: what is not of the disc's is left out.
 vec3 colour_of(usampler2D layers, ivec2 at) {
-    return mean_of(unpack_layers(texelFetch(layers, at, 0))).rgb;
+    Layers q = unpack_layers(texelFetch(layers, at, 0));
+    vec2 parts = vec2(q.coverage * (1.0 - nearer(own_radius, q.front.a)),
+                      (1.0 - q.coverage) * (1.0 - nearer(q.back.a, own_radius)));
+    float all = parts.x + parts.y;
+    return all > 0.0 ? mix(q.back.rgb, q.front.rgb, parts.x / all) : mean_of(q).rgb;
 }
 #define IMAGE usampler2D
 #include "footprint.glsl"
@@ -37,7 +45,6 @@ float centred_on_texel(float texels) {
     return texels - TOO_WIDE_BY * max(1.0 - about * about, 0.0);
 }
 
-float radius_px = abs(mean_of(unpack_layers(texelFetch(layers[0], ivec2(gl_FragCoord.xy), 0))).a);
 const float NEIGHBOURS = 0.9;  // pixels read between texels: one beside a disc that is wanted may be narrower
 bool wanted = radius_px >= NEIGHBOURS * FADED * EXACT_PX;
 

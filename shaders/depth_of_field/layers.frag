@@ -48,10 +48,12 @@ const float BORDER_MARGINS = 1.5;  // Fitted: python -m bench --only fitted
 
 void main() {
     read(2 * ivec2(gl_FragCoord.xy), textureSize(finer, 0) - 1);
-    float farthest = -1e4;
-    for (int i = 0; i < SURFACES; ++i)
+    float farthest = -1e4, nearest = 1e4;
+    for (int i = 0; i < SURFACES; ++i) {
         farthest = parts[i] > 0.0 ? max(farthest, surfaces[i].a) : farthest;
-    float border = farthest - BORDER_MARGINS * margin_px(farthest);
+        nearest = parts[i] > 0.0 ? min(nearest, surfaces[i].a) : nearest;
+    }
+    float border = min(farthest - BORDER_MARGINS * margin_px(farthest), 0.5 * (nearest + farthest));
     vec4 front = vec4(0.0), back = vec4(0.0);
     float in_front = 0.0;
     for (int i = 0; i < SURFACES; ++i) {

@@ -28,6 +28,10 @@
 #include "finite.glsl"
 #endif
 uniform sampler2DMS colors;
+#ifdef COC
+// A sample that is so many times brighter than white and the nearest one gives its light the blur.
+const float OUTSHINES = 8.0;
+#endif
 uniform sampler2DMS depths;
 layout(location = 0) out vec4 color;
 #ifdef VELOCITY
@@ -48,15 +52,23 @@ void main() {
     float weights = 0.0;
     float depth = -1.0;
     int nearest = 0;
+#ifdef COC
+    vec2 brightest = vec2(-1.0), nearest_light = vec2(0.0);  // light, depth
+#endif
     for (int i = 0; i < SAMPLES; ++i) {
         vec3 c = texelFetch(colors, pixel, i).rgb;
+        float d = texelFetch(depths, pixel, i).r;
+#ifdef COC
+        vec2 light = vec2(max(c.r, max(c.g, c.b)), d);
+        brightest = light.x > brightest.x ? light : brightest;
+        nearest_light = d > depth ? light : nearest_light;
+#endif
 #ifdef BY_BRIGHTNESS
         float weight = 1.0 / (1.0 + BY_BRIGHTNESS * max(c.r, max(c.g, c.b)));
         c = weight * min(c, 65504.0);
         weights += weight;
 #endif
         sum += c;
-        float d = texelFetch(depths, pixel, i).r;
         nearest = d > depth ? i : nearest;
         depth = max(d, depth);
     }
@@ -68,7 +80,8 @@ void main() {
     gl_FragDepth = depth;
 #ifdef COC
     vec2 at = gl_FragCoord.xy * (1.0 / vec2(textureSize(colors)));
-    color = vec4(finite(color.rgb), radius_at(depth, at));
+    float lit = brightest.x > OUTSHINES * (1.0 + nearest_light.x) ? brightest.y : depth;
+    color = vec4(finite(color.rgb), radius_at(lit, at));
 #endif
 #ifdef VELOCITY
     velocity = texelFetch(velocities, pixel, nearest).rg;

@@ -6,6 +6,7 @@ import pytest
 from tests.oracles.levels import level_part
 from tests.render.effects.test_optics import evaluate
 from tests.support.effects import depth_of_field
+from tests.support.kernels import blur
 from vrcomfort.optics import blur_kernels
 
 SAMPLES = 9 * np.pi
@@ -114,3 +115,20 @@ def test_a_lamp_s_disc_is_as_wide_in_every_direction(ctx, samples, radius_px):
         directions = x_off, y_off, (x_off + y_off) / np.sqrt(2), (x_off - y_off) / np.sqrt(2)
         widths = [2 * np.sqrt((disc * away**2).sum()) / radius_px for away in directions]
         np.testing.assert_allclose(widths, 1, atol=0.04)
+
+
+@pytest.mark.parametrize("samples", [16, 36, 96])
+def test_a_lamp_beside_a_fence_before_a_wall_keeps_its_disc(ctx, samples):
+    """Three surfaces in a texel that keeps two: the lamp's light does not take the fence's disc."""
+    y, x = np.mgrid[:160, :160] + 0.5
+    brightest = 0.0
+    for left in (70, 72, 75):
+        rgb, radius_px = np.full((160, 160, 3), 0.05), np.full((160, 160), 35.0)
+        radius_px[:, left - 18 : left + 2] = 31.0
+        lamp = slice(76, 86), slice(left, left + 10)
+        rgb[lamp], radius_px[lamp] = 200.0, 7.0
+        lit = blur(ctx, "vrcomfort", rgb, radius_px, max_radius_px=35.0, samples=samples).rgb
+        away = np.hypot(x - left - 5, y - 81)
+        assert lit[away < 4].min() > 50
+        brightest = max(brightest, float(lit[away > 22].max()))
+    assert brightest < 0.1

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench import resolve
-from tests.support.render import eye, still_life
+from tests.support.render import at, eye, glowing, scene, still_life, wall
 from tests.support.study import frame
 from vrcomfort.geometry import Pose, axis_angle
 from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
@@ -94,3 +94,26 @@ def test_a_resolve_by_brightness_is_said_in_passes(tmp_path):
 
     told = ["bright samples weigh less" in reason(how) for how in resolve.RESOLVES]
     assert told == [False, True]
+
+
+def test_light_of_a_lamp_behind_a_bar_s_edge_keeps_the_lamp_s_radius(ctx):
+    """The nearest sample's is the bar's; it would spread the lamp over the bar's disc."""
+    bar = at(-0.293, 0.0, -0.5, scale=np.array([0.6, 2.0, 1.0]))
+    lamp = at(0.013, 0.0, -1.0, mesh=(1,), scale=np.array([0.3, 0.3, 1.0]))
+    shine = [glowing((light,) * 3) for light in (0.1, 100.0)]
+    content = scene([bar, lamp], [wall(1, 0), wall(1, 1)], shine)
+    drawn = ScenePass(ctx, content, SIZE_PX, velocity=False)
+    camera = eye()
+    focus = ctx.texture((1, 1), 4, np.full(4, 1.3, "f4").tobytes(), dtype="f4")
+    reads = {"depth": drawn.depth, "focus": focus}
+    lens = LENSES["dioptre"]
+    coc = CocPasses(EffectInputs(ctx, lens, drawn.colour, reads, 3e4, scene=drawn))
+    assert coc.colour_and_coc is drawn.colour
+    drawn.render(camera, 0.0)
+    found = read_texture(drawn.colour).astype("f8")
+    distance_m = camera.near_m / np.maximum(read_texture(drawn.depth)[..., 0], 1e-9)
+    is_lit = found[..., 0] > 20
+    mixed = is_lit & (distance_m < 0.6)
+    assert mixed.any()
+    inside = is_lit & (found[..., 0] > 99)
+    np.testing.assert_allclose(found[mixed, 3], found[inside, 3].mean(), rtol=0.02)
