@@ -131,3 +131,90 @@ def answers_of_a_page_in_one_cell(folder: Path, draw: random.Random) -> Made:
             button = "html-button-response"
             rows.append([9, "<p>On</p>", 0, button, at + 1, person, condition, phase])
     return [write(folder / "data_all.csv", rows)], truth
+
+
+@layout
+def initials_of_which_one_could_be_of_two_items(folder: Path, draw: random.Random) -> Made:
+    """SA is salivation, where ST is the stomach."""
+    truth: Truth = {}
+    initials = [
+        "GD",
+        "FA",
+        "HA",
+        "ES",
+        "DF",
+        "SA",
+        "SW",
+        "NA",
+        "DC",
+        "FH",
+        "BV",
+        "DEO",
+        "DEC",
+        "VE",
+        "ST",
+        "BU",
+    ]
+    blocks = ("Baseline", "after STATIC", "after FAN")
+    rows: list[Sequence[object]] = [
+        ["", *(text for block in blocks for text in (block, *[""] * 15))],
+        ["No.", *initials * 3],
+    ]
+    for person in range(1, 11):
+        given = [answers(draw) for _ in blocks]
+        truth[str(person), "", "baseline"] = given[0]
+        truth[str(person), "STATIC", "post"] = given[1]
+        truth[str(person), "FAN", "post"] = given[2]
+        rows.append([person, *(answer for block in given for answer in block)])
+    return [write(folder / "fan.csv", rows)], truth
+
+
+@layout
+def lists_of_answers_and_of_the_items_in_json(folder: Path, draw: random.Random) -> Made:
+    truth: Truth = {}
+    people = []
+    for uid in ["u-dev", *(f"u-{1000 + 17 * n}" for n in range(1, 11))]:
+        sessions = []
+        for index, device in enumerate(draw.sample(["Quest 2", "Pico 4"], 2)):
+            both = [answers(draw), answers(draw)]
+            if uid != "u-dev":
+                truth[uid, device, "baseline"], truth[uid, device, "post"] = both
+            ssq = dict(zip(("pre", "post"), both, strict=True))
+            sessions.append({"index": index, "device": device, "ssq": ssq})
+        people.append({"uid": uid, "sessions": sessions})
+    scales = {"ssq": {"items": list(ENGLISH)}}
+    file = folder / "export.json"
+    file.write_text(json.dumps({"scales": scales, "participants": people}), "utf-8")
+    return [file], truth
+
+
+@layout
+def titles_above_items_beside_people(folder: Path, draw: random.Random) -> Made:
+    truth: Truth = {}
+    people = [f"pp{n:02d}" for n in range(1, 11)]
+    rows: list[list[object]] = [["Driving simulator", *[""] * 10], ["", *people]]
+    scenes = [("still", "moving")[n % 2] for n in range(10)]
+    rows.append(["image", *scenes])
+    for title, when in (("BEFORE (0 = none)", "baseline"), ("AFTER", "post")):
+        given = [answers(draw) for _ in people]
+        for person, scene, each in zip(people, scenes, given, strict=True):
+            truth[person, scene, when] = each
+        rows.append([title, *[""] * 10])
+        rows += [[text, *(each[n] for each in given)] for n, text in enumerate(ENGLISH)]
+    return [write(folder / "data.csv", rows)], truth
+
+
+def test_titles_beside_people_are_read_before_those_of_times(tmp_path: Path) -> None:
+    people = [f"pp{n:02d}" for n in range(1, 9)]
+    rows: list[list[object]] = [["", *people]]
+    for title in ("BEFORE", "AFTER"):
+        rows.append([title, *[""] * 8])
+        rows += [[text, *range(3), *range(3), 0, 1] for text in ENGLISH]
+    rows.append(["MISC during the drive (0-10)", *[""] * 8])
+    rows += [[f"after {minute} min", *range(minute, minute + 8)] for minute in (1, 2, 3)]
+    imported = suggest_mapping([write(tmp_path / "data.csv", rows)]).imported
+    assert imported is not None
+    given = {(r.administration.participant, r.onset_s): r.response for r in imported.ratings}
+    assert len(given) == 24
+    assert given["pp01", 60] == 1
+    assert given["pp08", 180] == 10

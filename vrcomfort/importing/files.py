@@ -147,10 +147,27 @@ def _stacked(
 def transposed(grid: Grid) -> Grid:
     """Return the columns of a grid as rows, numbered from 1; blank ones are left out."""
     width = _width(grid)
-    filled = [(*row, *[""] * (width - len(row))) for row in grid.rows]
+    filled = [(*row, *[""] * (width - len(row))) for row in under_titles(grid.rows)]
     kept = [(n, row) for n, row in enumerate(zip(*filled, strict=True), start=1) if any(row)]
     rows, numbers = tuple(row for _, row in kept), tuple(number for number, _ in kept)
     return replace(grid, rows=rows, numbers=numbers, named=False)
+
+
+def under_titles(rows: Sequence[Sequence[str]]) -> Sequence[Sequence[str]]:
+    """Put titles, which are alone in their rows, before the names of the rows below them.
+
+    Rows stay as they are where each has a name of its own. A title of the whole is left out.
+    """
+    names = [row[0] for row in rows if any(row[1:])]
+    if len({*names}) == len(names):
+        return rows
+    title, found = "", list[Sequence[str]]()
+    for row in rows:
+        if any(row[1:]):
+            found.append((f"{title}{JOIN}{row[0]}" if title else row[0], *row[1:]))
+        elif found:
+            title = row[0]
+    return found
 
 
 def _width(grid: Grid) -> int:

@@ -246,16 +246,16 @@ def without_products(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[
 def comparisons(table: SourceTable, known: Known) -> list[int]:
     """Return the columns of choices between items, such as the pairs of the task load index.
 
-    Every cell is the name of an item that has a weight, as no answer is.
+    Every cell is the name of an item, as no answer is. Records may list the items, too.
     """
     chosen = [{*map(plain, texts(table, c))} for c in range(len(table.headings))]
     found: list[int] = []
     for instrument in known.instruments:
+        names = {*known.vocabulary.spellings(instrument)}
         if any(scale.weights_sum for scale in instrument.scales):
-            short = known.vocabulary.initials(instrument)
-            names = {*short, *known.vocabulary.spellings(instrument)}
-            columns = [c for c, words in enumerate(chosen) if words and words <= names]
-            found += columns if len(columns) >= _FEWEST_CHOICES else []
+            names |= {*known.vocabulary.initials(instrument)}
+        columns = [c for c, words in enumerate(chosen) if words and words <= names]
+        found += columns if len(columns) >= _FEWEST_CHOICES else []
     return found
 
 

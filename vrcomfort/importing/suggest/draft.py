@@ -151,12 +151,12 @@ def _joined(doubts: Iterable[OpenDoubt]) -> list[OpenDoubt]:
     groups: dict[str, list[OpenDoubt]] = {}
     for doubt in dict.fromkeys(doubts):
         groups.setdefault(doubt.like or doubt.question, []).append(doubt)
-    return [
-        each[0]._replace(question=f"{each[0].question} (And {len(each) - 1} more blocks like it.)")
-        if len(each) > 1 and each[0].like
-        else each[0]
-        for each in groups.values()
-    ]
+    found = []
+    for first, *more in groups.values():
+        blocks = f"{len(more)} more block{'s' if len(more) > 1 else ''} like it"
+        asked = f"{first.question} (And {blocks}.)" if more and first.like else first.question
+        found.append(first._replace(question=asked))
+    return found
 
 
 def _said(doubt: OpenDoubt) -> dict[str, object]:

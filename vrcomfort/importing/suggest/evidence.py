@@ -247,6 +247,8 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
         without = _REMARK.sub("", table.headings[column])  # Proband (see the slip of paper)
         said = (*said, table.headings[column], without, label, *label.split(" | "))
         role, weight = _heaviest(said, vocabulary)
+        if table.nested and _heaviest(said[:1], vocabulary)[0]:
+            weight += _OWN_NAME
         if outer and merged[outer] > 1 and role not in {*FACTS, IGNORED}:
             role, weight = _heaviest((inner,), vocabulary)  # Hand tracking / SUS: no handedness
         if not role or role in roles.covariates:
@@ -263,6 +265,8 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
     return roles
 
 
+_OWN_NAME = 100
+"""The name of a nested value counts more than that of a record around it."""
 _REMARK = re.compile(r"\s*\([^()]*\)$")
 _CODE_AND_TEXT = re.compile(r"([A-Za-z][A-Za-z0-9_]{0,19})\. (\S.*)")
 """Headings of a survey program that writes the code of a question before its text."""

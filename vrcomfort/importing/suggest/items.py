@@ -504,7 +504,9 @@ def _by_initials(
             if column not in taken and word in known:
                 before, after = tuple(words[:place]), tuple(words[place + 1 :])
                 named = Named(column, instrument.name, known[word], "initials", before, after)
-                groups[*before, *after].setdefault(known[word], named)
+                there = groups[*before, *after]
+                if known[word] not in there or word in vocabulary.listed_initials(instrument):
+                    there[known[word]] = named  # SA may be salivation, where ST is the stomach
     return [
         Found(instrument, context, items)
         for context, items in groups.items()

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 
 from vrcomfort.csv_table import plain_digits
-from vrcomfort.importing.files import is_number
+from vrcomfort.importing.files import JOIN, is_number, under_titles
 from vrcomfort.importing.source import Grid, SourceTable
 from vrcomfort.importing.suggest.evidence import is_identifier, names_fact, texts
 from vrcomfort.importing.suggest.item_names import How, named_item
@@ -159,20 +159,22 @@ def stands_on_its_side(grid: Grid, known: Known) -> bool:
     responses = known.vocabulary.response_labels
     if grid.named or any(_last_word(cell) in responses for cell in grid.rows[0]):
         return False
-    first = [row[0] for row in grid.rows if row[0]]
+    rows = under_titles(grid.rows)
+    first = [row[0] for row in rows if row[0]]
     repeated = len(first) - len({*first})  # rows that a program adds may say nothing, and twice
     if repeated * 10 > len(first) or (width < 3 and not _says_whose(grid, known)):
         return False
-    top = {plain(word) for cell in grid.rows[0] for word in (cell, *tokens(cell)) if len(word) > 1}
+    top = {plain(word) for cell in rows[0] for word in (cell, *tokens(cell)) if len(word) > 1}
     if top & {*map(plain, known.vocabulary.totals)}:
         return False  # means and deviations of groups
-    others = {cell for row in grid.rows[1:] for cell in row[1:] if cell}
+    others = {cell for row in rows[1:] for cell in row[1:] if cell}
     if len(others) > MOST_ANSWERS:
         return _numbered_on_its_side(grid, first, known)
     for instrument in known.instruments:
         spellings = known.vocabulary.spellings(instrument)
-        named = {spellings[plain(text)] for text in first if plain(text) in spellings}
-        if len(named) >= 4 and len(named) * 2 >= len(first):
+        inner = [plain(text.rpartition(JOIN)[2]) for text in first]
+        named = [spellings[text] for text in inner if text in spellings]
+        if len({*named}) >= 4 and len(named) * 2 >= len(first):
             return True
     return _numbered_on_its_side(grid, first, known)
 

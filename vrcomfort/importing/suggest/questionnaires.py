@@ -216,7 +216,8 @@ def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[OpenDoubt]:
         if unsure := [item for how in hows for item in by_how.get(how, ())]:
             shown = "; ".join(f"{headings[item]!r} is {item}" for item in unsure[:_SHOWN])
             shown += f"; and {len(unsure) - _SHOWN} more so" if unsure[_SHOWN:] else ""
-            doubts.append(OpenDoubt(f"Is it right that {shown}?", f"it is: {what}", *ITEM))
+            alike = " ".join((block.instrument.name, what, *unsure))
+            doubts.append(OpenDoubt(f"Is it right that {shown}?", f"it is: {what}", *ITEM, alike))
     return doubts
 
 

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from vrcomfort.importing.answers import number
+from vrcomfort.importing.files import JOIN
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.block_conditions import (
     fitting,
@@ -246,7 +247,7 @@ def _is_rating(table: SourceTable, column: int, instrument: Instrument) -> bool:
         words = [plain(instrument.name)]
     keys = {plain(instrument.name), plain(instrument.title)}
     named = plain(table.headings[column]) in keys or (
-        plain(instrument.name) in words and len(words) <= 5
+        plain(instrument.name) in words and (len(words) <= 5 or JOIN in table.headings[column])
     )
     if not named or _NO_ANSWERS & {*words}:
         return False

@@ -133,7 +133,7 @@ class TableDraft(KeptRows):
             **dict.fromkeys(self._answers.repeated, "the same answers, by their order"),
             **dict.fromkeys(self._answers.products, "an answer times its weight"),
             **dict.fromkeys(self._answers.turned, "an answer the other way round"),
-            **dict.fromkeys(self._answers.weights, "a weight"),
+            **dict.fromkeys(self._answers.weights, "a weight, or the name of an item"),
         }
         """Column of a score whose answers are there → why it is ignored."""
         self._write()

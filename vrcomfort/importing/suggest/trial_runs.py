@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.evidence import inner_names, names_fact, texts
-from vrcomfort.importing.suggest.vocabulary import LabVocabulary
+from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 
 _NOBODY = re.compile(r"0+|9{2,}")
@@ -20,10 +20,6 @@ def _code_of_nobody(codes: Sequence[str]) -> set[str]:
     found = {code for code in counts if _NOBODY.fullmatch(code)}
     others = [count for code, count in counts.items() if code not in found]
     return {code for code in found if others and counts[code] < min(others)}
-
-
-def _spelt(code: str) -> tuple[str, str]:
-    return plain(code), plain(code).rstrip("0123456789")
 
 
 def rows_of_trial_runs(table: SourceTable, vocabulary: LabVocabulary) -> dict[int, list[str]]:
@@ -40,10 +36,10 @@ def rows_of_trial_runs(table: SourceTable, vocabulary: LabVocabulary) -> dict[in
         person = any(names_fact(name, "participant", vocabulary) for name in names)
         if person:
             words |= vocabulary.trial_runs.get("participant", frozenset())
-        # "test123" is a test, too.
-        said = {row[column] for row in kept if {*_spelt(row[column])} & words}
+        said = {row[column] for row in kept if plain(row[column]) in words}
         if person:
             said |= _code_of_nobody([row[column] for row in kept])
+            said |= {row[column] for row in kept if {*tokens(row[column])} & words}  # test123
         rest = tuple(row for row in kept if row[column] not in said)
         if said and len(rest) * 2 > len(table.rows):
             found[column] = [text for text in texts(table, column) if text in said]

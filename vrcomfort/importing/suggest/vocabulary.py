@@ -62,7 +62,7 @@ def words_of(heading: str) -> list[str]:
 
 _SCALE = re.compile(
     r"[(\[]\s*[-+]?\d+\s*([-–…]|\.{2,3}|to|bis|=[^()\[\]]*[,;/–-]\s*)\s*[-+]?\d+\s*"
-    r"(=[^()\[\]]*)?[)\]]"
+    r"(=[^()\[\]]*)?[)\]]|[(\[]\s*[-+]?\d+\s*=[^()\[\]]*[)\]]"
 )
 
 
@@ -357,7 +357,11 @@ class LabVocabulary:
             for each in short:
                 found.setdefault(each, set()).add(item.name)
         known = {each: names.pop() for each, names in found.items() if len(names) == 1}
-        return {**known, **self._initials.get(instrument.name, {})}
+        return {**known, **self.listed_initials(instrument)}
+
+    def listed_initials(self, instrument: Instrument) -> Mapping[str, str]:
+        """Return initials → item, those of the vocabulary files alone: no others count so much."""
+        return self._initials.get(instrument.name, {})
 
     def degree(self, text: str) -> int | None:
         """Return how much an answer such as ``rather not applicable`` says; None if two degrees."""
