@@ -18,6 +18,7 @@
 #include "coc.glsl"
 #include "discs.glsl"
 #include "finite.glsl"
+#include "half_coverage.glsl"
 
 uniform sampler2D dilated;
 uniform sampler2D surfaces[LEVELS];
@@ -58,13 +59,13 @@ void gather(sampler2D image, int level, float disc_px, float part, bool beyond, 
         for (int x = int(ceil(place.x - cells)); x <= right; ++x) {
             vec4 q = texelFetch(image, clamp(ivec2(x, y), ivec2(0), last), 0);
             float away = length(vec2(float(x) - place.x, row)), radius = abs(q.a);
-            float is_nearer = nearer(p.a, q.a);
+            float is_nearer = nearer(p.a, q.a), covered = coverage_of(q.a);
             float weight = beyond ? 0.0 : part * disc_share(away, grid);
-            float counts = mix(LEAST, 1.0, clamp(radius - 0.25, 0.0, 1.0));
+            float counts = covered * mix(LEAST, 1.0, max(clamp(radius - 0.25, 0.0, 1.0), nearer(q.a, p.a)));
             seen += (1.0 - is_nearer) * counts * weight * vec4(q.rgb, 1.0);
-            free += weight * vec2(nearer(q.a, p.a), 1.0);
+            free += weight * vec2(1.0 - covered * (1.0 - nearer(q.a, p.a)), 1.0);
             bool covers = radius > 0.5 && (sides & (q.a < 0.0 ? IN_FRONT : BEHIND)) != 0;
-            over += covers ? part * is_nearer / (PI * pixel_aspect)
+            over += covers ? covered * part * is_nearer / (PI * pixel_aspect)
                            * disc_share(away, grid_radius_px(disc_texels(radius, texel_px))) * vec4(q.rgb, 1.0)
                            : vec4(0.0);
         }

@@ -3,12 +3,14 @@
 //
 // Input:  finer: colour_and_coc (colour_and_coc.frag; signed CoC RADIUS, px of image width, negative in
 //         front of the focus), or a result of this pass.
-// Output: rgb = mean over the texels of that surface, a = their mean RADIUS, its last bit 1 where a pixel is
-//         less blurred than SMALL_PX. Size / 2, rounded up.
+// Output: rgb = mean over the texels of that surface, a = their mean RADIUS, its last bits the part of the texel
+//         that the surface covers (half_coverage.glsl), and 1 where a pixel is less blurred than SMALL_PX. Size / 2,
+//         rounded up.
 //
-// Texels in focus hardly count: no halo, and what is blurred goes on behind them.
+// Texels in focus hardly count: no halo, and what is blurred goes on behind them. A lamp counts by its light.
 #include "coc.glsl"
 #include "finite.glsl"
+#include "half_coverage.glsl"
 
 uniform sampler2D finer;
 
@@ -16,9 +18,14 @@ const float SHARP_WEIGHT = 0.001;  // of what is in focus, which has no part in 
 
 out vec4 surface;
 
+// At least that of white.
+float brightness(vec3 light) {
+    return max(max(light.r, light.g), max(light.b, 1.0));
+}
+
 bool has_small(float radius) {
 #ifdef FROM_SURFACES
-    return (packHalf2x16(vec2(radius, 0.0)) & 1u) != 0u;
+    return is_small(radius);
 #else
     return abs(radius) < SMALL_PX;
 #endif
@@ -28,25 +35,39 @@ void main() {
     ivec2 first = 2 * ivec2(gl_FragCoord.xy);
     ivec2 last = textureSize(finer, 0) - 1;
     vec4 texels[4];
+    float covered[4];
     float farthest = -1e4;
     bool small = false;
     for (int i = 0; i < 4; ++i) {
         texels[i] = texelFetch(finer, min(first + ivec2(i & 1, i >> 1), last), 0);
+#ifdef FROM_SURFACES
+        covered[i] = coverage_of(texels[i].a);
+#else
+        covered[i] = 1.0;
+#endif
         farthest = max(farthest, texels[i].a);
         small = small || has_small(texels[i].a);
     }
     // Surfaces that are both blurred behind the focus share a texel: thin ones would be lost.
     float border = min(farthest - 1.5 * margin_px(farthest), 0.5);
     vec4 front = vec4(0.0), back = vec4(0.0);
-    vec2 parts = vec2(0.0);
+    vec2 parts = vec2(0.0), coverage = vec2(0.0), light = vec2(0.0);
     for (int i = 0; i < 4; ++i) {
-        float weight = mix(SHARP_WEIGHT, 1.0, clamp(abs(texels[i].a) - 0.25, 0.0, 1.0));
+        float weight = covered[i] * mix(SHARP_WEIGHT, 1.0, clamp(abs(texels[i].a) - 0.25, 0.0, 1.0));
         bool nearer = texels[i].a < border;
-        front += nearer ? weight * texels[i] : vec4(0.0);
-        back += nearer ? vec4(0.0) : weight * texels[i];
-        parts += nearer ? vec2(weight, 0.0) : vec2(0.0, weight);
+        vec2 which = nearer ? vec2(1.0, 0.0) : vec2(0.0, 1.0);
+        float bright = weight * brightness(texels[i].rgb);
+        front += which.x * vec4(weight * texels[i].rgb, bright * texels[i].a);
+        back += which.y * vec4(weight * texels[i].rgb, bright * texels[i].a);
+        parts += weight * which;
+        coverage += 0.25 * covered[i] * which;
+        light += bright * which;
     }
-    vec4 mean = parts.x > parts.y ? front / parts.x : back / parts.y;
-    uint radius = (packHalf2x16(vec2(mean.a, 0.0)) & ~1u) | (small ? 1u : 0u);
-    surface = vec4(min(UP * mean.rgb, HALF_MAX), unpackHalf2x16(radius).x);
+    bool is_front = light.x > light.y;
+    vec4 mean = is_front ? front / vec4(vec3(parts.x), light.x) : back / vec4(vec3(parts.y), light.y);
+    // The rest counts as all of the texel: opacity then adds up where a surface goes on.
+    float part = brightness(mean.rgb) > 1.0 ? (is_front ? coverage.x : coverage.y) : 1.0;
+    uint code = coverage_code(part);
+    mean.rgb *= part / coverage_of_code(code);
+    surface = vec4(min(UP * mean.rgb, HALF_MAX), with_coverage(mean.a, code, small));
 }

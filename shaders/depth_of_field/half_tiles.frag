@@ -4,6 +4,8 @@
 // Input:  surfaces (half_surfaces.frag). TILE: side of a tile in its texels.
 // Output: r, g = least and greatest signed RADIUS (px of image width); b = 0; a = 1 where a pixel is less
 //         blurred than SMALL_PX of that pass, else 0.
+#include "half_coverage.glsl"
+
 uniform sampler2D surfaces;
 
 out vec4 range;
@@ -16,6 +18,6 @@ void main() {
         for (int x = 0; x < TILE; ++x) {
             float radius = texelFetch(surfaces, min(first + ivec2(x, y), last), 0).a;
             range.rg = vec2(min(range.r, radius), max(range.g, radius));
-            range.a = max(range.a, float(packHalf2x16(vec2(radius, 0.0)) & 1u));
+            range.a = is_small(radius) ? 1.0 : range.a;
         }
 }

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from tests.render.effects.test_optics import evaluate
 from tests.support.effects import depth_of_field
+from tests.support.kernels import blur
 from vrcomfort.protocol.conditions import DepthOfField
 
 WIDTH, HEIGHT = 160, 96
@@ -111,3 +113,41 @@ def test_numbers_between_the_two_engines_are_refused():
     assert DepthOfField(samples=12).samples == 12
     with pytest.raises(ValidationError, match="gathered at half resolution"):
         DepthOfField(samples=13)
+
+
+@pytest.mark.parametrize("radius_px", [5.0, 10.0, 17.0])
+@pytest.mark.parametrize("lamp_px", [1.5, 3.0, 7.0])
+def test_a_near_lamp_before_what_is_in_focus_keeps_its_light(ctx, radius_px, lamp_px):
+    """However coarse the texels are that it shares with what is in focus."""
+    y, x = np.mgrid[:128, :128] + 0.5
+    lamp = np.hypot(x - 65.3, y - 62.2) < lamp_px
+    rgb = np.where(lamp, 280.0, 0.2)[..., None] * np.ones(3)
+    radii = np.where(lamp, -radius_px, 0.0)
+    lit = blur(ctx, "vrcomfort", rgb, radii, max_radius_px=18.0, samples=12).rgb.astype(float)
+    assert (lit - 0.2).sum() == pytest.approx((rgb - 0.2).sum(), rel=0.25)
+
+
+def test_a_lamp_s_light_keeps_its_disc_in_texels_that_it_shares(ctx):
+    """Behind the focus both are one surface there: its radius is that of most of the light."""
+    y, x = np.mgrid[:160, :160] + 0.5
+    lamp = np.hypot(x - 81.3, y - 78.2) < 4
+    rgb = np.where(lamp, 200.0, 0.05)[..., None] * np.ones(3)
+    radii = np.where(lamp, 7.0, 35.0)
+    lit = blur(ctx, "vrcomfort", rgb, radii, max_radius_px=35.0, samples=12).rgb.astype(float)
+    assert lit[np.hypot(x - 81.3, y - 78.2) > 35].max() < 0.1
+
+
+def test_a_radius_carries_how_much_its_surface_covers(ctx):
+    """In steps of a sixty-fourth of it, in front of the focus and behind it, or next to it."""
+    parts = [1.0, 0.9, 0.75, 0.5, 0.25, 0.1, 0.02, 0.0]
+    kept = [1.0, 1.0, 0.75, 0.5, 0.25, 0.125, 1 / 64, 1 / 64]
+    given = np.array([(r, part, 0, 0) for r in (-17.0, 0.0, 40.0) for part in parts], "f4")
+    written = "with_coverage(x.x, coverage_code(x.y), x.x > 1.0)"
+    call = (
+        f"vec4({written}, coverage_of({written}), float(is_small({written})), coverage_of_code(2u))"
+    )
+    found = evaluate(ctx, "half_coverage.glsl", call, given)
+    np.testing.assert_allclose(found[:, 0], given[:, 0], rtol=1 / 64, atol=2e-3)
+    np.testing.assert_array_equal(found[:, 1], kept * 3)
+    np.testing.assert_array_equal(found[:, 2], given[:, 0] > 1)
+    np.testing.assert_array_equal(found[:, 3], 0.5)
