@@ -218,3 +218,50 @@ def test_titles_beside_people_are_read_before_those_of_times(tmp_path: Path) -> 
     assert len(given) == 24
     assert given["pp01", 60] == 1
     assert given["pp08", 180] == 10
+
+
+@layout
+def loops_of_which_a_column_gives_the_conditions_in_order(
+    folder: Path, draw: random.Random
+) -> Made:
+    truth: Truth = {}
+    heads = [
+        (f"{loop}_Q14_{n}", text) for loop in (1, 2) for n, text in enumerate(ENGLISH, start=1)
+    ]
+    rows: list[Sequence[object]] = [
+        ["StartDate", "pid", *(code for code, _ in heads), "order"],
+        ["Start Date", "Your number", *(f"How do you feel? - {t}" for _, t in heads), "order"],
+        [f'{{"ImportId":"QID{n}"}}' for n in range(len(heads) + 3)],
+    ]
+    for person in range(201, 213):
+        order = ("teleport", "walk")[:: (-1) ** person]
+        given = [answers(draw) for _ in order]
+        for condition, each in zip(order, given, strict=True):
+            truth[str(person), condition, "post"] = each
+        texts = [WORDS[answer] for each in given for answer in each]
+        rows.append(["2024-09-01", person, *texts, "-".join(order)])
+    return [write(folder / "study.csv", rows)], truth
+
+
+def test_numbers_are_items_of_the_questionnaire_beside_them(tmp_path: Path) -> None:
+    draw = random.Random(3)  # noqa: S311
+    rows: list[Sequence[object]] = [["User", "Condition", "Questionnaire", "QuestionID", "Answer"]]
+    for person in range(1, 9):
+        for condition in draw.sample(["Baseline", "Vignette", "Grid"], 3):
+            rows += [[person, condition, "SSQ", n, draw.randint(0, 3)] for n in range(1, 17)]
+            rows += [[person, condition, "NASA-TLX", n, draw.randint(0, 100)] for n in range(1, 7)]
+    imported = suggest_mapping([write(tmp_path / "all.csv", rows)]).imported
+    assert imported is not None
+    given = {(name, m.condition, m.timepoint) for name, m in imported.responses}
+    conditions = ("Baseline", "Vignette", "Grid")  # a task is judged after it was done
+    assert given == {(name, c, "post") for name in ("ssq", "nasa_tlx") for c in conditions}
+
+
+def test_an_instrument_that_a_file_names_and_has_no_answers_to_is_asked_about(
+    tmp_path: Path,
+) -> None:
+    rows: list[Sequence[object]] = [["Participant", *ENGLISH, "felt so"]]
+    rows += [[f"P{n}", *(WORDS[(n + i) % 4] for i in range(16)), "a bit"] for n in range(8)]
+    asked = " ".join(suggest_mapping([write(tmp_path / "ssq_fms.csv", rows)]).doubts)
+    assert "The files name the FMS, but no answers to it were found" in asked
+    assert "name the SSQ" not in asked

@@ -123,7 +123,7 @@ def suggest_mapping(
     if imported is not None and say_same_people(useful, imported):
         imported, refusal = _tried(top, files, [*own.values()])
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
-    doubts += [*ignored, *left_out]
+    doubts += [*ignored, *left_out, *_unanswered(drafts, known)]
     if refusal:
         doubts.append(OpenDoubt(f"{REFUSAL}; mend this:", refusal, *REFUSED))
     asked = write_doubts(top, doubts)
@@ -135,6 +135,21 @@ def suggest_mapping(
         notes,
         imported,
     )
+
+
+def _unanswered(drafts: Sequence[TableDraft], known: Known) -> list[OpenDoubt]:
+    """Ask about instruments that files name, but to which no answers were found."""
+    answered = {name for draft in drafts for name in draft.answered}
+    named = {name for draft in drafts for name in draft.unanswered} - answered
+    return [
+        OpenDoubt(
+            f"The files name the {each.short}, but no answers to it were found: are there none?",
+            "there are none; else say under tables.questionnaires which columns hold them",
+            *ROWS,
+        )
+        for each in known.instruments
+        if each.name in named
+    ]
 
 
 def _tables(file: Path, known: Known) -> list[SourceTable]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
@@ -13,8 +13,15 @@ from vrcomfort.importing.suggest.block_conditions import (
     without_repeats,
     without_turned,
 )
-from vrcomfort.importing.suggest.evidence import Roles
-from vrcomfort.importing.suggest.items import Found, FoundAnswers, are_weights, find_blocks
+from vrcomfort.importing.suggest.evidence import Roles, texts
+from vrcomfort.importing.suggest.items import (
+    Found,
+    FoundAnswers,
+    are_weights,
+    find_blocks,
+    mentions,
+    named_by_file,
+)
 from vrcomfort.importing.suggest.long_tables import find_long
 from vrcomfort.importing.suggest.questionnaires import (
     Drafted,
@@ -111,6 +118,18 @@ class AnswerColumns:
     def instruments(self) -> set[str]:
         """Return the names of the instruments that were found."""
         return {each.instrument.name for found in self._found.values() for each in found}
+
+    def named(self, table: SourceTable, known: Known) -> set[str]:
+        """Return the names of instruments that a file, a sheet, or a column of them names."""
+        columns = {e.instrument_column[0] for e in self[LONG] if e.instrument_column is not None}
+        said = " ".join(text for column in columns for text in texts(table, column))
+        return mentions(said, known.instruments) | named_by_file(table, known.instruments)
+
+    def places_of(self, names: Set[str]) -> list[tuple[int, str | None]]:
+        """Return where instruments have answers: columns, or columns that name them and how."""
+        blocks = [each for each in self[BLOCKS] if each.instrument.name in names]
+        rows = [each.instrument_column for each in self[LONG] if each.instrument.name in names]
+        return [*((c, None) for each in blocks for c in each.columns), *filter(None, rows)]
 
     @property
     def leading(self) -> Layout[Any] | None:

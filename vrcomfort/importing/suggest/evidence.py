@@ -88,6 +88,8 @@ class Context:
         Columns that are sums or means of others.
     symptoms
         The answers are to symptoms, which are asked before exposure, too.
+    judged
+        Where answers are to what was used: a column, and its text in the rows of such answers.
     """
 
     table: SourceTable
@@ -101,6 +103,7 @@ class Context:
     covariates: dict[str, int] = field(default_factory=dict)
     derived: frozenset[int] = frozenset()
     symptoms: bool = True
+    judged: Sequence[tuple[int, str | None]] = ()
 
 
 class HeadingEvidence(NamedTuple):
@@ -420,7 +423,11 @@ def _baseline_among_conditions(context: Context, column: int) -> bool:
     # Ratings are given during exposure, and a system is judged after its use.
     if column not in open_ or context.time is not None or not context.symptoms:
         return False
-    said = [context.vocabulary.timepoint(word) for word in texts(context.table, column)]
+    when = context.vocabulary.timepoint
+    before = [row for row in context.table.rows if when(row[column]) == "baseline"]
+    if any(row[c] == said or (not said and row[c]) for row in before for c, said in context.judged):
+        return False
+    said = [when(word) for word in texts(context.table, column)]
     mixed = "baseline" in said and None in said and "post" not in said
     return mixed and len(said) <= MOST_CONDITIONS
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from functools import lru_cache
+from itertools import takewhile
 from typing import Literal, NamedTuple
 
 from vrcomfort.importing.suggest.stems import Stem
@@ -217,9 +218,12 @@ def item_behind_stem(
 
     ``Rate the task (Performance: 0 = good). [Effort]`` is not performance.
     """
+    whole = heading.stem + heading.rest, label.stem + label.rest
     for stem, rest in (heading, label):
         found = named_item(column, rest, "", instrument, vocabulary) if stem else None
         if found is not None and found.how == "name":
-            return replace(found, before=(*tokens(stem), *found.before))
-    whole = heading.stem + heading.rest, label.stem + label.rest
+            # Qualtrics numbers loops before the codes of questions: 1_Q14_3.
+            code = tokens(whole[0]) if stem != heading.stem else ()
+            loop = [*takewhile(str.isdecimal, code)]
+            return replace(found, before=(*loop, *tokens(stem), *found.before))
     return named_item(column, *whole, instrument, vocabulary)

@@ -245,9 +245,11 @@ def _named_in_rows(
     sure = sum(how == "name" for how in hows.values())
     if sure >= min(4, len(instrument.asked)) and len(instrument.asked) > 1:
         return items, hows
-    if (where := _instrument_column(table, instrument, column)) is not None:
+    where = _instrument_column(table, instrument, column)
+    if where is not None:
         # Beside its name, most of the few texts are items: a short form.
         own = {row[column] for row in table.rows if row[where[0]] == where[1]}
+        words = [word for word in words if word in own]
         there = {item: text for item, text in items.items() if text in own}
         if len(there) >= FEWEST_OF_NAMED and len(there) == len(own):
             return there, {item: hows[item] for item in there}

@@ -125,6 +125,9 @@ class TableDraft(KeptRows):
         self._whole = self.table
         """The table with rows of other questions, where each has a row."""
         self._keep_items(self._answers[LONG])
+        self.unanswered = self._answers.named(self._whole, known) - self._answers.instruments
+        """Instruments that the file names, and to which it has no answers."""
+        self.answered = self._answers.instruments
         self._facts: dict[Layout[Any], list[dict[str, str]]] = {}
         """Layout → what the headings of its answers say."""
         self._beside: list[str | None] = []
@@ -355,6 +358,7 @@ class TableDraft(KeptRows):
             time=time,
             derived=self._derived(),
             symptoms=not self._answers.instruments <= _OF_WHAT_WAS_USED,
+            judged=self._answers.places_of(_OF_WHAT_WAS_USED),
         )
 
     def _derived(self) -> frozenset[int]:
