@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
+from functools import partial
 
 import moderngl
 
-from vrcomfort.gpu import gl, passes
+from vrcomfort.gpu import gl
+from vrcomfort.gpu.passes import WATCHERS
 from vrcomfort.gpu.timer import queries
 
 _ANY_SAMPLES_PASSED, _QUERY_WAIT = 0x8C2F, 0x8E13
@@ -27,31 +29,34 @@ class ConditionalDraws:
 
     def __init__(self, ctx: moderngl.Context, known: Callable[[], bool]) -> None:
         uint = ctypes.c_uint
-        self._begin_query = gl.function(ctx, "glBeginQuery", uint, uint)
-        self._end_query = gl.function(ctx, "glEndQuery", uint)
-        self._begin = gl.function(ctx, "glBeginConditionalRender", uint, uint)
+        (name,) = queries(ctx, self, 1)
+        begin_query = gl.function(ctx, "glBeginQuery", uint, uint)
+        self._begin_query = partial(begin_query, _ANY_SAMPLES_PASSED, name)
+        end_query = gl.function(ctx, "glEndQuery", uint)
+        self._end_query = partial(end_query, _ANY_SAMPLES_PASSED)
+        begin = gl.function(ctx, "glBeginConditionalRender", uint, uint)
+        self._begin = partial(begin, name, _QUERY_WAIT)
         self._end = gl.function(ctx, "glEndConditionalRender")
-        (self._name,) = queries(ctx, self, 1)
         self._known = known
 
     def ask(self, draw: Callable[[], object]) -> None:
         """Draw, and note whether a sample has passed."""
-        if passes.is_watched():
+        if WATCHERS:
             draw()
             return
-        self._begin_query(_ANY_SAMPLES_PASSED, self._name)
+        self._begin_query()
         try:
             draw()
         finally:
-            self._end_query(_ANY_SAMPLES_PASSED)
+            self._end_query()
 
     def run(self, draw: Callable[[], object]) -> None:
         """Draw if one has."""
-        if passes.is_watched():
+        if WATCHERS:
             if self._known():
                 draw()
             return
-        self._begin(self._name, _QUERY_WAIT)
+        self._begin()
         try:
             draw()
         finally:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
 from math import ceil
+from operator import methodcaller
 from typing import Any
 
 import moderngl
 import numpy as np
 
 from vrcomfort.gpu import gl, passes, shaders, visible_area
-from vrcomfort.gpu.passes import Pass, PassImage
+from vrcomfort.gpu.passes import WATCHERS, Pass, PassImage
 from vrcomfort.gpu.visible_area import DRAWN, limited_draw, texel_list
 
 
@@ -141,7 +144,10 @@ class FullscreenPass:
             self._ctx.depth_func = "1"  # moderngl's GL_ALWAYS: fragments replace any depth
         if self._over:
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
-        self.declared.run(self._draw)
+        if WATCHERS:
+            self.declared.run(self._draw)
+        else:
+            self._draw()
 
     def clear(self, value: float, depth: float) -> None:
         """Fill the targets with a value, integers with 0 or, where it is no number, all bits."""
@@ -172,7 +178,7 @@ class FullscreenPass:
 
 def _drawing(array: moderngl.VertexArray, mode: int, vertices: int) -> Callable[[], None]:
     """Return what draws; the method is looked up at each draw, so that tests can count draws."""
-    return lambda: array.render(mode, vertices=vertices)
+    return partial(methodcaller("render", mode, vertices), array)
 
 
 def _textures(given: moderngl.Texture | Sequence[moderngl.Texture]) -> Sequence[moderngl.Texture]:
@@ -259,7 +265,6 @@ class ReductionPass:
         defines: shaders.Defines | None = None,
         constants: Mapping[str, Any] | None = None,
     ) -> None:
-        self._ctx = ctx
         name, self._texels = texels
         self.target = gl.color_texture(ctx, (1, 1), components=components, dtype="f4")
         self._of_all = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
@@ -275,21 +280,20 @@ class ReductionPass:
         reads = (PassImage.of(self._texels, reach_px=math.inf if area is None else DRAWN),)
         writes = PassImage.of(self.target), of_all
         self.declared = Pass(shader, reads, writes, earlier=(of_all,), computes=True)
+        self._bind = gl.binder(ctx, [self._texels])
+        self._bind_images = gl.binder(ctx, [self.target, self._of_all], images=True)
+        self._barrier = gl.function(ctx, "glMemoryBarrier", ctypes.c_uint)
         self._listed = texel_list(ctx, area, reads[0], texel_px or (1, 1)) if area else None
         self._clear = passes.clear([self._of_all])
 
     def render(self) -> None:
         """Take the present texels into account, and no others in `target`."""
-        self._texels.use(0)
-        self.target.bind_to_image(0, read=False, write=True)
-        self._of_all.bind_to_image(1, read=True, write=True)
-        self.declared.run(self._dispatch)
-
-    def _dispatch(self) -> None:
         if self._listed is not None:
             self._listed().bind_to_storage_buffer(0)
-        self._program.run()
-        self._ctx.memory_barrier(_AFTER_IMAGE_STORES)
+        self._bind()
+        self._bind_images()
+        self.declared.run(self._program.run)
+        self._barrier(_AFTER_IMAGE_STORES)
 
     def read(self) -> float:
         """Return the greatest value since the pass was made; waits for the GPU."""

@@ -159,13 +159,22 @@ def copier(
 
 def binder(
     ctx: moderngl.Context,
-    textures: Sequence[moderngl.Texture | moderngl.TextureArray],
+    textures: Sequence[moderngl.Texture | moderngl.TextureArray | None],
     first_unit: int = 0,
+    *,
+    images: bool = False,
 ) -> Callable[[], None]:
-    """Return a function that puts textures on units that follow each other, with one call."""
+    """Return a function that puts textures on units that follow each other, with one call.
+
+    Parameters
+    ----------
+    images
+        On image units, which compute shaders store into.
+    """
     kept = tuple(textures)
-    names = (ctypes.c_uint * len(kept))(*(texture.glo for texture in kept))
-    bind = function(ctx, "glBindTextures", ctypes.c_uint, ctypes.c_int, ctypes.c_void_p)
+    names = (ctypes.c_uint * len(kept))(*(0 if each is None else each.glo for each in kept))
+    name = "glBindImageTextures" if images else "glBindTextures"
+    bind = function(ctx, name, ctypes.c_uint, ctypes.c_int, ctypes.c_void_p)
     bind_all = partial(bind, first_unit, len(kept), names)
     vars(bind_all)["textures"] = kept  # which live as long as it does
     return bind_all

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass
+from functools import partial
 from typing import ParamSpec, TypeAlias, TypeVar
 
 import moderngl
@@ -129,12 +130,12 @@ class Pass:
         if (collected := _collected.get()) is not None:
             collected.append(self)
 
-    def run(self, draw: Callable[[], int | None]) -> None:
+    def run(self, draw: Callable[P, int | None], *arguments: P.args, **options: P.kwargs) -> None:
         """Draw; `draw` returns how many draws that were, None for one."""
-        if _watchers:
-            _watchers[-1].run(self, draw)
+        if WATCHERS:
+            WATCHERS[-1].run(self, partial(draw, *arguments, **options))
         else:
-            draw()
+            draw(*arguments, **options)
 
 
 class Watcher:
@@ -152,34 +153,30 @@ class Watcher:
 
 
 _NOTHING = nullcontext()
-_watchers: list[Watcher] = []
+WATCHERS: list[Watcher] = []
+"""Those of now, the innermost last; hot code looks whether there are any."""
 
 
 @contextmanager
 def watched(watcher: Watcher) -> Iterator[None]:
     """Let a watcher draw all passes inside; of nested ones, the innermost."""
-    _watchers.append(watcher)
+    WATCHERS.append(watcher)
     try:
         yield
     finally:
-        _watchers.remove(watcher)
-
-
-def is_watched() -> bool:
-    """Return whether somebody watches passes."""
-    return bool(_watchers)
+        WATCHERS.remove(watcher)
 
 
 def part(name: str) -> AbstractContextManager[None]:
     """Return the context in which a part of a frame is drawn, such as an effect."""
-    return _watchers[-1].part(name) if _watchers else _NOTHING
+    return WATCHERS[-1].part(name) if WATCHERS else _NOTHING
 
 
 def draw_part(
     name: str, draw: Callable[P, Result], *arguments: P.args, **options: P.kwargs
 ) -> Result:
     """Draw a part of a frame, as inside :func:`part`: hot, it enters no context unwatched."""
-    if not _watchers:
+    if not WATCHERS:
         return draw(*arguments, **options)
     with part(name):
         return draw(*arguments, **options)
@@ -192,7 +189,7 @@ def clear(textures: Iterable[AnyTexture]) -> Pass:
 
 def run_copy(source: AnyTexture, target: AnyTexture, draw: Callable[[], None]) -> None:
     """Copy a texture over another by `draw`, as a pass; none is made where nobody watches."""
-    if _watchers:
+    if WATCHERS:
         Pass("copy", (PassImage.of(source),), (PassImage.of(target),)).run(draw)
     else:
         draw()

@@ -66,7 +66,8 @@ def visible(planes: Array, boxes: Array) -> NDArray[np.bool_]:
     np.abs(flat[:, :3], out=weights[:, 3:6])
     # How far the corner that is furthest inside of a plane lies inside of it.
     reach = weights @ boxes
-    return np.asarray(reach.reshape(*planes.shape[:-1], -1).min(axis=-2) >= 0)
+    inside = reach.reshape(*planes.shape[:-1], -1) >= 0
+    return np.asarray(np.logical_and.reduce(inside, axis=-2))
 
 
 def lengths(vectors: Array) -> Array:

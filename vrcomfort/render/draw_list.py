@@ -137,9 +137,10 @@ def batches(keys: NDArray[np.intp], states: int) -> tuple[list[int], list[Batch]
     changes = (keys[1:] != keys[:-1]).nonzero()[0] + 1  # hot: functions of NumPy's take longer
     starts = [0, *changes.tolist()]
     ends = [*starts[1:], len(keys)]
-    apart, state = np.divmod(keys[starts], states)
+    found = keys[starts].tolist()
     lengths = map(operator.sub, ends, starts)
-    return apart.tolist(), list(zip(state.tolist(), starts, lengths, strict=True))
+    runs = zip([key % states for key in found], starts, lengths, strict=True)
+    return [key // states for key in found], list(runs)
 
 
 def front_to_back(key: NDArray[np.intp], distance_m: Array) -> NDArray[np.intp]:

@@ -185,7 +185,7 @@ class GpuScene:
             (views, 3) their places in the world.
         """
         seen = self._rows.seen(culling.planes(clips_from_relative), origins_m)
-        order = self._order(np.asarray(seen.any(axis=0)).nonzero()[0])
+        order = self._order(np.logical_or.reduce(seen).nonzero()[0])
         view, place = seen[:, order].nonzero()
         row = self._rows.in_use[order[place]]
         layer = view * _LAYERS + self._list.blended[row]
@@ -196,7 +196,7 @@ class GpuScene:
         self._rows.write(self._color_rows, row, origins_m[view])
         layers = _LAYERS * len(origins_m)
         triangles = np.bincount(layer, self._triangles_of_row[row], minlength=layers)
-        self._layers = [_Layer([], int(count)) for count in triangles]
+        self._layers = [_Layer([], int(count)) for count in triangles.tolist()]
         for number, batch in zip(*batches(run, len(self._color_states)), strict=True):
             self._layers[number].batches.append(batch)
 
@@ -220,7 +220,11 @@ class GpuScene:
     @property
     def images(self) -> tuple[PassImage, ...]:
         """Return what surfaces may read, to declare passes that draw them."""
-        return self._drawer.images
+        return self._drawer.textures.images
+
+    def add_texture(self, unit: int, texture: moderngl.Texture) -> None:
+        """Let surfaces read a texture at a unit, as `TextureStore.add` has it."""
+        self._drawer.textures.add(unit, texture)
 
     def make_behind(self) -> None:
         """Compile what `draw` needs for what lies behind near things (``BEHIND_NEAR``)."""
@@ -242,7 +246,8 @@ class GpuScene:
             drawn is left to the GPU, so that it does not count.
         """
         layer = self._layers[_LAYERS * view + _OF_FOREGROUND * foreground + blended]
-        self._begin()
+        if self._joints is not None:
+            self._joints.bind()
         states = self._behind_states if behind else self._color_states
         self._drawer.draw(layer.batches, states, self._color_rows.commands)
         if not behind:
@@ -276,7 +281,7 @@ class GpuScene:
         self,
         clips_from_relative: Array,
         origin_m: Array,
-        begin_view: Callable[[int], None] = lambda _: None,
+        begin_views: Sequence[Callable[[], object]] = (),
     ) -> int:
         """Draw depth only, for several views from one point, and return the number of draws.
 
@@ -287,12 +292,12 @@ class GpuScene:
         ----------
         clips_from_relative
             (views, 4, 4) projections, as those of `draw_shadow`.
-        begin_view
-            Called with the number of each view before it is drawn, to set its viewport.
+        begin_views
+            Each is called before its view is drawn, to set the viewport.
         """
         seen = self._seen_from(culling.planes(clips_from_relative), origin_m)
         states = self._depth_states
-        return self._draw_rows(seen, clips_from_relative, origin_m, states, begin_view=begin_view)
+        return self._draw_rows(seen, clips_from_relative, origin_m, states, begin_views=begin_views)
 
     def draw_semantic(
         self, clip_from_relative: Array, origin_m: Array, *, numbered: bool = False
@@ -325,7 +330,7 @@ class GpuScene:
         origin_m: Array,
         states: list[BatchState],
         *,
-        begin_view: Callable[[int], None] = lambda _: None,
+        begin_views: Sequence[Callable[[], object]] = (),
         cull: bool = True,
         numbered: bool = False,
     ) -> int:
@@ -337,24 +342,20 @@ class GpuScene:
         order = np.argsort(key, kind="stable")
         self._rows.write(self._depth_rows, row[order], origin_m, numbered=numbered)
         self._clips.write(clips_from_relative)
-        views: dict[int, list[Batch]] = {}
-        numbers, found = batches(key[order], len(states))
-        for number, batch in zip(numbers, found, strict=True):
-            views.setdefault(number, []).append(batch)
-        self._begin()
-        for number, of_view in views.items():
-            begin_view(number)
-            self._clips.bind(number)
-            self._drawer.draw(of_view, states, self._depth_rows.commands, cull=cull)
-        self.draws += len(found)
-        self.triangles += int(self._triangles_of_row[row].sum())
-        return len(found)
-
-    def _begin(self) -> None:
-        """Bind the textures and joints that all draws of this scene read."""
-        self._drawer.begin()
         if self._joints is not None:
             self._joints.bind()
+        numbers, found = batches(key[order], len(states))
+        draw, commands, last = self._drawer.draw, self._depth_rows.commands, -1
+        for number, batch in zip(numbers, found, strict=True):
+            if number != last and begin_views:
+                begin_views[number]()
+            if number != last:
+                self._clips.bind[number]()
+            draw([batch], states, commands, cull=cull, goes_on=last >= 0)
+            last = number
+        self.draws += len(found)
+        self.triangles += int(np.add.reduce(self._triangles_of_row[row]))
+        return len(found)
 
 
 def _semantic_states(factory: BatchStateFactory, table: DrawList) -> list[BatchState]:
@@ -381,23 +382,15 @@ _ALPHA_TO_COVERAGE = 0x809E
 class BatchDrawer:
     """Draws batches, and changes only OpenGL state that differs from one to the next.
 
-    `begin`, while no faces are culled, then `draw` as often as need be.
-
-    Between the two, and between draws, nothing else may be drawn.
+    No faces are culled before. The caller enables what it needs afterwards.
     """
 
     def __init__(self, ctx: moderngl.Context, scene: Scene, images: ImageArrays) -> None:
         self._ctx = ctx
         self._materials = MaterialBuffer(ctx, scene, images)
-        self._textures = TextureStore(ctx, scene, images)
-        self.images = self._textures.images
+        self.textures = TextureStore(ctx, scene, images)
         self._faces: str | None = None
         self._block: int | None = None
-
-    def begin(self) -> None:
-        """Bind all images, and count on nothing that others have left."""
-        self._textures.bind()
-        self._faces, self._block = None, None
 
     def draw(
         self,
@@ -406,6 +399,7 @@ class BatchDrawer:
         commands: moderngl.Buffer,
         *,
         cull: bool = True,
+        goes_on: bool = False,
     ) -> None:
         """Draw.
 
@@ -415,27 +409,31 @@ class BatchDrawer:
             Numbered by the keys of batches.
         cull
             Whether back faces of one-sided surfaces are left out.
+        goes_on
+            Nothing else has been drawn since the last call.
         """
+        ctx = self._ctx
+        culled, bound = (self._faces, self._block) if goes_on else (None, None)
+        if not goes_on:
+            self.textures.bind()
         covers = False
         for key, first, length in batches:
             array, block, faces, state_covers = states[key]
-            if block is not None and block != self._block:
-                self._block = block
-                self._materials.bind(block)
-            if (faces := faces if cull else None) != self._faces:
-                self._cull(faces)
+            if block is not None and block != bound:
+                bound = block
+                self._materials.bind[block]()
+            if cull and faces != culled:
+                culled = faces
+                if faces is None:
+                    ctx.disable(moderngl.CULL_FACE)
+                else:
+                    ctx.front_face = faces
+                    ctx.enable(moderngl.CULL_FACE)
             if state_covers != covers:
                 covers = state_covers
-                toggle = self._ctx.enable_direct if covers else self._ctx.disable_direct
+                toggle = ctx.enable_direct if covers else ctx.disable_direct
                 toggle(_ALPHA_TO_COVERAGE)
-            array.render_indirect(commands, count=length, first=first)
+            array.render_indirect(commands, moderngl.TRIANGLES, length, first)
         if covers:
-            self._ctx.disable_direct(_ALPHA_TO_COVERAGE)
-
-    def _cull(self, faces: str | None) -> None:
-        self._faces = faces
-        if faces is None:
-            self._ctx.disable(moderngl.CULL_FACE)
-            return
-        self._ctx.front_face = faces
-        self._ctx.enable(moderngl.CULL_FACE)
+            ctx.disable_direct(_ALPHA_TO_COVERAGE)
+        self._faces, self._block = culled, bound

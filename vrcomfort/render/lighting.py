@@ -116,7 +116,7 @@ class LampReach:
         beyond = np.abs(self._positions - centers.T[:, None]) - halves.T[:, None]
         np.maximum(beyond, 0.0, out=beyond)
         beyond *= beyond
-        return np.asarray(self._powers @ (beyond.sum(axis=0) < self._squares))
+        return np.asarray(self._powers @ (beyond[0] + beyond[1] + beyond[2] < self._squares))
 
 
 def _write_environment(blocks: NDArray[np.void], environment: Environment) -> None:

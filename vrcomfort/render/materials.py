@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple, TypeAlias
 
 import moderngl
@@ -273,8 +274,17 @@ class TextureStore:
             passes.PassImage.of(each, mipmaps=True, of_surface=True) for each in uploaded
         )
         """What surfaces may read."""
-        self.bind = gl.binder(ctx, uploaded, FIRST_UNIT)
-        """Puts every array on its unit."""
+        self._ctx = ctx
+        beside: list[moderngl.Texture | moderngl.TextureArray | None]
+        beside = [None] * (FIRST_UNIT - SHADOW_UNIT)
+        self._textures = [*beside, *uploaded]
+        self.bind = gl.binder(ctx, self._textures, SHADOW_UNIT)
+        """Puts every texture on its unit."""
+
+    def add(self, unit: int, texture: moderngl.Texture) -> None:
+        """Add what surfaces read besides images, at `SHADOW_UNIT` or `NEAREST_UNIT`."""
+        self._textures[unit - SHADOW_UNIT] = texture
+        self.bind = gl.binder(self._ctx, self._textures, SHADOW_UNIT)
 
 
 def unit(array: int) -> int:
@@ -319,15 +329,11 @@ class MaterialBuffer:
 
     def __init__(self, ctx: moderngl.Context, scene: Scene, images: ImageArrays) -> None:
         blocks = material_blocks(scene, images)
-        self._stride = gl.uniform_stride(blocks[0].nbytes)
-        data = b"".join(block.tobytes().ljust(self._stride, b"\0") for block in blocks)
-        self._size = blocks[0].nbytes
-        self._buffer = gl.buffer(ctx, data)
-
-    def bind(self, block: int) -> None:
-        """Make a block of materials the one that shaders see."""
-        offset = block * self._stride
-        self._buffer.bind_to_uniform_block(MATERIAL_BINDING, offset=offset, size=self._size)
+        size, stride = blocks[0].nbytes, gl.uniform_stride(blocks[0].nbytes)
+        data = b"".join(block.tobytes().ljust(stride, b"\0") for block in blocks)
+        bind = partial(gl.buffer(ctx, data).bind_to_uniform_block, MATERIAL_BINDING, size=size)
+        self.bind = [partial(bind, offset=block * stride) for block in range(len(blocks))]
+        """Makes a block of materials the one that shaders see, by its number."""
 
 
 class BatchStateFactory:

@@ -476,6 +476,7 @@ class StereoRenderer:
             view.fov,
             self._near_m,
             world_from_head,
+            head_from_eye,
             peripheral_axis=passes.axis("peripheral", centre),
             vignette_axis=passes.axis("vignette", centre),
         )

@@ -6,6 +6,8 @@ view: a 3 × 4 matrix and a few numbers; rows of visible instances are written e
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Literal, NamedTuple
 
 import moderngl
@@ -148,17 +150,22 @@ class DetailLevels(NamedTuple):
     rows: Rows
     from_m: Array
     until_m: Array
+    any: bool
+    """Whether one of them is not for every distance."""
 
     @classmethod
     def of(cls, table: DrawList, rows: Rows) -> DetailLevels:
         """Return those of some rows of a table."""
-        return cls(rows, table.from_m[rows], table.until_m[rows])
+        any_levels = bool(table.has_levels[rows].any())
+        return cls(rows, table.from_m[rows], table.until_m[rows], any_levels)
 
     def in_use(self, centers: Array, viewpoint_m: Array) -> NDArray[np.bool_]:
         """Return (rows,) whether each is at the level of detail for this viewpoint.
 
         `centers` is (3, n) of all rows, of which those with levels count.
         """
+        if not self.any:
+            return np.ones(len(self.rows), dtype=np.bool_)
         distance_m = culling.lengths(centers.take(self.rows, axis=1) - viewpoint_m[:, None])
         return (distance_m >= self.from_m) & (distance_m < self.until_m)
 
@@ -271,9 +278,10 @@ class SceneRows:
         if not len(rows):
             return
         centers, halves = self._bent(rows, *placed.boxes(self._world))
-        self._boxes[:6, rows] = np.concatenate([centers, halves], axis=1).T
+        self._boxes[:3, rows], self._boxes[3:6, rows] = centers.T, halves.T
         self._rows[rows, _LAMPS] = self._reach.bits(centers, halves)
-        self._level_centers[:, placed.with_levels] = placed.level_centers(centers, halves).T
+        if len(placed.with_levels):
+            self._level_centers[:, placed.with_levels] = placed.level_centers(centers, halves).T
 
     def _bent(self, rows: Rows, centers: Array, halves: Array) -> tuple[Array, Array]:
         """Return the boxes of (ascending) rows, of skinned ones as their joints bend them."""
@@ -374,8 +382,6 @@ class PlacedRows:
 
     def level_centers(self, centers: Array, halves: Array) -> Array:
         """Return (rows with levels, 3): where from the distance counts that decides a level."""
-        if not len(self.with_levels):
-            return np.zeros((0, 3))
         center, half = centers[self._finest], halves[self._finest]
         lower = np.minimum.reduceat(center - half, self._first)
         upper = np.maximum.reduceat(center + half, self._first)
@@ -413,14 +419,14 @@ class ClipBlocks:
         self._stride = gl.uniform_stride(64)
         self._buffer = gl.dynamic_buffer(ctx, self._stride)
         self._rewrite = gl.rewriter(ctx, self._buffer)
+        self.bind: list[Callable[[], None]] = []
+        """Makes a view's matrix the one that shaders see."""
 
     def write(self, clips_from_relative: Array) -> None:
         """Take (views, 4, 4) matrices."""
+        for view in range(len(self.bind), len(clips_from_relative)):
+            bind = partial(self._buffer.bind_to_uniform_block, CLIP_BINDING, size=64)
+            self.bind.append(partial(bind, offset=view * self._stride))
         blocks = np.zeros((len(clips_from_relative), self._stride // 64, 4, 4), dtype=np.float32)
         blocks[:, 0] = clips_from_relative.swapaxes(-1, -2)  # GLSL stores columns
         self._rewrite(blocks.tobytes())
-
-    def bind(self, view: int) -> None:
-        """Make a view's matrix the one that shaders see."""
-        offset = view * self._stride
-        self._buffer.bind_to_uniform_block(CLIP_BINDING, offset=offset, size=64)

@@ -81,8 +81,10 @@ class ScenePass:
             if lighting.has_sun(scene.environment)
             else None
         )
-        self._sky = _Sky(ctx, {**lighting.features(scene.environment), **defines})
         light = scene.environment
+        of_sky = {**lighting.features(light), **defines}
+        program = shaders.program(ctx, "scene/sky.frag", "scene/sky.vert", of_sky)
+        self._sky = ctx.vertex_array(program, [])
         self._targets = _Targets(
             ctx,
             size_px,
@@ -193,8 +195,8 @@ class ScenePass:
         colour, depth
             Where it draws, one sample a pixel: RGBA16F and D32F.
         """
-        self._nearest = nearest
         self.gpu.make_behind()
+        self.gpu.add_texture(NEAREST_UNIT, nearest)
         self._single = _Surfaces(self._ctx, [colour], depth)
         images = tuple(map(passes.PassImage.of, (colour, depth)))
         limit = passes.PassImage.of(nearest, reach_px=0.0)
@@ -208,9 +210,6 @@ class ScenePass:
 
     def draw_behind(self) -> None:
         """Draw the last view again, up to `nearest`, wherever `depth` is less than 1."""
-        if self._shadow is not None:
-            self._shadow.bind()
-        self._nearest.use(NEAREST_UNIT)
         self._single.use()
         self._draw_layers(self._view_drawn, behind=True)
         self._ctx.enable_only(moderngl.NOTHING)
@@ -232,8 +231,6 @@ class ScenePass:
         return None
 
     def _draw(self, view: int, camera: EyeCamera) -> None:
-        if self._shadow is not None:
-            self._shadow.bind()
         self._targets.begin()
         self._draw_layers(view)
         self._view_drawn = view
@@ -241,11 +238,10 @@ class ScenePass:
             self._ctx.enable_only(moderngl.NOTHING)
             self.resolve.render(camera)
             self._background.render(self._background_level)
-            if self._shadow is not None:
-                self._shadow.bind()
             self._targets.use()
             self._draw_opaque(view, foreground=True)
-            self._draw_blended(view, foreground=True)
+            if self.gpu.has_blended:
+                self._draw_blended(view, foreground=True)
         self._ctx.enable_only(moderngl.NOTHING)
 
     def _draw_layers(self, view: int, *, behind: bool = False) -> None:
@@ -253,25 +249,22 @@ class ScenePass:
         self._draw_opaque(view, behind=behind)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = ">="  # the sky lies at infinity: depth 0, as the clear value
-        (self._sky_behind if behind else self._behind).run(self._sky.draw)
-        self._draw_blended(view, behind=behind)
+        (self._sky_behind if behind else self._behind).run(self._sky.render, vertices=3)
+        if self.gpu.has_blended:
+            self._draw_blended(view, behind=behind)
 
     def _draw_opaque(self, view: int, *, foreground: bool = False, behind: bool = False) -> None:
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = gl.DEPTH_FUNC
-        (self._opaque_behind if behind else self._opaque).run(
-            lambda: self.gpu.draw(view, blended=False, foreground=foreground, behind=behind)
-        )
+        drawn = self._opaque_behind if behind else self._opaque
+        drawn.run(self.gpu.draw, view, blended=False, foreground=foreground, behind=behind)
 
     def _draw_blended(self, view: int, *, foreground: bool = False, behind: bool = False) -> None:
-        if not self.gpu.has_blended:
-            return
         (self._single if behind else self._targets).blend()
         self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
         self._ctx.depth_func = gl.DEPTH_FUNC
-        (self._blended_behind if behind else self._blended).run(
-            lambda: self.gpu.draw(view, blended=True, foreground=foreground, behind=behind)
-        )
+        drawn = self._blended_behind if behind else self._blended
+        drawn.run(self.gpu.draw, view, blended=True, foreground=foreground, behind=behind)
 
 
 def _motion(eyes: Sequence[EyeCamera], previous: Sequence[PreviousCamera]) -> CameraMotion:
@@ -292,17 +285,6 @@ def _defines(*, velocity: bool, lens_law: LensLaw | None) -> dict[str, int]:
     return {name: 1 for name, needed in wanted.items() if needed}
 
 
-class _Sky:
-    """Draws the sky where depth is still 0."""
-
-    def __init__(self, ctx: moderngl.Context, defines: shaders.Defines) -> None:
-        program = shaders.program(ctx, "scene/sky.frag", "scene/sky.vert", defines)
-        self._triangle = ctx.vertex_array(program, [])
-
-    def draw(self) -> None:
-        self._triangle.render(vertices=3)
-
-
 class _Surfaces:
     """Where surfaces are drawn: into all of some images (colour first) with their depth."""
 
@@ -311,11 +293,9 @@ class _Surfaces:
     ) -> None:
         self._ctx = ctx
         self._all = ctx.framebuffer(images, depth)
-        self._colour_only = ctx.framebuffer(images[:1], depth)
-
-    def use(self) -> None:
+        self.use = self._all.use
         """Draw into all of them from now on."""
-        self._all.use()
+        self._colour_only = ctx.framebuffer(images[:1], depth)
 
     def blend(self) -> None:
         """Continue with colour only: blended surfaces cover by alpha and write no depth."""
@@ -367,7 +347,7 @@ class _Targets(_Surfaces):
 
     def begin(self) -> None:
         """Clear to black at infinity; what is not seen lies on the near plane."""
-        self._cleared.run(lambda: self._all.clear(depth=0.0))
+        self._cleared.run(self._all.clear, depth=0.0)
         if self._hidden is not None:
             self._hidden.render()
         self.use()

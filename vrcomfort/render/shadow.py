@@ -30,7 +30,7 @@ _DEPTH_CLAMP = 0x864F
 
 
 class ShadowMap:
-    """Draws and binds the shadow map of a scene with a sun.
+    """Draws the shadow map of a scene with a sun, and gives it to its surfaces.
 
     Parameters
     ----------
@@ -50,6 +50,7 @@ class ShadowMap:
         self._light_from_world = light_rotation(gpu.scene.environment.sun_direction)
         self._static = _Map(ctx, size_px, gpu.images)
         self._live = _Map(ctx, size_px, gpu.images) if gpu.moves else self._static
+        gpu.add_texture(SHADOW_UNIT, self._live.depth)
         self._copy = gl.copier(ctx, self._static.depth, self._live.depth)
         self._center: list[float] | None = None
         self._drawn_for: tuple[float, Pose] | None = None
@@ -81,10 +82,6 @@ class ShadowMap:
         """Return the map, to declare passes that read it."""
         return self._live.cleared.writes
 
-    def bind(self) -> None:
-        """Put the map where surfaces look for it."""
-        self._live.depth.use(SHADOW_UNIT)
-
     def _snapped(self, position_m: Array) -> Array:
         """Return the map's centre in light space: `position_m` rounded to whole steps."""
         step_m = 2 * self._radius_m / STEPS
@@ -110,18 +107,15 @@ class ShadowMap:
         target.target.use()
         target.target.depth_mask = True
         if clear:
-            target.cleared.run(lambda: target.target.clear(depth=0.0))
+            target.cleared.run(target.target.clear, depth=0.0)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.enable_direct(_DEPTH_CLAMP)  # casters beyond the range still cast shadows
         self._ctx.depth_func = gl.DEPTH_FUNC
         movement: Movement = "all"
         if self._live is not self._static:
             movement = "static" if clear else "moving"
-        target.drawn.run(
-            lambda: self._gpu.draw_shadow(
-                self._clip_from_relative, self._origin_m, movement=movement
-            )
-        )
+        origin_m, draw = self._origin_m, self._gpu.draw_shadow
+        target.drawn.run(draw, self._clip_from_relative, origin_m, movement=movement)
         self._ctx.disable_direct(_DEPTH_CLAMP)
 
 

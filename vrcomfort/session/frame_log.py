@@ -429,7 +429,7 @@ class FrameLog:
                 image=image,
                 focus_m=float(sample.focus_m),
                 focus_raw_m=float(sample.focus_raw_m),
-                rays_m=tuple(map(float, sample.rays_m)),
-                rays_used="".join(["1" if used else "0" for used in sample.used]),
+                rays_m=tuple(sample.rays_m.tolist()),
+                rays_used="".join(["1" if used else "0" for used in sample.used.tolist()]),
             )
         )

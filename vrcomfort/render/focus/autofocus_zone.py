@@ -164,10 +164,10 @@ class AutofocusZone:
         clip_from_relative = clip_from_relative @ rotation_only(head.rotation.T)
         self._zone.use()
         sky = self._settings.semantic_min
-        self._cleared.run(lambda: self._zone.clear(sky, depth=0.0))
+        self._cleared.run(self._zone.clear, sky, depth=0.0)
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.depth_func = gl.DEPTH_FUNC
-        self._drawn.run(lambda: self._gpu.draw_semantic(clip_from_relative, head.position))
+        self._drawn.run(self._gpu.draw_semantic, clip_from_relative, head.position)
         ctx.enable_only(moderngl.NOTHING)
 
     def _reduce_on_cpu(self, along_ray: _Place | None) -> None:

@@ -13,7 +13,9 @@ surfaces, and reads its distance and node back some frames late: no frame waits.
 
 from __future__ import annotations
 
+import ctypes
 from collections import deque
+from functools import partial
 from typing import Any, NamedTuple
 
 import moderngl
@@ -44,26 +46,20 @@ class NarrowRays:
         self.image = inputs.ctx.framebuffer([], self._depth)
         self._cleared = passes.clear([self._depth])
         self._drawn = passes.Pass(DEPTH_SHADER, inputs.gpu.images, self._cleared.writes)
+        viewport = gl.function(inputs.ctx, "glViewport", *[ctypes.c_int] * 4)
+        self._aims = [partial(viewport, ray, 0, 1, 1) for ray in range(RAYS)]
 
     def draw(self, clips_from_head: Array, world_from_head: Pose) -> None:
         """Draw nine rays given by (9, 4, 4) projections, and bind their depths to unit 2."""
         ctx = self._ctx
         self.image.use()
-        self._cleared.run(lambda: self.image.clear(depth=0.0))
+        self._cleared.run(self.image.clear, depth=0.0)
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.depth_func = gl.DEPTH_FUNC
-        head_from_relative = rotation_only(world_from_head.rotation.T)
-        self._drawn.run(
-            lambda: self._gpu.draw_depth(
-                clips_from_head @ head_from_relative, world_from_head.position, self._aim
-            )
-        )
-        self.image.viewport = (0, 0, RAYS, 1)
+        clips = clips_from_head @ rotation_only(world_from_head.rotation.T)
+        self._drawn.run(self._gpu.draw_depth, clips, world_from_head.position, self._aims)
         ctx.enable_only(moderngl.NOTHING)
         self._depth.use(2)
-
-    def _aim(self, ray: int) -> None:
-        self.image.viewport = (ray, 0, 1, 1)
 
 
 def ray_projections(tangents: Array, near_m: float) -> Array:
@@ -288,13 +284,12 @@ class GazeHits:
         ctx = self._ctx
         clip_from_head = ray_projections(tangents, self._near_m)[0]
         self._texel.use()
-        self._cleared.run(lambda: self._texel.clear(depth=0.0))
+        self._cleared.run(self._texel.clear, depth=0.0)
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.depth_func = gl.DEPTH_FUNC
         clip_from_relative = clip_from_head @ rotation_only(head.rotation.T)
-        self._drawn.run(
-            lambda: self._gpu.draw_semantic(clip_from_relative, head.position, numbered=True)
-        )
+        draw = self._gpu.draw_semantic
+        self._drawn.run(draw, clip_from_relative, head.position, numbered=True)
         ctx.enable_only(moderngl.NOTHING)
 
     def _read(self) -> GazeHit:

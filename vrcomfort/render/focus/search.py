@@ -12,6 +12,7 @@ and the shader's twin.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -172,6 +173,7 @@ class FocusSearch:
         """1×1 RGBA32F: x = focus, y = target of the refocus law, z = bits of the rays used."""
         self._target = ctx.framebuffer(now)
         self._history = ctx.framebuffer(self._before)
+        self._bind_before = gl.binder(ctx, self._before)
         self._triangle = self._program()
         self._values: dict[str, Any] = {}
         """Uniforms of the last frame."""
@@ -211,14 +213,13 @@ class FocusSearch:
 
     def _decide(self, uniforms: dict[str, Any]) -> None:
         # A pass may not read the texture it draws into: the state of the frame before is a copy.
-        self._copied.run(lambda: self._ctx.copy_framebuffer(self._history, self._target))
+        self._copied.run(self._ctx.copy_framebuffer, self._history, self._target)
         self._target.use()
-        for unit, texture in enumerate(self._before):
-            texture.use(unit)
+        self._bind_before()
         for name, value in uniforms.items():
             if self._values.get(name) != value:  # a program keeps uniforms between draws
                 self._values[name] = self._triangle.program[name] = value
-        self._decided.run(lambda: self._triangle.render(vertices=3))
+        self._decided.run(self._triangle.render, vertices=3)
 
     def _program(self) -> moderngl.VertexArray:
         probe, law = self._probe, self._law
@@ -232,7 +233,7 @@ class FocusSearch:
         return triangle
 
 
-_NO_RAYS = np.full(RAYS, np.nan)
+_NO_RAYS = [math.nan] * RAYS
 _RESULT = Struct(f"={RAYS + 4}f")
 """Depths of the rays, then the texel of :func:`focus_texture`."""
 
@@ -277,15 +278,15 @@ class Readback:
         frame_index, ray_lengths, buffer = self._pending.popleft()
         *depths, focus_m, target_m, used, _ = _RESULT.unpack(buffer.read())
         self._free.append(buffer)
-        bits = int(used)
-        rays_m = self._metres(np.array(depths), ray_lengths) if bits else _NO_RAYS
-        each = np.array([bits >> ray & 1 for ray in range(RAYS)], dtype=bool)
-        return FocusSample(frame_index, focus_m, target_m, rays_m, each)
-
-    def _metres(self, depths: Array, ray_lengths: Array) -> Array:
-        near = self._near_m * ray_lengths
-        sky = depths * self._infinity_m <= near
-        return np.asarray(near / np.where(sky, near / self._infinity_m, depths))
+        bits, infinity_m = int(used), self._infinity_m
+        rays_m, each = _NO_RAYS, [bool(bits >> ray & 1) for ray in range(RAYS)]
+        if bits:
+            nears = [self._near_m * length for length in ray_lengths]
+            rays_m = [
+                near / (near / infinity_m if depth * infinity_m <= near else depth)
+                for near, depth in zip(nears, depths, strict=True)
+            ]
+        return FocusSample(frame_index, focus_m, target_m, np.array(rays_m), np.array(each))
 
 
 def focus_texture(ctx: moderngl.Context, focus_m: float) -> moderngl.Texture:

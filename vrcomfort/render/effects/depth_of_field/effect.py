@@ -207,9 +207,9 @@ class LensViews:
             draw(point)
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE  # `draw` may have set another
             with self._ctx.scope(self._summing, moderngl.BLEND):
-                self._added.run(lambda: self._scaled(self._view, 1.0))
+                self._added.run(self._scaled, self._view, 1.0)
         with self._ctx.scope(self._averaging, moderngl.NOTHING):
-            self._averaged.run(lambda: self._scaled(self._sum, 1 / self.views))
+            self._averaged.run(self._scaled, self._sum, 1 / self.views)
 
     def _scaled(self, image: moderngl.Texture, share: float) -> None:
         image.use(0)
