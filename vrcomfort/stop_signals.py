@@ -7,8 +7,9 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import wraps
 from types import FrameType
-from typing import TypeVar
+from typing import ParamSpec, TypeVar
 
 SIGNALS = tuple(
     getattr(signal, name)
@@ -25,6 +26,7 @@ _AT_ONCE = 3
 """The signal that is heard wherever it comes: nobody is kept waiting by a disk that hangs."""
 
 Item = TypeVar("Item")
+P = ParamSpec("P")
 
 
 class _Signals:
@@ -51,6 +53,15 @@ class _Signals:
             signal.signal(number, handler)
         self.depth = 0
         self.raise_waiting()
+
+    def __enter__(self) -> None:
+        """Begin a block that no signal interrupts."""
+        self.depth += 1
+
+    def __exit__(self, *_: object) -> None:
+        self.depth -= 1
+        if not self.depth:
+            self.raise_waiting()
 
     def raise_waiting(self) -> None:
         """Hear the signal that came in a block."""
@@ -89,14 +100,22 @@ def uninterrupted() -> Iterator[None]:
         with _hearing():
             yield
     else:
-        held = _signals
-        held.depth += 1
-        try:
+        with _signals:
             yield
-        finally:
-            held.depth -= 1
-            if not held.depth:
-                held.raise_waiting()
+
+
+def uninterrupted_call(method: Callable[P, Item]) -> Callable[P, Item]:
+    """Return a function that is an `uninterrupted` block: within one, in a fifth of the time."""
+
+    @wraps(method)
+    def call(*arguments: P.args, **options: P.kwargs) -> Item:
+        if _signals is not None and threading.get_ident() == threading.main_thread().ident:
+            with _signals:
+                return method(*arguments, **options)
+        with uninterrupted():
+            return method(*arguments, **options)
+
+    return call
 
 
 @contextmanager

@@ -162,10 +162,10 @@ def test_ctrl_c_leaves_no_lock_behind_that_the_writing_thread_waits_for(tmp_path
     recorder = Recorder(tmp_path, "P1", 1)
     lock = PressedLock()
     recorder.close()  # its thread waits for nothing any more
-    monkeypatch.setattr(recorder._background, "_changed", threading.Condition(lock))
+    monkeypatch.setattr(recorder._background, "_written", threading.Condition(lock))
     try:
         with pytest.raises(KeyboardInterrupt):
-            recorder.write_soon(EventRow(0.0, 0.0, "focused"))
+            recorder.flush()
     finally:
         signal.signal(signal.SIGINT, before)
     assert lock.presses == 0

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from threading import Condition, Thread
 from types import TracebackType
 from typing import Self
@@ -20,7 +21,7 @@ from vrcomfort.records.row_files import Durability, RowFiles
 from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import SESSION_ROWS
 from vrcomfort.records.session_rows import EventRow
-from vrcomfort.stop_signals import uninterrupted
+from vrcomfort.stop_signals import uninterrupted_call
 
 CAPACITY = 4096
 """Rows that may wait: 45 s of frames at 90 Hz, about 15 MB."""
@@ -44,7 +45,9 @@ class BackgroundWriter:
         self._files = files
         self._capacity = capacity
         self._rows: deque[Row] = deque()
-        self._changed = Condition()
+        self._news: SimpleQueue[None] = SimpleQueue()
+        """Wakes the thread: no lock of Python's holds up a frame."""
+        self._written = Condition()
         self._fault: Exception | None = None
         self._closing = False
         self._thread = Thread(target=self._run, name="recorder", daemon=True)
@@ -52,52 +55,46 @@ class BackgroundWriter:
 
     def offer(self, row: Row) -> bool:
         """Take a row, or return False where too many wait; never waits."""
-        with self._changed:
-            if len(self._rows) >= self._capacity:
-                return False
-            self._add(row)
+        if len(self._rows) >= self._capacity:
+            return False
+        self.put(row)
         return True
 
     def put(self, *rows: Row) -> None:
         """Take rows, however many wait; never waits."""
-        with self._changed:
-            self._add(*rows)
+        self._rows.extend(rows)
+        self._news.put(None)
 
     def check(self) -> None:
         """Raise the error of `write`, if there was one."""
         if self._fault is None:  # hot: a lock takes longer
             return
-        with self._changed:
+        with self._written:
             fault, self._fault = self._fault, None
         if fault is not None:
             raise fault
 
     def finish(self) -> None:
         """Wait until every row has been written."""
-        with self._changed:
-            self._changed.wait_for(lambda: not self._rows)
+        with self._written:
+            self._written.wait_for(lambda: not self._rows)
         self.check()
 
     def close(self) -> None:
         """Write the waiting rows, end the thread, and raise the error of the files, if any."""
-        with self._changed:
-            self._closing = True
-            self._changed.notify_all()
+        self._closing = True
+        self._news.put(None)
         self._thread.join()
         self.check()
-
-    def _add(self, *rows: Row) -> None:
-        self._rows.extend(rows)
-        self._changed.notify_all()
 
     def _run(self) -> None:
         while (rows := self._next()) is not None:
             fault = self._try(rows)
-            with self._changed:
+            with self._written:
                 self._fault = self._fault or fault
                 for _ in rows:
                     self._rows.popleft()  # only now: an empty queue says that all is in the files
-                self._changed.notify_all()
+                self._written.notify_all()
 
     def _try(self, rows: Sequence[Row]) -> Exception | None:
         try:
@@ -109,9 +106,11 @@ class BackgroundWriter:
     def _next(self) -> Sequence[Row] | None:
         """Wait for rows, or until the files are due (then there are none); None at the end."""
         due_in_s = self._files.due_in_s()
-        with self._changed:
-            self._changed.wait_for(lambda: self._rows or self._closing, due_in_s)
-            return tuple(self._rows) if self._rows or not self._closing else None
+        with suppress(Empty):
+            self._news.get(timeout=due_in_s)
+            while not (self._rows or self._closing):  # the rows were written with those before
+                self._news.get(timeout=due_in_s)
+        return tuple(self._rows) if self._rows or not self._closing else None
 
 
 def session_folder(study: Path, participant: str, session: int) -> Path:
@@ -216,7 +215,7 @@ class Recorder:
         if waited_for:
             self.flush()
 
-    @uninterrupted()
+    @uninterrupted_call
     def replace(self, old: Row, new: Row) -> None:
         """Put a row in the place of one that was written before; it is on the disk at return.
 
@@ -230,7 +229,7 @@ class Recorder:
         self.flush()
         self._files.replace(old, new)
 
-    @uninterrupted()
+    @uninterrupted_call
     def write_soon(self, *rows: Row) -> None:
         """Append rows without waiting, between two frames."""
         others = []
@@ -251,7 +250,7 @@ class Recorder:
         self.external_changes.extend(found)
         return found
 
-    @uninterrupted()
+    @uninterrupted_call
     def flush(self) -> None:
         """Wait until everything is in its file.
 
@@ -263,7 +262,7 @@ class Recorder:
         self._tell_gap()
         self._background.finish()
 
-    @uninterrupted()
+    @uninterrupted_call
     def sync(self) -> None:
         """Wait until everything is on the disk.
 
@@ -293,7 +292,7 @@ class Recorder:
             length_s = round(gap.end_s - gap.start_s, 9)
             self._background.put(EventRow(gap.start_s, length_s, "frames_not_recorded", detail))
 
-    @uninterrupted()
+    @uninterrupted_call
     def close(self) -> None:
         """Write the waiting rows, sync and close all files.
 
