@@ -23,9 +23,9 @@ from vrcomfort.importing.suggest.draft import (
     TomlDraft,
     write_doubts,
 )
-from vrcomfort.importing.suggest.evidence import names_fact
 from vrcomfort.importing.suggest.excluded_files import excluded_files
 from vrcomfort.importing.suggest.groups_of_files import say_baselines, say_groups
+from vrcomfort.importing.suggest.heading_roles import names_fact
 from vrcomfort.importing.suggest.joined_tables import joined
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
 from vrcomfort.importing.suggest.same_people import say_same_people

@@ -13,7 +13,8 @@ from vrcomfort.importing.suggest.block_conditions import (
     without_repeats,
     without_turned,
 )
-from vrcomfort.importing.suggest.evidence import Roles, texts
+from vrcomfort.importing.suggest.evidence import texts
+from vrcomfort.importing.suggest.heading_roles import Roles
 from vrcomfort.importing.suggest.items import (
     Found,
     FoundAnswers,

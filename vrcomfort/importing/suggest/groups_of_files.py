@@ -7,7 +7,8 @@ from itertools import combinations
 
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.draft import CONDITIONS, OpenDoubt
-from vrcomfort.importing.suggest.evidence import MOST_CONDITIONS, few_texts, roles_of, texts
+from vrcomfort.importing.suggest.evidence import MOST_CONDITIONS, few_texts, texts
+from vrcomfort.importing.suggest.heading_roles import roles_of
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 

@@ -10,7 +10,8 @@ from itertools import pairwise
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.answer_columns import LAYOUTS, LONG, AnswerColumns
 from vrcomfort.importing.suggest.draft import CONDITIONS, PEOPLE, ROWS, OpenDoubt, TomlDraft
-from vrcomfort.importing.suggest.evidence import FIRST_COLUMNS, roles_of
+from vrcomfort.importing.suggest.evidence import FIRST_COLUMNS
+from vrcomfort.importing.suggest.heading_roles import roles_of
 from vrcomfort.importing.suggest.long_tables import Long
 from vrcomfort.importing.suggest.summary_rows import (
     notes_below,

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from vrcomfort.csv_table import plain_digits
 from vrcomfort.importing.files import JOIN, is_number, under_titles
 from vrcomfort.importing.source import Grid, SourceTable
-from vrcomfort.importing.suggest.evidence import is_identifier, names_fact, texts
+from vrcomfort.importing.suggest.evidence import is_identifier, texts
+from vrcomfort.importing.suggest.heading_roles import names_fact
 from vrcomfort.importing.suggest.item_names import How, named_item
 from vrcomfort.importing.suggest.items import (
     FEWEST_OF_NAMED,

@@ -25,7 +25,8 @@ from vrcomfort.importing.suggest.draft import (
     OpenDoubt,
     TomlDraft,
 )
-from vrcomfort.importing.suggest.evidence import Roles, texts
+from vrcomfort.importing.suggest.evidence import texts
+from vrcomfort.importing.suggest.heading_roles import Roles
 from vrcomfort.importing.suggest.item_names import How, Named
 from vrcomfort.importing.suggest.items import Found, mentions
 from vrcomfort.importing.suggest.long_tables import Long

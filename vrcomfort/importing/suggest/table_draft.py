@@ -41,15 +41,11 @@ from vrcomfort.importing.suggest.draft import (
     TomlDraft,
     placed_in_short,
 )
-from vrcomfort.importing.suggest.evidence import (
-    Context,
-    is_personal,
-    roles_of,
-    texts,
-)
+from vrcomfort.importing.suggest.evidence import Context, texts
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.facts import draft_facts
 from vrcomfort.importing.suggest.heading_facts import heading_facts, template_of
+from vrcomfort.importing.suggest.heading_roles import is_personal, roles_of
 from vrcomfort.importing.suggest.items import Found, FoundAnswers
 from vrcomfort.importing.suggest.kept_rows import KeptRows
 from vrcomfort.importing.suggest.leaving import find_leaving

@@ -7,7 +7,8 @@ from collections import Counter
 from collections.abc import Sequence
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.evidence import inner_names, names_fact, texts
+from vrcomfort.importing.suggest.evidence import texts
+from vrcomfort.importing.suggest.heading_roles import inner_names, names_fact
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 
