@@ -3,11 +3,32 @@
 //
 // Input:  near (near_gather.frag), at half resolution; drawn on tiles of class NEAR.
 // Output: rgb and opacity, premultiplied, to be blended.
+//
+// Between texels. Where one is brighter than white, the mean of a texel's pixels stays what the texel is, so that
+// a lamp's disc has no rim beyond its own.
 uniform sampler2D near;
-uniform vec2 size_px;
 
 out vec4 over;
 
+ivec2 last_texel = textureSize(near, 0) - 1;
+ivec2 pixel = ivec2(gl_FragCoord.xy);
+
+vec4 texel_at(int x, int y) {
+    return texelFetch(near, clamp(pixel / 2 + ivec2(x, y), ivec2(0), last_texel), 0);
+}
+
 void main() {
-    over = textureLod(near, gl_FragCoord.xy / size_px, 0.0);
+    ivec2 side = 2 * (pixel & 1) - 1;
+    vec4 own = texel_at(0, 0);
+    vec4 others[3] = vec4[3](texel_at(side.x, 0), texel_at(0, side.y), texel_at(side.x, side.y));
+    over = 0.5625 * own + 0.1875 * (others[0] + others[1]) + 0.0625 * others[2];  // bilinear
+    vec4 least = min(min(own, others[0]), min(others[1], others[2]));
+    vec4 most = max(max(own, others[0]), max(others[1], others[2]));
+    float part = clamp(max(max(most.r, most.g), most.b) - 1.0, 0.0, 1.0);
+    int around = part > 0.0 ? 1 : -1;
+    vec4 mean = vec4(0.0);  // over the texel, of what is bilinear
+    for (int y = -around; y <= around; ++y)
+        for (int x = -around; x <= around; ++x)
+            mean += (x == 0 ? 0.75 : 0.125) * (y == 0 ? 0.75 : 0.125) * texel_at(x, y);
+    over = part > 0.0 ? clamp(over + part * (own - mean), least, most) : over;
 }

@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.ndimage import zoom
 
 from tests.render.effects.test_optics import evaluate
 from tests.support.render import RIGHT_ANGLE, at, glowing, mesh, scene, wall
@@ -233,3 +234,50 @@ def test_autofocus_leaves_out_what_a_fixed_focus_does(ctx):
     fixed, found = (drawn(ctx, content, condition(focus), frames=2) for focus in (None, rays))
     assert "depth_of_field/near_over.frag" in found[1]
     np.testing.assert_allclose(found[0]["linear"], fixed[0]["linear"], atol=0.02)
+
+
+LAMP_PX, LAMP_LIGHT, ROUND = 7.35, 280.0, 48
+
+
+def near_lamp(radius_px, samples):
+    """A round lamp at half a metre before a dark wall in focus, and the condition it is seen in."""
+    turn = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
+    rim = [(0, 0, 0), *np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])]
+    fans = [(0, 1 + i, 1 + (i + 1) % ROUND) for i in range(ROUND)]
+    px_m = 0.5 / (SIZE_PX[0] / 2)
+    scale = np.array([LAMP_PX * px_m, LAMP_PX * px_m, 1.0])
+    lamp = at(5.6 * px_m, -3.8 * px_m, -0.5, mesh=(0,), scale=scale)
+    nodes = [lamp, at(0, 0, -FOCUS_M, mesh=(1,))]
+    shine = [glowing((light,) * 3) for light in (LAMP_LIGHT, 0.1)]
+    lens = {"full_blur_dioptre": (1 / 0.5 - 1 / FOCUS_M) * 12.8 / radius_px, "samples": samples}
+    return scene(nodes, [mesh(rim, fans), wall(40, 1)], shine), condition(**lens)
+
+
+def disc_of_lamp(radius_px):
+    """Return (h, w) of its light in each pixel: of two circles, their overlap."""
+    y, x = (np.mgrid[: 8 * SIZE_PX[1], : 8 * SIZE_PX[0]] + 0.5) / 8
+    away = np.maximum(np.hypot(x - SIZE_PX[0] / 2 - 5.6, y - SIZE_PX[1] / 2 + 3.8), 1e-3)
+    a, b = radius_px, LAMP_PX
+    at_a = np.arccos(np.clip((away**2 + a**2 - b**2) / (2 * away * a), -1, 1))
+    at_b = np.arccos(np.clip((away**2 + b**2 - a**2) / (2 * away * b), -1, 1))
+    shared = a**2 * (at_a - np.sin(2 * at_a) / 2) + b**2 * (at_b - np.sin(2 * at_b) / 2)
+    light = LAMP_LIGHT * shared / (np.pi * a**2)
+    return light.reshape(SIZE_PX[1], 8, SIZE_PX[0], 8).mean(axis=(1, 3)) + 0.1
+
+
+def radius_px_of(lit, light):
+    inside = zoom(lit.astype(float), 4, order=1, grid_mode=True, mode="nearest") >= light
+    return np.sqrt(inside.sum() / 16 / np.pi)
+
+
+@pytest.mark.parametrize("samples", [16, 36, 96])
+@pytest.mark.parametrize("radius_px", [3.5, 5.07])
+def test_a_near_lamp_s_disc_is_as_wide_as_the_lens_makes_it(ctx, radius_px, samples):
+    """At half its light, and where it is as bright as white, which is what is seen of it."""
+    content, wanted = near_lamp(radius_px, samples)
+    found, _ = drawn(ctx, content, wanted, watch=False)
+    lit, pinhole = found["linear"][..., 0], found["pinhole"][..., 0]
+    assert (lit - 0.1).sum() == pytest.approx((pinhole - 0.1).sum(), rel=0.01)
+    true = disc_of_lamp(radius_px)
+    for light in (1.0, true.max() / 2):
+        assert radius_px_of(lit, light) == pytest.approx(radius_px_of(true, light), abs=0.3)

@@ -98,8 +98,6 @@ class NearThings:
         self._over = coc.make_pass(
             "near_over",
             {"near": self._gather.target, "dilated": self._classes},
-            filtered={"near"},
-            constants={"size_px": coc.size_px},
             defines={**of_class("NEAR", coc.tile_px, beside=0), "OR_ABOVE": 1},
             target=blurred,
             over=True,
