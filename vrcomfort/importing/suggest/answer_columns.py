@@ -8,6 +8,7 @@ from typing import Any, Generic, TypeVar
 
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.block_conditions import (
+    are_weights,
     comparisons,
     without_products,
     without_repeats,
@@ -18,7 +19,6 @@ from vrcomfort.importing.suggest.heading_roles import Roles
 from vrcomfort.importing.suggest.items import (
     Found,
     FoundAnswers,
-    are_weights,
     find_blocks,
     mentions,
     named_by_file,

@@ -15,7 +15,12 @@ from vrcomfort.importing.answers import number
 from vrcomfort.importing.columns import conditions_in
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.evidence import LONGEST_CONDITION, MOST_CONDITIONS, texts
+from vrcomfort.importing.suggest.evidence import (
+    LONGEST_CONDITION,
+    MOST_CONDITIONS,
+    texts,
+    values_of,
+)
 from vrcomfort.importing.suggest.items import Found, FoundAnswers
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
@@ -232,15 +237,30 @@ def without_products(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[
         block
         for block in blocks
         if any(scale.weights_sum for scale in block.instrument.scales)
-        and any(value > block.instrument.high for c in block.columns for value in _of(table, c))
-        and not any(value < 0 for c in block.columns for value in _of(table, c))
-        and _mostly_multiples(table, block)
+        and _are_products([v for c in block.columns for v in values_of(table, c)], block)
     ]
     columns = [column for block in products for column in block.columns]
     kept = _with_weights([b for b in blocks if b not in products], table)
     there = {column for block in kept for column in block.columns}
     kept = [replace(b, siblings=tuple(c for c in b.siblings if c in there)) for b in kept]
     return kept, columns
+
+
+def are_weights(table: SourceTable, block: Found) -> bool:
+    """Return whether answers are those to comparisons of the items: they have one sum in each row.
+
+    The weights of the task load index stand in a sheet of their own, under its items' names.
+    """
+    scales = [scale for scale in block.instrument.scales if scale.weights_sum]
+    decimal = table.reading.decimal or "."
+    rows = [[number(row[column], decimal) for column in block.columns] for row in table.rows]
+    whole = [[cell for cell in row if cell is not None] for row in rows if None not in row]
+    sums = {sum(row) for row in whole}
+    most = max((cell for row in whole for cell in row), default=0.0)
+    return any(
+        sums == {scale.weights_sum} and most < len(block.columns) and len(whole) > 1
+        for scale in scales
+    )
 
 
 def comparisons(table: SourceTable, known: Known) -> list[int]:
@@ -294,20 +314,16 @@ def _sums(table: SourceTable, block: Found, weights: Mapping[str, str]) -> bool:
     return bool(full) and fit * 10 >= len(full) * 8
 
 
-def _of(table: SourceTable, column: int) -> list[float]:
-    read = (number(cell, table.reading.decimal or ".") for cell in table.column(column) if cell)
-    return [value for value in read if value is not None]
-
-
 _MOST_CHOSEN = 5
 """Of 15 comparisons, each of six scales is in five."""
 
 
-def _mostly_multiples(table: SourceTable, block: Found) -> bool:
+def _are_products(values: Sequence[float], block: Found) -> bool:
     """Return whether values can be ratings times weights: at most five times the highest one."""
-    values = [value for column in block.columns for value in _of(table, column)]
-    above = [value for value in values if value > block.instrument.high]
-    return max(values) <= _MOST_CHOSEN * block.instrument.high and len(above) * _RARE >= len(values)
+    high = block.instrument.high
+    above = sum(value > high for value in values)
+    inside = min(values, default=-1) >= 0 and max(values) <= _MOST_CHOSEN * high
+    return inside and 0 < len(values) <= above * _RARE
 
 
 _RARE = 20

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import NamedTuple
 
+from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.heading_roles import Roles, is_personal, names_fact
@@ -473,6 +474,12 @@ def candidates(role: str, columns: Iterable[int], context: Context) -> list[Cand
 def texts(table: SourceTable, column: int) -> list[str]:
     """Return the different texts of a column, in the order of the file, without blanks."""
     return [text for text in dict.fromkeys(table.column(column)) if text]
+
+
+def values_of(table: SourceTable, column: int) -> list[float]:
+    """Return the numbers of a column; other cells are passed over."""
+    read = [number(cell, table.reading.decimal or ".") for cell in table.column(column) if cell]
+    return [value for value in read if value is not None]
 
 
 def varies_within(table: SourceTable, column: int, participant: int | None) -> bool:

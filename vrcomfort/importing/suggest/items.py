@@ -35,9 +35,11 @@ def _mentions(text: str, name: str, short: str) -> bool:
     )
 
 
-def named_by_file(table: SourceTable | Grid, instruments: Iterable[Instrument]) -> set[str]:
-    """Return the instruments that the name of a table's file, or of its sheet, names."""
-    return mentions(f"{table.file.stem} {table.sheet}", instruments)
+def named_by_file(
+    table: SourceTable | Grid, instruments: Iterable[Instrument], *others: str
+) -> set[str]:
+    """Return the instruments that the name of a table's file, or of its sheet, names, or others."""
+    return mentions(" ".join([table.file.stem, table.sheet, *others]), instruments)
 
 
 def _acronyms(short: str) -> set[str]:
@@ -159,23 +161,6 @@ def _without_stray_weights(block: Found) -> Found:
     return replace(block, items=kept or block.items)
 
 
-def are_weights(table: SourceTable, block: Found) -> bool:
-    """Return whether answers are those to comparisons of the items: they have one sum in each row.
-
-    The weights of the task load index stand in a sheet of their own, under its items' names.
-    """
-    scales = [scale for scale in block.instrument.scales if scale.weights_sum]
-    decimal = table.reading.decimal or "."
-    rows = [[number(row[column], decimal) for column in block.columns] for row in table.rows]
-    whole = [[cell for cell in row if cell is not None] for row in rows if None not in row]
-    sums = {sum(row) for row in whole}
-    most = max((cell for row in whole for cell in row), default=0.0)
-    return any(
-        sums == {scale.weights_sum} and most < len(block.columns) and len(whole) > 1
-        for scale in scales
-    )
-
-
 def _with_weights(found: Sequence[Found]) -> list[Found]:
     """Put weights, which are asked beside the items, into the block with most of their words."""
     found = [_without_stray_weights(block) for block in found]
@@ -229,9 +214,8 @@ def _without_gaps(table: SourceTable, found: Sequence[Found], other: Set[int]) -
         ranked = sorted(places, key=order.index)
         rising = [places[item] for item in ranked] == sorted(places.values())
         items = dict(block.items)
-        if not rising or len(ranked) * 2 <= len(order):
-            ranked = []
-        known = [(order.index(item), places[item]) for item in ranked]
+        most = rising and len(ranked) * 2 > len(order)
+        known = [(order.index(item), places[item]) for item in (ranked if most else ())]
         for (one, left), (next_, right) in pairwise(_with_ends(table, known, len(order))):
             lacking = order[one + 1 : next_]
             between = [c for c in range(left + 1, right) if c not in taken]
@@ -398,10 +382,8 @@ def _best(
 
     def merit(block: Found) -> tuple[float, ...]:
         whole = len(block.items) / len(block.instrument.asked)
-        text = " ".join(table.headings[c] for c in block.columns)
-        said = block.instrument.name in mentions(
-            f"{table.file.stem} {table.sheet} {text}", instruments
-        )
+        headings = [table.headings[c] for c in block.columns]
+        said = block.instrument.name in named_by_file(table, instruments, *headings)
         exact = sum(named.how in {"name", "wording", "number"} for named in block.items.values())
         part = any(
             {*block.columns} < {*other.columns}
@@ -471,9 +453,8 @@ _FEWEST_UNNAMED = 8
 
 def _is_named(table: SourceTable, columns: Sequence[int], instrument: Instrument) -> bool:
     """Return whether numbered columns name their instrument, or are too many for another."""
-    said = " ".join([table.file.stem, table.sheet, *(table.headings[c] for c in columns)])
-    many = len(instrument.asked) >= _FEWEST_UNNAMED
-    return many or instrument.name in mentions(said, [instrument])
+    said = named_by_file(table, [instrument], *(table.headings[c] for c in columns))
+    return len(instrument.asked) >= _FEWEST_UNNAMED or bool(said)
 
 
 def _fit(table: SourceTable, columns: Sequence[int], instrument: Instrument) -> bool:

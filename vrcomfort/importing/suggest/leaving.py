@@ -8,8 +8,7 @@ from typing import Literal, NamedTuple
 
 from vrcomfort.importing.answers import time_in_words_s
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.evidence import texts
-from vrcomfort.importing.suggest.scores import values_of
+from vrcomfort.importing.suggest.evidence import texts, values_of
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 

@@ -12,7 +12,6 @@ from vrcomfort.importing.mapping import template_pattern
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.codings import Coding, coding_of, coding_of_texts
 from vrcomfort.importing.suggest.draft import (
-    CODING,
     CURIOUS,
     DIRECTION,
     INSTRUMENT,
@@ -28,7 +27,7 @@ from vrcomfort.importing.suggest.draft import (
 from vrcomfort.importing.suggest.evidence import texts
 from vrcomfort.importing.suggest.heading_roles import Roles
 from vrcomfort.importing.suggest.item_names import How, Named
-from vrcomfort.importing.suggest.items import Found, mentions
+from vrcomfort.importing.suggest.items import Found, mentions, named_by_file
 from vrcomfort.importing.suggest.long_tables import Long
 from vrcomfort.importing.suggest.ratings import MINUTES, FoundCourse, FoundRating
 from vrcomfort.importing.suggest.scores import parts_of
@@ -151,7 +150,6 @@ def draft_block(
         if how != "name":
             items.note(f"found by its {'spelling' if how == 'near' else how}", item)
     draft.tables["items"] = items
-    _of_single_items(table, block, coding, draft, doubts)
     for item, end in turned.items():
         own = draft.tables.setdefault("item_coding", TomlDraft())
         own.tables.setdefault(item, TomlDraft()).put("reverse_coded", True)
@@ -179,9 +177,7 @@ _ENDS = re.compile(r"(\d+)\s*[=:]\s*(?:very |sehr )?([^\W\d_]+)")
 def _instrument_doubts(table: SourceTable, block: Found, known: Known) -> list[OpenDoubt]:
     """Ask which instrument it is, where another has all of these items, too."""
     text = " ".join(table.headings[c] + " " + table.labels[c] for c in block.columns)
-    if block.instrument.name in mentions(
-        f"{table.file.stem} {table.sheet} {text}", known.instruments
-    ):
+    if block.instrument.name in named_by_file(table, known.instruments, text):
         return []
     found = set(block.items)
     others = [
@@ -261,28 +257,6 @@ def _direction_doubts(block: Found, coding: Coding) -> dict[str, OpenDoubt]:
         )
         for item in own
     }
-
-
-def _of_single_items(
-    table: SourceTable, block: Found, whole: Coding, draft: TomlDraft, doubts: list[OpenDoubt]
-) -> None:
-    """Let single columns be coded otherwise than the rest, where they go one too high."""
-    high, low = int(block.instrument.high), int(block.instrument.low)
-    if whole.coded_from is not None or whole.variant is not None:
-        return
-    own = TomlDraft()
-    for item, named in block.items.items():
-        answers = {value for value in _values(table, named.column) if value is not None}
-        if high + 1 in answers and low not in answers and max(answers) == high + 1:
-            own.tables[item] = TomlDraft({"coded_from": low + 1})
-            heading = table.headings[named.column]
-            question = f"Is {heading!r} counted from {low + 1}, unlike the other items?"
-            doubts.append(OpenDoubt(question, f"it is: {low + 1} stands for {low}", *CODING))
-    if own.tables:
-        draft.tables["item_coding"] = own
-        stale = [d for d in doubts if d.question.startswith(f"What do the answers {high + 1} mean")]
-        for doubt in stale:
-            doubts.remove(doubt)
 
 
 def draft_long(

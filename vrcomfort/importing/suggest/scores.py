@@ -12,7 +12,7 @@ from vrcomfort.importing.made_instruments import on_scale
 from vrcomfort.importing.mapping import ScoreKind, scale_named
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.block_conditions import numbers_in_words
-from vrcomfort.importing.suggest.evidence import texts
+from vrcomfort.importing.suggest.evidence import texts, values_of
 from vrcomfort.importing.suggest.heading_roles import roles_of
 from vrcomfort.importing.suggest.items import FoundAnswers, mentions, named_by_file
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
@@ -53,9 +53,7 @@ def find_scores(table: SourceTable, columns: Sequence[int], known: Known) -> lis
         return tidy
     found: list[FoundScores] = []
     left = list(columns)
-    named = mentions(
-        f"{table.file.stem} {table.sheet} {' '.join(table.headings)}", known.instruments
-    )
+    named = named_by_file(table, known.instruments, *table.headings)
     for instrument in sorted(
         known.instruments, key=lambda each: (each.name not in named, each.name != "ssq")
     ):
@@ -77,9 +75,7 @@ def _in_rows(table: SourceTable, columns: Sequence[int], known: Known) -> list[F
     """Return the scores of a table with a row for each scale, which a column names."""
     labels = known.vocabulary.response_labels
     values = [c for c in columns if plain(table.headings[c]) in labels and _numeric(table, c)]
-    named = mentions(
-        f"{table.file.stem} {table.sheet} {' '.join(table.headings)}", known.instruments
-    )
+    named = named_by_file(table, known.instruments, *table.headings)
     for column in columns if len(values) == 1 else ():
         names = texts(table, column)
         if column in values or not _FEWEST_NAMED <= len(names) <= _MOST_SCALES:
@@ -277,8 +273,7 @@ _MOST_WORDS = 3
 def _is_sure(table: SourceTable, instrument: Instrument, scales: Mapping[str, int]) -> bool:
     """Return whether these are scores, and not columns that happen to be called N or O."""
     names = [table.headings[column] for column in scales.values()]
-    places = (*names, table.file.stem, table.sheet)
-    said = any(instrument.name in mentions(name, [instrument]) for name in places)
+    said = bool(named_by_file(table, [instrument], *names))
     single = all(len("".join(tokens(name))) < 3 for name in names)
     if single:
         return len(scales) >= 3
@@ -347,12 +342,6 @@ def kind_of(table: SourceTable, found: FoundScores) -> ScoreKind:
 
 
 _KINDS: tuple[ScoreKind, ...] = ("score", "raw_sum")
-
-
-def values_of(table: SourceTable, column: int) -> list[float]:
-    """Return the numbers of a column; other cells are passed over."""
-    read = [number(cell, table.reading.decimal or ".") for cell in table.column(column) if cell]
-    return [value for value in read if value is not None]
 
 
 def parts_of(
