@@ -29,5 +29,5 @@ void main() {
         if (share > 0.0)
             sum += share * blown_up(levels[k - 1], k);
     }
-    blurred = vec4(min(sum, 65504.0), sharp.a);
+    blurred = vec4(min(sum, HALF_MAX), sharp.a);
 }

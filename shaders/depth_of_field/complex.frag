@@ -285,5 +285,5 @@ void main() {
                                : surface.rgb / max(surface.a, 1e-5);
     vec3 over = foreground.a > 0.0 ? foreground.rgb / foreground.a : vec3(0.0);
     vec3 all = mix(own, over, min(foreground.a, 1.0));
-    blurred = vec4(own_px <= 0.5 && foreground.a <= 0.0 ? p.rgb : min(all, 65504.0), 1.0);
+    blurred = vec4(own_px <= 0.5 && foreground.a <= 0.0 ? p.rgb : min(all, HALF_MAX), 1.0);
 }

@@ -36,5 +36,5 @@ void main() {
         away = SQRT_HALF * vec2(away.x - away.y, away.x + away.y);
     }
     vec3 own = taps > 0 ? sum.rgb / sum.a : p.rgb;
-    blurred = vec4(alpha > 0.0 ? min(mix(own, soft.rgb, alpha), 65504.0) : own, 1.0);
+    blurred = vec4(alpha > 0.0 ? min(mix(own, soft.rgb, alpha), HALF_MAX) : own, 1.0);
 }

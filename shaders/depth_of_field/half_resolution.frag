@@ -19,7 +19,7 @@ void main() {
     ivec2 first = 2 * ivec2(gl_FragCoord.xy);
     ivec2 last = textureSize(source, 0) - 1;
     vec4 blurred = vec4(0.0), any_pixel = vec4(0.0);
-    float sum_px = 0.0, least_px = 65504.0, pixels = 0.0;
+    float sum_px = 0.0, least_px = HALF_MAX, pixels = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 pixel = first + ivec2(i & 1, i >> 1);
         if (any(greaterThan(pixel, last)))
@@ -42,5 +42,5 @@ void main() {
     vec4 sum = any_pixel;
     float radius_px = abs(least_px) < IN_FOCUS_PX ? 0.0 : least_px;
 #endif
-    half_image = vec4(min(sum.rgb / sum.a, 65504.0), radius_px);
+    half_image = vec4(min(sum.rgb / sum.a, HALF_MAX), radius_px);
 }

@@ -13,5 +13,5 @@ out vec4 image;
 void main() {
     vec3 sharp = texelFetch(colour_and_coc, ivec2(gl_FragCoord.xy), 0).rgb;
     vec4 soft = textureLod(half_image, gl_FragCoord.xy / (2.0 * vec2(textureSize(half_image, 0))), 0.0);
-    image = vec4(min(soft.rgb + (1.0 - soft.a) * sharp, 65504.0), 1.0);
+    image = vec4(min(soft.rgb + (1.0 - soft.a) * sharp, HALF_MAX), 1.0);
 }

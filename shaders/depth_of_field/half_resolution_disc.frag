@@ -50,5 +50,5 @@ void main() {
     float back_opacity = smoothstep(TEXEL_PX, 2.0 * TEXEL_PX, centre.a);
     float opacity = clamp(front.a * PI / float(TAPS), 0.0, 1.0);
     vec3 colour = mix(back_opacity * back, fore, opacity);
-    blurred = vec4(min(colour, 65504.0), 1.0 - (1.0 - back_opacity) * (1.0 - opacity));
+    blurred = vec4(min(colour, HALF_MAX), 1.0 - (1.0 - back_opacity) * (1.0 - opacity));
 }

@@ -191,5 +191,5 @@ void main() {
         front = foreground(-radii_px.r, noise);
     if (radii_px.g > 0.0)
         back = background(abs(texelFetch(half_image, ivec2(gl_FragCoord.xy), 0).a), noise);
-    blurred = min(front + (1.0 - front.a) * back, 65504.0);
+    blurred = min(front + (1.0 - front.a) * back, HALF_MAX);
 }

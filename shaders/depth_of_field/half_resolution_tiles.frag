@@ -12,14 +12,14 @@ out vec2 radii_px;
 
 void main() {
     ivec2 last = textureSize(source, 0) - 1;
-    radii_px = vec2(65504.0, -65504.0);
+    radii_px = vec2(HALF_MAX, -HALF_MAX);
 #ifdef DILATE
     for (int i = 0; i < 9; ++i) {
         ivec2 tile = ivec2(gl_FragCoord.xy) + ivec2(i % 3, i / 3) - 1;
         vec2 other_px = texelFetch(source, clamp(tile, ivec2(0), last), 0).rg;
         // Of tiles that have come this far, discs that are narrower cannot reach this one.
-        other_px = i == 4 || FROM_PX == 0.0 ? other_px : vec2(other_px.r < -FROM_PX ? other_px.r : 65504.0,
-                                                            other_px.g > FROM_PX ? other_px.g : -65504.0);
+        other_px = i == 4 || FROM_PX == 0.0 ? other_px : vec2(other_px.r < -FROM_PX ? other_px.r : HALF_MAX,
+                                                            other_px.g > FROM_PX ? other_px.g : -HALF_MAX);
         radii_px = vec2(min(radii_px.r, other_px.r), max(radii_px.g, other_px.g));
     }
 #else

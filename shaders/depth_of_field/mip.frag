@@ -59,5 +59,5 @@ void main() {
     blurred = vec4(p.rgb, 1.0);
     for (int k = 1; k <= CHAIN; ++k)
         draw(levels[k - 1], k);
-    blurred.rgb = min(blurred.rgb, 65504.0);
+    blurred.rgb = min(blurred.rgb, HALF_MAX);
 }

@@ -36,5 +36,5 @@ void main() {
         float weight = q > p.a ? 1.0 : min(abs(q) / max(max_radius_px, 1e-6), 1.0);
         sum += weight * vec4(textureLod(colour_and_coc, tap / vec2(last + 1), 0.0).rgb, 1.0);
     }
-    blurred = vec4(min(sum.rgb / sum.a, 65504.0), 1.0);
+    blurred = vec4(min(sum.rgb / sum.a, HALF_MAX), 1.0);
 }

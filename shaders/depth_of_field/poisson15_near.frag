@@ -38,5 +38,5 @@ void main() {
         sum += textureLod(colour_and_coc, (gl_FragCoord.xy + away_px) / size_px, 0.0).rgb;
     }
     // Fifteen times the same over fifteen may be off by one bit.
-    blurred = vec4(radius_px > 0.0 ? min(sum / float(TAPS), 65504.0) : p.rgb, 1.0);
+    blurred = vec4(radius_px > 0.0 ? min(sum / float(TAPS), HALF_MAX) : p.rgb, 1.0);
 }

@@ -10,5 +10,5 @@ out vec4 blurred;
 
 void main() {
     vec4 sum = texelFetch(shares, ivec2(gl_FragCoord.xy), 0);
-    blurred = vec4(min(sum.rgb / sum.a, 65504.0), 1.0);
+    blurred = vec4(min(sum.rgb / sum.a, HALF_MAX), 1.0);
 }

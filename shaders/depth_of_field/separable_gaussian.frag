@@ -31,5 +31,5 @@ void main() {
         c += textureLod(source, (gl_FragCoord.xy - away) / size, 0.0).rgb;
         sum += weight * vec4(c, 2.0);
     }
-    blurred = vec4(min(sum.rgb / sum.a, 65504.0), p.a);
+    blurred = vec4(min(sum.rgb / sum.a, HALF_MAX), p.a);
 }

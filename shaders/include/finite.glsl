@@ -1,7 +1,5 @@
 // Light that can be averaged: what is not finite would spread over all that its disc covers.
 
-const float HALF_MAX = 65504.0;
-
 // Some renderers cut half floats off instead of rounding them: means must not fall short by a float's rounding.
 const float UP = 1.0 + 1e-6;
 

@@ -19,7 +19,7 @@ vec3 read(vec2 at_px) {
 // Catmull-Rom across the streak, on the axis along which it is shorter: a bilinear read blurs there
 // as well. The two middle rows are read at once, where the filter weighs them as the curve does.
 // The mean is no brighter or darker than all that was read.
-vec3 least = vec3(65504.0), greatest = vec3(0.0);
+vec3 least = vec3(HALF_MAX), greatest = vec3(0.0);
 
 vec3 read_across(vec2 at_px, vec2 across) {
     float t = dot(fract(at_px - 0.5), across);
@@ -61,5 +61,5 @@ vec3 mean_of_reads(vec3 mean, vec3 own) {
 #ifdef CUBIC
     mean = clamp(mean, min(least, own), max(greatest, own));
 #endif
-    return min(mean, 65504.0);
+    return min(mean, HALF_MAX);
 }

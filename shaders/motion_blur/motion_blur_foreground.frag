@@ -194,5 +194,5 @@ void main() {
     if (foreground.a <= 0.0 && !moves)
         return;
     vec3 over = foreground.a > 0.0 ? foreground.rgb / foreground.a : vec3(0.0);
-    blurred.rgb = min(mix(background.rgb / background.a, over, min(foreground.a, 1.0)), 65504.0);
+    blurred.rgb = min(mix(background.rgb / background.a, over, min(foreground.a, 1.0)), HALF_MAX);
 }

@@ -41,5 +41,5 @@ void main() {
         float along = (2.0 * float(i) + 1.0) / float(SAMPLES) - 1.0;
         sum += textureLod(colour, (gl_FragCoord.xy + along * half_velocity) * texel, 0.0).rgb;
     }
-    blurred.rgb = min(sum / float(SAMPLES), 65504.0);
+    blurred.rgb = min(sum / float(SAMPLES), HALF_MAX);
 }

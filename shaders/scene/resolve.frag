@@ -65,7 +65,7 @@ void main() {
 #endif
 #ifdef BY_BRIGHTNESS
         float weight = 1.0 / (1.0 + BY_BRIGHTNESS * max(c.r, max(c.g, c.b)));
-        c = weight * min(c, 65504.0);
+        c = weight * min(c, HALF_MAX);
         weights += weight;
 #endif
         sum += c;

@@ -23,5 +23,5 @@ void main() {
         vec3 b = texelFetch(image, min(pixel + i * step_px, last), 0).rgb;
         sum += exp(falloff * float(i * i)) * vec4(a + b, 2.0);
     }
-    blurred = vec4(min(sum.rgb / sum.a, 65504.0), 1.0);
+    blurred = vec4(min(sum.rgb / sum.a, HALF_MAX), 1.0);
 }

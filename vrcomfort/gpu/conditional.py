@@ -5,12 +5,15 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from functools import partial
+from typing import ParamSpec
 
 import moderngl
 
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.passes import WATCHERS
 from vrcomfort.gpu.timer import queries
+
+P = ParamSpec("P")
 
 _ANY_SAMPLES_PASSED, _QUERY_WAIT = 0x8C2F, 0x8E13
 
@@ -50,14 +53,14 @@ class ConditionalDraws:
         finally:
             self._end_query()
 
-    def run(self, draw: Callable[[], object]) -> None:
+    def run(self, draw: Callable[P, object], *arguments: P.args, **options: P.kwargs) -> None:
         """Draw if one has."""
         if WATCHERS:
             if self._known():
-                draw()
+                draw(*arguments, **options)
             return
         self._begin()
         try:
-            draw()
+            draw(*arguments, **options)
         finally:
             self._end()

@@ -27,7 +27,8 @@ Chosen = Mapping[str, str]
 _INCLUDE = re.compile(r'^[ \t]*#include[ \t]+"([^"]+)"', re.MULTILINE)
 _MEMBER = re.compile(r"^\s*(mat4|vec[34]|float)\s+(\w+)\s*(?:\[(\d+)\])?\s*;", re.MULTILINE)
 _VEC4_BYTES = 16
-
+_ALWAYS: Defines = {"HALF_MAX": 65504.0}
+"""Defines of every file: the greatest half float."""
 
 _counting: ContextVar[Literal["all", "undrawn"] | None] = ContextVar("counting", default=None)
 
@@ -122,7 +123,7 @@ def compute(
 def _with_defines(text: str, defines: Defines) -> str:
     """Put the defines after ``#version`` and keep the line numbers of the file."""
     version, rest = text.split("\n", 1)
-    lines = [f"#define {name} {value}" for name, value in defines.items()]
+    lines = [f"#define {name} {value}" for name, value in {**_ALWAYS, **defines}.items()]
     return "\n".join([version, *lines, "#line 2", rest])
 
 
@@ -137,6 +138,16 @@ def _with_chosen(text: str, chosen: Chosen) -> str:
 def _register_includes(ctx: moderngl.Context, text: str) -> None:
     for name in _INCLUDE.findall(text):
         ctx.includes[name] = _included(name)
+
+
+@cache
+def constant(include: str, name: str) -> float:
+    """Return a constant that an include file declares: the GLSL text is the only declaration."""
+    text = source(f"include/{include}")
+    found = re.search(rf"^const \w+ {name} = ([-.\w]+);", text, re.MULTILINE)
+    if found is None:
+        raise RuntimeError(f"{include} declares no constant {name}")
+    return float(found[1])
 
 
 @cache

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 import moderngl
 
@@ -116,19 +117,19 @@ class ConditionPasses:
                 lens_law="dioptre" if self._views > 1 else None,
                 background=condition if "background_blur" in self.names else None,
             )
+        self._near_m = near_m
+        self._sees_along_ray = blur is not None and blur.distance_along == "ray"
         self.focus: FocusPass | None = None
         if any("focus" in each.reads for each in registered):
-            along_ray = blur is not None and blur.distance_along == "ray"
+            gpu, along_ray = self.scene.gpu, self._sees_along_ray
             self.focus = make_focus_pass(
-                ctx, self.scene.gpu, condition.focus, near_m=near_m, along_ray=along_ray
+                ctx, gpu, condition.focus, near_m=near_m, along_ray=along_ray
             )
         self._centred = condition.centred_on_gaze
         self._centre: GazeFollower | None = None
         if condition.gaze_centre is not None and self._centred:
             self._centre = GazeFollower(condition.gaze_centre.hold_s)
             self._needs_gaze = condition.gaze_centre.without_gaze == "stop"
-        self._sees_along_ray = blur is not None and blur.distance_along == "ray"
-        self._near_m = near_m
         self.gaze_hits: GazeHits | None = None
         """Made when the first gaze is to be looked along."""
         self.colour = self.scene.colour
@@ -143,48 +144,45 @@ class ConditionPasses:
         with self._limiting():
             for each in registered:
                 self._add(each, condition)
-            if headset_depth == "blur_aware" and blur is not None and self.focus is not None:
-                reads = {"depth": self.scene.depth, "focus": self.focus.texture}
-                self._seen_depth = SeenDepthPass(
-                    EffectInputs(ctx, blur, self.colour, reads, condition.focus.infinity_m)
-                )
             self._effects: Mapping[str, EffectPass] = self._of_view | self._of_eye
-            # A target for each eye: both images of a frame are valid until the next frame.
-            exposure, blue_noise = scene.environment.exposure, noise_texture(ctx)
-            self.tone_maps = tuple(
-                tone_map_pass(
-                    ctx,
-                    radiance=self.colour,
-                    blue_noise=blue_noise,
-                    size_px=size_px,
-                    exposure=exposure,
-                )
-                for _ in range(eyes)
+            if headset_depth == "blur_aware" and blur is not None:
+                self._seen_depth = SeenDepthPass(self._inputs(condition, blur, ("depth", "focus")))
+            tone_map = partial(
+                tone_map_pass,
+                ctx,
+                radiance=self.colour,
+                blue_noise=noise_texture(ctx),
+                size_px=size_px,
+                exposure=scene.environment.exposure,
             )
+            # A target for each eye: both images of a frame are valid until the next frame.
+            self.tone_maps = tuple(tone_map() for _ in range(eyes))
 
     def _limiting(self) -> AbstractContextManager[None]:
         """Return the context in which passes of an eye's image are made."""
         return nullcontext() if self.area is None else self.area.limiting()
 
     def _add(self, registered: RegisteredEffect, condition: Condition) -> None:
-        focus = self.focus.texture if self.focus is not None else None
-        made = {"depth": self.scene.depth, "focus": focus, "velocity": self.scene.velocity}
-        effect = registered.build(
-            EffectInputs(
-                self._ctx,
-                getattr(condition, registered.name),
-                self.colour,
-                {name: found for name in registered.reads if (found := made.get(name)) is not None},
-                condition.focus.infinity_m,
-                # Only the first effect reads the scene's own image: there the resolve writes radii.
-                self.scene if self.colour is self.scene.colour else None,
-            )
-        )
+        settings = getattr(condition, registered.name)
+        effect = registered.build(self._inputs(condition, settings, registered.reads))
         if effect is not None:
             self._of_eye[registered.name] = effect
             self.colour = effect.target
         if registered.name == "depth_of_field":
             self._add_lens_views(condition)
+
+    def _inputs(self, condition: Condition, settings: Any, reads: Iterable[str]) -> EffectInputs:
+        focus = self.focus.texture if self.focus is not None else None
+        made = {"depth": self.scene.depth, "focus": focus, "velocity": self.scene.velocity}
+        return EffectInputs(
+            self._ctx,
+            settings,
+            self.colour,
+            {name: found for name in reads if (found := made.get(name)) is not None},
+            condition.focus.infinity_m,
+            # Only the first effect reads the scene's own image: there the resolve writes radii.
+            self.scene if self.colour is self.scene.colour else None,
+        )
 
     def _add_lens_views(self, condition: Condition) -> None:
         settings = condition.depth_of_field

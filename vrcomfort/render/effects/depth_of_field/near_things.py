@@ -15,26 +15,21 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.gpu import gl, passes
+from vrcomfort.gpu import gl, passes, shaders
 from vrcomfort.gpu.conditional import ConditionalDraws
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.visible_area import DRAWN
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs, each_level
-from vrcomfort.render.effects.depth_of_field.layered_gather import (
-    of_class,
-    on_tiles,
-)
+from vrcomfort.render.effects.depth_of_field.layered_gather import of_class, on_tiles
 from vrcomfort.render.scene_pass import ScenePass
 
-BEHIND_PX = 2.0
-"""As in ``include/near.glsl``: without wider discs nothing is drawn apart."""
+BEHIND_PX = shaders.constant("near.glsl", "BEHIND_PX")
+"""Without wider discs nothing is drawn apart."""
 
 SILHOUETTE = 3.0
 """Farther from a silhouette, in radii of its disc, a near thing is not drawn apart."""
 
-
-_BEHIND = 2
-"""As in ``include/tile_classes.glsl``."""
+_BEHIND = shaders.constant("tile_classes.glsl", "BEHIND")
 
 
 class NearThings:
@@ -108,8 +103,9 @@ class NearThings:
 
     def draw_behind(self, pixel_aspect: float) -> None:
         """Draw what is behind the near things of the last eye, whose radii are known."""
-        for each in self._tiles:
-            each.render(pixel_aspect=pixel_aspect)
+        rows, tiles = self._tiles
+        rows.render(pixel_aspect=pixel_aspect)
+        tiles.render(pixel_aspect=pixel_aspect)
         self._if_any.ask(self._again.render)
         self._if_any.run(self._draw_next)
         self._if_more.run(self._draw_last)
@@ -117,7 +113,7 @@ class NearThings:
 
     def draw_over(self, pixel_aspect: float) -> None:
         """Draw near things over the blurred image."""
-        self._if_any.run(lambda: self._draw_over(pixel_aspect))
+        self._if_any.run(self._draw_over, pixel_aspect)
 
     def warm_up(self) -> None:
         """Draw once what frames without near things skip."""
@@ -144,21 +140,18 @@ class NearThings:
 
     def _draw_next(self) -> None:
         self._limit.render()
-        self._close.run(self._shut)
+        self._close.run(self._closed.clear, depth=1.0)
         self._open_next.render()
         self._scene.draw_behind()
         for each in self._layers:
             each.render()
         self._take.render()
-        self._close.run(self._shut)
+        self._close.run(self._closed.clear, depth=1.0)
         self._if_more.ask(self._open_last.render)
 
     def _draw_last(self) -> None:
         self._scene.draw_behind()
         self._take.render()
-
-    def _shut(self) -> None:
-        self._closed.clear(depth=1.0)
 
     def _draw_over(self, pixel_aspect: float) -> None:
         self._gather.render(pixel_aspect=pixel_aspect)
