@@ -17,9 +17,9 @@ in vec4 in_relative_x;
 in vec4 in_relative_y;
 in vec4 in_relative_z;
 in float in_material;
-in vec4 in_thing;  // w: semantic weight
+in vec4 in_thing;  // x: number of the view, w: semantic weight
 layout(std140, binding = 3) uniform Clip {
-    mat4 clip_from_relative;
+    mat4 clips_from_relative[VIEWS];
 };
 #ifdef ALPHA_MASK
 out vec2 uv;
@@ -38,7 +38,7 @@ void main() {
     x = now * x, y = now * y, z = now * z;
 #endif
     vec3 relative = vec3(dot(x, position), dot(y, position), dot(z, position));
-    gl_Position = clip_from_relative * vec4(relative, 1.0);
+    gl_Position = clips_from_relative[int(in_thing.x)] * vec4(relative, 1.0);
 #ifdef ALPHA_MASK
     uv = in_uv;
 #ifdef UV_1

@@ -39,7 +39,7 @@ from vrcomfort.render.scene_buffers import (
     SECOND_UV_NAMES,
     VERTEX_FORMAT,
     VERTEX_NAMES,
-    ClipBlocks,
+    ClipBlock,
     JointBuffer,
     Movement,
     RowBuffers,
@@ -106,7 +106,7 @@ class GpuScene:
         self._color_rows = RowBuffers(ctx, 2 * len(table.node), previous=velocity)
         self._depth_rows = RowBuffers(ctx, len(table.node), previous=False)
         self._drawer = BatchDrawer(ctx, scene, images)
-        self._clips = ClipBlocks(ctx)
+        self._clips = ClipBlock(ctx)
         joints = scene.all_skins.count
         self._joints = JointBuffer(ctx, joints) if joints else None
         factory = self._factory(defines or {})
@@ -340,19 +340,14 @@ class GpuScene:
             return 0
         key = self._list.depth_key[row] + view * len(states)
         order = np.argsort(key, kind="stable")
-        self._rows.write(self._depth_rows, row[order], origin_m, numbered=numbered)
+        rows, buffers = self._rows, self._depth_rows
+        rows.write(buffers, row[order], origin_m, view[order], numbered=numbered)
         self._clips.write(clips_from_relative)
         if self._joints is not None:
             self._joints.bind()
         numbers, found = batches(key[order], len(states))
-        draw, commands, last = self._drawer.draw, self._depth_rows.commands, -1
-        for number, batch in zip(numbers, found, strict=True):
-            if number != last and begin_views:
-                begin_views[number]()
-            if number != last:
-                self._clips.bind[number]()
-            draw([batch], states, commands, cull=cull, goes_on=last >= 0)
-            last = number
+        before = [begin_views[number] for number in numbers] if begin_views else ()
+        self._drawer.draw(found, states, buffers.commands, cull=cull, before=before)
         self.draws += len(found)
         self.triangles += int(np.add.reduce(self._triangles_of_row[row]))
         return len(found)
@@ -389,8 +384,6 @@ class BatchDrawer:
         self._ctx = ctx
         self._materials = MaterialBuffer(ctx, scene, images)
         self.textures = TextureStore(ctx, scene, images)
-        self._faces: str | None = None
-        self._block: int | None = None
 
     def draw(
         self,
@@ -399,7 +392,7 @@ class BatchDrawer:
         commands: moderngl.Buffer,
         *,
         cull: bool = True,
-        goes_on: bool = False,
+        before: Sequence[Callable[[], object]] = (),
     ) -> None:
         """Draw.
 
@@ -409,15 +402,14 @@ class BatchDrawer:
             Numbered by the keys of batches.
         cull
             Whether back faces of one-sided surfaces are left out.
-        goes_on
-            Nothing else has been drawn since the last call.
+        before
+            What is called before each batch.
         """
-        ctx = self._ctx
-        culled, bound = (self._faces, self._block) if goes_on else (None, None)
-        if not goes_on:
-            self.textures.bind()
-        covers = False
-        for key, first, length in batches:
+        ctx, culled, bound, covers = self._ctx, None, None, False
+        self.textures.bind()
+        for number, (key, first, length) in enumerate(batches):
+            if before:
+                before[number]()
             array, block, faces, state_covers = states[key]
             if block is not None and block != bound:
                 bound = block
@@ -436,4 +428,3 @@ class BatchDrawer:
             array.render_indirect(commands, moderngl.TRIANGLES, length, first)
         if covers:
             ctx.disable_direct(_ALPHA_TO_COVERAGE)
-        self._faces, self._block = culled, bound

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from vrcomfort.errors import InputError
 from vrcomfort.gpu import gl, passes, shaders
 from vrcomfort.gpu.gl import is_software
+from vrcomfort.optics.focus import RAYS
 from vrcomfort.scene.data import Image, Material, Scene, UvMap, Wrap
 
 Features: TypeAlias = tuple[str, ...]
@@ -360,11 +361,13 @@ class BatchStateFactory:
     def depth(self, key: BatchKey) -> BatchState:
         """Return the state that draws a batch's depth alone; `key` is one `of_depth`."""
         fragment = "scene/depth.frag" if key.masked else None
-        return self._surface(key, (fragment, "scene/depth.vert"), {})
+        return self._surface(key, (fragment, "scene/depth.vert"), {"VIEWS": RAYS})
 
     def semantic(self, key: BatchKey) -> BatchState:
         """Return the state that draws depth and semantic weights; `key` is one `of_depth`."""
-        return self._surface(key, ("scene/depth.frag", "scene/depth.vert"), {"SEMANTIC": 1})
+        return self._surface(
+            key, ("scene/depth.frag", "scene/depth.vert"), {"SEMANTIC": 1, "VIEWS": RAYS}
+        )
 
     def _surface(
         self, key: BatchKey, files: tuple[str | None, str], defines: shaders.Defines

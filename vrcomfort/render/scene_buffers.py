@@ -6,8 +6,6 @@ view: a 3 × 4 matrix and a few numbers; rows of visible instances are written e
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from typing import Literal, NamedTuple
 
 import moderngl
@@ -16,6 +14,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl
+from vrcomfort.optics.focus import RAYS
 from vrcomfort.render import culling
 from vrcomfort.render.draw_list import COMMAND, DrawList
 from vrcomfort.render.lighting import LampReach
@@ -107,6 +106,7 @@ _ROW, _MATRIX = 18, 12
 
 # Columns after the matrix: `in_thing` (scene.vert), then `in_material` and `in_first_joint`.
 _AMBIENT, _LOCKED, _LAMPS, _WEIGHT, _MATERIAL, _FIRST_JOINT = range(_MATRIX, _ROW)
+_VIEW = _AMBIENT  # in depth.vert
 
 
 class RowBuffers:
@@ -321,7 +321,13 @@ class SceneRows:
         return seen
 
     def write(
-        self, buffers: RowBuffers, order: Rows, origin_m: Array, *, numbered: bool = False
+        self,
+        buffers: RowBuffers,
+        order: Rows,
+        origin_m: Array,
+        view: Rows | None = None,
+        *,
+        numbered: bool = False,
     ) -> None:
         """Write instances in drawing order.
 
@@ -331,6 +337,8 @@ class SceneRows:
             Rows; an instance that is drawn in several views is there several times.
         origin_m
             (3,), or (len(order), 3): the viewpoint that each is drawn from.
+        view
+            (len(order),) for depth alone: whose matrix of `ClipBlock` each takes.
         numbered
             With the numbers of nodes, from 1, in the place of semantic weights.
         """
@@ -339,6 +347,8 @@ class SceneRows:
         nodes = self._list.node[order]
         rows = self._rows[order]
         rows[:, :_MATRIX] = relative_rows(self._world, nodes, origin_m).reshape(-1, _MATRIX)
+        if view is not None:
+            rows[:, _VIEW] = view
         if numbered:
             rows[:, _WEIGHT] = nodes + 1
         before = None
@@ -412,21 +422,17 @@ class JointBuffer:
 CLIP_BINDING = 3
 
 
-class ClipBlocks:
-    """The uniform block of ``depth.vert`` for each of several views, all written with one call."""
+class ClipBlock:
+    """The uniform block of ``depth.vert``: matrices of up to nine views, the rays of the focus."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        self._stride = gl.uniform_stride(64)
-        self._buffer = gl.dynamic_buffer(ctx, self._stride)
+        self._matrices = np.zeros((RAYS, 4, 4), dtype=np.float32)
+        self._buffer = gl.dynamic_buffer(ctx, self._matrices.nbytes)
         self._rewrite = gl.rewriter(ctx, self._buffer)
-        self.bind: list[Callable[[], None]] = []
-        """Makes a view's matrix the one that shaders see."""
 
     def write(self, clips_from_relative: Array) -> None:
-        """Take (views, 4, 4) matrices."""
-        for view in range(len(self.bind), len(clips_from_relative)):
-            bind = partial(self._buffer.bind_to_uniform_block, CLIP_BINDING, size=64)
-            self.bind.append(partial(bind, offset=view * self._stride))
-        blocks = np.zeros((len(clips_from_relative), self._stride // 64, 4, 4), dtype=np.float32)
-        blocks[:, 0] = clips_from_relative.swapaxes(-1, -2)  # GLSL stores columns
-        self._rewrite(blocks.tobytes())
+        """Make (views, 4, 4) matrices those that shaders see."""
+        found = clips_from_relative.swapaxes(-1, -2)  # GLSL stores columns
+        self._matrices[: len(found)] = found
+        self._rewrite(self._matrices.tobytes())
+        self._buffer.bind_to_uniform_block(CLIP_BINDING)
