@@ -240,8 +240,7 @@ class ScenePass:
             self._background.render(self._background_level)
             self._targets.use()
             self._draw_opaque(view, foreground=True)
-            if self.gpu.has_blended:
-                self._draw_blended(view, foreground=True)
+            self._draw_blended(view, foreground=True)
         self._ctx.enable_only(moderngl.NOTHING)
 
     def _draw_layers(self, view: int, *, behind: bool = False) -> None:
@@ -250,8 +249,7 @@ class ScenePass:
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = ">="  # the sky lies at infinity: depth 0, as the clear value
         (self._sky_behind if behind else self._behind).run(self._sky.render, vertices=3)
-        if self.gpu.has_blended:
-            self._draw_blended(view, behind=behind)
+        self._draw_blended(view, behind=behind)
 
     def _draw_opaque(self, view: int, *, foreground: bool = False, behind: bool = False) -> None:
         self._ctx.enable_only(moderngl.DEPTH_TEST)
@@ -260,6 +258,8 @@ class ScenePass:
         drawn.run(self.gpu.draw, view, blended=False, foreground=foreground, behind=behind)
 
     def _draw_blended(self, view: int, *, foreground: bool = False, behind: bool = False) -> None:
+        if not self.gpu.has_blended:
+            return
         (self._single if behind else self._targets).blend()
         self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
         self._ctx.depth_func = gl.DEPTH_FUNC
