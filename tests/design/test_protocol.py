@@ -76,7 +76,7 @@ def test_factors_are_crossed_to_conditions(tmp_path):
     ]  # fmt: skip
     both = protocol.condition("dof_moving")
     assert both.levels == {"blur": "dof", "streaks": "moving"}
-    assert both.label == "Depth of field, moving"
+    assert both.label == "Depth of field + moving"
     assert (both.depth_of_field.law, both.depth_of_field.max_radius_percent) == ("dioptre", 1.0)
     assert both.motion_blur.mode == "full"
     neither = protocol.condition("sharp_still")

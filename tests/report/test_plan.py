@@ -5,8 +5,10 @@ import json
 import re
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
+from tests.support import designs
 from tests.support.places import ROOT
 from tests.support.report import (
     ITEMS,
@@ -287,8 +289,43 @@ def test_conditions_of_different_people_are_compared_between_them(tmp_path):
     anova = results["anova"][0]
     assert (anova["n"], anova["between"]) == (12, ["condition"])
     assert [e["effect"] for e in anova["effects"]] == ["condition"]
-    assert 'kind = "between"' in results["tests"][0]["not_tested"]
-    assert results["mixed_models"] == []
+    assert results["tests"] == [] == results["mixed_models"]
+    first = results["comparisons"][0]
+    assert (first["test"], first["n_a"], first["n_b"]) == ("mann_whitney", 6, 6)
+
+
+def test_pairs_of_different_people_are_told_what_to_write(tmp_path):
+    scores = {f"P{i}": {"ab"[i % 2]: 2 + i} for i in range(12)}
+    text = 'outcomes = ["T"]\n[[contrasts]]\na = "a"\nb = "b"\n'
+    row = analysed(foreign(tmp_path / "questionnaires.csv", scores), text)["tests"][0]
+    assert 'write between = "condition"' in row["not_tested"]
+
+
+def test_nobody_of_three_groups_is_missing_from_the_tests_of_the_others(tmp_path):
+    scores = {f"P{i:02d}": {"abc"[i % 3]: 2 + i} for i in range(15)}
+    results, page = reported(foreign(tmp_path / "questionnaires.csv", scores), "")
+    people = results["participants"]
+    assert len(people["analysed"]) == 15
+    assert people["left_out"] == people["in_some_tests"] == []
+    assert results["flow"][-1]["in_every_test"] == 15
+    for pairs in (
+        "igned-rank tests do not",
+        "rely on the signed",
+        "worst-rank",
+        "No test was made",
+    ):
+        assert pairs not in page
+
+
+def test_groups_that_are_the_conditions_are_one_factor(tmp_path):
+    folder = designs.between_groups(tmp_path / "study")
+    path = folder / "questionnaires.csv"
+    table = pd.read_csv(path, dtype=str, keep_default_na=False)
+    of = pd.read_csv(folder / "participants.csv").set_index("participant")["group"]
+    after = table["timepoint"] == "post"
+    table.loc[after, "condition"] = table.loc[after, "participant"].map(of)
+    table.to_csv(path, index=False)
+    assert [factor.name for factor in plan_of(read_study(folder)).anova] == ["condition"]
 
 
 def test_covariates_are_in_the_mixed_model(grouped):

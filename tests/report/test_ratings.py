@@ -280,6 +280,18 @@ EXTREMES = {
 }  # fmt: skip
 
 
+def test_intervals_of_groups_are_not_called_within_participants(tmp_path):
+    study = RatedStudy()
+    for person in range(8):
+        study.expose(f"P{person}", "ab"[person % 2], [person % 3, 2 + person % 3, 4])
+    text, made = page_of(study, tmp_path)
+    assert "ithin-participant" not in text
+    assert "random intercept" not in text
+    assert "conditions could not be compared (nobody has two values" in text
+    found = json.loads(made.results.read_text("utf-8"))["ratings"]["curves"]
+    assert any(point["low"] < point["mean"] < point["high"] for point in found)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EXTREMES)
 def test_a_page_of_very_little_is_made(tmp_path, name):

@@ -27,6 +27,10 @@ def old_version(path):
     path.write_text(json.dumps({"asset": {"version": "1.0"}}))
 
 
+def old_container(path):
+    path.write_bytes(struct.pack("<4sIIII", b"glTF", 1, 24, 2, 0) + b"{}  ")
+
+
 def not_gltf(path):
     path.write_bytes(b"\x89PNG\r\n\x1a\n\0\0\0")
 
@@ -197,6 +201,7 @@ BROKEN = {
     truncated: "cut off",
     no_json_chunk: "JSON chunk",
     old_version: "not glTF 2.0",
+    old_container: "not glTF 2.0",
     not_gltf: "not glTF",
     two_parents: "two parents",
     short_buffer: "beyond its buffer",
@@ -210,7 +215,9 @@ BROKEN = {
 
 @pytest.mark.parametrize("break_it", BROKEN, ids=lambda make: make.__name__)
 def test_broken_files_are_refused_with_the_reason(tmp_path, break_it):
-    path = tmp_path / ("a.glb" if break_it in (truncated, no_json_chunk, not_gltf) else "a.gltf")
+    path = tmp_path / (
+        "a.glb" if break_it in (truncated, no_json_chunk, old_container, not_gltf) else "a.gltf"
+    )
     break_it(path)
     with pytest.raises(InputError, match=BROKEN[break_it]) as caught:
         load_scene(path)

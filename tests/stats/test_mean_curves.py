@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import stats
 from scipy.stats import t as t_distribution
 
 from vrcomfort.stats.means import mean_curves, within_variances
@@ -64,3 +65,16 @@ def test_what_all_means_share_is_in_no_variance():
     np.testing.assert_allclose(within_variances(np.array([[2.5]])), [2.5])
     unequal = np.diag([1.0, 3.0]) + 5.0  # half of the variance of the difference each
     np.testing.assert_allclose(within_variances(unequal), [2.0, 2.0])
+
+
+def test_means_of_different_people_have_their_own_t_interval():
+    values = np.array([1.0, 4.0, 2.0, 7.0, 3.0, 8.0, 5.0])
+    conditions = np.array([0, 0, 0, 1, 1, 1, 2])
+    found = mean_curves([0], values[:, None], conditions, np.arange(7), count=3)
+    for condition in range(2):
+        mine = values[conditions == condition]
+        expected = stats.ttest_1samp(mine, 0).confidence_interval()
+        half = found.half[condition, 0]
+        assert found.mean[condition, 0] == pytest.approx(mine.mean())
+        assert half == pytest.approx((expected.high - expected.low) / 2)
+    assert np.isnan(found.half[2, 0]), "of one person there is no interval"

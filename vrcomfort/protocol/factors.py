@@ -47,7 +47,7 @@ def _condition(factors: tuple[CrossedFactor, ...], levels: tuple[FactorLevel, ..
         _merge(settings, level.model_dump(exclude_unset=True, exclude=set(LevelName.model_fields)))
     return Condition(
         name="_".join(level.name for level in levels),
-        label=", ".join(level.label or level.name for level in levels),
+        label=" + ".join(level.label or level.name for level in levels),
         levels={factor.name: level.name for factor, level in zip(factors, levels, strict=True)},
         **settings,
     )

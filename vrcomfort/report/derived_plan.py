@@ -74,16 +74,17 @@ def _lines(study: StudyData) -> Iterator[str]:
     if not before:
         yield 'scores = "raw"'
     yield from (f"{key} = {toml_value(name)}" for key, name in moments.items())
-    groups = _groups(study)
+    met = _one_condition_each(study, moments["exposure_timepoint"])
+    apart = len(set(met.values())) > 1
+    groups = _groups(study, met if apart else {})
     scenes = {s.scene for s in study.sheets} | {t.get("scene", "") for t in study.trials}
     factors = ["condition"] if len(conditions) > 1 else []
     factors += ["scene"] if len(scenes - {""}) > 1 else []
     factors += groups
-    apart = len(conditions) > 1 and _met_by_different_people(study, moments["exposure_timepoint"])
     yield f"mixed_model = {toml_value([] if apart else [*factors, 'position', 'session'])}"
     if not factors:
         yield "anova = []"
-    yield from _contrasts(study, conditions, moments)
+    yield from _contrasts(study, conditions, moments, apart=apart)
     yield from _families(outcomes)
     for column in factors:
         yield from (
@@ -96,10 +97,11 @@ def _lines(study: StudyData) -> Iterator[str]:
             yield 'kind = "between"'
 
 
-def _met_by_different_people(study: StudyData, timepoint: str) -> bool:
-    """Return whether everybody met one condition alone."""
-    met = {(s.participant, s.condition) for s in study.sheets if s.timepoint == timepoint}
-    return len({who for who, condition in met if condition}) == sum(bool(c) for _, c in met)
+def _one_condition_each(study: StudyData, timepoint: str) -> dict[str, str]:
+    """Return participant → condition where everybody met one condition alone, else nothing."""
+    sheets = [s for s in study.sheets if s.timepoint == timepoint and s.condition]
+    met = {sheet.participant: sheet.condition for sheet in sheets}
+    return met if all(met[sheet.participant] == sheet.condition for sheet in sheets) else {}
 
 
 def _outcomes(study: StudyData, timepoint: str) -> tuple[Outcome, ...]:
@@ -148,9 +150,13 @@ def _moments(study: StudyData) -> dict[str, str]:
     }
 
 
-def _contrasts(study: StudyData, conditions: list[str], moments: dict[str, str]) -> Iterator[str]:
+def _contrasts(
+    study: StudyData, conditions: list[str], moments: dict[str, str], *, apart: bool
+) -> Iterator[str]:
     for a, b in combinations(conditions, 2):
         yield from ("", "[[contrasts]]", f"a = {toml_value(a)}", f"b = {toml_value(b)}")
+        if apart:
+            yield 'between = "condition"'
     baseline, exposure = moments["baseline_timepoint"], moments["exposure_timepoint"]
     if len(conditions) == 1 and any(sheet.timepoint == baseline for sheet in study.sheets):
         yield from ("", "[[contrasts]]", f"a_timepoint = {toml_value(exposure)}")
@@ -168,8 +174,10 @@ def _families(outcomes: tuple[Outcome, ...]) -> Iterator[str]:
             yield f"outcomes = {toml_value(members)}"
 
 
-def _groups(study: StudyData) -> list[str]:
-    """Return `group` where everybody is in one of a few."""
+def _groups(study: StudyData, met: dict[str, str]) -> list[str]:
+    """Return `group` where everybody is in one of a few, and these are not the conditions `met`."""
     groups = study.between("group")
     sizes = Counter(groups.values())
+    if met and len({(groups.get(who), each) for who, each in met.items()}) == len(sizes):
+        return []
     return ["group"] if len(sizes) > 1 and min(sizes.values()) > 1 else []

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from vrcomfort.report.exposures import Exposures
-    from vrcomfort.report.pairs import Tested
     from vrcomfort.report.plan import Plan
+    from vrcomfort.report.results import Participants
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.withdrawals import Withdrawal
 
@@ -56,15 +56,14 @@ def participant_flow(
     scored: Exposures,
     plan: Plan,
     found: Sequence[Withdrawal],
-    tests: Sequence[Tested],
-    analysed: Sequence[str],
+    people: Participants,
 ) -> list[FlowStage]:
     """Return the stages of the flow chart.
 
     People who withdrew are analysed all the same in a test whose exposures they had finished;
     `again` counts them.
     """
-    enrolled = everybody(study)
+    enrolled, analysed = everybody(study), people.analysed
     recorded = {t["participant"] for t in study.trials}
     met = recorded | {*scored.table["participant"], *analysed}
     met |= {s.participant for s in study.sheets if s.timepoint == plan.exposure_timepoint}
@@ -80,7 +79,6 @@ def participant_flow(
     completed = [name for name in exposed if name not in left]
     tested = set(analysed)
     why = _reasons(scored)
-    every = set(analysed).intersection(*(t.participants for t in tests if t.participants))
     absent = {p: left.get(p, NO_EXPOSURE) for p in enrolled if p not in met}
     return [
         _stage("Enrolled", enrolled, absent),
@@ -88,7 +86,7 @@ def participant_flow(
         _stage("Completed", completed,
                {p: why.get(p, MISSING) for p in completed if p not in tested}),
         FlowStage("Analysed", len(analysed), [], AnalysedCounts(
-            sum(p in left for p in analysed), len(every) if tests else len(analysed)
+            sum(p in left for p in analysed), len(analysed) - len(people.in_some_tests)
         )),
     ]  # fmt: skip
 

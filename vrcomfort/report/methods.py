@@ -122,7 +122,7 @@ def _people() -> MethodsParagraph:
     return MethodsParagraph(
         "Participants",
         "A test includes the participants with a score of every planned exposure to both of its "
-        "conditions. The planned number is the protocol’s or, without one, the most frequent. The "
+        "conditions, between groups to their own. The planned number is the protocol’s or, without one, the most frequent. The "
         "flow chart follows CONSORT (Schulz et al., 2010).",
         ("schulz_2010",),
     )
@@ -144,15 +144,17 @@ def _withdrawals(results: Results) -> MethodsParagraph | None:
     if not found.n:
         return None
     fisher = found.by_first_condition.fisher_p is not None
-    text = (
-        "Withdrawals were counted by condition, scene and position. In the sensitivity analyses "
-        "each was ranked as worse than every observed difference (worst-rank analysis; Lachin, "
-        "1999)."
-    )
-    also = " First conditions were compared with Fisher’s (1935) exact test." if fisher else ""
-    return MethodsParagraph(
-        "Withdrawals", text + also, ("lachin_1999", *(("fisher_1935",) if fisher else ()))
-    )
+    text, cited = "Withdrawals were counted by condition, scene and position.", []
+    if results.sensitivity:
+        text += (
+            " In the sensitivity analyses each was ranked as worse than every observed difference "
+            "(worst-rank analysis; Lachin, 1999)."
+        )
+        cited.append("lachin_1999")
+    if fisher:
+        text += " First conditions were compared with Fisher’s (1935) exact test."
+        cited.append("fisher_1935")
+    return MethodsParagraph("Withdrawals", text, tuple(cited))
 
 
 def _figures(results: Results) -> MethodsParagraph | None:

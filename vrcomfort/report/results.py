@@ -52,7 +52,7 @@ from vrcomfort.report.withdrawals import (
 from vrcomfort.stats.means import RESAMPLES, SEED
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Mapping, Sequence
 
     import pandas as pd
     from _typeshed import DataclassInstance
@@ -298,7 +298,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[Results, Exposures]:
         of_models=made.of("models", "order"),
         withdrawals=count_withdrawals(study, data.withdrawals),
         quality=quality(study, scored, plan, unused_timepoints(study, plan)),
-        flow=participant_flow(study, scored, plan, data.withdrawals, tests, people.analysed),
+        flow=participant_flow(study, scored, plan, data.withdrawals, people),
         symptoms=symptom_rows(scored, names, tests, study.instruments),
         recovery_course=recovery_rows(scored),
         counterbalancing=counterbalancing(scored.table, names, people.analysed),
@@ -326,7 +326,7 @@ def _analysis_data(study: StudyData, scored: Exposures, plan: Plan) -> AnalysisD
 
 
 def _participants(
-    data: AnalysisData, tested: list[Sequence[str]], exclusions: Sequence[ExcludedByRule]
+    data: AnalysisData, tested: list[Collection[str]], exclusions: Sequence[ExcludedByRule]
 ) -> Participants:
     """Return analysed and excluded participants; `tested` has the participants of each test."""
     study, scored, left = data.study, data.scored, data.withdrawals
@@ -411,7 +411,7 @@ def _reference(contrasts: list[Compared], conditions: list[str]) -> str:
     return next(iter(conditions), "")
 
 
-def _analysed(tests: list[Sequence[str]], table: pd.DataFrame) -> list[str]:
+def _analysed(tests: list[Collection[str]], table: pd.DataFrame) -> list[str]:
     """Return the participants of all tests; all with a score if there is nothing to test."""
     tested = {name for people in tests for name in people}
     return sorted(tested if tests else table["participant"].unique(), key=natural)

@@ -130,7 +130,8 @@ class MeanCurves:
     n: Integers
     """Exposures with a value, shape (k, m)."""
     mean: Floats
-    """Shape (k, m); NaN where there is no exposure. Plain means where no model can be fitted."""
+    """Shape (k, m); NaN where there is no exposure. Plain means where no model can be fitted, and
+    where each person has one exposure."""
     half: Floats
     """Half of the interval, shape (k, m); NaN where there is none."""
 
@@ -160,6 +161,7 @@ def mean_curves(
     met = np.asarray(conditions, dtype=np.int64)
     who = np.unique(np.asarray(people), return_inverse=True)[1].ravel()
     shape = (count, times.size)
+    of_each_mean = _plain_means if who.size == np.unique(who).size else _means
     n, mean, half = np.zeros(shape, dtype=np.int64), np.full(shape, np.nan), np.full(shape, np.nan)
     for place, column in enumerate(table.T):
         there = ~np.isnan(column)
@@ -167,7 +169,7 @@ def mean_curves(
         shown = np.flatnonzero(n[:, place])
         if shown.size:
             codes = np.searchsorted(shown, met[there])
-            found = _means(column[there], codes, who[there], confidence)
+            found = of_each_mean(column[there], codes, who[there], confidence)
             mean[shown, place], half[shown, place] = found
     return MeanCurves(times, n, mean, half)
 
@@ -193,6 +195,20 @@ def _means(
         df = np.array([fit.degrees_of_freedom(row) for row in against])
     half = t_distribution.isf((1 - confidence) / 2, df) * np.sqrt(within_variances(covariance))
     return rows @ fit.coefficients, np.asarray(half, dtype=np.float64)
+
+
+def _plain_means(
+    values: Floats, codes: Integers, _people: Integers, confidence: float
+) -> tuple[Floats, Floats]:
+    """Return the mean of each condition and half of its t interval, of different people."""
+    n = np.bincount(codes)
+    mean = np.bincount(codes, values) / n
+    squares = np.bincount(codes, (values - mean[codes]) ** 2)
+    half = np.full(n.size, np.nan)
+    two = n > 1
+    error = np.sqrt(squares[two] / (n[two] - 1) / n[two])
+    half[two] = t_distribution.isf((1 - confidence) / 2, n[two] - 1) * error
+    return mean, half
 
 
 def within_variances(covariance: Floats) -> Floats:

@@ -149,6 +149,8 @@ class _Likelihood:
     def _require_two_variances(self, n: int, squares: float) -> None:
         within = n - self._sizes.size - int(np.linalg.matrix_rank(self._inner_design))
         if within < 1 or within >= self._df:
+            if self._sizes.max() == 1:
+                raise InputError("nobody has two values, which a mixed model needs")
             raise InputError("too few values for a mixed model")
         solved = np.linalg.lstsq(self._inner_design, self._inner_values, rcond=None)[0]
         left = self._inner_values - self._inner_design @ solved

@@ -13,7 +13,7 @@ section and ``reproduce.R`` have it: all of them go through `ANALYSES`.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -88,14 +88,14 @@ def with_intervals(data: AnalysisData, analysis: Analysis[Any], row: Any) -> Any
     return replace(row, decision=replace(row.decision, simultaneous=found)) if found else row
 
 
-def analysed_people(rows: Rows) -> list[Sequence[str]]:
+def analysed_people(rows: Rows) -> list[Collection[str]]:
     """Return the participants of each test; without any, of the rows that answer by themselves."""
     of_outcomes, others = (
         [
-            each.analysed(row)
+            people
             for each in ANALYSES
             if each.analysed and each.by_outcome == by_outcome
-            for row in rows[each.key]
+            for people in each.analysed(rows[each.key])
         ]
         for by_outcome in (True, False)
     )

@@ -236,7 +236,7 @@ def _remarks(rows: Sequence[AnovaRow], report: ReportContext) -> Iterator[Remark
         yield Remark(
             html(
                 "Residuals (Shapiro–Wilk): {}. Scores of questionnaires are ordinal and skewed; "
-                "where the residuals are far from normal, rely on the signed-rank tests.",
+                "where the residuals are far from normal, rely on the rank tests.",
                 Markup("; ").join(checks),
             ),
             section="assumptions",

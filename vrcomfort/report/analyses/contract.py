@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from itertools import groupby
@@ -343,8 +343,8 @@ class Analysis(Generic[Row]):
         The paragraphs on rows that could be estimated; what they cite stands in references.toml,
         or in `references` (key → entry).
     analysed
-        The participants of a row, of an analysis that answers a question by itself: they are the
-        analysed ones of a report that compares nothing.
+        The participants of each test, of an analysis that answers a question by itself: they are
+        the analysed ones of a report that compares nothing.
     r_lines, r_functions
         A part of reproduce.R that makes the numbers again, and functions that others can use too.
     """
@@ -373,7 +373,7 @@ class Analysis(Generic[Row]):
         lambda _rows, _report: ()
     )
     references: Mapping[str, str] = field(default_factory=dict)
-    analysed: Callable[[Row], Sequence[str]] | None = None
+    analysed: Callable[[Sequence[Row]], Iterable[Collection[str]]] | None = None
     r_lines: str = ""
     r_functions: str = ""
 

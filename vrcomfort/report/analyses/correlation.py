@@ -261,6 +261,6 @@ CORRELATIONS = Analysis(
     order=20,
     sentences=_sentences,
     methods=_methods,
-    analysed=lambda row: row.participants,
+    analysed=lambda rows: [row.participants for row in rows],
     r_lines=_R_LINES,
 )

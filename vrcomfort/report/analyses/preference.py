@@ -308,5 +308,5 @@ PREFERENCES = Analysis(
     order=40,
     sentences=_sentences,
     methods=_methods,
-    analysed=lambda row: row.participants,
+    analysed=lambda rows: [row.participants for row in rows],
 )

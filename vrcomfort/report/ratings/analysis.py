@@ -377,6 +377,7 @@ def course_paragraphs(courses: TimeCourseAnalysis) -> Iterator[MethodsParagraph]
         errors = next((each.found.errors for each in rated.models if each.found), None)
         yield time_course_paragraph(
             several=several,
+            again=rated.counts.exposures > rated.counts.people,
             assumptions=bool(rated.sensitivity),
             errors=errors or "cluster_robust",
         )

@@ -409,15 +409,30 @@ def curve_points(
     return points
 
 
-def time_course_paragraph(*, several: bool, assumptions: bool, errors: Errors) -> MethodsParagraph:
-    """Return the paragraph on time courses of several conditions, and on assumptions."""
-    text = (
-        "The ratings of an exposure were reduced to summary measures (Matthews et al., 1990). Each "
-        "was analysed with a mixed model with a random intercept per participant. Standard errors "
-        f"are {ERRORS[errors]} Times count only while the stimulus was visible, where recorded. "
-    )
-    cited = ["matthews_1990", *CITED[errors]]
-    if several:
+def time_course_paragraph(
+    *, several: bool, again: bool, assumptions: bool, errors: Errors
+) -> MethodsParagraph:
+    """Return the paragraph on time courses.
+
+    Parameters
+    ----------
+    several
+        Whether there are several conditions.
+    again
+        Whether participants rated more than one exposure.
+    """
+    text = "The ratings of an exposure were reduced to summary measures (Matthews et al., 1990). "
+    cited = ["matthews_1990"]
+    if again:
+        text += (
+            "Each was analysed with a mixed model with a random intercept per participant. "
+            f"Standard errors are {ERRORS[errors]} "
+        )
+        cited += CITED[errors]
+    text += "Times count only while the stimulus was visible, where recorded. "
+    if several and not again:
+        text += "Means over time have t intervals, as each participant rated one exposure. "
+    elif several:
         text += (
             "Means over time are those of such a model of the last ratings at each time. Their "
             "intervals are within-participant (Cousineau, 2005, with the correction of Morey, "

@@ -368,7 +368,7 @@ def read_gltf_file(path: Path, budget: SceneBudget | None = None) -> GltfFile:
     account.spend("json_marks", sum(map(bytes(text).count, (b"[", b"{", b","))), "the file")
     root = _parsed(bytes(text), path, account.budget.json_marks)
     if not isinstance(root, dict) or not str(_version(root)).startswith("2."):
-        raise InputError("is not glTF 2.0; convert it to version 2.0", file=path)
+        raise InputError(_OLD, file=path)
     account.spend("items", count_items(root), "the file")
     check_structure(root, path)
     return GltfFile(path, root, binary, account)
@@ -384,6 +384,9 @@ def _parsed(text: bytes, path: Path, most_marks: int) -> Any:
     return parse_json(words, path, what="glTF", advice="export it again", most_marks=most_marks)
 
 
+_OLD = "is not glTF 2.0; convert it to version 2.0"
+
+
 def _version(root: dict[str, Any]) -> Any:
     asset = root.get("asset")
     return asset.get("version") if isinstance(asset, dict) else None
@@ -391,7 +394,9 @@ def _version(root: dict[str, Any]) -> Any:
 
 def _unpack_glb(data: bytes, path: Path) -> tuple[Bytes, Bytes | None]:
     """Return the JSON and binary chunks of a GLB container."""
-    length = struct.unpack_from("<I", data, 8)[0] if len(data) >= 20 else None
+    version, length = struct.unpack_from("<II", data, 4) if len(data) >= 20 else (2, None)
+    if version != 2:
+        raise InputError(_OLD, file=path)
     if length is None or len(data) < length:
         raise InputError(
             f"is cut off: {len(data)} of {length or 'at least 20'} bytes; copy or export it again",

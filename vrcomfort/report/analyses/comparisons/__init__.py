@@ -1,6 +1,11 @@
 """Comparisons by other tests than the signed-rank test: of pairs, and of groups of people."""
 
-from vrcomfort.report.analyses.comparisons.computation import ComparisonRow, compute, intervals
+from vrcomfort.report.analyses.comparisons.computation import (
+    ComparisonRow,
+    compute,
+    intervals,
+    people_of_tests,
+)
 from vrcomfort.report.analyses.comparisons.renderings import (
     R_LINES,
     TABLE,
@@ -28,6 +33,6 @@ COMPARISONS = Analysis(
     intervals=intervals,
     sentences=sentences,
     methods=methods,
-    analysed=lambda row: row.participants,
+    analysed=people_of_tests,
     r_lines=R_LINES,
 )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -139,6 +140,22 @@ def compute(data: AnalysisData, _: Sequence[object]) -> list[ComparisonRow]:
         if contrast.test != "signed_rank"
         for outcome in data.scored.outcomes
     ]
+
+
+def people_of_tests(rows: Sequence[ComparisonRow]) -> Iterator[Collection[str]]:
+    """Yield the participants of each test; contrasts between the same groups are one test.
+
+    Nobody is in each pair of three groups, and nobody is missing there.
+    """
+    groups: dict[tuple[str, str, str], set[str]] = defaultdict(set)
+    for row in rows:
+        if row.design == "paired":
+            yield row.participants
+        elif row.participants:
+            side = row.sides[0]
+            condition = side.condition if side.column else ""
+            groups[row.outcome, side.column, condition].update(row.participants)
+    yield from groups.values()
 
 
 def _row(data: AnalysisData, contrast: Compared, outcome: str) -> ComparisonRow:

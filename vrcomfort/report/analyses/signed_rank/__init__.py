@@ -25,7 +25,7 @@ TESTS = Analysis(
     intervals=intervals,
     sentences=sentences,
     methods=methods,
-    analysed=lambda row: row.participants,
+    analysed=lambda rows: [row.participants for row in rows],
     r_lines=R_LINES,
     r_functions=R_FUNCTIONS,
 )

@@ -225,12 +225,12 @@ def _without_ends(found: Estimate | None) -> Estimate | None:
 
 
 def _too_few(scored: Exposures, outcome: str, contrast: Compared, n: int) -> str:
-    """Return the reason for having no test, and the analysis to look at instead."""
+    """Return the reason for having no test, and what to write instead."""
     said = f"{n} complete pairs: too few for a test"
     rows = [side.rows(scored).dropna(subset=[outcome]) for side in (contrast.a, contrast.b)]
     one, two = (set(table["participant"]) for table in rows)
     if one and two and one.isdisjoint(two):
-        said += ' (different people met them: see the ANOVA with kind = "between")'
+        said += '; different people met them: write between = "condition" into this contrast'
     return said
 
 
