@@ -123,7 +123,8 @@ def _people() -> MethodsParagraph:
         "Participants",
         "A test includes the participants with a score of every planned exposure to both of its "
         "conditions, between groups to their own. The planned number is the "
-        "protocol’s or, without one, the most frequent. The flow chart follows CONSORT (Schulz et al., 2010).",
+        "protocol’s or, without one, the most frequent. The flow chart follows CONSORT (Schulz et "
+        "al., 2010).",
         ("schulz_2010",),
     )
 
