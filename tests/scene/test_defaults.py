@@ -30,7 +30,7 @@ def box_scene(path, extents, centre=(0, 0, 0)):
 @pytest.mark.parametrize(
     "extents",
     [(0.02, 0.02, 0.02), (0.3, 0.1, 0.2), (0.5, 1.0, 0.5), (1, 30, 1), (5, 0.1, 5), (40, 3, 1),
-     (4, 2, 50)],
+     (4, 2, 50), (18, 15, 8)],
 )  # fmt: skip
 @pytest.mark.parametrize("centre", [(0, 0, 0), (100, -20, 7)])
 def test_of_a_thing_all_is_in_view_of_eyes_that_look_ahead(tmp_path, extents, centre):

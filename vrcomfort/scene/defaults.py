@@ -28,6 +28,8 @@ VIEW = math.tan(math.radians(30.0))
 NEAREST_M = 0.5
 # A level with less above it is no floor to stand on.
 HEADROOM_M = 2.0
+FLAT = 0.5
+"""Ground is less high than this share of its narrower side; anything else is a thing."""
 
 
 def with_defaults(scene: Scene) -> Scene:
@@ -39,10 +41,11 @@ def with_defaults(scene: Scene) -> Scene:
     """
     corners = _corners_of_draws(scene)
     lower, upper = _bounds(corners)
-    size = upper - lower
-    if min(size[0], size[2]) >= ROOM_M:
-        middle = (lower + upper) / 2
-        stand, margin_m = np.array([middle[0], _floor(scene, corners, middle), middle[2]]), 0.0
+    size, middle = upper - lower, (lower + upper) / 2
+    is_place = min(size[0], size[2]) >= ROOM_M
+    floor_m = _floor(scene, corners, middle) if is_place else None
+    if floor_m is not None:
+        stand, margin_m = np.array([middle[0], floor_m, middle[2]]), 0.0
     else:
         stand = _in_front(lower, upper)
         margin_m = (stand[2] - upper[2]) / 2
@@ -71,13 +74,15 @@ def _in_front(lower: Array, upper: Array) -> Array:
     return np.array([centre[0], floor_m, upper[2] + max(aside_m / VIEW, NEAREST_M)])
 
 
-def _floor(scene: Scene, corners: Corners, middle: Array) -> float:
+def _floor(scene: Scene, corners: Corners, middle: Array) -> float | None:
     """Return the height of the lowest floor under or over a point that has room for a head.
 
-    Without one, that is where the scene begins: nothing is drawn where one stands.
+    Where nothing is drawn over or under the point, that is where the scene begins. The top of a
+    thing is no floor, as nothing of the thing is seen from there; None where there is only that.
     """
     heights: list[float] = []
     levels: list[float] = []
+    tops_m = _tops_m(corners)
     over = (corners.min(axis=2) <= middle)[:, [0, 2]] & (corners.max(axis=2) >= middle)[:, [0, 2]]
     world = scene.world_from_node(0.0)
     for draw, (node, index) in enumerate(_draws(scene)):
@@ -87,13 +92,21 @@ def _floor(scene: Scene, corners: Corners, middle: Array) -> float:
             found, faces_up = _heights(positions, triangles, world[node], middle)
             heights += found.tolist()
             both = scene.materials[scene.primitives[index].material].double_sided
-            levels += found[faces_up | both].tolist()
+            levels += found[(faces_up | both) & (found < tops_m[draw])].tolist()
     above = np.array([*heights, np.inf])
     for level in sorted(levels):
         overhead = above[above > level + 1e-3 * HEADROOM_M]
         if overhead.min() - level >= HEADROOM_M:
             return level
-    return float(corners[:, 1].min())
+    return None if heights else float(corners[:, 1].min())
+
+
+def _tops_m(corners: Corners) -> Array:
+    """Return the height from which on a draw is a top, shape (draws,): ∞ where it is flat."""
+    lower, upper = corners.min(axis=2), corners.max(axis=2)
+    width, height, depth = (upper - lower).T
+    flat = height < FLAT * np.minimum(width, depth)
+    return np.where(flat, np.inf, (lower + upper)[:, 1] / 2)
 
 
 def _heights(
