@@ -70,6 +70,13 @@ def test_nothing_of_the_person_stays_and_the_study_is_whole(run, study: Path, tm
         assert not any(b"erased1" in f.read_bytes() for f in folder.rglob("*") if f.is_file())
 
 
+def test_nothing_is_erased_where_nobody_can_be_asked(run, study: Path):
+    code, _, err = run("erase", study, "Anna77")
+    assert code == 2
+    assert "--yes erases Anna77" in err
+    assert (study / "sub-Anna77").is_dir()
+
+
 def test_the_orders_of_the_next_stay_what_they_are_where_somebody_leaves(study: Path):
     design = design_of(Study(study).session("Bert88", 1).manifest)
     rows = read_participants(study)

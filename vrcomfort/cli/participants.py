@@ -9,6 +9,7 @@ import typer
 
 from vrcomfort.cli.options import Json, Quiet, StudyArgument
 from vrcomfort.cli.terminal import conclude, warn
+from vrcomfort.errors import InputError
 
 Participant = Annotated[
     str, typer.Argument(metavar="PARTICIPANT", help="Participant id, such as P01.")
@@ -99,7 +100,9 @@ def erase(
     """
     from vrcomfort.records.erasure import erase as delete
 
-    if not yes and sys.stdin.isatty():
+    if not yes and not sys.stdin.isatty():
+        raise InputError(f"nobody can be asked without a terminal: --yes erases {participant}")
+    if not yes:
         question = f"Delete all data of {participant} in {study}? This cannot be undone"
         typer.confirm(question, default=False, abort=True, err=True)
     done = delete(study, participant)
