@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
-    from vrcomfort.report.results import Participants
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.withdrawals import Withdrawal
 
@@ -56,14 +55,15 @@ def participant_flow(
     scored: Exposures,
     plan: Plan,
     found: Sequence[Withdrawal],
-    people: Participants,
+    analysed: Sequence[str],
+    in_every_test: int,
 ) -> list[FlowStage]:
     """Return the stages of the flow chart.
 
     People who withdrew are analysed all the same in a test whose exposures they had finished;
     `again` counts them.
     """
-    enrolled, analysed = everybody(study), people.analysed
+    enrolled = everybody(study)
     recorded = {t["participant"] for t in study.trials}
     met = recorded | {*scored.table["participant"], *analysed}
     met |= {s.participant for s in study.sheets if s.timepoint == plan.exposure_timepoint}
@@ -86,7 +86,7 @@ def participant_flow(
         _stage("Completed", completed,
                {p: why.get(p, MISSING) for p in completed if p not in tested}),
         FlowStage("Analysed", len(analysed), [], AnalysedCounts(
-            sum(p in left for p in analysed), len(analysed) - len(people.in_some_tests)
+            sum(p in left for p in analysed), in_every_test
         )),
     ]  # fmt: skip
 
