@@ -21,6 +21,7 @@ from vrcomfort.importing.suggest.draft import (
     ROWS,
     OpenDoubt,
     TomlDraft,
+    pattern_of,
     write_doubts,
 )
 from vrcomfort.importing.suggest.excluded_files import excluded_files
@@ -29,7 +30,7 @@ from vrcomfort.importing.suggest.heading_roles import names_fact
 from vrcomfort.importing.suggest.joined_tables import joined
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
 from vrcomfort.importing.suggest.same_people import say_same_people
-from vrcomfort.importing.suggest.table_draft import TableDraft, pattern_of
+from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import (
     Known,
     LabVocabulary,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -121,6 +122,11 @@ class TomlDraft:
         yield from (f"# {line}" for line in table.comments.get("", ()))
         yield header
         yield from table._lines(f"{name}.")
+
+
+def pattern_of(name: str) -> str:
+    """Return the pattern of a name of a file or sheet: bytes that are no UTF-8 are any."""
+    return re.sub("[\ud800-\udfff]", "?", re.sub(r"[*?[]", r"[\g<0>]", name))
 
 
 def _wrapped(value: object) -> str:

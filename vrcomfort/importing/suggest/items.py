@@ -556,11 +556,6 @@ def _holds_answers(table: SourceTable, column: int, vocabulary: LabVocabulary) -
 _SMALL = frozenset("01234")
 
 
-def _agrees(instrument: Instrument) -> bool:
-    """Return whether answers go from strong disagreement to strong agreement, in five steps."""
-    return instrument.high - instrument.low == 4
-
-
 def _by_position(
     table: SourceTable,
     known: Known,
@@ -581,7 +576,8 @@ def _by_position(
             texts = {text for c in range(len(table.headings)) for text in table.column(c)}
             read = {text: number(text, table.reading.decimal or ".") for text in texts}
             answers |= {t for t, v in read.items() if v is not None and instrument.answers.has(v)}
-        agreed = {*known.vocabulary.agreement} if _agrees(instrument) else set()
+        five = instrument.high - instrument.low == 4  # from strong disagreement to agreement
+        agreed = {*known.vocabulary.agreement} if five else set()
         cells = [{*table.column(c)} - {""} for c in range(len(table.headings))]
         fits = [
             c not in other and bool(each) and (each <= answers or {*map(plain, each)} <= agreed)

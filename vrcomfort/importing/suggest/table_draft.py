@@ -39,6 +39,7 @@ from vrcomfort.importing.suggest.draft import (
     STAYED,
     OpenDoubt,
     TomlDraft,
+    pattern_of,
     placed_in_short,
 )
 from vrcomfort.importing.suggest.evidence import Context, texts
@@ -81,11 +82,6 @@ _CODE = re.compile(r"(p|s|vp|id|pp|sub|subj|subject|participant|user|proband)[ _
 _UPPER_ROWS = 2
 _AGAIN = re.compile(r" ?\(\d\)$")
 """The mark of a person's second questionnaire."""
-
-
-def pattern_of(name: str) -> str:
-    """Return the pattern of a name of a file or sheet: bytes that are no UTF-8 are any."""
-    return re.sub("[\ud800-\udfff]", "?", re.sub(r"[*?[]", r"[\g<0>]", name))
 
 
 class TableDraft(KeptRows):
