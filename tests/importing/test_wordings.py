@@ -55,6 +55,27 @@ def test_statements_about_another_system_are_known_by_their_rare_words(tmp_path:
     assert answers_in(imported) == [[answer + 1 for answer in each] for each in given]
 
 
+def test_the_name_of_a_system_in_most_statements_makes_no_second_questionnaire(
+    tmp_path: Path,
+) -> None:
+    given = [[(row * k + k) % 5 + 1 for k in range(10)] for row in range(1, 7)]
+    statements = [
+        "I think that I would like to use the CabinApp frequently",
+        "I found the CabinApp unnecessarily complex",
+        "I thought the CabinApp was easy to use",
+        "I think that I would need support of a technical person to be able to use the CabinApp",
+        "I found the various functions in the CabinApp were well integrated",
+        "I thought there was too much inconsistency in the CabinApp",
+        "I would imagine that most people would learn to use the CabinApp very quickly",
+        "I found the CabinApp very awkward to use",
+        "I felt very confident using the CabinApp",
+        "I needed to learn a lot of things before I could get going with the CabinApp",
+    ]
+    rows: list[list[object]] = [["Time", *statements, "The CabinApp is easy to use"]]
+    rows += [[f"10:0{n}", *each, n] for n, each in enumerate(given, start=1)]
+    assert answers_in(imported_from(write(tmp_path / "form.csv", rows))) == given
+
+
 def test_a_sheet_that_says_the_answers_again_is_left_out(tmp_path: Path) -> None:
     given = [[(row * k + k) % 5 for k in range(10)] for row in range(1, 7)]
     book = Workbook()

@@ -267,11 +267,7 @@ def _by_name(
             Found(instrument, (str(n),) if n > 1 else (), {each.item: each for each in run})
             for n, run in enumerate(runs, start=1)
         ]
-    contexts = _contexts(named, instrument)
-    if {Counter(each.item for each in named)[item.name] for item in instrument.asked} == {1}:
-        # Each item stands once: what some headings share alone is wording of their questions.
-        whole = set.intersection(*map(set, contexts))
-        contexts = [tuple(word for word in context if word in whole) for context in contexts]
+    contexts = _without_wording(named, _contexts(named, instrument), instrument)
     groups: dict[Context, dict[str, Named]] = defaultdict(dict)
     for each, context in zip(named, contexts, strict=True):
         groups.setdefault(_free(groups, context, each), {})[each.item] = each
@@ -348,6 +344,25 @@ def _contexts(named: Sequence[Named], instrument: Instrument) -> list[Context]:
     shared = {word for word, found in items_with.items() if len(found) * 2 >= items}
     own = set(tokens(instrument.name))
     return [tuple(word for word in rest if word in shared and word not in own) for rest in rests]
+
+
+def _without_wording(
+    named: Sequence[Named], contexts: Sequence[Context], instrument: Instrument
+) -> list[Context]:
+    """Return contexts without words of questions, such as the name of the system in most of them.
+
+    Words count that all share, or that tell the columns of several items apart.
+    """
+    same: dict[str, list[set[str]]] = defaultdict(list)
+    for each, context in zip(named, contexts, strict=True):
+        same[each.item].append({*context})
+    telling = Counter(
+        w for sets in same.values() for w in set.union(*sets) if any(w not in s for s in sets)
+    )
+    fewest = min(FEWEST_OF_NAMED, len(instrument.asked))
+    kept = {word for word, items in telling.items() if items >= fewest}
+    kept.update(w for context in contexts[:1] for w in context if all(w in c for c in contexts))
+    return [tuple(dict.fromkeys(w for w in context if w in kept)) for context in contexts]
 
 
 def _placed(side: str, words: Sequence[str]) -> list[tuple[int, str]]:
