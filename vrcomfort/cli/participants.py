@@ -101,7 +101,7 @@ def erase(
     from vrcomfort.records.erasure import erase as delete
 
     if not yes and not sys.stdin.isatty():
-        raise InputError(f"nobody can be asked without a terminal: --yes erases {participant}")
+        raise InputError(f"there is no terminal to ask at; --yes erases {participant} unasked")
     if not yes:
         question = f"Delete all data of {participant} in {study}? This cannot be undone"
         typer.confirm(question, default=False, abort=True, err=True)

@@ -150,7 +150,7 @@ class _Likelihood:
         within = n - self._sizes.size - int(np.linalg.matrix_rank(self._inner_design))
         if within < 1 or within >= self._df:
             if self._sizes.max() == 1:
-                raise InputError("nobody has two values, which a mixed model needs")
+                raise InputError("no participant has two values, as a mixed model needs")
             raise InputError("too few values for a mixed model")
         solved = np.linalg.lstsq(self._inner_design, self._inner_values, rcond=None)[0]
         left = self._inner_values - self._inner_design @ solved
