@@ -8,8 +8,8 @@ of the engine's own lens is in them.
 
 rms, edges      RMS error·10³ of display values, and where near things' discs reach
 seams           pixels of wide blur that are off their 5×5 median by more than 2/255
-cuts            pixels beside which the error steps by more than 2/255 along most of 24 pixels of a
-                row or column: heads are rolled, so that few things in a scene do
+cuts            pixels beside which the image steps by 2/255 more than the reference along most of
+                24 pixels of a row or column: heads are rolled, so that few things in a scene do
 flicker         99.9th percentile of the change of the error, of 255, while the head moves 3.3 mm
 rivalry         mean difference·10³ of the errors at matching points of both eyes
 """
@@ -157,21 +157,28 @@ def _disc(samples: int, seed: int) -> Array:
     return np.column_stack([radius * np.cos(2 * np.pi * turn), radius * np.sin(2 * np.pi * turn)])
 
 
-def cuts(error: Array) -> int:
-    """Count pixels of an (h, w) error of luminance beside which it steps along rows or columns.
+def cuts(image: Array, true: Array) -> int:
+    """Count pixels beside which an (h, w) luminance steps along rows or columns, and `true` less.
 
-    A step is between two pixels, and unlike what the error does beside it: a slope is none.
+    A step is between two pixels, and unlike what the image does beside it: a slope is none.
     """
     found = 0
     for axis in (0, 1):
-        size = [1, 1]
-        size[axis] = 5
-        slope = np.diff(error, axis=axis)
-        step = slope - median_filter(slope, size=size)
+        steps, allowed = (_steps(each, axis) for each in (image, true))
         for sign in (-1, 1):
-            is_step = (sign * step > STEP).astype(np.float64)
-            along = uniform_filter1d(is_step, LONG_PX, axis=1 - axis, mode="constant")
+            higher = sign * steps - np.maximum(sign * allowed, 0.0) > STEP
+            along = uniform_filter1d(
+                higher.astype(np.float64), LONG_PX, axis=1 - axis, mode="constant"
+            )
             found += int((along > MOST).sum())
+    return found
+
+
+def _steps(image: Array, axis: int) -> Array:
+    size = [1, 1]
+    size[axis] = 5
+    slope = np.diff(image, axis=axis)
+    found: Array = slope - median_filter(slope, size=size)
     return found
 
 
@@ -219,6 +226,8 @@ def errors(found: Case, *, samples: int, tried: Sequence[BlurMethod]) -> list[di
     pairs = correspondence(here.depth, right.depth, margin_px=2)
     ppd = pixels_per_degree(found.view.fov, found.whole_px)
 
+    true = _shown(here.true, here.exposure) @ LUMINANCE
+
     def row(name: str, draw: Callable[[_Seen], Array]) -> dict[str, Any]:
         linear = draw(here)
         error = here.error(linear)
@@ -231,7 +240,7 @@ def errors(found: Case, *, samples: int, tried: Sequence[BlurMethod]) -> list[di
             "edges": _rms(error[edges]),
             "flip": flip,
             "seams": off_median(_shown(linear, here.exposure), radius[judged]).over_2,
-            "cuts": cuts(error @ LUMINANCE),
+            "cuts": cuts(_shown(linear, here.exposure) @ LUMINANCE, true),
             "flicker": float(np.percentile(np.abs(change), 99.9) * 255),
             "rivalry": binocular_error(pairs, error, right.error(draw(right))).rivalry * 1e3,
         }

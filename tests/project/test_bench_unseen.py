@@ -47,10 +47,20 @@ def test_a_cut_along_a_column_is_found_and_a_slanted_edge_is_not():
     straight = np.where(column < 40, 0.0, 0.03)
     slanted = np.where(column + row / 6 < 50, 0.0, 0.03)
     slope = np.clip(0.01 * (column - 40), 0, 0.1)
-    assert unseen.cuts(straight) > 70
-    assert unseen.cuts(straight.T) > 70
-    assert unseen.cuts(slanted) == unseen.cuts(slope) == 0
-    assert unseen.cuts(np.random.default_rng(1).normal(0, 0.02, (96, 96))) < 10
+    flat = np.zeros((96, 96))
+    assert unseen.cuts(straight, flat) > 70
+    assert unseen.cuts(straight.T, flat) > 70
+    assert unseen.cuts(slanted, flat) == unseen.cuts(slope, flat) == 0
+    assert unseen.cuts(np.random.default_rng(1).normal(0, 0.02, (96, 96)), flat) < 10
+
+
+def test_a_step_that_the_reference_has_is_no_cut():
+    """Also where the image has less of it; a higher one and one the other way are."""
+    _, column = np.mgrid[:96, :96]
+    straight = np.where(column < 40, 0.0, 0.03)
+    assert unseen.cuts(straight, straight) == unseen.cuts(0 * straight, straight) == 0
+    assert unseen.cuts(2 * straight, straight) > 70
+    assert unseen.cuts(-straight, straight) > 70
 
 
 def test_a_shutter_that_is_open_for_an_instant_sees_the_sharp_image(tmp_path):
