@@ -22,6 +22,7 @@ from hypothesis import HealthCheck, settings
 
 from tests.support import drawn
 from tests.support.browser import find_browser
+from tests.support.kept_programs import KeptPrograms
 from tests.support.openxr import fresh_monado
 from vrcomfort.cli import main
 from vrcomfort.gpu import gl
@@ -195,7 +196,11 @@ def _new_object(ctx: moderngl.Context, kind: str) -> int:
 
 @pytest.fixture(scope="session")
 def count_objects(session_context: moderngl.Context) -> Callable[[], dict[str, int]]:
-    """Return a function that counts the live OpenGL objects of each kind."""
+    """Return a function that counts the live OpenGL objects of each kind.
+
+    Programs that are kept for other tests do not count.
+    """
+    kept = KeptPrograms(session_context)
     alive = {kind: Alive(session_context, kind) for kind in KINDS}
     use_program = gl.function(session_context, "glUseProgram", ctypes.c_uint)
     stages = (f"#version 450\nvoid main() {{{body}}}" for body in ("gl_Position = vec4(0);", ""))
@@ -213,7 +218,8 @@ def count_objects(session_context: moderngl.Context) -> Callable[[], dict[str, i
         idle_draw.render(vertices=3)
         use_program(0)
         gl.collect(session_context)
-        return {kind: names.count() for kind, names in alive.items()}
+        found = {kind: names.count() for kind, names in alive.items()}
+        return found | {"Program": found["Program"] - kept.idle}
 
     return count
 
