@@ -140,6 +140,7 @@ def read_rows(
                 told(error)
                 return
         known = {name: columns[name] for name in columns if name in header}
+        blank = {name: None for name in columns if name not in header}
         numbers = () if told is None else _further_numbers(header, row_type)
         at_bytes = len(first)
         for number, line in enumerate(stream, start=2):
@@ -159,9 +160,9 @@ def read_rows(
                     raise fault.at(file, number, "mend it first") from None
                 told(fault.at(file, number, _RESTORE))
                 continue
-            if told is not None and (wrong := _not_a_number(cells, numbers)):
+            if told is not None and (wrong := _not_a_number(line, cells, numbers)):
                 told(wrong.at(file, number, _RESTORE))
-            yield RecordedRow(file, number, {**dict.fromkeys(columns), **values})
+            yield RecordedRow(file, number, {**blank, **values} if blank else values)
 
 
 _RESTORE = "restore the file from a copy"
@@ -254,19 +255,18 @@ def cell_value(cell: str, column: Column) -> Any:
         return cell
     if not cell.strip() and column.blank:
         return None
-    shown = shortened(cell)
     try:
         value = (int if column.type is int else float)(plain_digits(cell))
     except ValueError:
-        raise _RowError(f"{shown} is not a number", column.name) from None
+        raise _RowError(f"{shortened(cell)} is not a number", column.name) from None
     # A time is bounded more tightly than a count: sums of times have to stay finite.
     largest = LONGEST_S if column.type is float and column.unit else LARGEST_WHOLE
     if abs(value) > largest or math.isnan(value):
-        raise _RowError(f"{shown} is larger than anything recorded", column.name)
+        raise _RowError(f"{shortened(cell)} is larger than anything recorded", column.name)
     if value < 0 and not column.signed:
-        raise _RowError(f"{shown} is less than 0", column.name)
+        raise _RowError(f"{shortened(cell)} is less than 0", column.name)
     if column.name == "resumed" and value > 1:
-        raise _RowError(f"{shown} is neither 0 nor 1", column.name)
+        raise _RowError(f"{shortened(cell)} is neither 0 nor 1", column.name)
     return value
 
 
@@ -278,8 +278,17 @@ def _further_numbers(header: Sequence[str], row_type: type[Row]) -> tuple[str, .
     return tuple(name for name in header if name in numbers)
 
 
-def _not_a_number(cells: Mapping[str, str], names: Sequence[str]) -> _RowError | None:
-    """Return the fault of the first cell that is neither a number nor blank."""
+def _not_a_number(line: bytes, cells: Mapping[str, str], names: Sequence[str]) -> _RowError | None:
+    """Return the fault of the first cell of a line that is neither a number nor blank."""
+    if line.isascii() and b"_" not in line:  # then Python reads no more than `plain_digits`
+        try:
+            for name in names:
+                if cell := cells[name]:
+                    float(cell)
+        except ValueError:
+            pass
+        else:
+            return None
     for name in names:
         if cells[name]:
             try:

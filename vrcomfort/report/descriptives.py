@@ -9,6 +9,7 @@ import numpy as np
 
 from vrcomfort.records.names import natural
 from vrcomfort.report.asked import timepoints_of
+from vrcomfort.report.exposures import with_scores
 from vrcomfort.report.pairs import in_a_test
 from vrcomfort.report.possible import limited
 from vrcomfort.report.rows import INLINE
@@ -148,7 +149,7 @@ def _primary(
 ) -> _Described:
     found: _Described = []
     for condition in conditions:
-        part = of_the_tested(scored.table, tests, condition, outcome).dropna(subset=[outcome])
+        part = with_scores(of_the_tested(scored.table, tests, condition, outcome), outcome)
         if len(part):
             means = part.groupby("participant")[outcome].mean() * scored.units[outcome]
             described = describe_with_interval(
@@ -174,7 +175,7 @@ def _exposures(scored: Exposures, outcome: str, conditions: Sequence[str]) -> _D
 
 def _moments(scored: Exposures, plan: Plan, outcome: str, conditions: Sequence[str]) -> _Described:
     """Describe the raw scores at each timepoint of the plan, in the order of time."""
-    table, unit = scored.moments.dropna(subset=[outcome]), scored.units[outcome]
+    table, unit = with_scores(scored.moments, outcome), scored.units[outcome]
     cells = dict(list(table.groupby(["timepoint", "condition"])[outcome]))
     return [
         (TIMEPOINT, timepoint, condition, describe(cells[timepoint, condition].to_numpy() * unit))
@@ -211,7 +212,7 @@ def of_the_tested(
 
 def describe_recovery(scored: Exposures) -> list[RecoveryScores]:
     """Describe all scores after recovery."""
-    tables = {outcome: scored.recovery.dropna(subset=[outcome]) for outcome in scored.units}
+    tables = {outcome: with_scores(scored.recovery, outcome) for outcome in scored.units}
     return [
         RecoveryScores(outcome, _in_points(table, outcome, scored.units[outcome]))
         for outcome, table in tables.items()

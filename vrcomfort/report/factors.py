@@ -8,7 +8,7 @@ import pandas as pd
 
 from vrcomfort.csv_table import number_or_none
 from vrcomfort.records.names import natural
-from vrcomfort.report.exposures import COLUMNS, column_of
+from vrcomfort.report.exposures import COLUMNS, column_of, with_scores
 from vrcomfort.settings import did_you_mean
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ WITHIN = frozenset(["condition", "scene", "position", "session", "timepoint", "p
 
 def points(table: pd.DataFrame, scored: Exposures, outcome: str) -> pd.DataFrame:
     """Return the exposures that have a score, with the score in points in column `score`."""
-    rows = table.dropna(subset=[outcome])
+    rows = with_scores(table, outcome)
     return rows.assign(score=rows[outcome].astype(float) * scored.units[outcome])
 
 

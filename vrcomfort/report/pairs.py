@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from vrcomfort.records.names import natural
-from vrcomfort.report.exposures import column_of
+from vrcomfort.report.exposures import column_of, with_scores
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -242,7 +242,7 @@ def needed_of(scored: Exposures, outcome: str, side: Side) -> int:
     """Return how many scores of a side a participant is to have."""
     if not side.timepoint and side.condition:
         return scored.planned_of.get(outcome, {}).get(side.condition, 1)
-    return usual(Counter(side.rows(scored).dropna(subset=[outcome])["participant"]).values())
+    return usual(Counter(with_scores(side.rows(scored), outcome)["participant"]).values())
 
 
 def usual(counts: Iterable[int]) -> int:

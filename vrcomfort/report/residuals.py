@@ -10,6 +10,7 @@ from scipy.stats import norm
 
 from vrcomfort.report.analyses.signed_rank.figure import differences
 from vrcomfort.report.canvas import INK, SOFT, Drawing, canvas, dots, lines
+from vrcomfort.report.exposures import with_scores
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -78,7 +79,7 @@ def residual_lines(found: Iterable[Residuals]) -> list[Cells]:
 
 
 def _of_cells(scored: Exposures, plan: Plan, outcome: str) -> tuple[Floats, Floats]:
-    table, unit = scored.table.dropna(subset=[outcome]), scored.units[outcome]
+    table, unit = with_scores(scored.table, outcome), scored.units[outcome]
     factors = [
         factor.column
         for factor in plan.anova

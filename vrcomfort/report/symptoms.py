@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vrcomfort.report.descriptives import Description, describe, of_the_tested
+from vrcomfort.report.exposures import with_scores
 from vrcomfort.report.pairs import in_a_test
 
 if TYPE_CHECKING:
@@ -119,7 +120,7 @@ def recovery_rows(scored: Exposures) -> list[RecoveryRow]:
 def recovery_course(scored: Exposures, outcome: str) -> tuple[Floats, Floats]:
     """Return scores after a session's last exposure and after recovery, of sessions with both."""
     keys, unit = ["participant", "session"], scored.units[outcome]
-    after, rest = (t.dropna(subset=[outcome]) for t in (scored.table, scored.recovery))
+    after, rest = (with_scores(t, outcome) for t in (scored.table, scored.recovery))
     last = after.sort_values("position", kind="stable").groupby(keys)[outcome].last()
     recovered = rest.groupby(keys)[outcome].last()
     both = last.index.intersection(recovered.index)

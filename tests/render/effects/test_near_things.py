@@ -8,7 +8,7 @@ import pytest
 from scipy.ndimage import zoom
 
 from tests.render.effects.test_optics import evaluate
-from tests.support.render import RIGHT_ANGLE, at, glowing, mesh, scene, wall
+from tests.support.render import at, glowing, mesh, scene, wall
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Pose, View
 from vrcomfort.gpu.passes import watched
@@ -18,7 +18,8 @@ from vrcomfort.render.effects.depth_of_field import effect
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.tradeoff.brute_force import read_rgb
 
-SIZE_PX = (128, 128)
+SIZE_PX = (128, 64)
+FOV = Fov.symmetric(vertical_rad=2 * np.arctan(0.5), aspect=2)
 FOCUS_M = 2.0
 LENS = {"law": "dioptre", "max_radius_percent": 10.0, "full_blur_dioptre": 2.0}
 """6.4 px of radius for each dioptre: 12.8 px at half a metre, 4.6 px at 0.82 m."""
@@ -66,12 +67,12 @@ def condition(focus=None, **settings):
     return Condition(name="x", focus=focus, depth_of_field=lens)
 
 
-def look(index=0, fov=RIGHT_ANGLE):
+def look(index=0, fov=FOV):
     eye = View(Pose(), fov)
     return Frame(index, index * 11_111_111, 11_111_111, Pose(), (eye, eye), Pose())
 
 
-def drawn(ctx, content, wanted, frames=1, *, watch=True, size_px=SIZE_PX, fov=RIGHT_ANGLE):
+def drawn(ctx, content, wanted, frames=1, *, watch=True, size_px=SIZE_PX, fov=FOV):
     """Return the last frame's left eye: pinhole, result and depth, and the passes of that frame."""
     found = {}
 

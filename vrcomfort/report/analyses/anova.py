@@ -115,7 +115,7 @@ def _fit(data: AnalysisData, outcome: str) -> AnovaFit:
     between = [f.name for f, _ in made if is_between(f)]
     within = [f.name for f, _ in made if not is_between(f)]
     names = [f.name for f, _ in made]
-    whole = long.dropna(subset=names)
+    whole = long[long[names].notna().all(axis=1)]
     if data.complete:
         whole = _with_every_score(scored, outcome, whole, [factor for factor, _ in made])
     cells = whole.groupby(["participant", *names])["score"].mean().reset_index()

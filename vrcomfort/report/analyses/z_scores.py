@@ -22,6 +22,7 @@ from vrcomfort.report.analyses.contract import (
     with_dot,
 )
 from vrcomfort.report.canvas import INK, Drawing, canvas, lines
+from vrcomfort.report.exposures import with_scores
 from vrcomfort.report.palette import colour_of, marker_of
 from vrcomfort.report.words import number
 from vrcomfort.settings import Problem, repeated
@@ -56,7 +57,7 @@ def _compute(data: AnalysisData, asked: Sequence[str]) -> list[ZScoreRow]:
 
 
 def _of_outcome(data: AnalysisData, outcome: str) -> list[ZScoreRow]:
-    table = data.scored.table.dropna(subset=[outcome])
+    table = with_scores(data.scored.table, outcome)
     values = [float(value) * data.scored.units[outcome] for value in table[outcome]]
     found = z_scored(list(table["participant"]), list(table["condition"]), values)
     return [ZScoreRow(outcome, name, *found[name]) for name in data.conditions if name in found]

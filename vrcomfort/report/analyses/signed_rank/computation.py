@@ -12,6 +12,7 @@ from vrcomfort.report.analyses.contract import AnalysisData
 from vrcomfort.report.descriptives import Description, describe
 from vrcomfort.report.families import Decision
 from vrcomfort.report.orders import OneOrder, one_order
+from vrcomfort.report.exposures import with_scores
 from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up, possible_difference
 from vrcomfort.report.possible import limited
 from vrcomfort.report.rows import HIDDEN, INLINE
@@ -227,7 +228,7 @@ def _without_ends(found: Estimate | None) -> Estimate | None:
 def _too_few(scored: Exposures, outcome: str, contrast: Compared, n: int) -> str:
     """Return the reason for having no test, and what to write instead."""
     said = f"{n} complete pairs: too few for a test"
-    rows = [side.rows(scored).dropna(subset=[outcome]) for side in (contrast.a, contrast.b)]
+    rows = [with_scores(side.rows(scored), outcome) for side in (contrast.a, contrast.b)]
     one, two = (set(table["participant"]) for table in rows)
     if one and two and one.isdisjoint(two):
         said += '; different people met them: write between = "condition" into this contrast'

@@ -29,6 +29,7 @@ from vrcomfort.report.estimation import (
     draw_zero,
     thinned,
 )
+from vrcomfort.report.exposures import with_scores
 from vrcomfort.report.pairs import Side, in_a_test, pair_up
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ def _scores(scored: Exposures, tests: list[SignedRankRow], sides: list[Side]) ->
     outcome = tests[0].outcome
     columns = []
     for side in sides:
-        rows = side.rows(scored).dropna(subset=[outcome])
+        rows = with_scores(side.rows(scored), outcome)
         rows = rows[rows["participant"].isin(in_a_test(tests, side.name, outcome))]
         columns.append(rows.groupby("participant")[outcome].mean() * scored.units[outcome])
     people = sorted(set().union(*(column.index for column in columns)))
