@@ -26,7 +26,7 @@ from vrcomfort.session.frame_log import TrialTiming
 
 Run = Callable[..., tuple[int, str, str]]
 FIND = {check.name: check.find for check in CHECKS}
-QUICK = ("--headset", "playback", "--size", "32x40", "--seconds", "0.3")
+QUICK = ("--headset", "playback", "--size", "32x40", "--seconds", "0.1")
 FACTS = {"headset": {"image_size_px": [64, 80], "refresh_hz": 90.0}, "gpu": "A"}
 DONE = {
     "at": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -58,7 +58,7 @@ def test_what_is_found_is_shown_and_written(run: Run, tmp_path: Path) -> None:
     costs = content["costs_ms"]
     assert len(costs) == 4
     assert max(costs, key=costs.get) == "{condition} in {scene}".format(**content["timing"])
-    assert content["timing"]["frames"] == pytest.approx(0.3 * 72, abs=2)
+    assert content["timing"]["frames"] == pytest.approx(0.1 * 72, abs=2)
     assert content["apparatus"]["image size of an eye"] == "32×40"
     assert content["outcome"] in {"ok", "notice"}
 

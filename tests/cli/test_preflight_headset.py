@@ -46,7 +46,7 @@ def preflight(run: Run, folder: Path, script: str, *more: str) -> tuple[int, dic
     """Return the exit code, and what the file has; findings by their part."""
     with ScriptedRuntime(folder / "runtime", HEADSET + script):
         code, _, err = run(
-            "preflight", "smoke", "--out", folder / "S", "--seconds", "0.5", "-q", *more
+            "preflight", "smoke", "--out", folder / "S", "--seconds", "0.1", "-q", *more
         )
     assert "Traceback" not in err
     content = json.loads((folder / "S" / FILE).read_text())

@@ -145,7 +145,7 @@ def test_parts_of_every_third_frame_are_timed_and_told_late(ctx, monkeypatch, on
     if on_gpu:
         monkeypatch.setattr(adapters, "SOFTWARE", ())
     renderer = StereoRenderer(ctx, (16, 20), time_parts_every=3)
-    scene, _ = scene_and_hash("temple")
+    scene, _ = scene_and_hash("depths")
     renderer.begin(scene, base_condition("motion_blur"))
     step = a_step(scene.spawn, (16, 20))[1]
     told, timed = [], []
@@ -168,7 +168,7 @@ def test_parts_of_every_third_frame_are_timed_and_told_late(ctx, monkeypatch, on
 def test_what_a_frame_hands_on_is_no_time_of_it(ctx, monkeypatch):
     monkeypatch.setattr(adapters, "SOFTWARE", ())
     renderer = StereoRenderer(ctx, (16, 20))
-    scene, _ = scene_and_hash("temple")
+    scene, _ = scene_and_hash("depths")
     renderer.begin(scene, base_condition("motion_blur"))
     step = a_step(scene.spawn, (16, 20))[1]
     free = renderer.render(step, 0.0).cpu_ms

@@ -127,7 +127,7 @@ GROUPS = {
     "Machine and help": {
         "doctor": Listed(
             "doctor",
-            "Check the installation, and name remedies for what is missing.",
+            "Check the installation, and name a remedy for each missing part.",
         ),
         "demo": Listed(
             "simulate",
