@@ -176,6 +176,20 @@ def plain_digits(cell: str) -> str:
     return text
 
 
+def are_numbers(cells: Sequence[str]) -> bool:
+    """Return whether each of many cells is empty or the text of a number, in plain digits."""
+    together = "".join(cells)
+    if "_" in together or not together.isascii():
+        return False
+    try:
+        for cell in cells:
+            if cell:
+                float(cell)
+    except ValueError:
+        return False
+    return True
+
+
 def number_in(cell: str, *, words: bool = False) -> float | None:
     """Return the number that a cell holds; None of a blank one.
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vrcomfort.csv_table import LARGEST_WHOLE, CsvTable, plain_digits, shortened
+from vrcomfort.csv_table import LARGEST_WHOLE, CsvTable, are_numbers, plain_digits, shortened
 from vrcomfort.errors import InputError
 from vrcomfort.files import open_file
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
@@ -160,7 +160,7 @@ def read_rows(
                     raise fault.at(file, number, "mend it first") from None
                 told(fault.at(file, number, _RESTORE))
                 continue
-            if told is not None and (wrong := _not_a_number(line, cells, numbers)):
+            if told is not None and (wrong := _not_a_number(cells, numbers)):
                 told(wrong.at(file, number, _RESTORE))
             yield RecordedRow(file, number, {**blank, **values} if blank else values)
 
@@ -278,17 +278,10 @@ def _further_numbers(header: Sequence[str], row_type: type[Row]) -> tuple[str, .
     return tuple(name for name in header if name in numbers)
 
 
-def _not_a_number(line: bytes, cells: Mapping[str, str], names: Sequence[str]) -> _RowError | None:
-    """Return the fault of the first cell of a line that is neither a number nor blank."""
-    if line.isascii() and b"_" not in line:  # then Python reads no more than `plain_digits`
-        try:
-            for name in names:
-                if cell := cells[name]:
-                    float(cell)
-        except ValueError:
-            pass
-        else:
-            return None
+def _not_a_number(cells: Mapping[str, str], names: Sequence[str]) -> _RowError | None:
+    """Return the fault of the first cell that is neither a number nor blank."""
+    if are_numbers([cells[name] for name in names]):
+        return None
     for name in names:
         if cells[name]:
             try:

@@ -10,9 +10,9 @@ import numpy as np
 
 from vrcomfort.report.analyses.contract import AnalysisData
 from vrcomfort.report.descriptives import Description, describe
+from vrcomfort.report.exposures import with_scores
 from vrcomfort.report.families import Decision
 from vrcomfort.report.orders import OneOrder, one_order
-from vrcomfort.report.exposures import with_scores
 from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up, possible_difference
 from vrcomfort.report.possible import limited
 from vrcomfort.report.rows import HIDDEN, INLINE
