@@ -21,7 +21,7 @@ void main() {
     ivec2 side = 2 * (pixel & 1) - 1;
     vec4 own = texel_at(0, 0);
     vec4 others[3] = vec4[3](texel_at(side.x, 0), texel_at(0, side.y), texel_at(side.x, side.y));
-    over = 0.5625 * own + 0.1875 * (others[0] + others[1]) + 0.0625 * others[2];  // bilinear
+    over = 0.75 * 0.75 * own + 0.75 * 0.25 * (others[0] + others[1]) + 0.25 * 0.25 * others[2];  // bilinear
     vec4 least = min(min(own, others[0]), min(others[1], others[2]));
     vec4 most = max(max(own, others[0]), max(others[1], others[2]));
     float part = clamp(max(max(most.r, most.g), most.b) - 1.0, 0.0, 1.0);
@@ -29,6 +29,6 @@ void main() {
     vec4 mean = vec4(0.0);  // over the texel, of what is bilinear
     for (int y = -around; y <= around; ++y)
         for (int x = -around; x <= around; ++x)
-            mean += (x == 0 ? 0.75 : 0.125) * (y == 0 ? 0.75 : 0.125) * texel_at(x, y);
+            mean += (x == 0 ? 0.75 : 0.5 * 0.25) * (y == 0 ? 0.75 : 0.5 * 0.25) * texel_at(x, y);
     over = part > 0.0 ? clamp(over + part * (own - mean), least, most) : over;
 }

@@ -10,8 +10,8 @@ float coverage_of_code(uint code) {
 }
 
 uint coverage_code(float coverage) {
-    return coverage > 0.875 ? 0u : coverage > 0.625 ? 1u
-         : min(uint(1.5 - log2(max(coverage, 1e-4))), CODES);
+    return coverage > 0.5 ? uint(4.0 * (1.0 - coverage) + 0.5)
+                          : min(uint(1.5 - log2(max(coverage, 1e-4))), CODES);
 }
 
 // A float that was a half float has its last bit in bit 13.

@@ -15,9 +15,7 @@ FORMULAS = {
 }
 """Files whose numbers belong to one formula."""
 
-PLAIN = re.compile(
-    r"\d\.0|0\.5|0\.25|0\.75|1\.5|2\.5|9\.0|1[256]\.0|255\.0|32768\.0|65504\.0|4294967296\.0"
-)
+PLAIN = re.compile(r"\d\.0|0\.5|0\.25|0\.75|1\.5|2\.5|9\.0|1[256]\.0|255\.0|32768\.0|4294967296\.0")
 NUMBER = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.])")
 NAMED = re.compile(r"\s*const (?:float|vec\d) \w+ = .+")
 
