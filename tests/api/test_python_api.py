@@ -236,6 +236,73 @@ def test_two_values_in_a_cell_and_scales_without_a_step_are_refused(tidy):
     assert len(unit) == 3
 
 
+def cells() -> pd.DataFrame:
+    rows = [(who, seen, who + len(seen)) for who in range(6) for seen in ("on", "off")]
+    return pd.DataFrame(rows, columns=["who", "seen", "total"])
+
+
+NAMES = {"dv": "total", "within": "seen", "subject": "who"}
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"dv": "totl"}, "`dv`: there is no column 'totl'; did you mean `total`"),
+        ({"subject": "person"}, "`subject`: there is no column 'person'; known here: seen, total"),
+        ({"within": "total"}, "column 'total' is named twice"),
+        ({"within": 3}, "`within` should be the name of a column, got 3"),
+        ({"dv": ["total"]}, "`dv` should be the name of a column"),
+    ],
+)
+@pytest.mark.parametrize("test", [stats.wilcoxon, stats.ttest, stats.rm_anova, stats.icc])
+def test_columns_that_are_not_there_are_named(test, change, says):
+    with pytest.raises(vrcomfort.InputError, match=says):
+        test(cells(), **NAMES | change)
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        (["some"] * 12, "should hold numbers, not 'some'"),
+        (pd.date_range("2026-01-01", periods=12), "should hold numbers, not .*2026"),
+        ([1j] * 12, "should hold numbers"),
+        ([np.inf, *range(11)], "infinite"),
+    ],
+)
+def test_values_that_are_no_numbers_are_refused(values, says):
+    for test in (stats.wilcoxon, stats.rm_anova, stats.friedman):
+        with pytest.raises(vrcomfort.InputError, match=says):
+            test(cells().assign(total=values), **NAMES)
+
+
+def test_numbers_of_any_type_are_the_same_numbers():
+    expected = stats.ttest(cells(), **NAMES)
+    for kind in (str, "Int64", "Float64", "int8", object):
+        found = stats.ttest(cells().astype({"total": kind}), **NAMES)
+        pd.testing.assert_frame_equal(found, expected)
+
+
+@pytest.mark.parametrize(
+    ("choice", "says"),
+    [
+        ({"alternative": "bigger"}, "`alternative` cannot be 'bigger'; known here: greater"),
+        ({"zeros": "prat"}, "did you mean `pratt`"),
+        ({"p_value": "x"}, "`p_value` cannot be 'x'"),
+        ({"confidence": 95}, "`confidence` cannot be 95; write a number such as 0.95"),
+        ({"unit": 0}, "`unit` cannot be 0"),
+    ],
+)
+def test_choices_that_do_not_exist_are_refused(choice, says):
+    with pytest.raises(vrcomfort.InputError, match=says):
+        stats.wilcoxon(cells(), **NAMES | choice)
+
+
+def test_what_is_no_data_frame_is_refused():
+    for data in (None, {"total": [1]}, [[1]]):
+        with pytest.raises(vrcomfort.InputError, match="should be a pandas data frame"):
+            stats.mixed_model(data, dv="total", subject="who", factors="seen")
+
+
 def test_anova_has_the_numbers_of_the_report(tidy):
     table = stats.rm_anova(tidy, dv="total", within="seen", between="group", subject="who")
     found = anova(tidy, value="total", participant="who", within=["seen"], between=["group"])

@@ -26,6 +26,7 @@ from vrcomfort.stats import rank_anova as _rank_anova
 from vrcomfort.stats import signed_rank as _signed_rank
 from vrcomfort.stats import survival as _survival
 from vrcomfort.stats import t_tests as _t_tests
+from vrcomfort.stats.columns import with_columns
 from vrcomfort.stats.ranks import as_integers
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ STEPS = (1.0, 0.1, 0.01, 0.001)
 answers (3.74, 9.54 …) are whole numbers of hundredths."""
 
 
+@with_columns
 def wilcoxon(
     data: pd.DataFrame,
     *,
@@ -121,6 +123,7 @@ def wilcoxon(
     return _each_pair(table.columns, within, compare)
 
 
+@with_columns
 def mwu(
     data: pd.DataFrame,
     *,
@@ -172,6 +175,7 @@ def mwu(
     return _each_pair(groups, between, compare)
 
 
+@with_columns
 def ttest(
     data: pd.DataFrame,
     *,
@@ -234,6 +238,7 @@ def ttest(
     return _each_pair(table.columns, str(within), compare)
 
 
+@with_columns
 def friedman(
     data: pd.DataFrame, *, dv: str, within: str, subject: str, unit: float | None = None
 ) -> pd.DataFrame:
@@ -270,6 +275,7 @@ def friedman(
     }])  # fmt: skip
 
 
+@with_columns
 def kruskal(
     data: pd.DataFrame,
     *,
@@ -312,6 +318,7 @@ def kruskal(
     }])  # fmt: skip
 
 
+@with_columns
 def rm_anova(
     data: pd.DataFrame,
     *,
@@ -355,6 +362,7 @@ def rm_anova(
     return _anova_frame(found.effects, found.n, len(found.excluded))
 
 
+@with_columns
 def art_anova(
     data: pd.DataFrame,
     *,
@@ -388,6 +396,7 @@ def art_anova(
     return _anova_frame(effects, plain.n, len(plain.excluded))
 
 
+@with_columns
 def mixed_model(
     data: pd.DataFrame,
     *,
@@ -443,6 +452,7 @@ def mixed_model(
     )
 
 
+@with_columns
 def ordinal_model(
     data: pd.DataFrame,
     *,
@@ -494,6 +504,7 @@ def ordinal_model(
     )
 
 
+@with_columns
 def crossover(
     data: pd.DataFrame,
     *,
@@ -546,6 +557,7 @@ def crossover(
     return _frame(_t_rows("effect", effects), n=sizes)
 
 
+@with_columns
 def corr(
     data: pd.DataFrame,
     *,
@@ -600,6 +612,7 @@ def corr(
     }])  # fmt: skip
 
 
+@with_columns
 def icc(
     data: pd.DataFrame, *, dv: str, within: str, subject: str, confidence: float = 0.95
 ) -> pd.DataFrame:
@@ -636,6 +649,7 @@ def icc(
     ])  # fmt: skip
 
 
+@with_columns
 def kaplan_meier(
     data: pd.DataFrame,
     *,
@@ -686,6 +700,7 @@ def kaplan_meier(
     return pd.concat(frames, ignore_index=True)
 
 
+@with_columns
 def log_rank(
     data: pd.DataFrame, *, time: str, event: str, by: str, strata: str | None = None
 ) -> pd.DataFrame:
@@ -717,6 +732,7 @@ def log_rank(
     })  # fmt: skip
 
 
+@with_columns
 def cox(
     data: pd.DataFrame,
     *,
