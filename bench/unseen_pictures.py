@@ -19,7 +19,7 @@ from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.tradeoff.methods import methods
 
 WHOLE_PX, DETAIL_PX, TIMES, GAP_PX = 256, 64, 4, 4
-VIEWS = 256
+VIEWS = 512
 SHOWN = ("no blur", "ours 12 samples", "ours 16 samples", "ours 36 samples", "ours 96 samples")
 
 
