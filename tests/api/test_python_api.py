@@ -297,6 +297,13 @@ def test_choices_that_do_not_exist_are_refused(choice, says):
         stats.wilcoxon(cells(), **NAMES | choice)
 
 
+def test_a_reference_that_no_row_has_is_named():
+    with pytest.raises(vrcomfort.InputError, match="'seen' is never 'onn'; did you mean `on`"):
+        stats.mixed_model(
+            cells(), dv="total", subject="who", factors="seen", references={"seen": "onn"}
+        )
+
+
 def test_what_is_no_data_frame_is_refused():
     for data in (None, {"total": [1]}, [[1]]):
         with pytest.raises(vrcomfort.InputError, match="should be a pandas data frame"):

@@ -65,6 +65,12 @@ def with_columns(function: Callable[P, T]) -> Callable[P, T]:
         twice = [column for column, n in Counter(each for _, each in named).items() if n > 1]
         if twice:
             raise InputError(f"column {twice[0]!r} is named twice; name another one")
+        for factor, level in (given.arguments.get("references") or {}).items():
+            _check(data, "references", factor)
+            levels = sorted(map(str, data[factor].dropna().unique()))
+            if level not in levels:
+                hint = did_you_mean(str(level), levels)
+                raise InputError(f"`references`: {factor!r} is never {level!r}; {hint}")
         there = {column: _numbers(data[column]) for _, column in numbers}
         given.arguments[place] = data.assign(**there)
         return function(*given.args, **given.kwargs)
