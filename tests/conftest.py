@@ -135,8 +135,23 @@ def _shipped_scenes_are_read_once() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _programs_are_kept() -> Iterator[None]:
+    """Those of each context, also of one that a command makes: conditions have many in common."""
+    make = gl.create_context
+
+    def create_context() -> moderngl.Context:
+        ctx = make()
+        ctx.kept_programs = KeptPrograms(ctx)
+        return ctx
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(gl, "create_context", create_context)
+        yield
+
+
 @pytest.fixture(scope="session")
-def session_context() -> Iterator[moderngl.Context]:
+def session_context(_programs_are_kept: None) -> Iterator[moderngl.Context]:
     """Yield the context of the whole run; tests ask for `ctx`."""
     ctx = gl.create_context()
     yield ctx
@@ -200,7 +215,6 @@ def count_objects(session_context: moderngl.Context) -> Callable[[], dict[str, i
 
     Programs that are kept for other tests do not count.
     """
-    kept = KeptPrograms(session_context)
     alive = {kind: Alive(session_context, kind) for kind in KINDS}
     use_program = gl.function(session_context, "glUseProgram", ctypes.c_uint)
     stages = (f"#version 450\nvoid main() {{{body}}}" for body in ("gl_Position = vec4(0);", ""))
@@ -219,7 +233,7 @@ def count_objects(session_context: moderngl.Context) -> Callable[[], dict[str, i
         use_program(0)
         gl.collect(session_context)
         found = {kind: names.count() for kind, names in alive.items()}
-        return found | {"Program": found["Program"] - kept.idle}
+        return found | {"Program": found["Program"] - session_context.kept_programs.idle}
 
     return count
 

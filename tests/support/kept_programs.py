@@ -7,6 +7,7 @@ bindings of a new one.
 
 from __future__ import annotations
 
+import weakref
 from collections import defaultdict
 from collections.abc import Callable, Hashable
 from typing import Any
@@ -17,13 +18,13 @@ from moderngl import InvalidObject
 
 
 class KeptPrograms:
-    """Takes the place of what compiles programs in a context."""
+    """Takes the place of what compiles programs in a context, for as long as there is that."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        self._ctx = ctx
+        self._ctx = weakref.ref(ctx)
         self._idle: defaultdict[Hashable, list[dict[str, Any]]] = defaultdict(list)
         for name in ("program", "compute_shader"):
-            setattr(ctx, name, self._in_place_of(name, getattr(ctx, name)))
+            setattr(ctx, name, self._in_place_of(name))
 
     @property
     def idle(self) -> int:
@@ -32,9 +33,12 @@ class KeptPrograms:
 
     def take_back(self, key: Hashable, facts: dict[str, Any]) -> None:
         """Keep a program that its user has released, or let die."""
-        self._idle[key].append({**facts, "extra": None})
+        self._idle[key].append({**facts, "extra": None, "ctx": None, "_pool": None})
 
-    def _in_place_of(self, name: str, compile_new: Callable[..., Any]) -> Callable[..., Any]:
+    def _in_place_of(self, name: str) -> Callable[..., Any]:
+        def compile_new(*texts: Any, **more: Any) -> Any:
+            return getattr(moderngl.Context, name)(self._ctx(), *texts, **more)
+
         def lend(*texts: Any, **more: Any) -> Any:
             try:
                 named = ((option, self._with_includes(more[option])) for option in sorted(more))
@@ -47,13 +51,13 @@ class KeptPrograms:
             for member, value in facts["_first"].items():
                 _write(facts["_members"][member], value)
             made = facts["_kind"].__new__(facts["_kind"])
-            vars(made).update(facts)
+            vars(made).update(facts, ctx=self._ctx(), _pool=self)
             return made
 
         return lend
 
     def _with_includes(self, given: Any) -> Hashable:
-        return resolve_includes(self._ctx, given) if isinstance(given, str) else repr(given)
+        return resolve_includes(self._ctx(), given) if isinstance(given, str) else repr(given)
 
 
 class _Lent:
