@@ -14,7 +14,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,9 +40,13 @@ class Channel:
     interpolation: Interpolation
 
     @cached_property
-    def numbers(self) -> tuple[list[float], Any]:
-        """Return times and values as numbers: looking among few is faster so."""
-        return self.times_s.tolist(), self.values.tolist()
+    def times(self) -> list[float]:
+        """Return the times as numbers: looking among few is faster so.
+
+        Values are not kept: tasks write theirs before each frame.
+        """
+        found: list[float] = self.times_s.tolist()
+        return found
 
 
 @dataclass(frozen=True)
@@ -56,7 +60,7 @@ class Animation:
 
 def sample(channel: Channel, time_s: float) -> list[float]:
     """Return the channel's 3 or 4 numbers at `time_s`, clamped to its first and last key."""
-    times, values = channel.numbers
+    times = channel.times
     last = max(len(times) - 2, 0)
     key = min(max(bisect_right(times, time_s) - 1, 0), last)
     after = min(key + 1, len(times) - 1)
@@ -66,8 +70,8 @@ def sample(channel: Channel, time_s: float) -> list[float]:
         value = _hermite(channel.values[key], channel.values[after], t, span_s)
         found: list[float] = (normalize(value) if channel.path == "rotation" else value).tolist()
         return found
-    a: list[float] = values[key]
-    b: list[float] = values[after]
+    a: list[float] = channel.values[key].tolist()
+    b: list[float] = channel.values[after].tolist()
     if channel.interpolation == "STEP":
         return b if t >= 1.0 else a
     if channel.path == "rotation":
