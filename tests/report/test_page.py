@@ -202,3 +202,9 @@ def test_an_interval_of_a_mean_that_is_beyond_the_scores_is_explained(tmp_path):
     scores = {f"P{i}": {"a": 20 * (i == 0) + i % 2, "b": 2} for i in range(6)}
     summary = build_report(foreign(tmp_path / "q.csv", scores), out=tmp_path / "o", forms=())
     assert "few, skewed scores leave the mean uncertain" in summary.index.read_text("utf-8")
+
+
+def test_possible_scores_of_changes_are_those_without_the_baseline(tmp_path):
+    carnegie_like(tmp_path / "study")
+    page = build_report(tmp_path / "study", out=tmp_path / "o", forms=()).index.read_text("utf-8")
+    assert "Possible scores, without subtracting the baseline: " in page
