@@ -70,8 +70,9 @@ def find_long(table: SourceTable, columns: Sequence[int], known: Known) -> list[
     found: list[Long] = []
     for column in columns:
         words = texts(table, column)
-        # Fewer items make no questionnaire; more texts are ids or comments.
-        if not (4 <= len(words) <= 200) or len(table.rows) < len(words):
+        # Fewer items make no questionnaire; more texts are ids, longer ones interviews.
+        fitting = 4 <= len(words) <= 200 and max(map(len, words)) <= _LONGEST_QUESTION
+        if not fitting or len(table.rows) < len(words):
             continue
         response = _response_column(table, column, known.vocabulary)
         responses = [response] if response is not None else _response_columns(table, column, known)
@@ -122,16 +123,17 @@ def _response_columns(table: SourceTable, item_column: int, known: Known) -> lis
     filled = [c for c in range(len(table.headings)) if texts(table, c)]
     beside = [c for c in filled if c > item_column]
     beside = beside or [c for c in filled if not is_identifier(table, c, known.vocabulary)]
-    naming = {c for c in beside if any(mentions(t, known.instruments) for t in texts(table, c))}
+    worded = [c for c in beside if not all(map(is_number, texts(table, c)))]
+    naming = {c for c in worded if any(mentions(t, known.instruments) for t in texts(table, c))}
     beside = [c for c in beside if c != item_column and c not in naming]
     labels = {key for key, role in known.vocabulary.roles.items() if role not in _OF_COLUMNS}
-    numeric = all(all(map(is_number, texts(table, c))) for c in beside)
+    numeric = not {*worded} & {*beside}
     plain_ones = not any(plain(table.headings[c]) in labels for c in beside)
     named = bool(table.reading.heading_rows)
     return beside if numeric and plain_ones and named and 1 < len(beside) <= _MOST_COLUMNS else []
 
 
-_MOST_COLUMNS = 100
+_MOST_COLUMNS, _LONGEST_QUESTION = 100, 500
 _OF_COLUMNS = frozenset(["condition", "scene"])
 """Roles of labels that may be names of conditions: ``Blur``."""
 
