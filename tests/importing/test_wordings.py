@@ -76,6 +76,18 @@ def test_the_name_of_a_system_in_most_statements_makes_no_second_questionnaire(
     assert answers_in(imported_from(write(tmp_path / "form.csv", rows))) == given
 
 
+def test_columns_whose_names_differ_in_a_sign_alone_are_both_kept(tmp_path: Path) -> None:
+    items = [f"sus{n}" for n in range(1, 11)]
+    rows: list[list[object]] = [["ID", "Condition", "View+", "View-", *items]]
+    rows += [
+        [f"P{n}", condition, n % 4, n % 5, *((n + k) % 5 + 1 for k in range(10))]
+        for n in range(1, 9)
+        for condition in ("vr", "desktop")
+    ]
+    imported = imported_from(write(tmp_path / "talks.csv", rows))
+    assert {"view", "view_2"} <= {*imported.covariates}
+
+
 def test_a_sheet_that_says_the_answers_again_is_left_out(tmp_path: Path) -> None:
     given = [[(row * k + k) % 5 for k in range(10)] for row in range(1, 7)]
     book = Workbook()

@@ -475,7 +475,9 @@ class _Facts(FactDraft):
             else:
                 self._varying.append(column)
         for column, _ in candidates("covariate", self._roles.unknown, self._context):
-            self._context.covariates[_word(self.heading(column))] = column
+            word, there = _word(self.heading(column)), self._context.covariates
+            names = (word, *(f"{word}_{n}" for n in range(2, len(there) + 3)))
+            there[next(name for name in names if name not in there)] = column
             self._context.used.add(column)
 
 
