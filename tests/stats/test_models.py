@@ -145,7 +145,7 @@ def test_no_variances_near_or_far_are_likelier_than_the_fitted(seed, spread):
     ("cells", "words"),
     [
         ("ax1 ay2", "too few"),
-        ("ax1 by2 cx3", "too few"),
+        ("ax1 by2 cx3", "no participant has two values"),
         ("ax1 ay2 bx3 by4", "no variance"),
         ("ax1 bx4 ay3", "too few"),
         ("ax5 bx5 ay5 by5 cx5", "no variance"),

@@ -110,7 +110,10 @@ class BackgroundWriter:
             self._news.get(timeout=due_in_s)
             while not (self._rows or self._closing):  # the rows were written with those before
                 self._news.get(timeout=due_in_s)
-        return tuple(self._rows) if self._rows or not self._closing else None
+        if self._closing and not self._rows:
+            return None
+        # By index: rows may be added meanwhile, which an iteration over a deque does not survive.
+        return [self._rows[at] for at in range(len(self._rows))]
 
 
 def session_folder(study: Path, participant: str, session: int) -> Path:
