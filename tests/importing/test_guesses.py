@@ -267,3 +267,55 @@ def test_yes_does_not_answer_why_the_import_refuses(tmp_path: Path) -> None:
     )
     with pytest.raises(InputError, match="mends nothing: row 2: 60 is out of range - edit that"):
         load_mapping(mapping)
+
+
+def test_words_for_before_count_beside_a_score_called_as_an_item(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["ID", *(f"Before VR [{i}]" for i in SSQ_SHORT), "Nausea"]]
+    rows += [[f"P{n}", *((n + k) % 4 for k in range(6)), 9.54 * (n % 4)] for n in range(1, 9)]
+    imported, _ = suggested_import([write(tmp_path / "ssq.csv", rows)], tmp_path)
+    assert {key.timepoint for _, key in imported.responses} == {"baseline"}
+
+
+def test_of_two_instruments_with_the_same_items_headings_may_name_one(tmp_path: Path) -> None:
+    types = ("Cars", "Buses", "Trains", "Aircraft", "Small boats", "Ships", "Swings",
+             "Roundabouts", "Funfair rides")  # fmt: skip
+    rows: list[list[object]] = [
+        ["ID", *(f"MS ({age}) [{i}]" for age in ("Child", "Adult") for i in types)]
+    ]
+    rows += [[f"P{n}", *((n + k) % 4 for k in range(18))] for n in range(1, 9)]
+    imported, _ = suggested_import([write(tmp_path / "people.csv", rows)], tmp_path)
+    found = {(name, key.condition) for name, key in imported.responses}
+    assert found == {("mssq_child", "all"), ("mssq_adult", "all")}
+
+
+def test_a_second_factor_that_is_not_used_is_asked_about(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["ID", "Place", "Technique", "Note", *SSQ_SHORT]]
+    rows += [
+        [f"P{who}", ("coaster", "tower")[at], ("none", "blur", "cave")[(who + at) % 3],
+         "late" if who + at == 1 else "in time", *((who + at + k) % 4 for k in range(6))]
+        for who in range(9) for at in (0, 1)
+    ]  # fmt: skip
+    found = suggest_mapping([write(tmp_path / "ssq.csv", rows)])
+    asked = [each for each in found.doubts if "is it not the condition" in each]
+    assert len(asked) == 1
+    assert "'Place' has 'coaster', 'tower'" in asked[0]
+
+
+def test_numbers_beside_words_for_moments_are_conditions(tmp_path: Path) -> None:
+    moments = [(when, mark) for mark in ("", " (2)") for when in ("BEFORE", "AFTER")]
+    rows: list[list[object]] = [["ID", *(f"{w} [{i}]{m}" for w, m in moments for i in SSQ_SHORT)]]
+    rows += [
+        [f"P{n}", *((n * (m + 1) + k) % 3 + m % 2 for m in range(4) for k in range(6))]
+        for n in range(1, 9)
+    ]
+    imported, _ = suggested_import([write(tmp_path / "ssq.csv", rows)], tmp_path)
+    keys = {(key.condition, key.timepoint) for _, key in imported.responses}
+    assert len(keys) == 4
+    assert {when for _, when in keys} == {"baseline", "post"}
+
+
+def test_another_moment_in_headings_than_in_the_draft_is_asked_about(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["ID", *(f"VR体験前 {item}" for item in SSQ_SHORT)]]
+    rows += [[f"P{n}", *((n + k) % 4 for k in range(6))] for n in range(1, 9)]
+    found = suggest_mapping([write(tmp_path / "ssq.csv", rows)])
+    assert any("seems to say another moment than post" in each for each in found.doubts)

@@ -33,6 +33,7 @@ class Conditions(FactDraft):
     def draft(self) -> None:
         """Draft where the condition comes from, and number repetitions."""
         self._condition()
+        self._passed_over(self._not_used())
         self._alike()
         self._before_conditions()
         self._repetitions()
@@ -61,8 +62,16 @@ class Conditions(FactDraft):
         else:
             self._guess_condition()
 
+    def _not_used(self) -> list[int]:
+        """Return columns before the answers whose words differ in people, about equally often."""
+        front = [c for c in self._roles.unknown if c < min(self._answers.taken, default=0)]
+        found = candidates("condition", front, self._context)
+        words = [each.column for each in found if each.evidence is WORDS_WITHIN_PEOPLE]
+        counts = {c: Counter(filter(None, self._table.column(c))).values() for c in words}
+        return [column for column, each in counts.items() if max(each) <= 2 * min(each)]
+
     def _passed_over(self, columns: Sequence[int]) -> None:
-        """Ask about columns that are called condition, where something else says it."""
+        """Ask about columns that may be the condition, where something else says it."""
         for column in columns:
             words = texts(self._table, column)
             if 1 < len(words) <= MOST_CONDITIONS:

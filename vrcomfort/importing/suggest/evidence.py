@@ -102,7 +102,7 @@ def is_identifier(table: SourceTable, column: int, vocabulary: LabVocabulary) ->
     return len({*numbers}) >= _FEWEST_PEOPLE and numbers == sorted(numbers)
 
 
-_DATE = re.compile(r"\d{1,4}[/.\-]\d{1,2}[/.\-]\d{1,4}\b|\d{1,2}:\d{2}")
+_DATE = re.compile(r"\d{1,4}[/.\-]\d{1,2}[/.\-]\d{1,4}(?!\d)|\d{1,2}:\d{2}")
 
 
 def _counts_rows(context: Context, column: int) -> bool:

@@ -241,6 +241,8 @@ def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: s
         for each in numbers:
             del each["condition"]  # the number of the moment, which words say, too
     elif numbers:
+        if any("timepoint" in f for f in numbers):
+            fact = "condition"  # words say the moments
         shown = ", ".join(dict.fromkeys(f["condition"] for f in numbers))
         question = f"What do the numbers {shown} in the headings stand for?"
         doubts.append(OpenDoubt(question, f"each is a {fact}", *CONDITIONS))

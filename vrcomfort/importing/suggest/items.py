@@ -267,7 +267,8 @@ def _by_name(
             Found(instrument, (str(n),) if n > 1 else (), {each.item: each for each in run})
             for n, run in enumerate(runs, start=1)
         ]
-    contexts = _without_wording(named, _contexts(named, instrument), instrument)
+    moments = vocabulary.timepoints.keys()
+    contexts = _without_wording(named, _contexts(named, instrument), instrument, moments)
     groups: dict[Context, dict[str, Named]] = defaultdict(dict)
     for each, context in zip(named, contexts, strict=True):
         groups.setdefault(_free(groups, context, each), {})[each.item] = each
@@ -347,11 +348,15 @@ def _contexts(named: Sequence[Named], instrument: Instrument) -> list[Context]:
 
 
 def _without_wording(
-    named: Sequence[Named], contexts: Sequence[Context], instrument: Instrument
+    named: Sequence[Named],
+    contexts: Sequence[Context],
+    instrument: Instrument,
+    moments: Set[str],
 ) -> list[Context]:
     """Return contexts without words of questions, such as the name of the system in most of them.
 
-    Words count that all share, or that tell the columns of several items apart.
+    Words count that all share, that tell the columns of several items apart, or that say a moment:
+    a score called as an item is lacks it.
     """
     same: dict[str, list[set[str]]] = defaultdict(list)
     for each, context in zip(named, contexts, strict=True):
@@ -361,6 +366,7 @@ def _without_wording(
     )
     fewest = min(FEWEST_OF_NAMED, len(instrument.asked))
     kept = {word for word, items in telling.items() if items >= fewest}
+    kept.update(w for context in contexts for w in context if w in moments)
     kept.update(w for context in contexts[:1] for w in context if all(w in c for c in contexts))
     return [tuple(dict.fromkeys(w for w in context if w in kept)) for context in contexts]
 
@@ -405,7 +411,8 @@ def _best(
             and len(other.items) >= len(block.items) + _MORE_ITEMS
             for other in found
         )
-        return (said, whole == 1.0 and not part, exact + whole)
+        unsaid = len(block.context)  # of two with the same items, one may be named
+        return (said, whole == 1.0 and not part, exact + whole, -unsaid)
 
     kept: list[Found] = []
     taken: set[int] = set()

@@ -37,6 +37,7 @@ from vrcomfort.importing.suggest.draft import (
     SAME_PERSON,
     SCORE_KIND,
     STAYED,
+    TIMEPOINTS,
     OpenDoubt,
     TomlDraft,
     pattern_of,
@@ -213,6 +214,7 @@ class TableDraft(KeptRows):
         self.doubts += exposures.doubts
         self._leave_out(context.participant)
         self._draft_leaving()
+        self._compare_moments()
         self._questionnaires()
         self._score_tables()
         self._covariates(exposures)
@@ -403,6 +405,18 @@ class TableDraft(KeptRows):
         self.doubts[:] = list(dict.fromkeys(self.doubts))
         if drafts:
             self.draft.lists["questionnaires"] = self._in_short(drafts)
+
+    def _compare_moments(self) -> None:
+        """Ask where headings of answers say another moment than the draft."""
+        constant = self.draft.values.get("timepoint")
+        usual = constant.get("constant") if isinstance(constant, dict) else None
+        for found, own in zip(self._answers[BLOCKS], self._facts_of(BLOCKS), strict=True):
+            names = [self.table.headings[column] for column in found.columns]
+            said = {self._vocabulary.timepoint(name) for name in names}
+            when = own.get("timepoint", usual)
+            if len(said) == 1 and {when, *said} == {"baseline", "post"}:
+                question = f"{names[0]!r} seems to say another moment than {when}: is it?"
+                self.doubts.append(OpenDoubt(question, f"it is {when}", *TIMEPOINTS))
 
     def _facts_of(self, layout: Layout[Any]) -> list[dict[str, str]]:
         """Return the facts in the headings of a layout's answers.
