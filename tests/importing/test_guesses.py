@@ -319,3 +319,37 @@ def test_another_moment_in_headings_than_in_the_draft_is_asked_about(tmp_path: P
     rows += [[f"P{n}", *((n + k) % 4 for k in range(6))] for n in range(1, 9)]
     found = suggest_mapping([write(tmp_path / "ssq.csv", rows)])
     assert any("seems to say another moment than post" in each for each in found.doubts)
+
+
+def test_decimals_tell_no_people_apart_and_numbers_under_s_do(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["s", "cond", *LOAD, "speed"]]
+    rows += [
+        [who, cond, *((who + at + 3 * k) % 21 for k in range(6)), 1.25 + who / 7 + at / 100]
+        for who in range(1, 8)
+        for at, cond in enumerate("AB")
+    ]
+    imported, _ = suggested_import([write(tmp_path / "nasa_tlx.csv", rows)], tmp_path)
+    assert [*imported.participants] == [*"1234567"]
+    rows = [
+        ["speed", *row[1:-1]] if n == 0 else [row[-1], *row[1:-1]] for n, row in enumerate(rows)
+    ]
+    assert (
+        "participant = { count = true }" in suggest_mapping([write(tmp_path / "x.csv", rows)]).text
+    )
+
+
+def test_truth_values_and_sentences_are_no_people(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["participant sees results", "about the participant", *LOAD]]
+    rows += [
+        [("true", "false")[n % 2], f"has had a headset for {n} years or so", *range(n, n + 6)]
+        for n in range(8)
+    ]
+    found = suggest_mapping([write(tmp_path / "nasa_tlx.csv", rows)])
+    assert "participant = { count = true }" in found.text
+
+
+def test_which_of_two_items_weighs_more_is_no_condition(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["ID", "Which counts more?", *LOAD]]
+    rows += [[f"P{n}", ("Effort", "Frustration")[n % 2], *range(n, n + 6)] for n in range(12)]
+    found = suggest_mapping([write(tmp_path / "nasa_tlx.csv", rows)])
+    assert 'condition = { constant = "all" }' in found.text

@@ -124,7 +124,7 @@ def _tells_people_apart(context: Context, column: int) -> bool:
     asked = {*tokens(table.headings[column])} & (context.vocabulary.item_labels | {"question"})
     if _counts_rows(context, column) or (asked and not named and not table.reading.transpose):
         return False  # QuestionId
-    if is_numeric(table, column) and _are_ages(words):
+    if is_numeric(table, column) and (_are_ages(words) or _has_fractions(context, column)):
         return False
     each_row = len(words) == rows
     # Long tables have many rows for each person; without headings or on its side, codes repeat.
@@ -133,6 +133,32 @@ def _tells_people_apart(context: Context, column: int) -> bool:
         table.reading.transpose and column == 0 and len(words) > 1
     )
     return (each_row or few_rows or in_front) and max(map(len, words)) <= LONGEST_CODE
+
+
+def _has_fractions(context: Context, column: int) -> bool:
+    """Return whether a column has other numbers than whole ones; ``1.0`` is whole."""
+    return not all(value.is_integer() for value in values_of(context.table, column))
+
+
+def _numbered_under_s(context: Context, column: int) -> bool:
+    """Return whether a column headed ``s`` has whole numbers, each in several rows."""
+    table, words = context.table, texts(context.table, column)
+    open_ = plain(table.headings[column]) == "s" and column != context.time
+    few = _FEWEST_PEOPLE <= len(words) <= len(table.rows) / 2
+    return open_ and few and all(map(str.isdecimal, words))
+
+
+def says_no_person(table: SourceTable, column: int, vocabulary: LabVocabulary) -> bool:
+    """Return whether a column has truth values, or mostly sentences: it tells no people apart."""
+    words = texts(table, column)
+    flags = bool(words) and all(
+        plain(word) in vocabulary.yes_no | {"true", "false"} for word in words
+    )
+    return flags or sum(len(word.split()) >= _SENTENCE for word in words) * 2 > len(words)
+
+
+_SENTENCE = 5
+"""Words of an answer in own words, at the least."""
 
 
 def _are_ages(words: Sequence[str]) -> bool:
@@ -280,8 +306,10 @@ def _says_yes_or_no(context: Context, column: int) -> bool:
 
 
 def measures(table: SourceTable, column: int) -> bool:
-    """Return whether a column holds decimal numbers, dates or sentences, as no condition does."""
+    """Return whether a column holds decimals, dates, sentences or headings: no conditions."""
     words = texts(table, column)
+    if words and {*words} <= {*table.headings}:
+        return True  # which of two items weighs more
     decimals = all(map(is_number, words)) and any("." in word or "," in word for word in words)
     dates = bool(words) and all(map(_DATE.match, words))
     return decimals or dates or any(len(word) > LONGEST_CONDITION for word in words)
@@ -408,6 +436,10 @@ CELLS: tuple[CellEvidence, ...] = (
         "Does {heading!r} tell participants apart?", "it does",
     ),
     CODES_IN_ROWS,
+    CellEvidence(
+        "participant", "whole numbers under s, each in several rows", 35, _numbered_under_s,
+        "Does {heading!r} tell participants apart?", "it does",
+    ),
     CellEvidence(
         "participant", "numbers of rows without a heading", 5, _counts_rows,
         "Does {heading!r} tell participants apart?", "it does, for want of another",

@@ -26,6 +26,7 @@ from vrcomfort.importing.suggest.evidence import (
     few_texts,
     is_numeric,
     measures,
+    says_no_person,
     texts,
     varies_within,
 )
@@ -120,6 +121,10 @@ class _Facts(FactDraft):
                 if measures(self._table, column) and is_numeric(self._table, column):
                     self._roles.facts[fact].remove(column)
                     self._roles.metadata.append(column)
+        people = self._roles.facts["participant"]
+        for column in [c for c in people if says_no_person(self._table, c, self._vocabulary)]:
+            people.remove(column)  # participantCanSeeResults
+            self._roles.metadata.append(column)
 
     def _codes(self) -> None:
         """Take participant and timepoint, or condition, from codes that say both."""
