@@ -7,7 +7,7 @@ from pathlib import Path
 import openpyxl
 import pytest
 
-from tests.importing.test_layouts import suggested_import
+from tests.importing.test_layouts import answered, suggested_import
 from tests.support.layouts import write
 from vrcomfort.errors import InputError
 from vrcomfort.importing import import_files, load_mapping
@@ -257,16 +257,54 @@ def test_the_heading_of_performance_says_which_end_is_good(
     assert {r.answers["performance"] for r in imported.responses.values()} == {20 if turned else 80}
 
 
-def test_yes_does_not_answer_why_the_import_refuses(tmp_path: Path) -> None:
+def test_a_refusal_answered_with_yes_says_the_fault_that_is_there_now(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["ID", *SSQ_SHORT]]
+    rows += [[f"P{n}", *((n + k) % 4 for k in range(5)), "odd"] for n in range(1, 9)]
+    file = write(tmp_path / "ssq.csv", rows)
+    text = answered(suggest_mapping([file]).text)
+    mapping = tmp_path / "map.toml"
+    mapping.write_text(text)
+    with pytest.raises(InputError, match="'odd' is not an answer to vertigo"):
+        import_files([file], load_mapping(mapping).mapping)
+    mapping.write_text(text.replace('instrument = "ssq"', 'instrument = "ssq"\nmissing = ["odd"]'))
+    imported = import_files([file], load_mapping(mapping).mapping)
+    assert len(imported.responses) == 8
+
+
+def test_reverse_coded_beside_words_is_refused(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["ID", *LOAD], *([f"P{n}", *["low", "high"] * 3] for n in "1234")]
+    file = write(tmp_path / "tlx.csv", rows)
     mapping = tmp_path / "map.toml"
     mapping.write_text(
-        'format_version = 1\n[[tables]]\nfiles = ["*.csv"]\nparticipants = { age = "a" }\n'
-        '[[doubts]]\nanswer = "Yes"\n'
-        'question = "As it stands, the import refuses the files; mend this:"\n'
-        'assumed = "row 2: 60 is out of range"\n'
+        'format_version = 1\nname = "x"\n[[tables]]\nfiles = ["*.csv"]\n'
+        'participant = { column = "ID" }\ncondition = { constant = "all" }\n'
+        'timepoint = { constant = "post" }\n[[tables.questionnaires]]\n'
+        'instrument = "nasa_tlx"\nanswers = { low = 0, high = 100 }\n'
+        "item_coding.performance.reverse_coded = true\n[tables.questionnaires.items]\n"
+        + "".join(f'{i.lower().replace(" ", "_")} = "{i}"\n' for i in LOAD)
     )
-    with pytest.raises(InputError, match="mends nothing: row 2: 60 is out of range - edit that"):
-        load_mapping(mapping)
+    with pytest.raises(InputError, match=r"'high' has its number from `answers`.*performance"):
+        import_files([file], load_mapping(mapping).mapping)
+
+
+def test_codes_beside_minutes_are_people_in_each_section(tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    sheet.title = "MISC"
+    for condition in ("Reading", "Looking outside"):
+        sheet.append([f"Condition: {condition}"])
+        sheet.append(["min", *(f"P{n}" for n in range(1, 9))])
+        for minute in range(0, 12, 2):
+            sheet.append([minute, *((minute + n) // 3 for n in range(8))])
+        sheet.append([])
+    book.save(tmp_path / "MISC.xlsx")
+    imported, text = suggested_import([tmp_path / "MISC.xlsx"], tmp_path)
+    assert {each.administration.participant for each in imported.ratings} == {
+        f"P{n}" for n in range(1, 9)
+    }
+    assert {each.onset_s for each in imported.ratings} == {60.0 * m for m in range(0, 12, 2)}
+    assert "heading_rows" not in text
 
 
 def test_words_for_before_count_beside_a_score_called_as_an_item(tmp_path: Path) -> None:

@@ -93,6 +93,12 @@ class AnswerReader:
         if text in self._missing:
             return None
         answer = self._words.get(text, self._folded.get(text.casefold()))
+        if answer is not None and self._reverse_coded:
+            message = (
+                f"{text!r} has its number from `answers`, which reverse_coded does not turn round"
+            )
+            hint = f"write the words of {self._item} the other way round, without reverse_coded"
+            raise self._table.fault(f"{message}; {hint}", row, column)
         if answer is None:
             value = number(text, self._table.reading.decimal or ".")
             if value is None:

@@ -238,7 +238,8 @@ def _detected(grid: Grid) -> Reading:
     if upper := _upper_headings(rest):
         several = tuple(numbers[first : first + upper + 1])
         return reading._replace(heading_rows=several, skip_rows=titles)
-    if not is_heading(rest):
+    aside = reading.transpose and bool(rest[0][0]) and not is_number(rest[0][0])
+    if not aside and not is_heading(rest):  # times in front are headings, once on their side
         return reading._replace(heading_rows=(), skip_rows=titles)
     below = tuple(numbers[first + 1 : first + 2]) if _labels_below(rest) else ()
     return reading._replace(heading_rows=(numbers[first],), skip_rows=(*titles, *below))

@@ -314,10 +314,6 @@ def read_mapping(file: Path) -> MappingFile:
     return MappingFile(mapping, file, text, own)
 
 
-REFUSAL = "As it stands, the import refuses the files"
-"""The question of a mapping that no answer alone can mend."""
-
-
 def require_answers(doubts: tuple[Doubt, ...], file: Path) -> None:
     """Raise `InputError` if a doubt of a mapping has no answer."""
     still_open = [doubt for doubt in doubts if not doubt.answer.strip()]
@@ -326,10 +322,6 @@ def require_answers(doubts: tuple[Doubt, ...], file: Path) -> None:
         count = "a doubt is" if len(still_open) == 1 else f"{len(still_open)} doubts are"
         message = f"{count} open in this mapping: {shown} - mend what is wrong, and then write"
         raise InputError(f'{message} an answer = "…" in each [[doubts]]', file=file)
-    for doubt in doubts:
-        if doubt.question.startswith(REFUSAL) and doubt.answer.strip(" .").casefold() == "yes":
-            message = f"'yes' mends nothing: {doubt.assumed} - edit that, and write what you edited"
-            raise InputError(f"{message} as this doubt's answer", file=file)
 
 
 def parse_mapping(text: str, file: Path | None) -> LabMapping:

@@ -11,7 +11,7 @@ from pathlib import Path
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
 from vrcomfort.importing.files import as_table, read_grids, repeated_runs
-from vrcomfort.importing.mapping import REFUSAL, parse_mapping
+from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.sections import sections
 from vrcomfort.importing.source import Grid, Reading, SourceTable
@@ -45,6 +45,9 @@ _TOP = (
     "Read it, mend what is wrong, and write an answer in each [[doubts]] below: while one is",
     "open, the import is refused. Every key: `vrcomfort docs import_mapping`.",
 )
+
+
+_REFUSAL = "As it stands, the import refuses the files; mend this:"
 
 
 @dataclass(frozen=True)
@@ -126,7 +129,7 @@ def suggest_mapping(
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
     doubts += [*ignored, *left_out, *_unanswered(drafts, known)]
     if refusal:
-        doubts.append(OpenDoubt(f"{REFUSAL}; mend this:", refusal, *REFUSED))
+        doubts.append(OpenDoubt(_REFUSAL, refusal, *REFUSED))
     asked = write_doubts(top, doubts)
     notes = tuple(dict.fromkeys(note for table in read for note in table.notes))
     return Suggestion(

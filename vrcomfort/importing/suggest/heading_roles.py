@@ -228,6 +228,10 @@ def names_fact(heading: str, fact: str, vocabulary: LabVocabulary) -> bool:
     return _heaviest((heading,), vocabulary)[0] == fact
 
 
+PERSON_CODE = re.compile(r"(p|s|vp|id|pp|sub|subj|subject|participant|user|proband)[ _-]?\d+", re.I)
+"""A heading that is the code of a person."""
+
+
 def is_personal(heading: str, vocabulary: LabVocabulary) -> bool:
     """Return whether a column may identify a person."""
     return plain(heading) in vocabulary.personal

@@ -9,7 +9,7 @@ from vrcomfort.csv_table import plain_digits
 from vrcomfort.importing.files import JOIN, is_number, under_titles
 from vrcomfort.importing.source import Grid, SourceTable
 from vrcomfort.importing.suggest.evidence import is_identifier, texts
-from vrcomfort.importing.suggest.heading_roles import names_fact
+from vrcomfort.importing.suggest.heading_roles import PERSON_CODE, names_fact
 from vrcomfort.importing.suggest.item_names import How, named_item
 from vrcomfort.importing.suggest.items import (
     FEWEST_OF_NAMED,
@@ -167,13 +167,15 @@ def stands_on_its_side(grid: Grid, known: Known) -> bool:
     repeated = len(first) - len({*first})  # rows that a program adds may say nothing, and twice
     if repeated * 10 > len(first) or (width < 3 and not _says_whose(grid, known)):
         return False
+    people = [*filter(None, rows[0][1:])]
+    timed = bool({*tokens(rows[0][0])} & known.vocabulary.units)
+    if timed and len(people) > 1 and all(map(PERSON_CODE.fullmatch, people)):
+        return True  # ratings of a time in each row
     top = {plain(word) for cell in rows[0] for word in (cell, *tokens(cell)) if len(word) > 1}
     if top & {*map(plain, known.vocabulary.totals)}:
         return False  # means and deviations of groups
     others = {cell for row in rows[1:] for cell in row[1:] if cell}
-    if len(others) > MOST_ANSWERS:
-        return _numbered_on_its_side(grid, first, known)
-    for instrument in known.instruments:
+    for instrument in known.instruments if len(others) <= MOST_ANSWERS else ():
         spellings = known.vocabulary.spellings(instrument)
         inner = [plain(text.rpartition(JOIN)[2]) for text in first]
         named = [spellings[text] for text in inner if text in spellings]

@@ -47,7 +47,7 @@ from vrcomfort.importing.suggest.evidence import Context, texts
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.facts import draft_facts
 from vrcomfort.importing.suggest.heading_facts import heading_facts, template_of
-from vrcomfort.importing.suggest.heading_roles import is_personal, roles_of
+from vrcomfort.importing.suggest.heading_roles import PERSON_CODE, is_personal, roles_of
 from vrcomfort.importing.suggest.items import Found, FoundAnswers
 from vrcomfort.importing.suggest.kept_rows import KeptRows
 from vrcomfort.importing.suggest.leaving import find_leaving
@@ -78,8 +78,6 @@ def _baseline_as_condition(facts: Mapping[str, str]) -> dict[str, str]:
     return {("condition" if name == "timepoint" else name): text for name, text in facts.items()}
 
 
-_CODE = re.compile(r"(p|s|vp|id|pp|sub|subj|subject|participant|user|proband)[ _-]?\d+", re.I)
-"""A heading that is the code of a person."""
 _UPPER_ROWS = 2
 _AGAIN = re.compile(r" ?\(\d\)$")
 """The mark of a person's second questionnaire."""
@@ -242,7 +240,7 @@ class TableDraft(KeptRows):
     def _people_in_headings(self) -> list[dict[str, str]]:
         """Return the participants whom the columns of a long table are called after."""
         names = [self.table.headings[long.response_column] for long in self._answers[LONG]]
-        codes = [_CODE.fullmatch(name) for name in names]
+        codes = [PERSON_CODE.fullmatch(name) for name in names]
         if len({code[1] for code in codes if code}) != 1 or None in codes:
             return []
         question = f"Are {names[0]} … {names[-1]} participants?"
