@@ -77,7 +77,7 @@ def test_a_headset_is_looked_at_whole(run: Run, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_what_is_wrong_with_a_headset_is_told(run: Run, tmp_path: Path) -> None:
     lies_on_a_table = "start head 0 0.3 0 0 0 0 1\n0-9999 untracked 50\nstart active left 0\n"
-    _, content = preflight(run, tmp_path, lies_on_a_table + HANDS)
+    _, content = preflight(run, tmp_path, lies_on_a_table + HANDS, "--seconds", "0.5")
     found = content["findings"]
     assert found["floor"]["outcome"] == "notice"
     assert found["tracking"]["outcome"] == "notice"
