@@ -140,25 +140,13 @@ def _has_fractions(context: Context, column: int) -> bool:
     return not all(value.is_integer() for value in values_of(context.table, column))
 
 
-def _numbered_under_s(context: Context, column: int) -> bool:
-    """Return whether a column headed ``s`` has whole numbers, each in several rows."""
-    table, words = context.table, texts(context.table, column)
-    open_ = plain(table.headings[column]) == "s" and column != context.time
-    few = _FEWEST_PEOPLE <= len(words) <= len(table.rows) / 2
-    return open_ and few and all(map(str.isdecimal, words))
-
-
 def says_no_person(table: SourceTable, column: int, vocabulary: LabVocabulary) -> bool:
     """Return whether a column has truth values, or mostly sentences: it tells no people apart."""
     words = texts(table, column)
     flags = bool(words) and all(
         plain(word) in vocabulary.yes_no | {"true", "false"} for word in words
     )
-    return flags or sum(len(word.split()) >= _SENTENCE for word in words) * 2 > len(words)
-
-
-_SENTENCE = 5
-"""Words of an answer in own words, at the least."""
+    return flags or sum(len(word.split()) > 4 for word in words) * 2 > len(words)
 
 
 def _are_ages(words: Sequence[str]) -> bool:
@@ -178,12 +166,14 @@ def _numbers_responses(context: Context, column: int) -> bool:
 def _codes_in_equally_many_rows(context: Context, column: int) -> bool:
     """Return whether a column of the first ones has codes such as P01, in several rows each.
 
-    They are equally often there, or count on from 1 behind one letter or word.
+    They are equally often there, or count on from 1 behind one letter or word, or in the heading.
     """
     counts = Counter(cell for cell in context.table.column(column) if cell)
     codes = [re.fullmatch(r"([^\W\d_]{1,12}[ _-]?)(\d+)", text) for text in counts]
     if column not in context.roles.unknown[:FIRST_COLUMNS] or len(counts) < _FEWEST_PEOPLE:
         return False
+    if plain(context.table.headings[column]) == "s" and column != context.time:
+        return all(map(str.isdecimal, counts)) and max(counts.values()) > 1
     parts = [(code[1], int(code[2])) for code in codes if code is not None]
     count_on = {number for _, number in parts} == {*range(1, len(counts) + 1)}
     one_way = count_on and len({word for word, _ in parts}) == 1
@@ -436,10 +426,6 @@ CELLS: tuple[CellEvidence, ...] = (
         "Does {heading!r} tell participants apart?", "it does",
     ),
     CODES_IN_ROWS,
-    CellEvidence(
-        "participant", "whole numbers under s, each in several rows", 35, _numbered_under_s,
-        "Does {heading!r} tell participants apart?", "it does",
-    ),
     CellEvidence(
         "participant", "numbers of rows without a heading", 5, _counts_rows,
         "Does {heading!r} tell participants apart?", "it does, for want of another",

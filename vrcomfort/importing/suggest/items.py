@@ -348,10 +348,7 @@ def _contexts(named: Sequence[Named], instrument: Instrument) -> list[Context]:
 
 
 def _without_wording(
-    named: Sequence[Named],
-    contexts: Sequence[Context],
-    instrument: Instrument,
-    moments: Set[str],
+    named: Sequence[Named], contexts: Sequence[Context], instrument: Instrument, moments: Set[str]
 ) -> list[Context]:
     """Return contexts without words of questions, such as the name of the system in most of them.
 

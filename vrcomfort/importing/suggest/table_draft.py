@@ -406,8 +406,7 @@ class TableDraft(KeptRows):
 
     def _compare_moments(self) -> None:
         """Ask where headings of answers say another moment than the draft."""
-        constant = self.draft.values.get("timepoint")
-        usual = constant.get("constant") if isinstance(constant, dict) else None
+        usual = "post" if self.draft.values.get("timepoint") == {"constant": "post"} else None
         for found, own in zip(self._answers[BLOCKS], self._facts_of(BLOCKS), strict=True):
             names = [self.table.headings[column] for column in found.columns]
             said = {self._vocabulary.timepoint(name) for name in names}
