@@ -177,7 +177,7 @@ class FullscreenPass:
 
 
 def _drawing(array: moderngl.VertexArray, mode: int, vertices: int) -> Callable[[], None]:
-    """Return what draws; the method is looked up at each draw, so that tests can count draws."""
+    """Return the draw call; the method is looked up at each draw, so that tests can count draws."""
     return partial(methodcaller("render", mode, vertices), array)
 
 

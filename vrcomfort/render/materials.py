@@ -283,7 +283,7 @@ class TextureStore:
         """Puts every texture on its unit."""
 
     def add(self, unit: int, texture: moderngl.Texture) -> None:
-        """Add what surfaces read besides images, at `SHADOW_UNIT` or `NEAREST_UNIT`."""
+        """Add a texture that surfaces read, at `SHADOW_UNIT` or `NEAREST_UNIT`."""
         self._textures[unit - SHADOW_UNIT] = texture
         self.bind = gl.binder(self._ctx, self._textures, SHADOW_UNIT)
 

@@ -537,9 +537,7 @@ def crossover(
     InputError
         If there are not two levels and two periods, or one sequence has no participant.
     """
-    scores, shown = (
-        _paired(data, column, period, subject, numbers=column == dv) for column in (dv, within)
-    )
+    scores, shown = (_paired(data, column, period, subject) for column in (dv, within))
     levels = sorted(map(str, data[within].dropna().unique()))
     if len(levels) != 2 or scores.shape[1] != 2:
         raise InputError("a crossover has two conditions and two periods")
@@ -805,9 +803,7 @@ def _names(names: str | Sequence[str]) -> tuple[str, ...]:
     return (names,) if isinstance(names, str) else tuple(names)
 
 
-def _paired(
-    data: pd.DataFrame, dv: str, within: str, subject: str, *, numbers: bool = True
-) -> pd.DataFrame:
+def _paired(data: pd.DataFrame, dv: str, within: str, subject: str) -> pd.DataFrame:
     """Return a row for each participant and a column for each level, sorted."""
     rows = data.dropna(subset=[dv, within, subject])
     if rows.duplicated([subject, within]).any():
@@ -815,8 +811,6 @@ def _paired(
             f"a participant has two values of {dv!r} under one level of {within!r}; average them "
             "first"
         )
-    if numbers:
-        rows = rows.assign(**{dv: rows[dv].astype(np.float64)})
     return rows.pivot_table(index=subject, columns=within, values=dv, aggfunc="first")
 
 
