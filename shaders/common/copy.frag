@@ -3,10 +3,11 @@
 //
 // Input:  image, of the same size.
 // Output: the same.
-uniform sampler2D image;
+#include "eyes.glsl"
+uniform eye_image image;
 
 out vec4 copied;
 
 void main() {
-    copied = texelFetch(image, ivec2(gl_FragCoord.xy), 0);
+    copied = texel_of(image, ivec2(gl_FragCoord.xy));
 }

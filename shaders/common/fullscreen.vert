@@ -1,7 +1,7 @@
 #version 450 core
 // One triangle that covers the image; no vertex buffer.
 //
-// Input:  gl_VertexID 0, 1, 2. CORNERS: corner in [0, 1], of triangles that cover a part of the image.
+// Input:  corner.glsl.
 // Output: uv in [0, 1] over the image, lower left corner first.
 //
 //   (0,2)
@@ -10,14 +10,14 @@
 //   --+--+
 //     |  |\         Depth is 0 = infinity in reverse-Z.
 //   (0,0)-(2,0)
-#ifdef CORNERS
-in vec2 corner;
-#else
-vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2);
-#endif
+#define EYE eye
+#include "eyes.glsl"
+#include "corner.glsl"
+
 out vec2 uv;
 
 void main() {
     uv = corner;
+    draw_in_layer();
     gl_Position = vec4(2.0 * uv - 1.0, 0.0, 1.0);
 }

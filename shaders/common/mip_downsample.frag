@@ -6,7 +6,8 @@
 //         at the border of an odd image only those that exist, so every texel is the mean of its pixels.
 // NumPy twin: tests/oracles/pyramid.py. "Four Tricks for Fast Blurring in
 // Software and Hardware" (Gamasutra 2001), trick three.
-uniform sampler2D source;
+#include "eyes.glsl"
+uniform eye_image source;
 uniform ivec2 size_px;  // of the image
 
 out vec4 mean;
@@ -23,7 +24,7 @@ void main() {
         for (int x = 0; x < 2; ++x) {
             ivec2 texel = first + ivec2(x, y);
             vec2 share = covered(texel);
-            vec3 c = texelFetch(source, min(texel, textureSize(source, 0) - 1), 0).rgb;
+            vec3 c = texel_of(source, min(texel, size_of(source) - 1)).rgb;
             sum += share.x * share.y * vec4(c, 1.0);
         }
     mean = vec4(sum.rgb / sum.a, 1.0);

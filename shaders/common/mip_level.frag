@@ -9,20 +9,21 @@
 // linearly, which "is visually indistinguishable from an extremely smooth change in the level".
 // NumPy twin: tests/oracles/mip_level.py. "Four Tricks for Fast Blurring in Software and
 // Hardware" (Gamasutra 2001), trick three, "MIP-Mapping Abused for Full-Screen Blurs".
-uniform sampler2D image;
-uniform sampler2D levels[CHAIN];
+#include "eyes.glsl"
+uniform eye_image image;
+uniform eye_image levels[CHAIN];
 uniform float level;
 
 out vec4 blurred;
 
 // Texel t of level k begins at pixel 2^k t.
-vec3 blown_up(sampler2D texels, int k) {
-    vec2 size = vec2(textureSize(texels, 0));
-    return textureLod(texels, gl_FragCoord.xy / exp2(float(k)) / size, 0.0).rgb;
+vec3 blown_up(eye_image texels, int k) {
+    vec2 size = vec2(size_of(texels));
+    return filtered_at(texels, gl_FragCoord.xy / exp2(float(k)) / size).rgb;
 }
 
 void main() {
-    vec4 sharp = texelFetch(image, ivec2(gl_FragCoord.xy), 0);
+    vec4 sharp = texel_of(image, ivec2(gl_FragCoord.xy));
     vec3 sum = max(1.0 - level, 0.0) * sharp.rgb;
     for (int k = 1; k <= CHAIN; ++k) {
         float share = 1.0 - abs(level - float(k));

@@ -5,11 +5,12 @@
 // Input:  tiles (coc_tile_min_max.frag).
 // Output: r = least signed RADIUS (px of image width); g = quadrants of the tile within whose reach a surface
 //         ends, b = levels whose discs come here, as bits; a = class of the tile (include/tile_classes.glsl).
+#include "eyes.glsl"
 #include "levels.glsl"
 #include "tile_dilate.glsl"
 #include "tile_classes.glsl"
 
-uniform sampler2D tiles;
+uniform eye_image tiles;
 
 out vec4 dilated;
 
@@ -28,15 +29,15 @@ int quadrants_near(ivec2 apart, int ends, float reach_px) {
 }
 
 void main() {
-    ivec2 last = textureSize(tiles, 0) - 1;
+    ivec2 last = size_of(tiles) - 1;
     ivec2 middle = ivec2(gl_FragCoord.xy);
-    vec4 own = texelFetch(tiles, middle, 0);
+    vec4 own = texel_of(tiles, middle);
     vec2 radii = vec2(1e4, -1e4);
     int levels = 0, quadrants = 0;
     int around = tiles_around();
     for (int y = -around; y <= around; ++y)
         for (int x = -around; x <= around; ++x) {
-            vec4 t = texelFetch(tiles, clamp(middle + ivec2(x, y), ivec2(0), last), 0);
+            vec4 t = texel_of(tiles, clamp(middle + ivec2(x, y), ivec2(0), last));
             float gap = gap_px(ivec2(x, y));
             if (!matters(gap, own, t))
                 continue;

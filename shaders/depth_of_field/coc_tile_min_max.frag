@@ -11,13 +11,14 @@
 //         b grows away from the focus, so that the nearest or the farthest point has the largest;
 //         a tile counts as being where its middle is.
 // Source: colour_and_coc.frag.
+#include "eyes.glsl"
 #include "coc.glsl"
 #ifdef FROM_ALPHA
-uniform sampler2D colour_and_coc;
+uniform eye_image colour_and_coc;
 #define IMAGE colour_and_coc
 #else
 #include "coc_of_depth.glsl"
-uniform sampler2D depth;
+uniform eye_image depth;
 #define IMAGE depth
 #endif
 #include "levels.glsl"
@@ -30,7 +31,7 @@ const float NO_LIMIT_PX = 1e9;  // wider than any disc
 const float END_PX = 0.35;    // Fitted: python -m bench --only fitted
 const float END_PART = 0.06;  // Fitted: python -m bench --only fitted
 
-vec2 size = vec2(textureSize(IMAGE, 0));
+vec2 size = vec2(size_of(IMAGE));
 vec2 depths = vec2(1.0, 0.0);  // farthest, nearest
 vec2 radii = vec2(1e4, -1e4);  // least, greatest
 int bits = 0;
@@ -57,9 +58,9 @@ void main() {
             vec2 uv = vec2(first + 2 * ivec2(x, y) + 1) / size;
             // Upper left, upper right, lower right, lower left.
 #ifdef FROM_ALPHA
-            vec4 r = textureGather(colour_and_coc, uv, 3);
+            vec4 r = textureGather(colour_and_coc, place_of_eye(uv), 3);
 #else
-            vec4 z = textureGather(depth, uv);
+            vec4 z = textureGather(depth, place_of_eye(uv));
             vec2 l = uv - 0.5 / size, u = uv + 0.5 / size;
             vec4 r = vec4(radius_at(z.x, vec2(l.x, u.y)), radius_at(z.y, u),
                           radius_at(z.z, vec2(u.x, l.y)), radius_at(z.w, l));

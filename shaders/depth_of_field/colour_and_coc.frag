@@ -7,23 +7,24 @@
 // Output: rgb = colour, finite; a = signed CoC RADIUS in pixels of image width, negative in front
 //         of the focus. Full resolution; a half float holds 11 px to 1/256 px.
 // Source: Carnegie & Rhee 2015, Algorithm 1; PERIPHERAL: Hillaire et al. 2008, Eq. 5 and 6.
+#include "eyes.glsl"
 #include "coc.glsl"
 #include "coc_of_depth.glsl"
 
 #include "finite.glsl"
 
-uniform sampler2D colour;
-uniform sampler2D depth;
+uniform eye_image colour;
+uniform eye_image depth;
 
 out vec4 point;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    float z = texelFetch(depth, pixel, 0).r;
+    float z = texel_of(depth, pixel).r;
 #ifdef BEHIND_NEAR
     if (z == 1.0)
         discard;
 #endif
-    point.rgb = finite(texelFetch(colour, pixel, 0).rgb);
-    point.a = radius_at(z, gl_FragCoord.xy / vec2(textureSize(depth, 0)));
+    point.rgb = finite(texel_of(colour, pixel).rgb);
+    point.a = radius_at(z, gl_FragCoord.xy / vec2(size_of(depth)));
 }

@@ -33,6 +33,7 @@
 //
 // Renderers on the CPU run both sides of every branch, but no loop that no pixel wants: so what few
 // pixels want is a loop.
+#include "eyes.glsl"
 #include "coc.glsl"
 #include "discs.glsl"
 #include "levels.glsl"
@@ -40,15 +41,15 @@
 
 flat in vec4 tile;
 
-uniform sampler2D colour_and_coc;
+uniform eye_image colour_and_coc;
 #if LEVELS > 1
-uniform usampler2D layers[LEVELS - 1];  // of level 1, 2, …
+uniform ueye_image layers[LEVELS - 1];  // of level 1, 2, …
 #endif
 
 out vec4 blurred;
 
 ivec2 pixel = ivec2(gl_FragCoord.xy);
-vec4 p = texelFetch(colour_and_coc, pixel, 0);
+vec4 p = texel_of(colour_and_coc, pixel);
 float own_px = abs(p.a);
 
 // 1 where p is in a quadrant of its tile within whose reach a surface ends, else 0: all around is its surface.
@@ -108,14 +109,14 @@ void gather_pixels(float own, float foreground_px, bool with_foreground) {
     float widest_px = max(own > 0.0 ? own_px + slack_px : 0.0, foreground_px);
     float reach = widest_px > 0.0 ? grid_radius_px(widest_px) + 0.5 * RIM_PX : -1.0;
     int rows = int(floor(reach * pixel_aspect));
-    ivec2 last = textureSize(colour_and_coc, 0) - 1;
+    ivec2 last = size_of(colour_and_coc) - 1;
     vec4 found = vec4(0.0), over = vec4(0.0);
     float free = 0.0;
     for (int y = -rows; y <= rows; ++y) {
         float row = float(y) / pixel_aspect;
         int cells = int(cells_of(row, reach));
         for (int x = -cells; x <= cells; ++x) {
-            vec4 q = texelFetch(colour_and_coc, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
+            vec4 q = texel_of(colour_and_coc, clamp(pixel + ivec2(x, y), ivec2(0), last));
             float away = sqrt(float(x * x) + row * row);
             float radius = abs(q.a);
             float is_nearer = nearer_than_p(q.a), is_farther = farther(q.a);
@@ -137,12 +138,12 @@ void gather_pixels(float own, float foreground_px, bool with_foreground) {
 void gather_pixels_behind(float widest_px) {
     float reach = widest_px > 0.0 ? grid_radius_px(widest_px) + 0.5 * RIM_PX : -1.0;
     int rows = int(floor(reach * pixel_aspect));
-    ivec2 last = textureSize(colour_and_coc, 0) - 1;
+    ivec2 last = size_of(colour_and_coc) - 1;
     for (int y = -rows; y <= rows; ++y) {
         float row = float(y) / pixel_aspect;
         int cells = int(cells_of(row, reach));
         for (int x = -cells; x <= cells; ++x) {
-            vec4 q = texelFetch(colour_and_coc, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
+            vec4 q = texel_of(colour_and_coc, clamp(pixel + ivec2(x, y), ivec2(0), last));
             float radius = radius_behind(q.a);
             behind += farther(q.a) * is_seen(q.a) * (1.0 - coarser_part(0, radius))
                     * disc_share(sqrt(float(x * x) + row * row), grid_radius_px(radius)) * vec4(q.rgb, 1.0);
@@ -168,13 +169,13 @@ Rows rows_within(float texel_px, float texels) {
 const float HALF_DIAGONAL = 0.7072;  // of a texel
 
 // All texels of a level around: the surface where `own`, and, unless left out, the foreground drawn there.
-void gather_texels(usampler2D layers, int level, float own, float foreground_px, bool with_foreground) {
+void gather_texels(ueye_image layers, int level, float own, float foreground_px, bool with_foreground) {
     float texel_px = float(1 << level);
     float own_texels = grid_radius_px(disc_texels(own_px, texel_px));
     float front_texels = grid_radius_px(disc_texels(foreground_px, texel_px));
     Rows rows = rows_within(texel_px, max(own > 0.0 ? own_texels : 0.0,
                                           foreground_px > 0.0 ? front_texels : 0.0));
-    ivec2 last = textureSize(layers, 0) - 1;
+    ivec2 last = size_of(layers) - 1;
     vec4 found = vec4(0.0), over = vec4(0.0);
     float free = 0.0;
     for (int y = rows.first; y <= rows.last; ++y) {
@@ -182,7 +183,7 @@ void gather_texels(usampler2D layers, int level, float own, float foreground_px,
         float cells = cells_of(row, rows.reach);
         int right = int(floor(rows.place.x + cells));
         for (int x = int(ceil(rows.place.x - cells)); x <= right; ++x) {
-            Layers q = unpack_layers(texelFetch(layers, clamp(ivec2(x, y), ivec2(0), last), 0));
+            Layers q = unpack_layers(texel_of(layers, clamp(ivec2(x, y), ivec2(0), last)));
             float away = length(vec2(float(x) - rows.place.x, row));
             float share = disc_share(away, own_texels);
             float front = q.coverage, back = 1.0 - q.coverage;
@@ -217,16 +218,16 @@ vec4 part_behind(int level, int for_level, float away, vec4 q, float coverage) {
 }
 
 // All texels of a level around: what is behind, of the discs that are `for_level`.
-void gather_texels_behind(usampler2D layers, int level, int for_level, float widest_px) {
+void gather_texels_behind(ueye_image layers, int level, int for_level, float widest_px) {
     float texel_px = float(1 << level);
     Rows rows = rows_within(texel_px, widest_px > 0.0 ? grid_radius_px(disc_texels(widest_px, texel_px)) : 0.0);
-    ivec2 last = textureSize(layers, 0) - 1;
+    ivec2 last = size_of(layers) - 1;
     for (int y = rows.first; y <= rows.last; ++y) {
         float row = (float(y) - rows.place.y) / pixel_aspect;
         float cells = cells_of(row, rows.reach);
         int right = int(floor(rows.place.x + cells));
         for (int x = int(ceil(rows.place.x - cells)); x <= right; ++x) {
-            Layers q = unpack_layers(texelFetch(layers, clamp(ivec2(x, y), ivec2(0), last), 0));
+            Layers q = unpack_layers(texel_of(layers, clamp(ivec2(x, y), ivec2(0), last)));
             float away = length(vec2(float(x) - rows.place.x, row));
             behind += part_behind(level, for_level, away, q.front, q.coverage)
                     + part_behind(level, for_level, away, q.back, 1.0 - q.coverage);
@@ -265,7 +266,7 @@ void gather_level_0() {
     gather_pixels(foreground_px > 0.0 ? own : 0.0, foreground_px, true);
 }
 
-void gather_level(usampler2D layers, int level) {
+void gather_level(ueye_image layers, int level) {
     float own = own_part(level), foreground_px = foreground_of(level);
     gather_texels(layers, level, foreground_px > 0.0 ? 0.0 : own, 0.0, false);
     gather_texels(layers, level, foreground_px > 0.0 ? own : 0.0, foreground_px, true);

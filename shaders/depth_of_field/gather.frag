@@ -6,13 +6,14 @@
 //
 // A disc is summed on the level on which it has not too many texels; two levels share the discs
 // between them. Texels blur by themselves: the discs are narrower by that variance.
+#include "eyes.glsl"
 #include "coc.glsl"
 #include "discs.glsl"
 #include "finite.glsl"
 #include "levels.glsl"
 #include "layers.glsl"
 
-uniform usampler2D layers[LEVELS - 1];  // of level 1, 2, …
+uniform ueye_image layers[LEVELS - 1];  // of level 1, 2, …
 
 out vec4 gathered;
 
@@ -20,18 +21,18 @@ vec4 mean_of(Layers texel) {
     return mix(texel.back, texel.front, texel.coverage);
 }
 
-float own_radius = mean_of(unpack_layers(texelFetch(layers[0], ivec2(gl_FragCoord.xy), 0))).a;
+float own_radius = mean_of(unpack_layers(texel_of(layers[0], ivec2(gl_FragCoord.xy)))).a;
 float radius_px = abs(own_radius);
 
 // A texel at the rim comes farther than what makes a tile one surface: what is not of the disc's is left out.
-vec3 colour_of(usampler2D layers, ivec2 at) {
-    Layers q = unpack_layers(texelFetch(layers, at, 0));
+vec3 colour_of(ueye_image layers, ivec2 at) {
+    Layers q = unpack_layers(texel_of(layers, at));
     vec2 parts = vec2(q.coverage * (1.0 - nearer(own_radius, q.front.a)),
                       (1.0 - q.coverage) * (1.0 - nearer(q.back.a, own_radius)));
     float all = parts.x + parts.y;
     return all > 0.0 ? mix(q.back.rgb, q.front.rgb, parts.x / all) : mean_of(q).rgb;
 }
-#define IMAGE usampler2D
+#define IMAGE ueye_image
 #include "footprint.glsl"
 
 // Of a disc about a texel, centred on one, the sums of mean_over are wider than a disc: about a tenth in
@@ -48,7 +49,7 @@ float centred_on_texel(float texels) {
 const float NEIGHBOURS = 0.9;  // pixels read between texels: one beside a disc that is wanted may be narrower
 bool wanted = radius_px >= NEIGHBOURS * FADED * EXACT_PX;
 
-void gather(usampler2D image, int level) {
+void gather(ueye_image image, int level) {
     // What is shared with the pixels counts in full: fast.frag mixes.
     float part = level > 1 ? level_part(level, radius_px) : 1.0 - coarser_part(1, radius_px);
     float texel_px = float(1 << level);

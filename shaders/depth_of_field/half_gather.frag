@@ -15,13 +15,14 @@
 // seen. What is in focus hardly counts, and covers nothing: where a texel is in focus, its light is that
 // of its blurred surroundings, for reads between texels. Texels are read one by one: a mean of two radii
 // would be a surface that is not there.
+#include "eyes.glsl"
 #include "coc.glsl"
 #include "discs.glsl"
 #include "finite.glsl"
 #include "half_coverage.glsl"
 
-uniform sampler2D dilated;
-uniform sampler2D surfaces[LEVELS];
+uniform eye_image dilated;
+uniform eye_image surfaces[LEVELS];
 
 const float LEAST_NARROWED = 0.2;  // part of a disc's variance that is always left
 const float BEYOND_OWN = 1.25;     // by which what reaches the tile is wider than the pixel's own disc
@@ -34,7 +35,7 @@ out vec4 gathered;
 const float TEXEL_SHARE = 0.3;
 const float LEAST = 0.001;    // weight of what is in focus
 
-vec4 p = texelFetch(surfaces[0], ivec2(gl_FragCoord.xy), 0);
+vec4 p = texel_of(surfaces[0], ivec2(gl_FragCoord.xy));
 vec4 seen = LEAST * vec4(p.rgb, 1.0);
 vec4 over = vec4(0.0);
 vec2 free = vec2(0.0);  // of the texel's own disc: where what is behind it is seen, all
@@ -43,7 +44,7 @@ vec2 free = vec2(0.0);  // of the texel's own disc: where what is behind it is s
 const int BEHIND = 1, IN_FRONT = 2;
 
 // What lies within a disc, on a level; `beyond`: only what covers the texel.
-void gather(sampler2D image, int level, float disc_px, float part, bool beyond, int sides) {
+void gather(eye_image image, int level, float disc_px, float part, bool beyond, int sides) {
     float texel_px = float(2 << level);
     float wider_px2 = ENLARGED_PX2 + TEXEL_SHARE * texel_px * texel_px;
     float narrower_px = sqrt(max(disc_px * disc_px - wider_px2, LEAST_NARROWED * disc_px * disc_px));
@@ -51,13 +52,13 @@ void gather(sampler2D image, int level, float disc_px, float part, bool beyond, 
     float reach = grid + 0.5 * RIM_PX, rows = reach * pixel_aspect;
     vec2 place = 2.0 * gl_FragCoord.xy / texel_px - 0.5;
     int top = part > 0.0 ? int(floor(place.y + rows)) : -1000000;
-    ivec2 last = textureSize(image, 0) - 1;
+    ivec2 last = size_of(image) - 1;
     for (int y = int(ceil(place.y - rows)); y <= top; ++y) {
         float row = (float(y) - place.y) / pixel_aspect;
         float cells = sqrt(max(reach * reach - row * row, 0.0));
         int right = int(floor(place.x + cells));
         for (int x = int(ceil(place.x - cells)); x <= right; ++x) {
-            vec4 q = texelFetch(image, clamp(ivec2(x, y), ivec2(0), last), 0);
+            vec4 q = texel_of(image, clamp(ivec2(x, y), ivec2(0), last));
             float away = length(vec2(float(x) - place.x, row)), radius = abs(q.a);
             float is_nearer = nearer(p.a, q.a), covered = coverage_of(q.a);
             float weight = beyond ? 0.0 : part * disc_share(away, grid);
@@ -85,7 +86,7 @@ void disc(float radius_px, bool wanted, bool beyond, int sides) {
 }
 
 void main() {
-    vec4 tile = texelFetch(dilated, ivec2(gl_FragCoord.xy) / TILE, 0);
+    vec4 tile = texel_of(dilated, ivec2(gl_FragCoord.xy) / TILE);
     float own_px = abs(p.a);
     // Slanted surfaces in front of the focus reach a little farther than a texel's own disc.
     float beyond_px = tile.r > BEYOND_OWN * max(-p.a, 0.0) + 1.0 ? tile.r : 0.0;

@@ -6,11 +6,13 @@
 // Output: the blurred image, linear HDR, full resolution.
 //
 // SMALL_FROM_PX, SMALL_PX: between these radii a pixel goes from one to the other.
+#include "eyes.glsl"
 #include "coc.glsl"
 
-uniform float pixel_aspect;
-uniform sampler2D colour_and_coc;
-uniform sampler2D gathered;
+uniform float pixel_aspect_of_eye[EYES];
+float pixel_aspect = pixel_aspect_of_eye[EYE];
+uniform eye_image colour_and_coc;
+uniform eye_image gathered;
 
 const vec2 SIXTEENTH_TURN = vec2(0.92388, 0.38268);  // cosine and sine of 22.5 degrees
 const float SQRT_HALF = 0.70711;
@@ -20,10 +22,10 @@ out vec4 blurred;
 const float READ_PX2 = 0.3;  // what bilinear reads add to the square of a radius
 
 void main() {
-    vec2 size = vec2(textureSize(colour_and_coc, 0));
-    vec4 p = texelFetch(colour_and_coc, ivec2(gl_FragCoord.xy), 0);
+    vec2 size = vec2(size_of(colour_and_coc));
+    vec4 p = texel_of(colour_and_coc, ivec2(gl_FragCoord.xy));
     float own_px = abs(p.a);
-    vec4 soft = textureLod(gathered, gl_FragCoord.xy / (2.0 * vec2(textureSize(gathered, 0))), 0.0);
+    vec4 soft = filtered_at(gathered, gl_FragCoord.xy / (2.0 * vec2(size_of(gathered))));
     float wide = smoothstep(SMALL_FROM_PX, SMALL_PX, own_px);
     float alpha = wide + soft.a - wide * soft.a;
     // The centre and eight on a ring have the second moment of a disc.
@@ -31,7 +33,7 @@ void main() {
     int taps = own_px > 0.5 && alpha < 1.0 ? 8 : 0;
     vec4 sum = vec4(p.rgb, 1.0);
     for (int i = 0; i < taps; ++i) {
-        vec4 q = textureLod(colour_and_coc, (gl_FragCoord.xy + away * vec2(1.0, pixel_aspect)) / size, 0.0);
+        vec4 q = filtered_at(colour_and_coc, (gl_FragCoord.xy + away * vec2(1.0, pixel_aspect)) / size);
         sum += (1.0 - nearer(p.a, q.a)) * vec4(q.rgb, 1.0);
         away = SQRT_HALF * vec2(away.x - away.y, away.x + away.y);
     }

@@ -11,20 +11,21 @@
 //         the least, which is the foremost pixel's, and 0 below IN_FOCUS_PX.
 // NumPy twin: tests/oracles/half_resolution.py. As the prefilters of KinoBokeh and of Filament, and
 // Filament's levels.
-uniform sampler2D source;
+#include "eyes.glsl"
+uniform eye_image source;
 
 out vec4 half_image;
 
 void main() {
     ivec2 first = 2 * ivec2(gl_FragCoord.xy);
-    ivec2 last = textureSize(source, 0) - 1;
+    ivec2 last = size_of(source) - 1;
     vec4 blurred = vec4(0.0), any_pixel = vec4(0.0);
     float sum_px = 0.0, least_px = HALF_MAX, pixels = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 pixel = first + ivec2(i & 1, i >> 1);
         if (any(greaterThan(pixel, last)))
             continue;
-        vec4 p = texelFetch(source, pixel, 0);
+        vec4 p = texel_of(source, pixel);
         vec4 share = vec4(p.rgb, 1.0);
 #ifndef LEVELS
         share /= 1.0 + max(p.r, max(p.g, p.b));

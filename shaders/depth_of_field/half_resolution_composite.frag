@@ -5,13 +5,14 @@
 //         opacity, read bilinearly.
 // Output: the image, linear HDR, full resolution. Where nothing is blurred, bit for bit the sharp one.
 // NumPy twin: tests/oracles/half_resolution.py. As the last passes of KinoBokeh and of Filament.
-uniform sampler2D colour_and_coc;
-uniform sampler2D half_image;
+#include "eyes.glsl"
+uniform eye_image colour_and_coc;
+uniform eye_image half_image;
 
 out vec4 image;
 
 void main() {
-    vec3 sharp = texelFetch(colour_and_coc, ivec2(gl_FragCoord.xy), 0).rgb;
-    vec4 soft = textureLod(half_image, gl_FragCoord.xy / (2.0 * vec2(textureSize(half_image, 0))), 0.0);
+    vec3 sharp = texel_of(colour_and_coc, ivec2(gl_FragCoord.xy)).rgb;
+    vec4 soft = filtered_at(half_image, gl_FragCoord.xy / (2.0 * vec2(size_of(half_image))));
     image = vec4(min(soft.rgb + (1.0 - soft.a) * sharp, HALF_MAX), 1.0);
 }

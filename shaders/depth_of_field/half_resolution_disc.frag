@@ -12,12 +12,14 @@
 //
 // NumPy twin: tests/oracles/half_resolution.py. As the bokeh filter of KinoBokeh (Takahashi, for
 // Unity), 43 samples.
-uniform sampler2D half_image;
+#include "eyes.glsl"
+uniform eye_image half_image;
 #ifdef WIDEST
-uniform sampler2D widest;
+uniform eye_image widest;
 #endif
 uniform vec2 offsets[TAPS];   // in the unit disc
-uniform float pixel_aspect;   // image pixels per unit, vertical / horizontal
+uniform float pixel_aspect_of_eye[EYES];   // image pixels per unit, vertical / horizontal
+float pixel_aspect = pixel_aspect_of_eye[EYE];
 uniform float max_radius_px;
 
 out vec4 blurred;
@@ -27,18 +29,18 @@ const float MARGIN_PX = 2.0 * TEXEL_PX;
 const float PI = 3.14159265;
 
 void main() {
-    vec2 size_px = 2.0 * vec2(textureSize(half_image, 0));
-    vec4 centre = texelFetch(half_image, ivec2(gl_FragCoord.xy), 0);
+    vec2 size_px = 2.0 * vec2(size_of(half_image));
+    vec4 centre = texel_of(half_image, ivec2(gl_FragCoord.xy));
     float reach_px = max_radius_px;
 #ifdef WIDEST
-    reach_px = min(reach_px, texelFetch(widest, ivec2(0), 0).r);
+    reach_px = min(reach_px, texel_of(widest, ivec2(0)).r);
 #endif
     vec4 behind = vec4(0.0), front = vec4(0.0);
     for (int i = 0; i < TAPS; ++i) {
         vec2 away_px = reach_px * offsets[i];
         float distance_px = length(away_px);
         vec2 place = (2.0 * gl_FragCoord.xy + away_px * vec2(1.0, pixel_aspect)) / size_px;
-        vec4 tap = textureLod(half_image, place, 0.0);
+        vec4 tap = filtered_at(half_image, place);
         float far_px = max(min(centre.a, tap.a), 0.0);
         float far = clamp((far_px - distance_px + MARGIN_PX) / MARGIN_PX, 0.0, 1.0);
         float near = clamp((-tap.a - distance_px + MARGIN_PX) / MARGIN_PX, 0.0, 1.0);

@@ -16,12 +16,14 @@
 //         narrower than the widest disc is a layer behind the rest.
 // NumPy twin: tests/oracles/half_resolution.py. As the gather of Filament's depth of field (after
 // Jimenez 2014 and Abadie 2018).
+#include "eyes.glsl"
 #include "mixed.glsl"
 
-uniform sampler2D half_image;
-uniform sampler2D levels[CHAIN];
-uniform sampler2D tiles;
-uniform float pixel_aspect;   // image pixels per unit, vertical / horizontal
+uniform eye_image half_image;
+uniform eye_image levels[CHAIN];
+uniform eye_image tiles;
+uniform float pixel_aspect_of_eye[EYES];   // image pixels per unit, vertical / horizontal
+float pixel_aspect = pixel_aspect_of_eye[EYE];
 
 out vec4 blurred;
 
@@ -32,7 +34,7 @@ const float SAMPLES = float((2 * RINGS - 1) * (2 * RINGS - 1));
 // Keeps weights near 1; the opacity of the background is nearly always full with it.
 const float UNIT_AREA_PX2 = 1024.0;
 
-ivec2 last = textureSize(half_image, 0) - 1;
+ivec2 last = size_of(half_image) - 1;
 
 struct Sum {
     vec3 colour;
@@ -51,22 +53,22 @@ int level_of(float kernel_px) {
 vec4 texel_at(vec2 texels, int level) {
     ivec2 texel = ivec2(clamp(floor(texels), vec2(0.0), vec2(last)));
     if (level == 0)
-        return texelFetch(half_image, texel, 0);
+        return texel_of(half_image, texel);
     // Samplers in an array may be chosen by nothing that differs between pixels.
     vec4 found = vec4(0.0);
     for (int k = 1; k <= CHAIN; ++k)
         if (k == level)
-            found = texelFetch(levels[k - 1], texel >> k, 0);
+            found = texel_of(levels[k - 1], texel >> k);
     return found;
 }
 
 vec3 smooth_at(vec2 texels, int level) {
     vec3 found = vec3(0.0);
     if (level == 0)
-        found = textureLod(half_image, texels / vec2(textureSize(half_image, 0)), 0.0).rgb;
+        found = filtered_at(half_image, texels / vec2(size_of(half_image))).rgb;
     for (int k = 1; k <= CHAIN; ++k)
         if (k == level)
-            found = textureLod(levels[k - 1], texels * exp2(-float(k)) / vec2(textureSize(levels[k - 1], 0)), 0.0).rgb;
+            found = filtered_at(levels[k - 1], texels * exp2(-float(k)) / vec2(size_of(levels[k - 1]))).rgb;
     return found;
 }
 
@@ -173,7 +175,7 @@ vec4 foreground(float kernel_px, vec2 noise) {
 }
 
 void main() {
-    vec2 radii_px = texelFetch(tiles, ivec2(gl_FragCoord.xy) / TILE, 0).rg;
+    vec2 radii_px = texel_of(tiles, ivec2(gl_FragCoord.xy) / TILE).rg;
     if (max(abs(radii_px.r), abs(radii_px.g)) < IN_FOCUS_PX) {
         blurred = vec4(0.0);
         return;
@@ -190,6 +192,6 @@ void main() {
     if (radii_px.r < 0.0)
         front = foreground(-radii_px.r, noise);
     if (radii_px.g > 0.0)
-        back = background(abs(texelFetch(half_image, ivec2(gl_FragCoord.xy), 0).a), noise);
+        back = background(abs(texel_of(half_image, ivec2(gl_FragCoord.xy)).a), noise);
     blurred = min(front + (1.0 - front.a) * back, HALF_MAX);
 }

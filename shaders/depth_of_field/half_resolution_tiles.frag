@@ -6,17 +6,18 @@
 // Output: r = least RADIUS, g = greatest, signed; a texel is TILE x TILE texels. With DILATE: of the
 //         3x3 tiles around whose discs are wider than FROM_PX.
 // NumPy twin: tests/oracles/half_resolution.py. As the tiles of Filament's depth of field.
-uniform sampler2D source;
+#include "eyes.glsl"
+uniform eye_image source;
 
 out vec2 radii_px;
 
 void main() {
-    ivec2 last = textureSize(source, 0) - 1;
+    ivec2 last = size_of(source) - 1;
     radii_px = vec2(HALF_MAX, -HALF_MAX);
 #ifdef DILATE
     for (int i = 0; i < 9; ++i) {
         ivec2 tile = ivec2(gl_FragCoord.xy) + ivec2(i % 3, i / 3) - 1;
-        vec2 other_px = texelFetch(source, clamp(tile, ivec2(0), last), 0).rg;
+        vec2 other_px = texel_of(source, clamp(tile, ivec2(0), last)).rg;
         // Of tiles that have come this far, discs that are narrower cannot reach this one.
         other_px = i == 4 || FROM_PX == 0.0 ? other_px : vec2(other_px.r < -FROM_PX ? other_px.r : HALF_MAX,
                                                             other_px.g > FROM_PX ? other_px.g : -HALF_MAX);
@@ -25,7 +26,7 @@ void main() {
 #else
     for (int i = 0; i < TILE * TILE; ++i) {
         ivec2 texel = TILE * ivec2(gl_FragCoord.xy) + ivec2(i % TILE, i / TILE);
-        float radius_px = texelFetch(source, min(texel, last), 0).a;
+        float radius_px = texel_of(source, min(texel, last)).a;
         radii_px = vec2(min(radii_px.r, radius_px), max(radii_px.g, radius_px));
     }
 #endif

@@ -8,11 +8,12 @@
 //         rounded up.
 //
 // Texels in focus hardly count: no halo, and what is blurred goes on behind them. A lamp counts by its light.
+#include "eyes.glsl"
 #include "coc.glsl"
 #include "finite.glsl"
 #include "half_coverage.glsl"
 
-uniform sampler2D finer;
+uniform eye_image finer;
 
 const float SHARP_WEIGHT = 0.001;  // of what is in focus, which has no part in a blur unless it is alone
 
@@ -33,13 +34,13 @@ bool has_small(float radius) {
 
 void main() {
     ivec2 first = 2 * ivec2(gl_FragCoord.xy);
-    ivec2 last = textureSize(finer, 0) - 1;
+    ivec2 last = size_of(finer) - 1;
     vec4 texels[4];
     float covered[4];
     float farthest = -1e4;
     bool small = false;
     for (int i = 0; i < 4; ++i) {
-        texels[i] = texelFetch(finer, min(first + ivec2(i & 1, i >> 1), last), 0);
+        texels[i] = texel_of(finer, min(first + ivec2(i & 1, i >> 1), last));
 #ifdef FROM_SURFACES
         covered[i] = coverage_of(texels[i].a);
 #else

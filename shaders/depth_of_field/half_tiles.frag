@@ -4,19 +4,20 @@
 // Input:  surfaces (half_surfaces.frag). TILE: side of a tile in its texels.
 // Output: r, g = least and greatest signed RADIUS (px of image width); b = 0; a = 1 where a pixel is less
 //         blurred than SMALL_PX of that pass, else 0.
+#include "eyes.glsl"
 #include "half_coverage.glsl"
 
-uniform sampler2D surfaces;
+uniform eye_image surfaces;
 
 out vec4 range;
 
 void main() {
     ivec2 first = ivec2(gl_FragCoord.xy) * TILE;
-    ivec2 last = textureSize(surfaces, 0) - 1;
+    ivec2 last = size_of(surfaces) - 1;
     range = vec4(1e4, -1e4, 0.0, 0.0);
     for (int y = 0; y < TILE; ++y)
         for (int x = 0; x < TILE; ++x) {
-            float radius = texelFetch(surfaces, min(first + ivec2(x, y), last), 0).a;
+            float radius = texel_of(surfaces, min(first + ivec2(x, y), last)).a;
             range.rg = vec2(min(range.r, radius), max(range.g, radius));
             range.a = is_small(radius) ? 1.0 : range.a;
         }

@@ -3,11 +3,12 @@
 //
 // Input:  gathered (half_gather.frag), read bilinearly.
 // Output: the blurred image, linear HDR, full resolution.
-uniform sampler2D gathered;
+#include "eyes.glsl"
+uniform eye_image gathered;
 
 out vec4 blurred;
 
 void main() {
-    vec2 place = gl_FragCoord.xy / (2.0 * vec2(textureSize(gathered, 0)));
-    blurred = vec4(textureLod(gathered, place, 0.0).rgb, 1.0);
+    vec2 place = gl_FragCoord.xy / (2.0 * vec2(size_of(gathered)));
+    blurred = vec4(filtered_at(gathered, place).rgb, 1.0);
 }

@@ -3,10 +3,11 @@
 //
 // Input:  colour_and_coc (colour_and_coc.frag).
 // Output: the image, linear HDR, full resolution.
-uniform sampler2D colour_and_coc;
+#include "eyes.glsl"
+uniform eye_image colour_and_coc;
 
 out vec4 blurred;
 
 void main() {
-    blurred = vec4(texelFetch(colour_and_coc, ivec2(gl_FragCoord.xy), 0).rgb, 1.0);
+    blurred = vec4(texel_of(colour_and_coc, ivec2(gl_FragCoord.xy)).rgb, 1.0);
 }

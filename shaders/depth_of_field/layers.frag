@@ -6,14 +6,15 @@
 // Output: texel t holds texels 2t and 2t + 1 of the input (include/layers.glsl).
 //
 // What is nearer than the farthest surface by the margin that tells surfaces apart is the foreground.
+#include "eyes.glsl"
 #include "coc.glsl"
 #include "finite.glsl"
 #include "layers.glsl"
 
 #ifdef FROM_LAYERS
-uniform usampler2D finer;
+uniform ueye_image finer;
 #else
-uniform sampler2D finer;
+uniform eye_image finer;
 #endif
 
 out uvec4 layers;
@@ -25,13 +26,13 @@ void read(ivec2 first, ivec2 last) {
     for (int i = 0; i < 4; ++i) {
         ivec2 at = min(first + ivec2(i & 1, i >> 1), last);
 #ifdef FROM_LAYERS
-        Layers texel = unpack_layers(texelFetch(finer, at, 0));
+        Layers texel = unpack_layers(texel_of(finer, at));
         surfaces[i] = texel.back;
         surfaces[i + 4] = texel.front;
         parts[i] = 1.0 - texel.coverage;
         parts[i + 4] = texel.coverage;
 #else
-        surfaces[i] = texelFetch(finer, at, 0);
+        surfaces[i] = texel_of(finer, at);
         parts[i] = 1.0;
 #endif
     }
@@ -47,7 +48,7 @@ const int SURFACES = 4;
 const float BORDER_MARGINS = 1.5;  // Fitted: python -m bench --only fitted
 
 void main() {
-    read(2 * ivec2(gl_FragCoord.xy), textureSize(finer, 0) - 1);
+    read(2 * ivec2(gl_FragCoord.xy), size_of(finer) - 1);
     float farthest = -1e4, nearest = 1e4;
     for (int i = 0; i < SURFACES; ++i) {
         farthest = parts[i] > 0.0 ? max(farthest, surfaces[i].a) : farthest;

@@ -4,8 +4,9 @@
 // Input:  source; tiles of half_resolution_tiles.frag: where all is in focus, the output is 0.
 // Output: the same.
 // NumPy twin: scipy.ndimage.median_filter. As the median of Filament's depth of field.
-uniform sampler2D source;
-uniform sampler2D tiles;
+#include "eyes.glsl"
+uniform eye_image source;
+uniform eye_image tiles;
 
 out vec4 calm;
 
@@ -16,16 +17,16 @@ void sort(inout vec4 a, inout vec4 b) {
 }
 
 void main() {
-    vec2 radii_px = texelFetch(tiles, ivec2(gl_FragCoord.xy) / TILE, 0).rg;
+    vec2 radii_px = texel_of(tiles, ivec2(gl_FragCoord.xy) / TILE).rg;
     if (max(abs(radii_px.r), abs(radii_px.g)) < IN_FOCUS_PX) {
         calm = vec4(0.0);
         return;
     }
-    ivec2 last = textureSize(source, 0) - 1;
+    ivec2 last = size_of(source) - 1;
     vec4 v[9];
     for (int i = 0; i < 9; ++i) {
         ivec2 texel = ivec2(gl_FragCoord.xy) + ivec2(i % 3, i / 3) - 1;
-        v[i] = texelFetch(source, clamp(texel, ivec2(0), last), 0);
+        v[i] = texel_of(source, clamp(texel, ivec2(0), last));
     }
     // Rows in order; then the largest of the least, the middle of the middle, the least of the
     // largest; their median is that of all.

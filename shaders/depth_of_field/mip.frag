@@ -15,12 +15,13 @@
 // The levels hold whatever was in the image: sharp objects have halos in blurred surroundings.
 // NumPy twin: tests/oracles/pyramid.py. "Four Tricks for Fast Blurring in Software and Hardware"
 // (Gamasutra 2001), trick three, and "Depth of Field: Help from the Z-buffer".
-uniform sampler2D colour_and_coc;
-uniform sampler2D levels[CHAIN];
+#include "eyes.glsl"
+uniform eye_image colour_and_coc;
+uniform eye_image levels[CHAIN];
 #ifdef AT_DISTANCES
 #include "coc.glsl"
 #include "coc_of_depth.glsl"
-uniform sampler2D depth;
+uniform eye_image depth;
 uniform float slices_m[CHAIN];
 #endif
 
@@ -32,10 +33,10 @@ float own_px;
 float fade(int k) {
 #if defined(AT_DISTANCES)
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec2 uv = gl_FragCoord.xy / vec2(textureSize(depth, 0));
-    float near = near_m * head_depth_slope(tangents, head_forward_in_view, uv);
+    vec2 uv = gl_FragCoord.xy / vec2(size_of(depth));
+    float near = eye.near_m * head_depth_slope(eye.tangents, eye.head_forward_in_view, uv);
     // near / z + offset_m >= slice, without the infinite distance of the sky.
-    return step((slices_m[k - 1] - offset_m) * texelFetch(depth, pixel, 0).r, near);
+    return step((slices_m[k - 1] - eye.offset_m) * texel_of(depth, pixel).r, near);
 #elif defined(SLICES)
     return step(exp2(float(k) - 0.5), own_px);
 #else
@@ -45,16 +46,16 @@ float fade(int k) {
 }
 
 // Draws a level over what is there, at its texels' own places: pixel 2^k t is the rim of texel t.
-void draw(sampler2D level, int k) {
+void draw(eye_image level, int k) {
     float opacity = fade(k);
     if (opacity <= 0.0)
         return;
-    vec3 c = textureLod(level, gl_FragCoord.xy / exp2(float(k)) / vec2(textureSize(level, 0)), 0.0).rgb;
+    vec3 c = filtered_at(level, gl_FragCoord.xy / exp2(float(k)) / vec2(size_of(level))).rgb;
     blurred.rgb = opacity < 1.0 ? mix(blurred.rgb, c, opacity) : c;
 }
 
 void main() {
-    vec4 p = texelFetch(colour_and_coc, ivec2(gl_FragCoord.xy), 0);
+    vec4 p = texel_of(colour_and_coc, ivec2(gl_FragCoord.xy));
     own_px = abs(p.a);
     blurred = vec4(p.rgb, 1.0);
     for (int k = 1; k <= CHAIN; ++k)

@@ -5,27 +5,28 @@
 //         (resolved).
 // Output: depth 0, infinity, of a near pixel, and how near what is drawn there may be (reverse-Z depth): not near at
 //         all; NEXT, well behind what is seen. Other pixels keep their depth, 1, which nothing passes.
+#include "eyes.glsl"
 #include "near.glsl"
 
-uniform sampler2D colour_and_coc;
-uniform sampler2D limit;
+uniform eye_image colour_and_coc;
+uniform eye_image limit;
 #ifdef NEXT
-uniform sampler2D depth;
+uniform eye_image depth;
 #endif
 
 out float nearest;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    float radius_px = texelFetch(colour_and_coc, pixel, 0).a;
+    float radius_px = texel_of(colour_and_coc, pixel).a;
     if (radius_px > -BEHIND_PX)
         discard;
     gl_FragDepth = 0.0;
     vec2 corner = gl_FragCoord.xy / float(TILE) + 0.5;
-    nearest = textureLod(limit, corner / vec2(textureSize(limit, 0)), 0.0).r;
+    nearest = filtered_at(limit, corner / vec2(size_of(limit))).r;
 #ifdef NEXT
     // Radii are even in depth, or nearly so.
     float part = (well_behind_px(radius_px) + BEHIND_PX) / min(radius_px + BEHIND_PX, -1e-3);
-    nearest = mix(nearest, texelFetch(depth, pixel, 0).r, clamp(part, 0.0, 1.0));
+    nearest = mix(nearest, texel_of(depth, pixel).r, clamp(part, 0.0, 1.0));
 #endif
 }

@@ -11,6 +11,7 @@
 // Below it is the mean of the surface behind, and what else lies well behind. What a nearer surface hides in the
 // image is cut off where that surface hides it from the lens's point, too: a lamp is no veil.
 // Every texel of a disc counts once, on its level (include/levels.glsl).
+#include "eyes.glsl"
 #include "coc.glsl"
 #include "discs.glsl"
 #include "finite.glsl"
@@ -19,18 +20,18 @@
 
 flat in vec4 tile;
 
-uniform sampler2D light[NEAR_LEVELS];   // of level 1, 2, …
-uniform sampler2D light_2[NEAR_LEVELS];
-uniform sampler2D radius[NEAR_LEVELS];  // of both
+uniform eye_image light[NEAR_LEVELS];   // of level 1, 2, …
+uniform eye_image light_2[NEAR_LEVELS];
+uniform eye_image radius[NEAR_LEVELS];  // of both
 
 out vec4 over_all;
 
 ivec2 middle = ivec2(gl_FragCoord.xy);
-ivec2 last_texel = textureSize(light[0], 0) - 1;
-vec4 p = texelFetch(light[0], middle, 0);
-vec4 p_behind = texelFetch(light_2[0], middle, 0);
-float own_radius = p.a > 0.0 ? texelFetch(radius[0], middle, 0).r / p.a : 0.0;
-float radius_behind = p_behind.a > 0.0 ? texelFetch(radius[0], middle, 0).g / p_behind.a : 0.0;
+ivec2 last_texel = size_of(light[0]) - 1;
+vec4 p = texel_of(light[0], middle);
+vec4 p_behind = texel_of(light_2[0], middle);
+float own_radius = p.a > 0.0 ? texel_of(radius[0], middle).r / p.a : 0.0;
+float radius_behind = p_behind.a > 0.0 ? texel_of(radius[0], middle).g / p_behind.a : 0.0;
 
 vec4 own = vec4(0.0);          // of p's surface
 vec4 behind = vec4(0.0);       // of the surface behind it
@@ -41,8 +42,8 @@ vec4 all = vec4(0.0), all_behind = vec4(0.0);  // of all that is near
 // How the radius of p's surface grows: the lesser of the steps to both sides, per pixel.
 float step_to(ivec2 to) {
     ivec2 at = clamp(middle + to, ivec2(0), last_texel);
-    float part = texelFetch(light[0], at, 0).a;
-    return part > 0.0 ? 0.5 * (texelFetch(radius[0], at, 0).r / part - own_radius) : 1e4;
+    float part = texel_of(light[0], at).a;
+    return part > 0.0 ? 0.5 * (texel_of(radius[0], at).r / part - own_radius) : 1e4;
 }
 
 float lesser(float a, float b) {
@@ -67,7 +68,7 @@ float own_part_on(int level, vec4 of, float radius_px) {
     return of.a > 0.0 ? part_on(level, -radius_px) : 0.0;
 }
 
-void gather(sampler2D light_of, sampler2D light_2_of, sampler2D radius_of, int level) {
+void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int level) {
     float texel_px = float(1 << level);
     float own_part = own_part_on(level, p, own_radius), behind_part = own_part_on(level, p_behind, radius_behind);
     float widest = level < LEVELS - 1 ? min(tile.r, widest_on(level)) : tile.r;
@@ -80,7 +81,7 @@ void gather(sampler2D light_of, sampler2D light_2_of, sampler2D radius_of, int l
     vec2 place = 2.0 * gl_FragCoord.xy / texel_px - 0.5;
     float rows = reach * pixel_aspect;
     int top = comes || own_part + behind_part > 0.0 ? int(floor(place.y + rows)) : -1000000;
-    ivec2 last = textureSize(light_of, 0) - 1;
+    ivec2 last = size_of(light_of) - 1;
     vec4 found = vec4(0.0), found_behind = vec4(0.0);
     vec4 over = vec4(0.0), over_nearer = vec4(0.0), over_farther = vec4(0.0), over_behind = vec4(0.0);
     float seen = 0.0, seen_behind = 0.0;
@@ -90,14 +91,14 @@ void gather(sampler2D light_of, sampler2D light_2_of, sampler2D radius_of, int l
         int right = int(floor(place.x + cells));
         for (int x = int(ceil(place.x - cells)); x <= right; ++x) {
             ivec2 at = clamp(ivec2(x, y), ivec2(0), last);
-            vec4 q = texelFetch(light_of, at, 0);
+            vec4 q = texel_of(light_of, at);
             vec2 off = vec2(float(x), float(y)) - place;
             float away = length(vec2(off.x, row));
             float share = disc_share(away, own_texels), share_behind = disc_share(away, behind_texels);
             seen += share;
             seen_behind += share_behind;
             if (q.a > 0.0) {
-                float q_px = texelFetch(radius_of, at, 0).r / q.a;
+                float q_px = texel_of(radius_of, at).r / q.a;
                 float own_px = clamp(own_radius + texel_px * dot(slope, off), 2.0 * own_radius, 0.25 * own_radius);
                 float is_nearer = nearer(own_px, q_px), is_farther = farther(own_px, q_px);
                 // Of what q hides: far behind it, what is known; close behind it goes on as beside it.
@@ -110,14 +111,14 @@ void gather(sampler2D light_of, sampler2D light_2_of, sampler2D radius_of, int l
                 over_farther += farther(last_px, q_px) * comes_here;
                 found += (1.0 - is_nearer - is_farther) * share * q;
                 found_behind += (1.0 - beside - farther(radius_behind, q_px)) * share_behind * q;
-                vec4 q2 = texelFetch(light_2_of, at, 0);
+                vec4 q2 = texel_of(light_2_of, at);
                 float hidden = (is_nearer - far_before) * q.a, hidden_behind = (beside - far_beside) * q.a;
                 if (q2.a > 0.0) {
-                    float q2_px = texelFetch(radius_of, at, 0).g / q2.a;
+                    float q2_px = texel_of(radius_of, at).g / q2.a;
                     // Seen from here, the nearer surface hides it elsewhere.
                     ivec2 by = clamp(ivec2(floor(place + off * (q_px / q2_px) + 0.5)), ivec2(0), last);
-                    vec4 front = texelFetch(light_of, by, 0);
-                    float front_px = front.a > 0.0 ? texelFetch(radius_of, by, 0).r / front.a : 0.0;
+                    vec4 front = texel_of(light_of, by);
+                    float front_px = front.a > 0.0 ? texel_of(radius_of, by).r / front.a : 0.0;
                     vec4 comes_2 = (1.0 - front.a * nearer(q2_px, front_px)) * apart(q2_px) * part_on(level, -q2_px)
                                  * disc_share(away, texels_of(-q2_px, texel_px)) * q2;
                     over_behind += comes_2;
@@ -150,8 +151,8 @@ float part_apart() {
     for (int y = -around; y <= around; ++y)
         for (int x = -around; x <= around; ++x) {
             ivec2 at = clamp(middle + ivec2(x, y), ivec2(0), last_texel);
-            float q_part = texelFetch(light[0], at, 0).a;
-            found += q_part > 0.0 ? q_part * apart(texelFetch(radius[0], at, 0).r / q_part) : 0.0;
+            float q_part = texel_of(light[0], at).a;
+            found += q_part > 0.0 ? q_part * apart(texel_of(radius[0], at).r / q_part) : 0.0;
         }
     return min(p.a + p_behind.a, 1.0) * min(found / 3.0, 1.0);
 }

@@ -7,18 +7,19 @@
 //         signed RADIUS (px of image width), times coverage; of the nearer surface, then of the farther one.
 //
 // What lies farther may be hidden by the nearer surface, or beside it in the texel.
+#include "eyes.glsl"
 #include "coc.glsl"
 #include "near.glsl"
 #ifdef FROM_PIXELS
 #include "coc_of_depth.glsl"
 #include "finite.glsl"
 
-uniform sampler2D finer;
-uniform sampler2D next;
-uniform sampler2D next_depth;
+uniform eye_image finer;
+uniform eye_image next;
+uniform eye_image next_depth;
 #else
-uniform sampler2D light[2];
-uniform sampler2D radius;
+uniform eye_image light[2];
+uniform eye_image radius;
 #endif
 
 layout(location = 0) out vec4 nearer_light;
@@ -34,18 +35,18 @@ float radius_of(int i) {
 
 void read(int i, ivec2 at) {
 #ifdef FROM_PIXELS
-    vec4 pixel = texelFetch(finer, at, 0);
-    float z = texelFetch(next_depth, at, 0).r;
-    float behind = radius_at(z, (vec2(at) + 0.5) / vec2(textureSize(finer, 0)));
+    vec4 pixel = texel_of(finer, at);
+    float z = texel_of(next_depth, at).r;
+    float behind = radius_at(z, (vec2(at) + 0.5) / vec2(size_of(finer)));
     vec2 part = vec2(near_part(pixel.a), z < 1.0 ? apart(behind) : 0.0);
     lights[2 * i] = part.x * vec4(pixel.rgb, 1.0);
     radii[2 * i] = part.x * pixel.a;
-    lights[2 * i + 1] = part.y > 0.0 ? part.y * vec4(finite(texelFetch(next, at, 0).rgb), 1.0) : vec4(0.0);
+    lights[2 * i + 1] = part.y > 0.0 ? part.y * vec4(finite(texel_of(next, at).rgb), 1.0) : vec4(0.0);
     radii[2 * i + 1] = part.y * behind;
 #else
-    lights[2 * i] = texelFetch(light[0], at, 0);
-    lights[2 * i + 1] = texelFetch(light[1], at, 0);
-    vec2 both = texelFetch(radius, at, 0).rg;
+    lights[2 * i] = texel_of(light[0], at);
+    lights[2 * i + 1] = texel_of(light[1], at);
+    vec2 both = texel_of(radius, at).rg;
     radii[2 * i] = both.x;
     radii[2 * i + 1] = both.y;
 #endif
@@ -53,9 +54,9 @@ void read(int i, ivec2 at) {
 
 void main() {
 #ifdef FROM_PIXELS
-    ivec2 last = textureSize(finer, 0) - 1;
+    ivec2 last = size_of(finer) - 1;
 #else
-    ivec2 last = textureSize(light[0], 0) - 1;
+    ivec2 last = size_of(light[0]) - 1;
 #endif
     float nearest = 0.0, farthest = -1e4;
     for (int i = 0; i < 4; ++i) {

@@ -6,6 +6,7 @@
 //
 // By halving: any law, with peripheral blur or along each ray, is monotonic in depth. Between corners
 // of tiles of 8 px it is linear, or nearly so.
+#include "eyes.glsl"
 #include "coc.glsl"
 #include "coc_of_depth.glsl"
 #include "near.glsl"

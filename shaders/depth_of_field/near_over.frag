@@ -6,15 +6,16 @@
 //
 // Between texels. Where one is brighter than white, the mean of a texel's pixels stays what the texel is, so that
 // a lamp's disc has no rim beyond its own.
-uniform sampler2D near;
+#include "eyes.glsl"
+uniform eye_image near;
 
 out vec4 over;
 
-ivec2 last_texel = textureSize(near, 0) - 1;
+ivec2 last_texel = size_of(near) - 1;
 ivec2 pixel = ivec2(gl_FragCoord.xy);
 
 vec4 texel_at(int x, int y) {
-    return texelFetch(near, clamp(pixel / 2 + ivec2(x, y), ivec2(0), last_texel), 0);
+    return texel_of(near, clamp(pixel / 2 + ivec2(x, y), ivec2(0), last_texel));
 }
 
 void main() {

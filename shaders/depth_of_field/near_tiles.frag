@@ -7,22 +7,23 @@
 //
 // A near thing hides all behind it where its silhouette is farther than its disc is wide. What its rim shows
 // of what is behind is blurred too: that is drawn as far again. Farther in, nothing is drawn apart.
+#include "eyes.glsl"
 #include "near.glsl"
 #include "tile_dilate.glsl"
 #include "tile_classes.glsl"
 
-uniform sampler2D tiles;
-uniform sampler2D rows;
+uniform eye_image tiles;
+uniform eye_image rows;
 
 out vec4 near_tile;
 
 void main() {
-    ivec2 last = textureSize(rows, 0) - 1, middle = ivec2(gl_FragCoord.xy);
-    float own_px = -texelFetch(tiles, middle, 0).r;
+    ivec2 last = size_of(rows) - 1, middle = ivec2(gl_FragCoord.xy);
+    float own_px = -texel_of(tiles, middle).r;
     int around = tiles_around();
     float widest = 0.0, least = 1e4;
     for (int y = -around; y <= around; ++y) {
-        vec4 t = texelFetch(rows, ivec2(middle.x, clamp(middle.y + y, 0, last.y)), 0);
+        vec4 t = texel_of(rows, ivec2(middle.x, clamp(middle.y + y, 0, last.y)));
         bool comes = t.g > 0.0 && pixel_aspect * t.g + 1.0 >= gap_px(ivec2(0, y));
         widest = comes ? max(widest, t.g) : widest;
         least = comes ? min(least, t.b) : least;
@@ -30,8 +31,8 @@ void main() {
     float away = AWAY;
     int within = widest > 0.0 ? int(AWAY) - 1 : -1;
     for (int y = 0; y <= within; ++y) {
-        float below = texelFetch(rows, ivec2(middle.x, max(middle.y - y, 0)), 0).r;
-        float above = texelFetch(rows, ivec2(middle.x, min(middle.y + y, last.y)), 0).r;
+        float below = texel_of(rows, ivec2(middle.x, max(middle.y - y, 0))).r;
+        float above = texel_of(rows, ivec2(middle.x, min(middle.y + y, last.y))).r;
         away = min(away, length(vec2(min(below, above), float(y))));
         within = min(within, int(away));
     }

@@ -6,16 +6,17 @@
 //         up: cells at the border average the pixels that exist.
 // NumPy twin: tests/oracles/poisson_taps.py. Mantiuk et al. 2011, section 4: "down-sampled to 1/8th
 // of its size in every dimension".
-uniform sampler2D colour_and_coc;
+#include "eyes.glsl"
+uniform eye_image colour_and_coc;
 
 out float near_mean;
 
 void main() {
     ivec2 first = ivec2(gl_FragCoord.xy) * CELL;
-    ivec2 end = min(first + CELL, textureSize(colour_and_coc, 0));
+    ivec2 end = min(first + CELL, size_of(colour_and_coc));
     float sum = 0.0;
     for (int y = first.y; y < end.y; ++y)
         for (int x = first.x; x < end.x; ++x)
-            sum += max(-texelFetch(colour_and_coc, ivec2(x, y), 0).a, 0.0);
+            sum += max(-texel_of(colour_and_coc, ivec2(x, y)).a, 0.0);
     near_mean = sum / float((end.x - first.x) * (end.y - first.y));
 }

@@ -4,9 +4,11 @@
 // Input:  colour, centre, RADIUS and area of the pixel's disc (scatter.vert).
 // Output: rgb = colour * weight, a = weight, to be added up. The weights of a disc sum to about 1.
 // NumPy twin: tests/oracles/scattering.py. Carnegie & Rhee 2015, Algorithm 1 (Fig. 3).
+#include "eyes.glsl"
 #include "coc.glsl"
 
-uniform float pixel_aspect;
+uniform float pixel_aspect_of_eye[EYES];
+float pixel_aspect = pixel_aspect_of_eye[EYE];
 
 flat in vec3 colour;
 flat in vec2 centre;

@@ -6,10 +6,24 @@
 //         does and gl_VertexID
 //         the corners.
 // Output: what scatter.frag needs of the pixel. A RADIUS in px of image width; its sign is lost.
+#define EYE eye
+#include "eyes.glsl"
 #include "coc.glsl"
 
-uniform sampler2D colour_and_coc;
-uniform float pixel_aspect;  // image pixels per unit, vertical / horizontal
+uniform eye_image colour_and_coc;
+
+ivec2 size_px = size_of(colour_and_coc);
+#ifdef SQUARES
+int index = gl_InstanceID;
+vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
+#else
+int index = gl_VertexID;
+vec2 corner = vec2(0.0);
+#endif
+int eye = index / (size_px.x * size_px.y);  // the pixels of the left eye come first
+
+uniform float pixel_aspect_of_eye[EYES];  // image pixels per unit, vertical / horizontal
+float pixel_aspect = pixel_aspect_of_eye[EYE];
 
 flat out vec3 colour;
 flat out vec2 centre;
@@ -17,16 +31,9 @@ flat out float radius_px;
 flat out float area_px;
 
 void main() {
-    ivec2 size_px = textureSize(colour_and_coc, 0);
-#ifdef SQUARES
-    int index = gl_InstanceID;
-    vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
-#else
-    int index = gl_VertexID;
-    vec2 corner = vec2(0.0);
-#endif
-    ivec2 pixel = ivec2(index % size_px.x, index / size_px.x);
-    vec4 p = texelFetch(colour_and_coc, pixel, 0);
+    draw_in_layer();
+    ivec2 pixel = ivec2(index % size_px.x, index / size_px.x % size_px.y);
+    vec4 p = texel_of(colour_and_coc, pixel);
     bool sharp = abs(p.a) <= 0.5;
     colour = p.rgb;
     centre = vec2(pixel) + 0.5;

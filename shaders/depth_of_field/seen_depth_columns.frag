@@ -5,13 +5,16 @@
 //         pixel_aspect (vertical over horizontal px per radian). TAPS: of each side, at most.
 // Output: depth, reverse-Z.
 // Twin: tests/oracles/seen_depth.py.
-uniform sampler2D rows;
-uniform float max_radius_px;
-uniform float pixel_aspect;
+#include "eyes.glsl"
+uniform eye_image rows;
+uniform float max_radius_px_of_eye[EYES];
+float max_radius_px = max_radius_px_of_eye[EYE];
+uniform float pixel_aspect_of_eye[EYES];
+float pixel_aspect = pixel_aspect_of_eye[EYE];
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    int size = textureSize(rows, 0).y;
+    int size = size_of(rows).y;
     int reach = int(ceil(max_radius_px * pixel_aspect));
     int step_px = max(1, (reach + TAPS - 1) / TAPS);
     float nearest = 0.0;
@@ -19,7 +22,7 @@ void main() {
         int y = pixel.y + offset;
         if (y < 0 || y >= size)
             continue;
-        vec2 seen = texelFetch(rows, ivec2(pixel.x, y), 0).xy;
+        vec2 seen = texel_of(rows, ivec2(pixel.x, y)).xy;
         if (offset == 0 || seen.y * pixel_aspect >= float(abs(offset)))
             nearest = max(nearest, seen.x);
     }

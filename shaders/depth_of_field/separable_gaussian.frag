@@ -8,14 +8,16 @@
 // A disc of radius r has the variance r^2 / 4 along each axis: sigma = r / 2. Two texels are one read,
 // at the place between them that weighs them right. No depth is compared.
 // NumPy twin: tests/oracles/half_resolution.py. As the Gaussian depth of field of Bevy.
-uniform sampler2D source;
-uniform vec2 axis;           // (1, 0) or (0, pixel_aspect)
+#include "eyes.glsl"
+uniform eye_image source;
+uniform vec2 axis_of_eye[EYES];  // (1, 0) or (0, pixel_aspect)
+vec2 axis = axis_of_eye[EYE];
 
 out vec4 blurred;
 
 void main() {
-    vec2 size = vec2(textureSize(source, 0));
-    vec4 p = texelFetch(source, ivec2(gl_FragCoord.xy), 0);
+    vec2 size = vec2(size_of(source));
+    vec4 p = texel_of(source, ivec2(gl_FragCoord.xy));
     float sigma = 0.5 * abs(p.a) * (axis.x + axis.y);  // in pixels of this axis
     vec2 step_px = sign(axis);
     int pixels = int(ceil(REACH * sigma));
@@ -27,8 +29,8 @@ void main() {
         if (weight <= 0.0)
             break;
         vec2 away = (float(i) + second / weight) * step_px;
-        vec3 c = textureLod(source, (gl_FragCoord.xy + away) / size, 0.0).rgb;
-        c += textureLod(source, (gl_FragCoord.xy - away) / size, 0.0).rgb;
+        vec3 c = filtered_at(source, (gl_FragCoord.xy + away) / size).rgb;
+        c += filtered_at(source, (gl_FragCoord.xy - away) / size).rgb;
         sum += weight * vec4(c, 2.0);
     }
     blurred = vec4(min(sum.rgb / sum.a, HALF_MAX), p.a);

@@ -4,19 +4,24 @@
 // Input:  gl_VertexID, one for each tile; dilated (coc_tile_dilate.frag). BESIDE: also tiles beside one of
 //         that class, for what is read between its texels. OR_ABOVE: and of classes after it.
 // Output: the point (tile_points.glsl); tile = what may reach it.
+#define EYE eye
+#include "eyes.glsl"
 #include "tile_classes.glsl"
 #include "tile_points.glsl"
 
-uniform sampler2D dilated;
+uniform eye_image dilated;
+
+ivec2 tiles = size_of(dilated);
+int eye = eye_of_vertex(tiles);
 
 flat out vec4 tile;
 
-bool drawn(ivec2 at, ivec2 tiles) {
+bool drawn(ivec2 at) {
     bool found = false;
     for (int y = -BESIDE; y <= BESIDE; ++y)
         for (int x = -BESIDE; x <= BESIDE; ++x) {
             ivec2 other = clamp(at + ivec2(x, y), ivec2(0), tiles - 1);
-            int other_class = int(texelFetch(dilated, other, 0).a);
+            int other_class = int(texel_of(dilated, other).a);
 #ifdef OR_ABOVE
             found = found || other_class >= CLASS;
 #else
@@ -27,8 +32,7 @@ bool drawn(ivec2 at, ivec2 tiles) {
 }
 
 void main() {
-    ivec2 tiles = textureSize(dilated, 0);
     ivec2 at = tile_of_vertex(tiles);
-    tile = texelFetch(dilated, at, 0);
-    put_point(drawn(at, tiles), at, tiles);
+    tile = texel_of(dilated, at);
+    put_point(drawn(at), at, tiles);
 }

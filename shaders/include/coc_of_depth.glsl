@@ -5,7 +5,7 @@
 // each ray. Radii in pixels of image width, negative in front of the focus. Depth is reverse-Z, 0 = sky.
 
 uniform sampler2D focus;            // x = focus distance in m
-layout(std140, binding = 4) uniform CocOfEye {
+struct CocOfEye {
     vec3 head_forward_in_view;
     float near_m;
     vec3 eye_in_view;              // from the head centre, m
@@ -21,13 +21,19 @@ layout(std140, binding = 4) uniform CocOfEye {
     float distance_offset_m;       // of a thin lens: added to the distances of focus and point alike
 };
 
+layout(std140, binding = 4) uniform CocOfEyes {
+    CocOfEye coc_of_eye[EYES];
+};
+
+CocOfEye eye = coc_of_eye[EYE];
+
 #ifdef ALONG_RAY
 // Distance from the head centre, times z: the hypotenuse of its parts along and across the head's
 // forward axis.
 float distance_times_depth(float z, vec2 uv) {
-    vec3 ray = vec3(mix(tangents.xw, tangents.yz, uv), -1.0);
-    float along = near_m * head_depth_slope(tangents, head_forward_in_view, uv) + offset_m * z;
-    return length(vec4(along, cross(head_forward_in_view, eye_in_view * z + near_m * ray)));
+    vec3 ray = vec3(mix(eye.tangents.xw, eye.tangents.yz, uv), -1.0);
+    float along = eye.near_m * head_depth_slope(eye.tangents, eye.head_forward_in_view, uv) + eye.offset_m * z;
+    return length(vec4(along, cross(eye.head_forward_in_view, eye.eye_in_view * z + eye.near_m * ray)));
 }
 
 #endif
@@ -40,35 +46,35 @@ float unlimited_radius_at(float z, vec2 uv) {
     float near = distance_times_depth(z, uv);
     float offset = 0.0;
 #else
-    float near = near_m * head_depth_slope(tangents, head_forward_in_view, uv);
-    float offset = offset_m;
+    float near = eye.near_m * head_depth_slope(eye.tangents, eye.head_forward_in_view, uv);
+    float offset = eye.offset_m;
 #endif
 #ifdef LAW_THIN_LENS
     // An image at the lens's focal length sees the blur of Eq. 1 under f_d / (f_d - f) times the
     // angle that the aperture has from the distance of the defocus.
-    float f_d = lens_focus_m(focus_m + distance_offset_m, focal_length_m,
-                             infinity_m + distance_offset_m);
-    return unlimited_radius_px(z, near, f_d, offset + distance_offset_m,
-                               infinity_m + distance_offset_m,
-                               px_per_defocus * f_d / (f_d - focal_length_m), max_radius_px);
+    float f_d = lens_focus_m(focus_m + eye.distance_offset_m, eye.focal_length_m,
+                             eye.infinity_m + eye.distance_offset_m);
+    return unlimited_radius_px(z, near, f_d, offset + eye.distance_offset_m,
+                               eye.infinity_m + eye.distance_offset_m,
+                               eye.px_per_defocus * f_d / (f_d - eye.focal_length_m), eye.max_radius_px);
 #else
-    return unlimited_radius_px(z, near, focus_m, offset, infinity_m, px_per_defocus,
-                               max_radius_px);
+    return unlimited_radius_px(z, near, focus_m, offset, eye.infinity_m, eye.px_per_defocus,
+                               eye.max_radius_px);
 #endif
 }
 
 // The same within a limit (px), and with peripheral blur.
-float radius_within(float max_radius_px, float z, vec2 uv) {
-    float radius = clamp(unlimited_radius_at(z, uv), -max_radius_px, max_radius_px);
+float radius_within(float limit_px, float z, vec2 uv) {
+    float radius = clamp(unlimited_radius_at(z, uv), -limit_px, limit_px);
 #ifdef PERIPHERAL
-    vec2 tangent = mix(tangents.xw, tangents.yz, uv);
-    float cos_angle = head_depth_slope(tangents, peripheral_axis_in_view, uv)
+    vec2 tangent = mix(eye.tangents.xw, eye.tangents.yz, uv);
+    float cos_angle = head_depth_slope(eye.tangents, eye.peripheral_axis_in_view, uv)
                     * inversesqrt(1.0 + dot(tangent, tangent));
-    radius = add_peripheral_px(radius, cos_angle, peripheral_px, peripheral_exponent, max_radius_px);
+    radius = add_peripheral_px(radius, cos_angle, eye.peripheral_px, eye.peripheral_exponent, limit_px);
 #endif
     return radius;
 }
 
 float radius_at(float z, vec2 uv) {
-    return radius_within(max_radius_px, z, uv);
+    return radius_within(eye.max_radius_px, z, uv);
 }

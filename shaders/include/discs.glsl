@@ -3,7 +3,8 @@
 // Radii in pixels of image width (or in texels of a level), negative in front of the focus. Include
 // after coc.glsl. Twins: tests/oracles/gather.py.
 
-uniform float pixel_aspect;  // image pixels per unit, vertical / horizontal
+uniform float pixel_aspect_of_eye[EYES];  // image pixels per unit, vertical / horizontal
+float pixel_aspect = pixel_aspect_of_eye[EYE];
 
 // How far the radius of a disc may be from that of p (px) to count in full as a disc of p's surface;
 // 0 where p is sharp, so that nothing but p itself is at p.

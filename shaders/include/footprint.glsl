@@ -8,7 +8,7 @@ vec3 mean_over(IMAGE image, vec2 place, float radius, bool wanted) {
     float reach = grid + 0.5 * RIM_PX;
     float rows = reach * pixel_aspect;
     int top = wanted ? int(floor(place.y + rows)) : -1000000;
-    ivec2 last = textureSize(image, 0) - 1;
+    ivec2 last = size_of(image) - 1;
     vec4 sum = vec4(0.0);
     for (int y = int(ceil(place.y - rows)); y <= top; ++y) {
         float row = (float(y) - place.y) / pixel_aspect;

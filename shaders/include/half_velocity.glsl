@@ -3,13 +3,13 @@
 // Include velocity.glsl first. A point spreads from -u to +u around where it is drawn: RADII.
 // Twins of what is in velocity.glsl.
 
-uniform sampler2D velocity;       // px per frame, now minus before, +x right, +y up
+uniform eye_image velocity;       // px per frame, now minus before, +x right, +y up
 uniform float shutter_fraction;   // of the frame period, times the scale of the frame
 uniform float max_radius_px;    // no half velocity is longer
 
 // What is not a number moves nothing.
 vec2 velocity_at(ivec2 pixel) {
-    vec2 v = texelFetch(velocity, pixel, 0).xy;
+    vec2 v = texel_of(velocity, pixel).xy;
     return clamp(mix(v, vec2(0.0), isnan(v)), -SPEED_LIMIT_PX, SPEED_LIMIT_PX);
 }
 

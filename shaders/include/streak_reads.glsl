@@ -2,17 +2,17 @@
 //
 // Source of the cubic: Catmull and Rom 1974.
 
-uniform sampler2D source;  // linear HDR, filtered
+uniform eye_image source;  // linear HDR, filtered
 
 // Pixels along each axis for which there is one texel.
 #ifndef PX_PER_TEXEL
 #define PX_PER_TEXEL vec2(1.0)
 #endif
 
-vec2 texel = 1.0 / (PX_PER_TEXEL * vec2(textureSize(source, 0)));
+vec2 texel = 1.0 / (PX_PER_TEXEL * vec2(size_of(source)));
 
 vec3 read(vec2 at_px) {
-    return textureLod(source, at_px * texel, 0.0).rgb;
+    return filtered_at(source, at_px * texel).rgb;
 }
 
 #ifdef CUBIC

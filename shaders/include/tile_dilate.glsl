@@ -1,7 +1,8 @@
 // How far the discs of a tile reach. TILE: side of a tile (px); MAX_RADIUS_PX: no RADIUS is larger.
 // r, g of a tile are its least and greatest signed RADIUS, px of image width.
 
-uniform float pixel_aspect;  // image pixels per unit, vertical / horizontal
+uniform float pixel_aspect_of_eye[EYES];  // image pixels per unit, vertical / horizontal
+float pixel_aspect = pixel_aspect_of_eye[EYE];
 
 float widest_px(vec4 tile) {
     return max(pixel_aspect, 1.0) * max(abs(tile.r), abs(tile.g)) + 1.0;
@@ -24,13 +25,13 @@ bool matters(float gap, vec4 here, vec4 there) {
 
 // How many tiles away anything may matter.
 #ifdef WIDEST
-uniform sampler2D widest;  // the largest radius (px) in the image, before its limit
+uniform eye_image widest;  // the largest radius (px) in the image, before its limit
 #endif
 
 int tiles_around() {
     float most = MAX_RADIUS_PX;
 #ifdef WIDEST
-    most = min(most, texelFetch(widest, ivec2(0), 0).r);
+    most = min(most, texel_of(widest, ivec2(0)).r);
 #endif
     return int(widest_px(vec4(most)) / float(TILE)) + 1;
 }

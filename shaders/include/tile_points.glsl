@@ -2,13 +2,20 @@
 // whole tiles. Points, not triangles: those would have every block of pixels along a diagonal drawn
 // twice.
 
+// The points of the left eye come first.
+int eye_of_vertex(ivec2 tiles) {
+    return gl_VertexID / (tiles.x * tiles.y);
+}
+
 ivec2 tile_of_vertex(ivec2 tiles) {
-    return ivec2(gl_VertexID % tiles.x, gl_VertexID / tiles.x);
+    int tile = gl_VertexID % (tiles.x * tiles.y);
+    return ivec2(tile % tiles.x, tile / tiles.x);
 }
 
 // What is not drawn is put outside the image.
 void put_point(bool drawn, ivec2 tile, ivec2 tiles) {
     vec2 middle = (vec2(tile) + 0.5) / vec2(tiles);
+    draw_in_layer();
     gl_PointSize = float(POINT_PX);
     gl_Position = vec4(drawn ? 2.0 * middle - 1.0 : vec2(-2.0), 0.0, 1.0);
 }

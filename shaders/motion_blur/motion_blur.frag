@@ -14,6 +14,7 @@
 // their parts. Up to 2 px apart the filter reads every pixel. Where they are farther apart, the pixel's
 // own part grows until all are even. No noise, so the same scene point blurs alike in both eyes.
 // Source: ours; the midpoint rule. NumPy twin: tests/oracles/motion.py, streak_weights.
+#include "eyes.glsl"
 #include "velocity.glsl"
 #include "half_velocity.glsl"
 #include "motion_tile_classes.glsl"
@@ -25,7 +26,7 @@ out vec4 blurred;
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec2 half_velocity = half_velocity_at(pixel);
-    blurred = texelFetch(source, pixel, 0);
+    blurred = texel_of(source, pixel);
     if (dot(half_velocity, half_velocity) < LEAST_PX * LEAST_PX)
         return;
     vec2 extent = abs(half_velocity);

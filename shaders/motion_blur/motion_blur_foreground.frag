@@ -35,22 +35,23 @@
 // McGuire et al. 2012, "A reconstruction filter for plausible motion blur"; p's own direction and
 // the neighbourhood's as in Guertin et al. 2013, "A fast and stable feature-aware motion blur
 // filter"; the crossing one and the shares are ours. NumPy twin: tests/oracles/motion.py, share_along.
+#include "eyes.glsl"
 #include "velocity.glsl"
 #include "half_velocity.glsl"
 #include "motion_tile_classes.glsl"
 
-uniform sampler2D colour;
-uniform sampler2D depth;
-uniform sampler2D longest;
-uniform sampler2D crossing;
+uniform eye_image colour;
+uniform eye_image depth;
+uniform eye_image longest;
+uniform eye_image crossing;
 out vec4 blurred;
 
 ivec2 pixel = ivec2(gl_FragCoord.xy);
-ivec2 last = textureSize(velocity, 0) - 1;
+ivec2 last = size_of(velocity) - 1;
 
 // xy = half velocity, z = depth.
 vec3 point_at(ivec2 at) {
-    return vec3(half_velocity_at(at), texelFetch(depth, at, 0).r);
+    return vec3(half_velocity_at(at), texel_of(depth, at).r);
 }
 
 vec3 p = point_at(pixel);
@@ -109,7 +110,7 @@ Tap tap_of(Walk walk, int j) {
 
 vec3 read(vec2 at, bool whole_pixels) {
     vec2 where = whole_pixels ? floor(at) + 0.5 : at;
-    return textureLod(colour, where / vec2(last + 1), 0.0).rgb;
+    return filtered_at(colour, where / vec2(last + 1)).rgb;
 }
 
 vec4 colour_at(vec2 at, Walk walk) {
@@ -163,15 +164,15 @@ bool goes_along(vec2 line) {
 }
 
 void main() {
-    vec4 tile = texelFetch(longest, pixel / TILE, 0);
-    vec2 around = tile.xy, across = texelFetch(crossing, pixel / TILE, 0).xy;
+    vec4 tile = texel_of(longest, pixel / TILE);
+    vec2 around = tile.xy, across = texel_of(crossing, pixel / TILE).xy;
     float reach = length(around);
     bool moves = length(p.xy) >= LEAST_PX;
     // Where sharp and moving objects meet, a filtered tap would carry half a sharp pixel along.
     bool whole_pixels = tile.w > WHOLE_FROM * reach;
     // Odd, so that there is a middle.
     int stride = max(whole_pixels ? 1 : STRIDE, int(ceil(reach / float(MOST_TAPS))) | 1);
-    blurred = texelFetch(colour, pixel, 0);
+    blurred = texel_of(colour, pixel);
     background = (moves ? time_over(0.0, longer_axis(p.xy)) : 1.0) * vec4(blurred.rgb, 1.0);
     bool is_first = moves && goes_along(around);
     bool is_second = moves && !is_first && goes_along(across);

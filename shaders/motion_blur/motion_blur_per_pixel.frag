@@ -13,11 +13,12 @@
 // samples lie around the pixel here, as the shutter is centred on the frame's pose.
 // Rosado 2007, "Motion blur as a post-processing effect", GPU Gems 3, ch. 27; Chapman 2020,
 // "Comfort and motion blur in VR", which builds on it.
+#include "eyes.glsl"
 #include "where.glsl"
 #include "velocity.glsl"
 #include "half_velocity.glsl"
 
-uniform sampler2D colour;
+uniform eye_image colour;
 
 layout(std430, binding = LONGEST_BINDING) buffer Longest {
     uint longest_bits;
@@ -32,14 +33,14 @@ void main() {
     float unlimited = 0.5 * shutter_fraction * length(whole);
     WHERE (unlimited > max_radius_px)
         atomicMax(longest_bits, floatBitsToUint(unlimited));
-    blurred = texelFetch(colour, pixel, 0);
+    blurred = texel_of(colour, pixel);
     if (half_velocity == vec2(0.0))
         return;
-    vec2 texel = 1.0 / vec2(textureSize(colour, 0));
+    vec2 texel = 1.0 / vec2(size_of(colour));
     vec3 sum = vec3(0.0);
     for (int i = 0; i < SAMPLES; ++i) {
         float along = (2.0 * float(i) + 1.0) / float(SAMPLES) - 1.0;
-        sum += textureLod(colour, (gl_FragCoord.xy + along * half_velocity) * texel, 0.0).rgb;
+        sum += filtered_at(colour, (gl_FragCoord.xy + along * half_velocity) * texel).rgb;
     }
     blurred.rgb = min(sum / float(SAMPLES), HALF_MAX);
 }

@@ -17,6 +17,7 @@
 // the first step: half as many averages tell it all, and a read between two pixels is of twice as much
 // light. No noise, so the same scene point blurs alike in both eyes.
 // Source: ours; the midpoint rule. NumPy twin: tests/oracles/motion.py, streak_weights.
+#include "eyes.glsl"
 #include "velocity.glsl"
 #include "half_velocity.glsl"
 #include "motion_tile_classes.glsl"
@@ -31,13 +32,13 @@ out vec4 average;
 
 void main() {
     vec2 at = gl_FragCoord.xy * PX_PER_AVERAGE;
-    ivec2 pixel = min(ivec2(at), textureSize(velocity, 0) - 1);
+    ivec2 pixel = min(ivec2(at), size_of(velocity) - 1);
     vec2 half_velocity = half_velocity_at(pixel);
 #ifdef HALVED
     half_velocity = shortened(half_velocity);
     average = vec4(read(at), 1.0);
 #else
-    average = texelFetch(source, pixel, 0);
+    average = texel_of(source, pixel);
     if (dot(half_velocity, half_velocity) < LEAST_PX * LEAST_PX)
         return;
 #endif

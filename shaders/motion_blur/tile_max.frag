@@ -13,6 +13,7 @@
 //
 // Every second pixel is read, as on a chessboard: no line is so thin that it is missed, only what is
 // a single pixel.
+#include "eyes.glsl"
 #include "where.glsl"
 #include "velocity.glsl"
 #include "motion_tile_classes.glsl"
@@ -24,7 +25,7 @@ layout(location = 1) out vec2 crossing;
 #include "half_velocity.glsl"
 
 ivec2 first = ivec2(gl_FragCoord.xy) * ivec2(TILE, ROWS);
-ivec2 last = textureSize(velocity, 0) - 1;
+ivec2 last = size_of(velocity) - 1;
 
 vec2 at(int x, int y) {
     return velocity_at(clamp(first + ivec2(x, y), ivec2(0), last));
@@ -69,15 +70,15 @@ void main() {
     crossing *= 0.5 * shutter_fraction;
 }
 #else
-uniform sampler2D source;
-uniform sampler2D source_crossing;
+uniform eye_image source;
+uniform eye_image source_crossing;
 
 void main() {
     ivec2 first = ivec2(gl_FragCoord.xy) * ivec2(1, STRIPS);
-    int last = textureSize(source, 0).y - 1;
-    tile_max = texelFetch(source, first, 0);
+    int last = size_of(source).y - 1;
+    tile_max = texel_of(source, first);
     for (int i = 1; i < STRIPS; ++i) {
-        vec4 s = texelFetch(source, ivec2(first.x, min(first.y + i, last)), 0);
+        vec4 s = texel_of(source, ivec2(first.x, min(first.y + i, last)));
         tile_max.xy = dot(s.xy, s.xy) > dot(tile_max.xy, tile_max.xy) ? s.xy : tile_max.xy;
         tile_max.z = min(tile_max.z, s.z);
         tile_max.w = max(tile_max.w, s.w);
@@ -85,8 +86,8 @@ void main() {
     crossing = vec2(0.0);
     for (int i = 0; i < STRIPS; ++i) {
         ivec2 strip = ivec2(first.x, min(first.y + i, last));
-        crossing = farther_beside(tile_max.xy, crossing, texelFetch(source, strip, 0).xy);
-        crossing = farther_beside(tile_max.xy, crossing, texelFetch(source_crossing, strip, 0).xy);
+        crossing = farther_beside(tile_max.xy, crossing, texel_of(source, strip).xy);
+        crossing = farther_beside(tile_max.xy, crossing, texel_of(source_crossing, strip).xy);
     }
 }
 #endif

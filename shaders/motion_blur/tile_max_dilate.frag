@@ -10,20 +10,21 @@
 //         crossing: in tiles of class COMPLEX, of the half velocities that reach the tile the one whose
 //         end lies farthest beside the longest one's line, at most max_radius_px; 0 where it
 //         does not go clearly another way (motion_tile_classes.glsl, crosses).
+#include "eyes.glsl"
 #include "where.glsl"
 #include "velocity.glsl"
 #include "motion_tile_classes.glsl"
 
-uniform sampler2D tile_max;
-uniform sampler2D tile_max_crossing;
-uniform sampler2D frame;
+uniform eye_image tile_max;
+uniform eye_image tile_max_crossing;
+uniform eye_image frame;
 uniform float max_radius_px;
 
 layout(location = 0) out vec4 longest;
 layout(location = 1) out vec2 crossing;
 
 ivec2 tile = ivec2(gl_FragCoord.xy);
-ivec2 last = textureSize(tile_max, 0) - 1;
+ivec2 last = size_of(tile_max) - 1;
 
 // Pixels between this tile and the one `step` away: 0 for neighbours.
 float gap_px(ivec2 step) {
@@ -40,7 +41,7 @@ ivec2 place(ivec2 step) {
 }
 
 vec4 at(ivec2 step) {
-    return texelFetch(tile_max, place(step), 0);
+    return texel_of(tile_max, place(step));
 }
 
 // A half velocity of the tile that is `step` away, shortened; 0 where it does not come here.
@@ -52,7 +53,7 @@ vec2 reaching(vec2 half_velocity, ivec2 step) {
 void main() {
     vec2 around = vec2(0.0);
     float steepness = 0.0;
-    int far = rings(texelFetch(frame, ivec2(0), 0).x);
+    int far = rings(texel_of(frame, ivec2(0)).x);
     for (int y = -far; y <= far; ++y)
         for (int x = -far; x <= far; ++x) {
             vec4 there = at(ivec2(x, y));
@@ -76,7 +77,7 @@ void main() {
         for (int y = -far; y <= far; ++y)
             for (int x = -far; x <= far; ++x) {
                 ivec2 step = ivec2(x, y);
-                vec2 second = texelFetch(tile_max_crossing, place(step), 0).xy;
+                vec2 second = texel_of(tile_max_crossing, place(step)).xy;
                 crossing = farther_beside(around, crossing, reaching(at(step).xy, step));
                 crossing = farther_beside(around, crossing, reaching(second, step));
             }

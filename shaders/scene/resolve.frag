@@ -18,6 +18,7 @@
 //         = signed CoC RADIUS in pixels of image width, negative in front of the focus. A half float
 //         holds 11 px to 1/256 px.
 // Source: of the radius, Carnegie & Rhee 2015, Algorithm 1; PERIPHERAL: Hillaire et al. 2008, Eq. 5 and 6.
+#include "eyes.glsl"
 #ifdef VELOCITY
 #include "view.glsl"
 #include "velocity.glsl"

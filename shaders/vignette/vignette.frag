@@ -8,9 +8,12 @@
 //         1x1, with MEAN_COLOUR.
 // Output: image, or the cover: black, or the mean colour.
 // NumPy twin: tests/oracles/vignette.py. Source: Fernandes & Feiner 2016.
-uniform sampler2D image;
-uniform vec4 tangents;
-uniform mat3 centre_from_eye;
+#include "eyes.glsl"
+uniform eye_image image;
+uniform vec4 tangents_of_eye[EYES];
+vec4 tangents = tangents_of_eye[EYE];
+uniform mat3 centre_from_each_eye[EYES];
+mat3 centre_from_eye = centre_from_each_eye[EYE];
 uniform float clear_rad;
 uniform float feather_rad;
 #ifdef MEAN_COLOUR
@@ -20,11 +23,11 @@ uniform sampler2D mean;
 out vec4 restricted;
 
 void main() {
-    vec2 uv = gl_FragCoord.xy / vec2(textureSize(image, 0));
+    vec2 uv = gl_FragCoord.xy / vec2(size_of(image));
     vec3 ray = centre_from_eye * vec3(mix(tangents.xw, tangents.yz, uv), -1.0);
     float angle_rad = atan(length(ray.xy), -ray.z);
     float cover = smoothstep(0.0, 1.0, (angle_rad - clear_rad) / feather_rad);
-    vec4 colour = texelFetch(image, ivec2(gl_FragCoord.xy), 0);
+    vec4 colour = texel_of(image, ivec2(gl_FragCoord.xy));
     vec3 covered = vec3(0.0);
 #ifdef MEAN_COLOUR
     covered = texelFetch(mean, ivec2(0), 0).rgb;

@@ -52,11 +52,8 @@ def test_distances_of_thirty_kilometres_differ(ctx):
 
 def test_a_shader_error_names_the_files_and_the_variant(session_context, monkeypatch):
     # Not `ctx`: moderngl itself leaks the program object of code that does not compile.
-    texts = {
-        "a.frag": "#version 450\nbad",
-        "common/fullscreen.vert": shaders.source("common/fullscreen.vert"),
-    }
-    monkeypatch.setattr(shaders, "source", texts.__getitem__)
+    texts, source = {"a.frag": "#version 450\nbad"}, shaders.source
+    monkeypatch.setattr(shaders, "source", lambda name: texts.get(name) or source(name))
     with pytest.raises(RuntimeError, match=r"a\.frag \[RINGS=3\]"):
         shaders.program(session_context, "a.frag", defines={"RINGS": 3})
 

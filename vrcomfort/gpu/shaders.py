@@ -187,8 +187,8 @@ def _members(include: str, what: str) -> np.dtype[Any]:
     return found
 
 
-class UniformBlock:
-    """Packs the members of a std140 uniform block: a tenth of the time of a structured array.
+class PackedStruct:
+    """Packs a struct of std140 uniform blocks: a tenth of the time of a structured array.
 
     Raises
     ------
@@ -196,16 +196,16 @@ class UniformBlock:
         If the include file declares other members, or in another order.
     """
 
-    def __init__(self, include: str, block: str, members: Sequence[str]) -> None:
-        layout = block_dtype(include, block)
+    def __init__(self, include: str, struct: str, members: Sequence[str]) -> None:
+        layout = struct_dtype(include, struct)
         if layout.names != tuple(members):
-            raise RuntimeError(f"{include}: {block} has {layout.names}; {members} are to fill it")
-        # A block is of whole vec4.
+            raise RuntimeError(f"{include}: {struct} has {layout.names}; {members} are to fill it")
+        # A struct is of whole vec4.
         self._struct = Struct(f"={layout.itemsize // 4}f{-layout.itemsize % _VEC4_BYTES}x")
         self.size_bytes = self._struct.size
 
     def packed(self, numbers: Iterable[float]) -> bytes:
-        """Return the block with the numbers of its members."""
+        """Return the struct with the numbers of its members."""
         return self._struct.pack(*numbers)
 
 

@@ -165,7 +165,7 @@ def limited_draw(
     Parameters
     ----------
     whole
-        Draws all of it. Its program takes ``corner`` (``common/fullscreen.vert``), or, with
+        Draws all of it. Its program takes ``corner_of_eye`` (``include/corner.glsl``), or, with
         `points`, one vertex for each texel, which knows it by gl_VertexID.
     texel_px
         (width, height) in pixels of the eye's image.
@@ -183,12 +183,13 @@ def limited_draw(
             places = _texels_in(tiles, points, texel_px)
         else:
             rectangles = covering(~tiles if elsewhere else tiles, image.size_px, texel_px)
-            places = corners(list(rectangles), image.size_px)
+            flat = corners(list(rectangles), image.size_px)
+            places = np.pad(flat, ((0, 0), (0, 1)))
         if not len(places):
             return None
         buffer = gl.buffer(ctx, places.tobytes())
         drawn = (
-            ctx.vertex_array(whole.program, [(buffer, "2f", "corner")])
+            ctx.vertex_array(whole.program, [(buffer, "3f", "corner_of_eye")])
             if points is None
             else ctx.vertex_array(whole.program, [], index_buffer=buffer)
         )

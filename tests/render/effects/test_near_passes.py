@@ -31,7 +31,7 @@ def near_tiles(ctx, own_px, rows):
         defines={"TILE": TILE, "AWAY": float(FAR), "MAX_RADIUS_PX": 40.0},
         dtype="f4",
     )
-    found.render(pixel_aspect=1.0)
+    found.render(pixel_aspect_of_eye=1.0)
     return texels_of(found.target)
 
 

@@ -201,7 +201,7 @@ def test_shader_fronts_and_discs_are_the_twins(ctx, rng):
     x = rng.uniform(-12, 12, (300, 4)).astype("f4")
     x[:100, 1] = x[:100, 0] * rng.uniform(0.85, 1.0, 100)  # about the same surface
     p, q, _, _ = x.T.astype("f8")
-    include = "coc.glsl discs.glsl"
+    include = "eyes.glsl coc.glsl discs.glsl"
     call = "vec4(nearer(x.x, x.y), margin_px(x.x), slack_of(abs(x.x)), grid_radius_px(abs(x.x)))"
     is_front, margin, slack, grid = evaluate(ctx, include, call, x).T
     np.testing.assert_allclose(slack, gather.slack_px(p), rtol=1e-5, atol=1e-6)

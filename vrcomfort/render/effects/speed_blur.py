@@ -53,8 +53,8 @@ class SpeedBlurPass(EffectPass):
         self._draw(1.0, 1.0)
 
     def _draw(self, x_px: float, y_px: float) -> None:
-        self._across.render(sigma_px=x_px)
-        self._along.render(sigma_px=y_px)
+        self._across.render(sigma_px_of_eye=x_px)
+        self._along.render(sigma_px_of_eye=y_px)
 
 
 def _axis(ctx: moderngl.Context, axis: int, image: moderngl.Texture) -> FullscreenPass:

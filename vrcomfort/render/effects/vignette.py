@@ -110,8 +110,8 @@ class VignettePass(EffectPass):
     def _draw(self, fov: Fov, centre_from_eye: Pose) -> None:
         rotation = centre_from_eye.matrix()[:3, :3]
         self._pass.render(
-            tangents=fov.tangents,
-            centre_from_eye=rotation.T.astype("f4").tobytes(),
+            tangents_of_eye=fov.tangents,
+            centre_from_each_eye=rotation.T.astype("f4").tobytes(),
             clear_rad=float(np.radians(self.clear_deg / 2)),
             feather_rad=float(np.radians(self.settings.feather_deg)),
         )

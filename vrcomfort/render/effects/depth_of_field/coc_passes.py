@@ -92,7 +92,7 @@ class DepthToCoc:
         self._of_frustum: dict[Fov, tuple[float, ...]] = {}
         self.max_radius_px = max_radius_of(settings, self._size_px)
         """Largest radius of the eye that constants were given for last."""
-        self._block = shaders.UniformBlock("coc_of_depth.glsl", "CocOfEye", _MEMBERS)
+        self._block = shaders.PackedStruct("coc_of_depth.glsl", "CocOfEye", _MEMBERS)
         self._buffer = gl.dynamic_buffer(self._ctx, self._block.size_bytes)
         self._rewrite = gl.rewriter(self._ctx, self._buffer)
         self.defines: dict[str, Any] = {

@@ -92,7 +92,7 @@ class HalfResolutionDiscKernel:
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
         self._half.render()
-        self._gather.render(pixel_aspect=pixel_aspect)
+        self._gather.render(pixel_aspect_of_eye=pixel_aspect)
         self._tent.render()
         self._composite.render()
 
@@ -164,7 +164,7 @@ class HalfResolutionRingsKernel:
         """Blur the present points."""
         for each in self._before:
             each.render()
-        self._gather.render(pixel_aspect=pixel_aspect)
+        self._gather.render(pixel_aspect_of_eye=pixel_aspect)
         for each in self._after:
             each.render()
 
@@ -217,8 +217,8 @@ class SeparableGaussianKernel:
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
-        self._rows.render(axis=(1.0, 0.0))
-        self._columns.render(axis=(0.0, pixel_aspect))
+        self._rows.render(axis_of_eye=(1.0, 0.0))
+        self._columns.render(axis_of_eye=(0.0, pixel_aspect))
 
 
 def _along(coc: CocPasses, source: moderngl.Texture) -> FullscreenPass:

@@ -93,11 +93,11 @@ class HalfGatherKernel:
         for each in self._surfaces:
             each.render()
         self._tiles.render()
-        self._dilate.render(pixel_aspect=pixel_aspect)
-        self._gather.render(pixel_aspect=pixel_aspect)
+        self._dilate.render(pixel_aspect_of_eye=pixel_aspect)
+        self._gather.render(pixel_aspect_of_eye=pixel_aspect)
         self._sharp.render()
         self._wide.render()
-        self._mixed.render(pixel_aspect=pixel_aspect)
+        self._mixed.render(pixel_aspect_of_eye=pixel_aspect)
 
     def _composite(
         self,

@@ -61,7 +61,7 @@ class Poisson12Kernel:
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
-        self._pass.render(pixel_aspect=pixel_aspect)
+        self._pass.render(pixel_aspect_of_eye=pixel_aspect)
 
 
 class Poisson15NearKernel:
@@ -100,7 +100,7 @@ class Poisson15NearKernel:
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
         self._near_mean.render()
-        self._gather.render(pixel_aspect=pixel_aspect)
+        self._gather.render(pixel_aspect_of_eye=pixel_aspect)
 
 
 class MipKernel:
@@ -193,7 +193,7 @@ class ScatterKernel:
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
-        self._sprites.program["pixel_aspect"] = pixel_aspect
+        self._sprites.program["pixel_aspect_of_eye"] = pixel_aspect
         self._cleared.run(self._framebuffer.clear)
         self._colour_and_coc.use(0)
         self._ctx.blend_func = moderngl.ONE, moderngl.ONE

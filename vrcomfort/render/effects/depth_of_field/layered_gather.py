@@ -65,15 +65,15 @@ class LayeredGatherKernel:
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the image of the last eye."""
-        self._dilate.render(pixel_aspect=pixel_aspect)
+        self._dilate.render(pixel_aspect_of_eye=pixel_aspect)
         for layer in self._layers:
             layer.render()
         if self._gather is not None:
-            self._gather.render(pixel_aspect=pixel_aspect)
+            self._gather.render(pixel_aspect_of_eye=pixel_aspect)
         sharp, *others = self._composite
         sharp.render()
         for each in others:
-            each.render(pixel_aspect=pixel_aspect)
+            each.render(pixel_aspect_of_eye=pixel_aspect)
 
     def _dilate_pass(self) -> FullscreenPass:
         tiles, (inputs, defines) = self._coc.tile_min_max, self._coc.reach

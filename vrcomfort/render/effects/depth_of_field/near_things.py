@@ -104,8 +104,8 @@ class NearThings:
     def draw_behind(self, pixel_aspect: float) -> None:
         """Draw what is behind the near things of the last eye, whose radii are known."""
         rows, tiles = self._tiles
-        rows.render(pixel_aspect=pixel_aspect)
-        tiles.render(pixel_aspect=pixel_aspect)
+        rows.render(pixel_aspect_of_eye=pixel_aspect)
+        tiles.render(pixel_aspect_of_eye=pixel_aspect)
         self._if_any.ask(self._again.render)
         self._if_any.run(self._draw_next)
         self._if_more.run(self._draw_last)
@@ -154,7 +154,7 @@ class NearThings:
         self._take.render()
 
     def _draw_over(self, pixel_aspect: float) -> None:
-        self._gather.render(pixel_aspect=pixel_aspect)
+        self._gather.render(pixel_aspect_of_eye=pixel_aspect)
         self._over.render()
 
     def _open_pass(

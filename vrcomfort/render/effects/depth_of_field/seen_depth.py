@@ -68,4 +68,6 @@ class SeenDepthPass:
         max_radius_px = max_radius_of(self._settings, self._size_px, focal_x)
         self._radii.see_with(camera)
         self._rows.render()
-        self._columns.render(max_radius_px=max_radius_px, pixel_aspect=focal_y / focal_x)
+        self._columns.render(
+            max_radius_px_of_eye=max_radius_px, pixel_aspect_of_eye=focal_y / focal_x
+        )
