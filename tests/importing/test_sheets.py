@@ -503,7 +503,10 @@ def test_other_questions_under_numbers_are_no_usability_scale(tmp_path: Path) ->
     found = suggested_for(
         tmp_path / "accessibility.csv", [["Evaluator", "QuestionID", "Statement", "Rating"], *rows]
     )
-    assert found.imported is None
+    assert found.imported is not None
+    assert {name for name, _ in found.imported.responses} == {"own_questions"}
+    (own,) = found.imported.instruments.values()
+    assert own.items[4].text == "I found that the errors worked well for me"
 
 
 def test_files_without_answers_are_left_out_with_a_doubt(tmp_path: Path) -> None:

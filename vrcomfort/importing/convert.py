@@ -507,6 +507,7 @@ def import_files(
     imported = Imported()
     numbers = Numbers()
     made = Made()
+    own = (*mapping.declared, *own)
     known = {**shipped_instruments(), **{each.name: each for each in own}}
     _require_names(files)
     used: set[int] = set()

@@ -5,16 +5,23 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Iterable, Iterator, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, PrivateAttr
+from pydantic import Discriminator, Field, PrivateAttr, Tag
 
 from vrcomfort.errors import InputError
 from vrcomfort.files import read_text
 from vrcomfort.importing.source import Reading
-from vrcomfort.questionnaire import Instrument, Scale, find_instrument, shipped_instruments
+from vrcomfort.questionnaire import (
+    Instrument,
+    InstrumentTable,
+    Scale,
+    find_instrument,
+    instrument_in,
+    shipped_instruments,
+)
 from vrcomfort.settings import (
     KeyPath,
     Problem,
@@ -22,6 +29,7 @@ from vrcomfort.settings import (
     did_you_mean,
     first_problem,
     parse_settings,
+    union_tag,
 )
 
 FACTS = ("participant", "session", "period", "block", "trial", "condition", "scene", "timepoint")
@@ -245,6 +253,12 @@ class Guess(Settings):
     otherwise: str = ""
 
 
+_OwnInstrument = Annotated[
+    Annotated[str, Tag(union_tag("file"))] | Annotated[InstrumentTable, Tag(union_tag("table"))],
+    Discriminator(lambda given: union_tag("file" if isinstance(given, str) else "table")),
+]
+
+
 class LabMapping(Settings):
     """The mapping of all files of a study."""
 
@@ -253,8 +267,8 @@ class LabMapping(Settings):
     """The study's title."""
     condition_labels: dict[str, str] = Field(default_factory=dict)
     """Condition → label in the report, in the order in which they are to stand there."""
-    instruments: tuple[str, ...] = ()
-    """A lab's own instruments: their TOML files, beside the mapping."""
+    instruments: tuple[_OwnInstrument, ...] = ()
+    """A lab's own instruments: their TOML files, beside the mapping, or what such files say."""
     ignore_sheets: tuple[str, ...] = ()
     ignore_files: tuple[str, ...] = ()
     """Names of files that hold no answers; ``*`` and ``?`` as in a terminal."""
@@ -264,6 +278,31 @@ class LabMapping(Settings):
 
     _text: str = PrivateAttr(default="")
     _file: Path | None = PrivateAttr(default=None)
+
+    @property
+    def declared(self) -> tuple[Instrument, ...]:
+        """Return the instruments that the mapping itself declares.
+
+        Raises
+        ------
+        InputError
+            If one is wrong, with line and column.
+        """
+        return tuple(
+            self._instrument(each, number)
+            for number, each in enumerate(self.instruments)
+            if isinstance(each, InstrumentTable)
+        )
+
+    def _instrument(self, table: InstrumentTable, number: int) -> Instrument:
+        def refuse(found: Iterable[Problem]) -> InputError:
+            placed = [replace(each, path=("instruments", number, *each.path)) for each in found]
+            return first_problem(placed, self._text, self._file)
+
+        if table.name in shipped_instruments():
+            message = f"`{table.name}` is a shipped instrument; give this one another `name`"
+            raise refuse([Problem(("name",), message)])
+        return instrument_in(table, refuse)
 
     def require_none(self, found: Iterable[Problem]) -> None:
         """Raise `InputError` with line and column if there is a problem."""
@@ -309,7 +348,8 @@ def read_mapping(file: Path) -> MappingFile:
     """
     text = read_text(file, "mapping")
     mapping = parse_mapping(text, file)
-    own = tuple(find_instrument(name, beside=file.parent) for name in mapping.instruments)
+    names = (each for each in mapping.instruments if isinstance(each, str))
+    own = tuple(find_instrument(name, beside=file.parent) for name in names)
     mapping.require_none(_unknown(mapping, {each.name: each for each in own}))
     return MappingFile(mapping, file, text, own)
 
@@ -335,7 +375,8 @@ def parse_mapping(text: str, file: Path | None) -> LabMapping:
     mapping = parse_settings(LabMapping, text, file)
     mapping._text, mapping._file = text, file
     mapping.require_none(_problems(mapping))
-    mapping.require_none(_unknown(mapping, dict(shipped_instruments())))
+    known = {**shipped_instruments(), **{each.name: each for each in mapping.declared}}
+    mapping.require_none(_unknown(mapping, known))
     return mapping
 
 

@@ -113,7 +113,8 @@ def render_preview(
     InputError
         If a file cannot be read.
     """
-    known = {**shipped_instruments(), **{each.name: each for each in own}}
+    every = {each.name: each for each in (*mapping.declared, *own)}
+    known = {**shipped_instruments(), **every}
     tables = list(_views(files, mapping, known))
     used = {column.kind for table in tables for column in table.columns}
     page = page_templates().get_template(TEMPLATE)

@@ -1,7 +1,13 @@
 """Questionnaires: instruments, their answers in files, and scoring."""
 
 from vrcomfort.questionnaire.answers import Answer, Answers
-from vrcomfort.questionnaire.instrument_file import parse_instrument, read_instrument, short_form
+from vrcomfort.questionnaire.instrument_file import (
+    InstrumentTable,
+    instrument_in,
+    parse_instrument,
+    read_instrument,
+    short_form,
+)
 from vrcomfort.questionnaire.instruments import Instrument, Item, plain
 from vrcomfort.questionnaire.library import (
     FOLDER,
@@ -22,6 +28,7 @@ __all__ = [
     "Answer",
     "Answers",
     "Instrument",
+    "InstrumentTable",
     "Item",
     "Scale",
     "Score",
@@ -30,6 +37,7 @@ __all__ = [
     "find_instrument",
     "guess",
     "guess_for_file",
+    "instrument_in",
     "instruments_in",
     "never_zero",
     "parse_instrument",

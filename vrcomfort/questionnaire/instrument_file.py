@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from vrcomfort.errors import InputError
 from vrcomfort.files import read_text
 from vrcomfort.questionnaire.answers import Answer, Answers, exact
 from vrcomfort.questionnaire.instruments import Instrument, Item, Translation, Wording, plain
@@ -30,12 +31,16 @@ from vrcomfort.settings import (
     parse_settings,
     repeated,
     reserved,
+    to_toml,
 )
 
 Language = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
 _MOST = 1e6
 Bound = Annotated[float, Field(ge=-_MOST, le=_MOST)]
 Step = Annotated[float, Field(gt=0, le=_MOST)]
+
+Refusal = Callable[[Iterable[Problem]], InputError]
+"""Makes the error of problems, with the place where they stand."""
 
 TAKEN = frozenset(
     ["participant", "session", "period", "trial", "position", "sequence", "timepoint", "condition",
@@ -137,11 +142,22 @@ def read_instrument(file: Path) -> Instrument:
 def parse_instrument(text: str, file: Path | None = None) -> Instrument:
     """Return the instrument that is written in `text`; see `read_instrument`."""
     table = parse_settings(InstrumentTable, text, file)
+    return instrument_of(table, text, lambda found: first_problem(found, text, file))
+
+
+def instrument_in(table: InstrumentTable, refuse: Refusal) -> Instrument:
+    """Return the instrument that a table of another file declares; see `instrument_of`."""
+    text = to_toml(table.model_dump(mode="json", exclude_unset=True))
+    return instrument_of(table, text, refuse)
+
+
+def instrument_of(table: InstrumentTable, text: str, refuse: Refusal) -> Instrument:
+    """Return the instrument of a table and the text of its file; `refuse` makes the error."""
     if found := list(_problems(table)):
-        raise first_problem(found, text, file)
+        raise refuse(found)
     items = {each.name: _item(each, table) for each in table.items}
     if found := list(_between(table, items)):
-        raise first_problem(found, text, file)
+        raise refuse(found)
     scales = _scales(table, items)
     return Instrument(
         name=table.name,

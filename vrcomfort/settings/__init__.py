@@ -1,6 +1,6 @@
 """Settings in TOML files: read strictly, and every fault said with its place."""
 
-from vrcomfort.settings.include import toml_key, toml_value
+from vrcomfort.settings.include import to_toml, toml_key, toml_value
 from vrcomfort.settings.locate import Path as KeyPath
 from vrcomfort.settings.reading import (
     Name,
@@ -32,6 +32,7 @@ __all__ = [
     "read_toml",
     "repeated",
     "reserved",
+    "to_toml",
     "toml_key",
     "toml_value",
     "union_tag",

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
@@ -116,6 +118,7 @@ def suggest_mapping(
         top.put("condition_labels", labels)
     for line in _TOP:
         top.note(line, "format_version")
+    _declare(top, useful)
     ignored = _ignored_sheets(top, drafts, useful, excluded)
     top.lists["tables"] = [draft.draft for draft in useful]
     imported, refusal = _tried(top, files, [*own.values()])
@@ -139,6 +142,52 @@ def suggest_mapping(
         notes,
         imported,
     )
+
+
+def _declare(top: TomlDraft, drafts: Sequence[TableDraft]) -> None:
+    """Declare the lab's own questions; those of several tables together if they are the same."""
+    declared: dict[str, TomlDraft] = {}
+    items_of: dict[str, tuple[str, ...]] = {}
+    for draft in drafts:
+        for each in draft.own:
+            items = tuple(item.name for item in each.items)
+            names = (each.name, *(f"{each.name}_{n}" for n in range(2, 10_000)))
+            name = next(n for n in names if items_of.get(n, items) == items)
+            said = tomllib.loads(each.text)
+            if name != each.name:
+                draft.rename(each.name, name)
+            if name in declared:
+                _widen(declared[name], said)
+                continue
+            items_of[name] = items
+            found = declared[name] = TomlDraft({"name": name, **_without(said, "name", "items")})
+            found.lists["items"] = [TomlDraft(item) for item in said["items"]]
+    if not declared:
+        return
+    files = top.values.pop("instruments", None)
+    if isinstance(files, list):
+        tables = [
+            {**d.values, "items": [i.values for i in d.lists["items"]]} for d in declared.values()
+        ]
+        top.put("instruments", [*files, *tables])
+    else:
+        top.lists["instruments"] = [*declared.values()]
+
+
+def _widen(declared: TomlDraft, said: Mapping[str, Any]) -> None:
+    """Let the scales of a declared instrument have the answers of another table, too."""
+    pairs = zip([declared, *declared.lists["items"]], [said, *said["items"]], strict=True)
+    for draft, other in pairs:
+        one, two = draft.values.get("answers"), other.get("answers") or said["answers"]
+        if isinstance(one, dict):
+            draft.put(
+                "answers",
+                {**one, "low": min(one["low"], two["low"]), "high": max(one["high"], two["high"])},
+            )
+
+
+def _without(said: Mapping[str, Any], *keys: str) -> dict[str, Any]:
+    return {key: value for key, value in said.items() if key not in keys}
 
 
 def _unanswered(drafts: Sequence[TableDraft], known: Known) -> list[OpenDoubt]:

@@ -23,18 +23,27 @@ from vrcomfort.importing.suggest.items import (
     mentions,
     named_by_file,
 )
-from vrcomfort.importing.suggest.long_tables import find_long
+from vrcomfort.importing.suggest.long_tables import Long, find_long
+from vrcomfort.importing.suggest.own_questions import (
+    OwnQuestions,
+    draft_own,
+    draft_own_rows,
+    own_instruments,
+    own_rows,
+)
 from vrcomfort.importing.suggest.questionnaires import (
     Drafted,
     draft_block,
     draft_course,
     draft_long,
     draft_rating,
+    lacks_its_item,
+    may_answer,
 )
 from vrcomfort.importing.suggest.ratings import find_courses, find_ratings
 from vrcomfort.importing.suggest.scores import find_scores, weighted
 from vrcomfort.importing.suggest.vocabulary import IGNORED, Known
-from vrcomfort.questionnaire import plain
+from vrcomfort.questionnaire import Instrument, plain
 
 FoundT = TypeVar("FoundT", bound=FoundAnswers)
 
@@ -48,7 +57,8 @@ class Layout(Generic[FoundT]):
     weight
         Heavier layouts take their columns first; the others look among those that are left.
     find
-        Returns the answers in some columns of a table.
+        Returns the answers in some columns of a table; None for the lab's own, which take what the
+        others leave.
     draft
         Drafts the questionnaire of what was found; None for scores, which are drafted together.
     whole
@@ -57,17 +67,25 @@ class Layout(Generic[FoundT]):
 
     name: str
     weight: int
-    find: Callable[[SourceTable, Sequence[int], Known], list[FoundT]]
+    find: Callable[[SourceTable, Sequence[int], Known], list[FoundT]] | None
     draft: Callable[[SourceTable, FoundT, Mapping[str, str], Known, Roles], Drafted] | None = None
     whole: bool = False
 
 
-LONG = Layout("a row for each answer", 50, find_long, draft_long, whole=True)
+def _draft_rows(
+    table: SourceTable, long: Long, facts: Mapping[str, str], known: Known, roles: Roles
+) -> Drafted:
+    draft = draft_long if long.instrument in known.instruments else draft_own_rows
+    return draft(table, long, facts, known, roles)
+
+
+LONG = Layout("a row for each answer", 50, find_long, _draft_rows, whole=True)
 BLOCKS = Layout("a column for each item", 40, find_blocks, draft_block, whole=True)
 RATINGS = Layout("a column of ratings", 30, find_ratings, draft_rating)
 COURSES = Layout("a column for each time of a rating", 20, find_courses, draft_course)
 SCORES = Layout("columns of scores", 10, find_scores)
-LAYOUTS: tuple[Layout[Any], ...] = (LONG, BLOCKS, RATINGS, COURSES, SCORES)
+OWN: Layout[Found] = Layout("a column for each question of the lab's own", 5, None, draft_own)
+LAYOUTS: tuple[Layout[Any], ...] = (LONG, BLOCKS, RATINGS, COURSES, SCORES, OWN)
 
 
 class AnswerColumns:
@@ -75,6 +93,7 @@ class AnswerColumns:
 
     def __init__(self, table: SourceTable, known: Known) -> None:
         self._found: dict[Layout[Any], list[Any]] = {}
+        self._known = {each.name for each in known.instruments}
         self.taken: set[int] = set()
         """Columns of answers."""
         self.repeated: list[int] = []
@@ -94,7 +113,10 @@ class AnswerColumns:
             closed = layout.whole and any(
                 each.whole and found for each, found in self._found.items()
             )
-            self._found[layout] = [] if closed else layout.find(table, left, known)
+            if layout.find is None:
+                self._found[layout] = self._own(table, left, known)
+            else:
+                self._found[layout] = [] if closed else layout.find(table, left, known)
             if layout is BLOCKS:
                 self._found[layout], self.products = without_products(table, self._found[layout])
                 weights = [each for each in self._found[layout] if are_weights(table, each)]
@@ -109,11 +131,38 @@ class AnswerColumns:
                 self._found[layout] = [weighted(each) for each in self._found[layout]]
             self.taken.update(c for each in self._found[layout] for c in each.columns)
 
+    def _own(self, table: SourceTable, columns: Sequence[int], known: Known) -> list[Found]:
+        """Find the lab's own questions, and let those in rows and in courses join their kind."""
+        if self._found[LONG] or not any(self._found.values()):
+            own = own_rows(table, known, self._found[LONG])
+            self._found[LONG] = [*_without_rows(self._found[LONG], own), *own]
+            self.taken.update(c for each in own for c in each.columns)
+            columns = [c for c in columns if c not in self.taken]
+        if self._found[LONG]:
+            return []
+        sums = [block for block in self._found[BLOCKS] if lacks_its_item(table, block)]
+        columns = [
+            column
+            for column in columns
+            if not any(may_answer(table, column, b.instrument, known.vocabulary) for b in sums)
+        ]
+        contexts = [each.context for found in self._found.values() for each in found]
+        found = OwnQuestions(table, columns, known, contexts)
+        self._found[COURSES] += found.courses
+        self.taken.update(c for each in found.courses for c in each.columns)
+        return own_instruments(found.questions)
+
     def __getitem__(self, layout: Layout[FoundT]) -> list[FoundT]:
         return self._found[layout]
 
     def __bool__(self) -> bool:
         return any(self._found.values())
+
+    @property
+    def own(self) -> list[Instrument]:
+        """Return the lab's own instruments."""
+        found = (each.instrument for of_layout in self._found.values() for each in of_layout)
+        return [*{each.name: each for each in found if each.name not in self._known}.values()]
 
     @property
     def instruments(self) -> set[str]:
@@ -135,12 +184,22 @@ class AnswerColumns:
     @property
     def leading(self) -> Layout[Any] | None:
         """Return the layout with the facts of a row in its headings, if there is one."""
-        leading: tuple[Layout[Any], ...] = (BLOCKS, SCORES, RATINGS)
+        leading: tuple[Layout[Any], ...] = (BLOCKS, SCORES, RATINGS, OWN)
         if any(each.context for each in self[LONG]):
             leading = (LONG, *leading)
         answered = {each.instrument for each in (*self[BLOCKS], *self[LONG])}
         made = all(each.instrument in answered for each in self[SCORES])
         return next((e for e in leading if self[e] and not (e is SCORES and made)), None)
+
+
+def _without_rows(found: Sequence[Long], own: Sequence[Long]) -> list[Long]:
+    """Return long tables without the rows that are of the lab's own questions."""
+    taken = {text for each in own for text in each.items.values()}
+    names = tuple(each.instrument_column[1] for each in own if each.instrument_column)
+    return [
+        replace(each, others=[text for text in each.others if text not in taken], beside=names)
+        for each in found
+    ]
 
 
 def _without_siblings(blocks: Sequence[Found]) -> list[Found]:

@@ -339,6 +339,26 @@ def _number_beside(text: str) -> tuple[int | None, str]:
     return int(digits), word
 
 
+def code_of(text: str, vocabulary: LabVocabulary) -> int | None:
+    """Return the number that an answer stands for: beside its word, as a code, or as a degree."""
+    if plain(text) in vocabulary.agreement:
+        return 1 + vocabulary.agreement[plain(text)]
+    if plain(text) in vocabulary.severity:
+        return vocabulary.severity[plain(text)]
+    code = _CODE.fullmatch(text)
+    return int(code[2]) if code else _number_beside(text)[0]
+
+
+def missing_codes(values: Iterable[float]) -> list[int]:
+    """Return the numbers that programs write for missing answers, far from all others."""
+    found = {int(value) for value in values if value in _CODES and abs(value) > _FAR}
+    rest = [value for value in values if value not in found]
+    return sorted(found) if rest and max(map(abs, rest)) <= _FAR + 1 else []
+
+
+_FAR = 10
+
+
 def _in_two_languages(text: str, said: dict[str, int]) -> int | None:
     """Return the answer of ``None / Inexistente``: what one of its parts says, if none differs."""
     found = {said[plain(part)] for part in re.split(r"[/|]", text) if plain(part) in said}

@@ -91,9 +91,8 @@ def _exact(words: Sequence[str], vocabulary: LabVocabulary, instrument: Instrume
 
 def _is_numbered_by_scale(name: str, instrument: Instrument) -> bool:
     """Return whether the number at the end of an item's name is not its place: ``ipq_sp1``."""
-    number = _DIGITS.search(name)
-    ends = [_DIGITS.search(item.name) for item in instrument.asked]
-    return number is not None and sum(end is not None and end[0] == number[0] for end in ends) > 1
+    ends = [end[0] for item in instrument.asked if (end := _DIGITS.search(item.name))]
+    return _DIGITS.search(name) is not None and len({*ends}) < len(ends)
 
 
 _DIGITS = re.compile(r"\d+$")
@@ -225,5 +224,6 @@ def item_behind_stem(
             # Qualtrics numbers loops before the codes of questions: 1_Q14_3.
             code = tokens(whole[0]) if stem != heading.stem else ()
             loop = [*takewhile(str.isdecimal, code)]
-            return replace(found, before=(*loop, *tokens(stem), *found.before))
+            named = [word for word in code if word.isalpha()]
+            return replace(found, before=(*loop, *named, *tokens(stem), *found.before))
     return named_item(column, *whole, instrument, vocabulary)

@@ -261,6 +261,7 @@ def _by_name(
         if index not in taken
         and (each := item_behind_stem(index, heading, label, instrument, vocabulary)) is not None
     ]
+    named = [each for each in named if not _answers_otherwise(table, each, instrument, vocabulary)]
     named = _without_strays(table, named, instrument)
     if runs := _repeated_runs(named, instrument):
         return [
@@ -268,11 +269,30 @@ def _by_name(
             for n, run in enumerate(runs, start=1)
         ]
     moments = vocabulary.timepoints.keys()
-    contexts = _without_wording(named, _contexts(named, instrument), instrument, moments)
+    written = {word for each in named for word in tokens(table.headings[each.column])}
+    contexts = _contexts(named, instrument)
+    contexts = _without_wording(named, contexts, instrument, moments, written)
     groups: dict[Context, dict[str, Named]] = defaultdict(dict)
     for each, context in zip(named, contexts, strict=True):
         groups.setdefault(_free(groups, context, each), {})[each.item] = each
     return [Found(instrument, context, items) for context, items in groups.items()]
+
+
+def _answers_otherwise(
+    table: SourceTable, named: Named, instrument: Instrument, vocabulary: LabVocabulary
+) -> bool:
+    """Return whether a heading with an item's words has answers of another scale.
+
+    They are degrees of agreement beside degrees of severity, or numbers far beyond.
+    """
+    cells = {*table.column(named.column)} - {""}
+    ends = {plain(word) for word in instrument.labels}
+    agree = vocabulary.agreement.keys()
+    if cells and not ends & agree and all(plain(cell) in agree for cell in cells):
+        return True
+    values = [number(cell, table.reading.decimal or ".") for cell in cells]
+    beyond = max((value for value in values if value is not None), default=0) > instrument.high + 1
+    return named.how == "wording" and beyond
 
 
 def _repeated_runs(named: Sequence[Named], instrument: Instrument) -> list[list[Named]]:
@@ -348,12 +368,17 @@ def _contexts(named: Sequence[Named], instrument: Instrument) -> list[Context]:
 
 
 def _without_wording(
-    named: Sequence[Named], contexts: Sequence[Context], instrument: Instrument, moments: Set[str]
+    named: Sequence[Named],
+    contexts: Sequence[Context],
+    instrument: Instrument,
+    moments: Set[str],
+    written: Set[str],
 ) -> list[Context]:
     """Return contexts without words of questions, such as the name of the system in most of them.
 
     Words count that all share, that tell the columns of several items apart, or that say a moment:
-    a score called as an item is lacks it.
+    a score called as an item is lacks it. Those that all share stand in headings (`written`), not
+    in the texts of questions alone.
     """
     same: dict[str, list[set[str]]] = defaultdict(list)
     for each, context in zip(named, contexts, strict=True):
@@ -364,7 +389,8 @@ def _without_wording(
     fewest = min(FEWEST_OF_NAMED, len(instrument.asked))
     kept = {word for word, items in telling.items() if items >= fewest}
     kept.update(w for context in contexts for w in context if w in moments)
-    kept.update(w for context in contexts[:1] for w in context if all(w in c for c in contexts))
+    shared = set.intersection(*({*context} for context in contexts)) if contexts else set()
+    kept |= shared & written
     return [tuple(dict.fromkeys(w for w in context if w in kept)) for context in contexts]
 
 

@@ -43,6 +43,8 @@ class Long(FoundAnswers):
         Where the questionnaire is named, and the text there.
     siblings
         Columns of the answers of all administrations, which are coded alike.
+    beside
+        Names of the lab's own questionnaires in the rows between.
     """
 
     item_column: int
@@ -52,6 +54,7 @@ class Long(FoundAnswers):
     others: list[str]
     instrument_column: tuple[int, str] | None
     siblings: tuple[int, ...] = ()
+    beside: tuple[str, ...] = ()
 
     @property
     def row_keys(self) -> list[int]:
@@ -74,7 +77,7 @@ def find_long(table: SourceTable, columns: Sequence[int], known: Known) -> list[
         fitting = 4 <= len(words) <= 200 and max(map(len, words)) <= _LONGEST_QUESTION
         if not fitting or len(table.rows) < len(words):
             continue
-        response = _response_column(table, column, known.vocabulary)
+        response = response_column(table, column, known.vocabulary)
         responses = [response] if response is not None else _response_columns(table, column, known)
         for instrument in known.instruments:
             named = _named_in_rows(table, column, words, instrument, known)
@@ -310,7 +313,8 @@ def _asks_otherwise(
     return False
 
 
-def _response_column(table: SourceTable, item_column: int, vocabulary: LabVocabulary) -> int | None:
+def response_column(table: SourceTable, item_column: int, vocabulary: LabVocabulary) -> int | None:
+    """Return the column of the answers of a table that has a row for each; None without one."""
     candidates = [
         column
         for column, heading in enumerate(table.headings)

@@ -56,7 +56,7 @@ def _mend_items(
         roles.unknown.append(named.column)
         shown = ", ".join(parts)
         candidates = [
-            c for c in roles.unknown if _may_answer(table, c, block.instrument, vocabulary)
+            c for c in roles.unknown if may_answer(table, c, block.instrument, vocabulary)
         ]
         if len(candidates) == 1:
             other = candidates[0]
@@ -68,6 +68,11 @@ def _mend_items(
         question = f"{heading!r} is exactly the sum of {shown}: which column is the item {item}?"
         doubts.append(OpenDoubt(question, assumed, *ITEM))
     return replace(block, items=items), doubts
+
+
+def lacks_its_item(table: SourceTable, block: Found) -> bool:
+    """Return whether a column is too large for the item that it is called after: it is a sum."""
+    return any(_exceeds(_values(table, column), block.instrument) for column in block.columns)
 
 
 def _exceeds(values: Sequence[float | None], instrument: Instrument) -> bool:
@@ -100,7 +105,7 @@ def answers_of_block(table: SourceTable, block: Found, known: Known) -> list[flo
     ]
 
 
-def _may_answer(
+def may_answer(
     table: SourceTable, column: int, instrument: Instrument, vocabulary: LabVocabulary
 ) -> bool:
     """Return whether a column holds nothing but answers of an instrument."""
@@ -287,7 +292,7 @@ def draft_long(
     if long.instrument_column is None:
         doubts += _instrument_doubts(table, block, known)
     else:
-        doubts += _other_instruments(table, long.instrument_column[0], known)
+        doubts += _other_instruments(table, long, long.instrument_column[0], known)
     if block.absent:
         draft.put("not_asked", block.absent)
         question = f"No row was found for {', '.join(block.absent)}: were they not asked?"
@@ -302,12 +307,15 @@ def draft_long(
     return draft, doubts
 
 
-def _other_instruments(table: SourceTable, column: int, known: Known) -> list[OpenDoubt]:
+def _other_instruments(
+    table: SourceTable, long: Long, column: int, known: Known
+) -> list[OpenDoubt]:
     """Ask whether the rows of questionnaires that we do not know may be left out."""
     names = {
         plain(name) for each in known.instruments for name in (each.name, each.short, each.title)
     }
-    others = [text for text in texts(table, column) if plain(text) not in names]
+    others = [text for text in texts(table, column) if text not in long.beside]
+    others = [text for text in others if plain(text) not in names]
     others = [text for text in others if not mentions(text, known.instruments)]
     if not others:
         return []
@@ -426,7 +434,7 @@ def leftovers(
         elif parts := sum_of(table, column, blocks, known):
             shown = ", ".join(parts[:3]) + (f" and {len(parts) - 3} more" if parts[3:] else "")
             reasons[column] = f"the exact (weighted) sum of {shown}"
-        elif blocks and _may_answer(table, column, blocks[0].instrument, known.vocabulary):
+        elif blocks and may_answer(table, column, blocks[0].instrument, known.vocabulary):
             maybe.append(heading)
     if maybe:
         shown = ", ".join(map(repr, maybe[:6]))

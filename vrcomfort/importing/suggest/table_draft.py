@@ -15,6 +15,7 @@ from vrcomfort.importing.suggest.answer_columns import (
     COURSES,
     LAYOUTS,
     LONG,
+    OWN,
     RATINGS,
     SCORES,
     AnswerColumns,
@@ -62,6 +63,7 @@ from vrcomfort.importing.suggest.scores import (
     rise_from_first,
 )
 from vrcomfort.importing.suggest.vocabulary import Known, words_of
+from vrcomfort.questionnaire import Instrument
 
 _OF_WHAT_WAS_USED = frozenset(["ipq", "nasa_tlx", "sus"])
 """Instruments about a system, a task or a scene: none is asked before its use."""
@@ -131,6 +133,17 @@ class TableDraft(KeptRows):
         }
         """Column of a score whose answers are there → why it is ignored."""
         self._write()
+
+    @property
+    def own(self) -> list[Instrument]:
+        """Return the instruments of the lab's own questions."""
+        return self._answers.own
+
+    def rename(self, instrument: str, name: str) -> None:
+        """Call an instrument otherwise, as another table has one of that name."""
+        for each in self.draft.lists.get("questionnaires", ()):
+            if each.values["instrument"] == instrument:
+                each.put("instrument", name)
 
     @property
     def ignored(self) -> set[str]:
@@ -341,6 +354,7 @@ class TableDraft(KeptRows):
 
     def _context(self) -> Context:
         time = next((r.time for r in self._answers[RATINGS] if r.time is not None), None)
+        own = {each.name for each in self._answers.own}
         single = not self._answers[LONG] and not any(each.where for each in self._answers[SCORES])
         return Context(
             self.table,
@@ -349,7 +363,7 @@ class TableDraft(KeptRows):
             one_row_each=single,
             time=time,
             derived=self._derived(),
-            symptoms=not self._answers.instruments <= _OF_WHAT_WAS_USED,
+            symptoms=not self._answers.instruments - own <= _OF_WHAT_WAS_USED or bool(own),
             judged=self._answers.places_of(_OF_WHAT_WAS_USED),
         )
 
@@ -420,12 +434,28 @@ class TableDraft(KeptRows):
 
         Ratings beside questionnaires, and scores of others, say their own; long tables nothing.
         """
+        if layout not in self._facts and layout is OWN:
+            self._facts[OWN] = self._facts_like_the_leading()
         if layout not in self._facts:
             found = self._answers[layout]
             alone = layout is SCORES and not self._answered & {e.instrument.name for e in found}
             says = layout is RATINGS or alone
             self._facts[layout] = self._heading_facts_of(found) if says else [{} for _ in found]
         return self._facts[layout]
+
+    def _facts_like_the_leading(self) -> list[dict[str, str]]:
+        """Return the facts of the lab's own questions: those of answers with the same words."""
+        found = self._answers[OWN]
+        leading = self._answers.leading or OWN
+        pairs = zip(self._answers[leading], self._facts.get(leading, ()), strict=False)
+        same = {frozenset(each.context): facts for each, facts in pairs}
+        said = [same.get(frozenset(each.context)) for each in found]
+        if None not in said:
+            return [dict(facts or {}) for facts in said]
+        others = self._heading_facts_of(found)
+        return [
+            other if own is None else dict(own) for own, other in zip(said, others, strict=True)
+        ]
 
     def _in_short(self, drafts: list[TomlDraft]) -> list[TomlDraft]:
         """Merge questionnaires with headings of one template and the same coding."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -113,6 +113,24 @@ class MeasureLabels(Settings):
     words: _Words = ()
 
 
+class QuestionLabels(Settings):
+    """Headings of a lab's own questions."""
+
+    words: _Words = ()
+    sentences: _Words = ()
+    """Words of longer headings, which are sentences."""
+    others: _Words = ()
+    """Words and phrases that ask no opinion."""
+
+
+class QuestionWords(NamedTuple):
+    """The words of `QuestionLabels`, as `plain` writes them."""
+
+    words: Set[str]
+    sentences: Set[str]
+    others: Set[str]
+
+
 class LeavingLabels(Settings):
     """Columns of the times at which participants left exposures."""
 
@@ -202,6 +220,7 @@ class VocabularyFile(Settings):
     trial_runs: dict[Word, TrialRunLabels] = Field(default_factory=dict)
     """Kind of column → its headings, and its texts in rows of trial runs."""
     measures: MeasureLabels = MeasureLabels()
+    questions: QuestionLabels = QuestionLabels()
     leaving: LeavingLabels = LeavingLabels()
     long: LongLabels = LongLabels()
     ratings: RatingLabels = RatingLabels()
@@ -283,6 +302,7 @@ class LabVocabulary:
         }
         """Heading → texts of trial runs below it."""
         self.measures = _plain_set(merged["measures"]["words"])
+        self.asking = QuestionWords(**{k: _plain_set(w) for k, w in merged["questions"].items()})
         self.leaving = tuple(tuple(tokens(label)) for label in merged["leaving"]["labels"])
         """Labels of leaving times, as words."""
         self.leaving_words = _plain_set(merged["leaving"]["words"])

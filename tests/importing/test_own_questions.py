@@ -1,0 +1,228 @@
+"""A lab's own questions: found among other columns, declared in the mapping, and reported."""
+
+from __future__ import annotations
+
+import csv
+import json
+import random
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from tests.support.layouts import ENGLISH
+from tests.support.report import build_report
+from vrcomfort.errors import InputError
+from vrcomfort.importing import import_files, load_mapping, write_study
+from vrcomfort.importing.rows import Imported
+from vrcomfort.importing.suggest import suggest_mapping
+
+RANDOM = random.Random(27)  # noqa: S311
+AGREE = ["Strongly disagree", "Disagree", "Neither agree nor disagree", "Agree", "Strongly agree"]
+Cells = dict[tuple[str, str, str], float]
+
+
+def table(file: Path, rows: Sequence[Sequence[object]]) -> Path:
+    with file.open("w", newline="", encoding="utf-8") as out:
+        csv.writer(out).writerows(rows)
+    return file
+
+
+def ssq() -> list[int]:
+    return [RANDOM.choice((0, 0, 1, 2, 3)) for _ in ENGLISH]
+
+
+def imported_from(*files: Path) -> Imported:
+    found = suggest_mapping(files).imported
+    assert found is not None
+    return found
+
+
+def answers(imported: Imported, item: str) -> Cells:
+    return {
+        (m.participant, m.condition, m.timepoint): response.answers[item]
+        for (_, m), response in imported.responses.items()
+        if response.answers.get(item) is not None
+    }
+
+
+def own_items(imported: Imported) -> dict[str, tuple[float, float]]:
+    return {
+        item.name: (item.answers.low, item.answers.high)
+        for each in imported.instruments.values()
+        for item in each.items
+    }
+
+
+def test_statements_beside_a_questionnaire_are_reported_each_under_its_own_name(
+    tmp_path: Path,
+) -> None:
+    head = [
+        "Participant",
+        "Condition",
+        *ENGLISH,
+        "I felt present in the scene",
+        "Eye strain now (0-10)",
+    ]
+    rows = [
+        [f"P{n}", condition, *ssq(), 1 + (n * k) % 6, (3 * n + k) % 9]
+        for n in range(1, 13)
+        for k, condition in enumerate(("sharp", "blurred"), start=1)
+    ]
+    file = table(tmp_path / "answers.csv", [head, *rows])
+    mapping = tmp_path / "map.toml"
+    text = suggest_mapping([file]).text
+    mapping.write_text(re.sub('answer = ""', 'answer = "yes"', text), encoding="utf-8")
+    loaded = load_mapping(mapping)
+    imported = import_files([file], loaded.mapping, loaded.instruments)
+    assert own_items(imported) == {
+        "i_felt_present_in_the_scene": (1, 7),
+        "eye_strain_now": (0, 10),
+    }
+    assert answers(imported, "i_felt_present_in_the_scene") == {
+        (f"P{n}", c, "post"): 1 + (n * k) % 6
+        for n in range(1, 13)
+        for k, c in enumerate(("sharp", "blurred"), start=1)
+    }
+    study = tmp_path / "study"
+    write_study(study, imported, loaded, [file])
+    build_report(study, out=tmp_path / "report")
+    results = json.loads((tmp_path / "report" / "results.json").read_text(encoding="utf-8"))
+    outcomes = {row["outcome"] for row in results["tests"]}
+    assert {"T", "own_questions.i_felt_present_in_the_scene"} <= outcomes
+    page = (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
+    assert "I felt present in the scene" in page
+
+
+def test_words_of_agreement_before_and_after_side_by_side(tmp_path: Path) -> None:
+    asked = ["presence", "wellbeing"]
+    head = ["id", *(f"{when}_{each}" for when in ("pre", "post") for each in (*ENGLISH, *asked))]
+    given = {n: [RANDOM.choice(AGREE) for _ in range(4)] for n in range(1, 11)}
+    rows = [[f"S{n}", *ssq(), *own[:2], *ssq(), *own[2:]] for n, own in given.items()]
+    found = imported_from(table(tmp_path / "study.csv", [head, *rows]))
+    assert own_items(found) == {"presence": (1, 5), "wellbeing": (1, 5)}
+    assert {(p, t): value for (p, _, t), value in answers(found, "wellbeing").items()} == {
+        (f"S{n}", when): 1 + AGREE.index(own[place])
+        for n, own in given.items()
+        for when, place in (("baseline", 1), ("post", 3))
+    }
+
+
+def test_questions_in_rows_stand_under_the_name_of_their_questionnaire(tmp_path: Path) -> None:
+    rows: list[list[object]] = []
+    for n in range(1, 9):
+        for condition in ("a", "b"):
+            rows += [[f"P{n}", condition, "SSQ", i, v] for i, v in zip(ENGLISH, ssq(), strict=True)]
+            rows += [
+                [f"P{n}", condition, "Comfort", f"comfort_{k}", 1 + (n + k) % 9] for k in (1, 2)
+            ]
+            rows.append([f"P{n}", condition, "Comfort", "age", 20 + n])
+    head = ["participant", "condition", "questionnaire", "item", "response"]
+    found = imported_from(table(tmp_path / "long.csv", [head, *rows]))
+    assert own_items(found) == {"comfort_1": (1, 9), "comfort_2": (1, 9)}
+    assert {name for name, _ in found.responses} == {"ssq", "comfort"}
+
+
+def test_discomfort_in_a_column_for_each_minute_is_rated_during_exposure(tmp_path: Path) -> None:
+    head = [
+        "participant",
+        "condition",
+        *(f"discomfort_{m}min" for m in range(0, 10, 2)),
+        "speed_2min",
+    ]
+    rows = [
+        [n, c, *(min(10, m * k // 2) for m in range(5)), 3]
+        for n in range(1, 9)
+        for k, c in enumerate(("snap", "smooth"), start=1)
+    ]
+    found = imported_from(table(tmp_path / "ratings.csv", [head, *rows]))
+    assert len(found.ratings) == 8 * 2 * 5
+    assert {rating.instrument for rating in found.ratings} == {"discomfort"}
+    assert {rating.onset_s for rating in found.ratings} == {0, 120, 240, 360, 480}
+
+
+def test_numbers_that_nobody_answered_are_no_questions_and_are_listed(tmp_path: Path) -> None:
+    head = ["id", "condition", "Timestamp", *ENGLISH, "mean HR", "errors", "Completion time (s)"]
+    head += ["How many years have you played?", "score", *(f"collisions_{n}" for n in (1, 2, 3))]
+    rows = [
+        [
+            n,
+            c,
+            f"2024-01-0{n} 10:00",
+            *ssq(),
+            *(70 + n + k, (n + k) % 5, 30 + n * k, (n * k) % 7),
+            *(n + k, (n + k) % 4, (n * k) % 4, (n + 2 * k) % 3),
+        ]
+        for n in range(1, 9)
+        for k, c in enumerate(("a", "b"))
+    ]
+    found = suggest_mapping([table(tmp_path / "x.csv", [head, *rows])])
+    assert found.imported is not None
+    assert not found.imported.instruments
+    ignored = found.text[found.text.index("ignore = ") :]
+    assert all(f'"{name}"' in ignored for name in ("mean HR", "errors", "score", "collisions_1"))
+
+
+def test_levels_of_a_factor_and_means_of_questions_are_none(tmp_path: Path) -> None:
+    head = ["id", "condition", "effort", "comfort_1", "comfort_2", "comfort_mean"]
+    rows = [
+        [f"P{n}", c, level, 1 + (n * level) % 7, 1 + (n + level) % 7, (n * level) % 7 / 2]
+        for n in range(1, 9)
+        for c in ("a", "b")
+        for level in (1, 2, 3)
+    ]
+    found = imported_from(table(tmp_path / "x.csv", [head, *rows]))
+    assert own_items(found) == {"comfort_1": (1, 7), "comfort_2": (1, 7)}
+
+
+def test_one_questionnaire_in_two_files_is_declared_once_with_the_answers_of_both(
+    tmp_path: Path,
+) -> None:
+    files = [
+        table(
+            tmp_path / f"{name}.csv",
+            [["id", "How present did you feel?", note], *([n, low + n % 5, 7] for n in range(9))],
+        )
+        for name, low, note in (("vr", 0, "room"), ("ar", 6, "seat"))
+    ]
+    found = suggest_mapping(files)
+    assert found.text.count("[[instruments]]") == 1
+    assert found.imported is not None
+    assert own_items(found.imported) == {"how_present_did_you_feel": (0, 10)}
+
+
+MAPPING = """\
+format_version = 1
+[[instruments]]
+name = "comfort"
+title = "Comfort"
+answers = { low = 1, high = 7 }
+items = [{ name = "felt", text = "I felt well" }]
+[[tables]]
+files = ["x.csv"]
+participant = { column = "id" }
+[[tables.questionnaires]]
+instrument = "comfort"
+items = { felt = "How" }
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "words"),
+    [
+        ("high = 7", "high = 0", 5, "the lowest answer, 1, is not below the highest, 0"),
+        ("high = 7", "heigh = 7", 5, "unknown key `heigh`"),
+        ('"comfort"\ntitle', '"ssq"\ntitle', 3, "`ssq` is a shipped instrument"),
+        ('name = "felt"', 'name = "response"', 6, "an item cannot be called `response`"),
+        ("items = { felt", "items = { fell", 12, "`fell` is not an item of comfort"),
+    ],
+)
+def test_faults_of_a_declared_instrument_have_their_place(
+    tmp_path: Path, old: str, new: str, place: int, words: str
+) -> None:
+    file = tmp_path / "map.toml"
+    file.write_text(MAPPING.replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError, match=re.escape(words)) as found:
+        load_mapping(file)
+    assert found.value.line == place

@@ -1,0 +1,601 @@
+"""Finds a lab's own questions: columns of answers that belong to no known instrument.
+
+A column is one if its cells are answers on one scale, and its heading asks for an opinion: by a
+word (`questions` in the vocabulary), as a sentence, by the ends of its scale, or as one of a row of
+numbered codes. Others are left out, and listed as such.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, reduce
+from itertools import pairwise
+from math import ceil, floor
+from typing import NamedTuple
+
+from vrcomfort.importing.answers import number
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.codings import code_of, missing_codes
+from vrcomfort.importing.suggest.draft import OpenDoubt, Stake, TomlDraft
+from vrcomfort.importing.suggest.evidence import texts, varies_within
+from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
+from vrcomfort.importing.suggest.item_names import How, Named
+from vrcomfort.importing.suggest.items import Context, Found
+from vrcomfort.importing.suggest.long_tables import Long, response_column
+from vrcomfort.importing.suggest.questionnaires import Drafted
+from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating
+from vrcomfort.importing.suggest.stems import shared_stems
+from vrcomfort.importing.suggest.vocabulary import (
+    Known,
+    LabVocabulary,
+    bare,
+    tokens,
+    words_of,
+)
+from vrcomfort.questionnaire import Instrument, parse_instrument, plain, shipped_instruments
+from vrcomfort.questionnaire.instrument_file import TAKEN
+
+OWN = Stake("columns would be questions that are none, or have other ends of their scale", 60)
+USUAL = (
+    (0, 3), (1, 5), (0, 4), (-2, 2), (1, 7), (0, 6), (-3, 3), (1, 9), (0, 10), (1, 10), (-5, 5),
+    (0, 20), (0, 100), (-50, 50), (-100, 100),
+)  # fmt: skip
+"""Lowest and highest answers of scales, the narrowest first."""
+_FEWEST_STEPS, _MOST_STEPS, _FEWEST_ANSWERS, _FEWEST_OF_SERIES = 2, 20, 4, 3
+_MOST_OF_RECORD = 7
+_SENTENCE = 4
+"""Words of a heading that is a sentence."""
+_LONGEST_NAME = 40
+_BRACKET = re.compile(r"\[([^\[\]]*[^\W\d_]{2}[^\[\]]*)\]\s*$")
+"""The statement of a grid of questions: ``Do you agree? [I felt present]``."""
+_ENDS = (
+    re.compile(r"[(\[ ](-?\d{1,2})\s*(?:-|–|—|\.\.+|to|bis|/)\s*(\d{1,3})(?!\d)"),
+    re.compile(r"(-?\d{1,2})\s*[=:(]\s*[^\d=:]{2,80}?(\d{1,3})\s*[=:(]"),
+)
+"""The ends of a scale in a heading: ``(1-7)``, ``1 = not at all, 7 = very``."""
+_NUMBER_OF_ITEM = re.compile(r"(?<=[^\d])\d+$")
+_CLOCK = frozenset(["t", "time", "zeit"])
+_ENDS_OF_CODE = re.compile(r"_(-?\d)_(\d{1,3})$")
+
+
+class Scale(NamedTuple):
+    """The ends of the scale of a column's answers, and the step between them."""
+
+    low: int
+    high: int
+    step: float = 1.0
+
+    def __or__(self, other: Scale) -> Scale:
+        return Scale(min(self.low, other.low), max(self.high, other.high), min(self[2], other[2]))
+
+    @property
+    def usual(self) -> Scale:
+        """Return the narrowest usual scale with these answers."""
+        fitting = (e for e in USUAL if e[0] <= self.low and self.high <= e[1])
+        return Scale(*next(fitting, (self.low, self.high)), self.step)
+
+
+@dataclass(frozen=True)
+class Question:
+    """A column that asks, with the words around its item, and the code that stands before it."""
+
+    column: int
+    text: str
+    context: Context
+    code: str
+    seen: Scale
+    said: Scale | None
+
+
+class OwnQuestions:
+    """The lab's own questions among some columns of a table.
+
+    Parameters
+    ----------
+    contexts
+        The words that tell the administrations of known instruments apart.
+    """
+
+    def __init__(
+        self, table: SourceTable, columns: Sequence[int], known: Known, contexts: Iterable[Context]
+    ) -> None:
+        self._table = table
+        self._vocabulary = known.vocabulary
+        self._roles = roles_of(table, columns, known.vocabulary)
+        self._apart = {word for context in contexts for word in context}
+        self._headings = shared_stems(table.headings)
+        self._labels = shared_stems(table.labels)
+        items = known.vocabulary.item_labels & {*map(plain, table.headings)}
+        no_item = known.vocabulary.response_labels if items else frozenset()
+        self._scales = {
+            column: scale
+            for column in columns
+            if plain(table.headings[column]) not in no_item
+            if (scale := scale_of(table, column, known.vocabulary)) is not None
+        }
+
+    @cached_property
+    def courses(self) -> list[FoundCourse]:
+        """Return ratings during exposure that have a column for each time: ``comfort_2min``."""
+        groups: dict[tuple[str, ...], dict[int, int]] = defaultdict(dict)
+        for column in self._scales:
+            words = tokens(self._table.headings[column])
+            places = [
+                n for n, word in enumerate(words) if word.isdecimal() and self._is_time(words, n)
+            ]
+            if len(places) == 1:
+                rest = tuple("#" if n == places[0] else w for n, w in enumerate(words))
+                groups[rest].setdefault(int(words[places[0]]), column)
+        alike: dict[str, list[tuple[Context, list[int]]]] = defaultdict(list)
+        for said, columns in groups.items():
+            context = tuple(word for word in said if word in self._apart)
+            named = [w for w in said if w not in {"#", *context, *self._vocabulary.units, *_CLOCK}]
+            asks = self._vocabulary.asking.words & {*named, *tokens(self._table.file.stem)}
+            if len(columns) >= _FEWEST_OF_SERIES and asks and [*columns] == sorted(columns):
+                alike[" ".join(named) or "rating"].append((context, [*columns.values()]))
+        names: set[str] = {*shipped_instruments(), *TAKEN}
+        found = []
+        for text, courses in alike.items():
+            scales = [self._scales[c] for _, columns in courses for c in columns]
+            widest = reduce(lambda one, other: one | other, scales)
+            name = _name(text, names)
+            scale = declared(name, [(name, text, widest.usual)])
+            for context, rated in courses if widest.high >= _FEWEST_STEPS else ():
+                ratings = (FoundRating(scale, context, column, None) for column in rated)
+                found.append(FoundCourse(scale, context, tuple(ratings)))
+        return found
+
+    def _is_time(self, words: Sequence[str], place: int) -> bool:
+        beside = {*words[place + 1 : place + 2]} & self._vocabulary.units
+        return bool(beside or {*words[place - 1 : place]} & (_CLOCK | self._vocabulary.units))
+
+    @cached_property
+    def questions(self) -> list[Question]:
+        """Return the questions, with the words of each that tell administrations apart."""
+        rated = {c for course in self.courses for c in course.columns}
+        columns = [c for c in self._scales if c not in rated and self._asks(c)]
+        columns += self._in_their_records(columns, rated)
+        columns = [c for c in columns if not self._is_made_of(c, columns)]
+        found = [self._question(column) for column in columns]
+        return self._crossed([each for each in found if each is not None])
+
+    def _in_their_records(self, asking: Sequence[int], rated: set[int]) -> list[int]:
+        """Return other values of JSON records with questions that are on the same scale."""
+        if not self._table.nested:
+            return []
+        records = {record: self._scales[c] for c in asking if (record := self._record(c))}
+        open_ = {*self._roles.unknown} & {*self._scales} - {*asking} - rated
+        alike = {
+            c: self._scales[c] | records[r] for c in open_ if (r := self._record(c)) in records
+        }
+        return sorted(c for c, scale in alike.items() if scale.usual.high <= _MOST_OF_RECORD)
+
+    def _record(self, column: int) -> str:
+        return self._table.headings[column].rpartition(".")[0]
+
+    def _words(self, column: int) -> list[str]:
+        return tokens(f"{self._table.headings[column]} {self._table.labels[column]}")
+
+    def _asks(self, column: int) -> bool:
+        """Return whether a column's heading asks for an opinion, and its cells are answers."""
+        vocabulary, words = self._vocabulary, self._words(column)
+        own = {*words} - self._apart
+        sentence = len(words) >= _SENTENCE and bool({*words} & vocabulary.asking.sentences)
+        opinion = sentence or bool(own & vocabulary.asking.words)
+        said = self._ends(column) is not None
+        others = own & (vocabulary.asking.others | vocabulary.measures)
+        if others and not (sentence or said or {*words} & {"vas", "likert"}):
+            return False
+        whole = self._scales[column].step == 1
+        asks = opinion or said or (whole and column in self._series)
+        free = column in self._roles.unknown or (
+            len(words) > _SENTENCE and opinion and self._is_free(column)
+        )
+        return asks and free and not self._is_no_answer(column)
+
+    def _is_no_answer(self, column: int) -> bool:
+        """Return whether a column is a flag, a level, known of a person, or asks how often."""
+        pairs = {a + b for a, b in pairwise(self._words(column))}
+        phrase = bool(pairs & self._vocabulary.asking.others)  # how often, wie viele
+        flag = self._scales[column].high < _FEWEST_STEPS
+        return flag or phrase or self._is_balanced(column) or self._is_of_person(column)
+
+    def _is_of_person(self, column: int) -> bool:
+        """Return whether a column says the same in all of a person's rows."""
+        table, people = self._table, self._roles.facts.get("participant", [])
+        several = bool(people) and len(texts(table, people[0])) * 2 <= len(table.rows)
+        return several and not varies_within(table, column, people[0])
+
+    def _is_free(self, column: int) -> bool:
+        """Return whether a sentence has a role by one of its words alone."""
+        return column not in self._roles.metadata and column not in {
+            columns[0] for columns in self._roles.facts.values() if columns
+        }
+
+    def _is_balanced(self, column: int) -> bool:
+        """Return whether each number is there equally often, as levels of a factor are."""
+        counts = Counter(filter(None, self._table.column(column)))
+        few = len(counts) <= _FEWEST_ANSWERS and min(counts.values()) > _FEWEST_ANSWERS
+        return few and len({*counts.values()}) == 1
+
+    def _is_made_of(self, column: int, columns: Sequence[int]) -> bool:
+        """Return whether a mean or a total stands beside the questions that it is made of."""
+        fillers = self._vocabulary.scale_fillers | self._vocabulary.totals | {"mean", "avg"}
+        words = {*tokens(self._table.headings[column])}
+        own = {word for word in words - fillers - self._apart if not word.isdecimal()}
+        others = ({*tokens(self._table.headings[c])} for c in columns if c != column)
+        return bool(words & fillers) and any(own & each and not each & fillers for each in others)
+
+    @cached_property
+    def _series(self) -> set[int]:
+        """Return columns of numbered codes with answers of few steps: ``Q1`` … ``Q7``."""
+        groups: dict[tuple[str, ...], list[tuple[int, int]]] = defaultdict(list)
+        vocabulary = self._vocabulary
+        for column in self._roles.unknown:
+            words = tokens(self._table.headings[column])
+            if words and words[-1].isdecimal():
+                groups[tuple(words[:-1])].append((int(words[-1]), column))
+        found: set[int] = set()
+        for code, group in groups.items():
+            columns = [column for _, column in group if column in self._scales]
+            steps = [self._scales[c].high - self._scales[c].low for c in columns]
+            no_codes = vocabulary.asking.others | vocabulary.measures | vocabulary.units
+            no_codes |= {*vocabulary.numbered, *vocabulary.timepoints}
+            alike = len(columns) * 5 >= len(group) * 4 and max(steps, default=99) <= 10
+            if not alike or len(columns) < _FEWEST_OF_SERIES or not {*code} - self._apart:
+                continue
+            if {*code} & no_codes or self._are_ranks(columns):
+                continue
+            found.update(columns)
+        return found
+
+    def _are_ranks(self, columns: Sequence[int]) -> bool:
+        """Return whether no two columns of a row are equal, as places in an order are."""
+        rows = [[row[c] for c in columns if row[c]] for row in self._table.rows]
+        return all(len({*row}) == len(row) for row in rows)
+
+    def _ends(self, column: int) -> Scale | None:
+        """Return the scale whose ends a heading says, if all answers are on it."""
+        text = f" {self._table.headings[column]} {self._table.labels[column]}"
+        found = [match for pattern in _ENDS for match in pattern.finditer(text)]
+        for match in found:
+            low, high = int(match[1]), int(match[2])
+            if _holds(low, high, self._scales[column]):
+                return Scale(low, high, self._scales[column].step)
+        return None
+
+    def _question(self, column: int) -> Question | None:
+        """Return what a column asks, without the words that tell administrations apart."""
+        heading, label = self._table.headings[column], self._table.labels[column]
+        bracket = _BRACKET.search(label) or _BRACKET.search(heading)
+        if bracket:
+            text = bracket[1]
+            heading = heading.replace(bracket[0], "")
+            around = f"{heading} {self._labels[column].stem}"
+        elif len(tokens(label)) > 1:
+            stem = self._labels[column]
+            text, around = stem.rest or label, f"{heading} {stem.stem}"
+        elif self._headings[column].stem and len(tokens(self._headings[column].rest)) > 1:
+            text, heading = self._headings[column].rest, self._headings[column].stem
+            around = heading
+        else:
+            return self._short_question(column)
+        words = tokens(_NUMBER_OF_ITEM.sub("", heading) + around[len(heading) :])
+        context = tuple(w for n, w in enumerate(words) if self._tells(words, n))
+        code = next((w for n, w in enumerate(words) if not self._tells(words, n)), "")
+        return self._made(column, text.strip(" -–:?.[]"), context, code)
+
+    def _short_question(self, column: int) -> Question:
+        """Return a question whose heading is all there is: words at its ends may be facts."""
+        given = words_of(self._table.headings[column])
+        words = [word.casefold() for word in given]
+        start, end = 0, len(words)
+        while start < end - 1 and self._tells(words, start):
+            start += 1
+        while end > start + 1 and self._tells(words, end - 1):
+            end -= 1
+        context = (*words[:start], *words[end:])
+        text = " ".join(given[start:end])
+        if not context and len(given) >= _SENTENCE:
+            text = self._table.headings[column]
+        code = words[start] if end - start > 1 and len(given) < _SENTENCE + len(context) else ""
+        return self._made(column, text, context, code)
+
+    def _made(self, column: int, text: str, context: Context, code: str) -> Question:
+        seen, said = self._scales[column], self._ends(column)
+        if said is None and (match := _ENDS_OF_CODE.search(self._table.headings[column])):
+            low, high = int(match[1]), int(match[2])
+            said = Scale(low, high, seen.step) if _holds(low, high, seen) else None
+        return Question(column, text, tuple(dict.fromkeys(context)), code, seen, said)
+
+    def _tells(self, words: Sequence[str], place: int) -> bool:
+        """Return whether a word tells administrations apart: a moment, or a word of others."""
+        word = words[place]
+        if word in self._apart or word in self._vocabulary.timepoints:
+            return True
+        after = words[place + 1] if place + 1 < len(words) else ""
+        before = words[place - 1] if place else ""
+        numbered = self._vocabulary.numbered
+        return (word in numbered and after.isdecimal()) or (word.isdecimal() and before in numbered)
+
+    def _crossed(self, questions: list[Question]) -> list[Question]:
+        """Take words for conditions that stand before, or behind, the same questions each."""
+        for side in (0, -1):
+            groups: dict[str, dict[tuple[str, Context], Question]] = defaultdict(dict)
+            for each in questions:
+                words = words_of(each.text)
+                if len(words) > 1 and not words[side].isdecimal():
+                    others = words[1:] if side == 0 else words[:-1]
+                    groups[words[side].casefold()][" ".join(others), each.context] = each
+            asking = self._vocabulary.asking.words | self._vocabulary.asking.sentences
+            for word, own in groups.items():
+                alike = [other for other in groups.values() if other.keys() == own.keys()]
+                rest = {w for text, _ in own for w in tokens(text)}
+                if len(alike) < 2 or word in asking or not rest & asking:
+                    continue
+                for (text, context), each in own.items():
+                    new = (word, *context) if side == 0 else (*context, word)
+                    questions[questions.index(each)] = replace(each, text=text, context=new)
+        return questions
+
+
+def scale_of(table: SourceTable, column: int, vocabulary: LabVocabulary) -> Scale | None:
+    """Return the lowest and the highest answer of a column; None where it holds no answers."""
+    counts = Counter(cell for cell in table.column(column) if not _is_missing(cell, vocabulary))
+    read = _read(counts, table.reading.decimal or ".", vocabulary)
+    values = [value for value in read.values() if value is not None]
+    if sum(counts.values()) < _FEWEST_ANSWERS or len(values) < len(read):
+        return None
+    values = [value for value in values if value not in missing_codes(values)]
+    low, high = min(values), max(values)
+    whole = all(value.is_integer() for value in values)
+    if not -100 <= low <= high <= 100:
+        return None
+    step = 1.0 if whole else 0.1 if all((10 * value).is_integer() for value in values) else 0.01
+    return Scale(floor(low), ceil(high), step)
+
+
+def _is_missing(cell: str, vocabulary: LabVocabulary) -> bool:
+    return not cell or (cell.casefold() in vocabulary.missing and plain(cell) != "none")
+
+
+def _read(cells: Iterable[str], decimal: str, vocabulary: LabVocabulary) -> dict[str, float | None]:
+    """Return text → the answer that it is, as a number or in words; None where it is none."""
+    found: dict[str, float | None] = {}
+    for text in cells:
+        value = number(text, decimal)
+        found[text] = code_of(text, vocabulary) if value is None else value
+    return {text: None if value is None else float(value) for text, value in found.items()}
+
+
+def draft_own(
+    table: SourceTable, found: Found, facts: Mapping[str, str], known: Known, _: Roles
+) -> Drafted:
+    """Draft the lab's own questions of one administration."""
+    draft = TomlDraft({"instrument": found.instrument.name, **facts})
+    cells = [text for c in found.columns for text in texts(table, c)]
+    _coded(draft, cells, table.reading.decimal or ".", known.vocabulary)
+    headings = {item: table.headings[named.column] for item, named in found.items.items()}
+    draft.tables["items"] = TomlDraft(dict(headings))
+    return draft, [_doubt(found.instrument, [*headings.values()])]
+
+
+def _coded(draft: TomlDraft, cells: Iterable[str], decimal: str, vocabulary: LabVocabulary) -> None:
+    """Write what answers in words mean, and which texts are missing answers."""
+    blank = [text for text in cells if text and _is_missing(text, vocabulary)]
+    read = _read([text for text in cells if text and text not in blank], decimal, vocabulary)
+    codes = missing_codes([value for value in read.values() if value is not None])
+    blank += [text for text, value in read.items() if value in codes]
+    words = {t: int(v) for t, v in read.items() if v is not None and number(t, decimal) is None}
+    if words:
+        draft.put("answers", dict(sorted(words.items(), key=lambda each: each[1])))
+    if blank:
+        draft.put("missing", list(dict.fromkeys(blank)))
+
+
+def _doubt(instrument: Instrument, headings: Sequence[str]) -> OpenDoubt:
+    answers = {(item.answers.low, item.answers.high) for item in instrument.items}
+    shown = ", ".join(map(repr, headings[:_SHOWN]))
+    shown += f" and {len(headings) - _SHOWN} more" if headings[_SHOWN:] else ""
+    ends = " or ".join(f"{low} to {high}" for low, high in sorted(answers))
+    question = f"Are these the lab's own questions: {shown}?"
+    assumed = f"they are, with answers from {ends}, the narrowest usual scale of all answers"
+    return OpenDoubt(question, assumed, *OWN, f"own {instrument.name}")
+
+
+_SHOWN = 4
+"""Questions that a doubt lists."""
+
+
+def _holds(low: int, high: int, seen: Scale) -> bool:
+    return -100 <= low <= 1 < high <= 100 and low <= seen.low and seen.high <= high
+
+
+def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Long]:
+    """Return the lab's own questions of a table that has a row for each answer.
+
+    They stand beside those of known instruments, under another name or as other items; or alone
+    in a column that is called item.
+    """
+    item, response, named = _columns_of_rows(table, known, found)
+    if item is None or response is None or len({each.response_column for each in found}) > 1:
+        return []
+    groups: dict[str, list[str]] = defaultdict(list)
+    taken = {text for each in found for text in each.items.values()}
+    names = {each.instrument_column[1] for each in found if each.instrument_column}
+    for row in table.rows:
+        group = "" if named is None else row[named]
+        if group not in names and row[item] and row[item] not in taken | {*groups[group]}:
+            groups[group].append(row[item])
+    made: set[str] = {*shipped_instruments(), *TAKEN}
+    own = []
+    for group, words in groups.items():
+        rows = [row for row in table.rows if named is None or row[named] == group]
+        said = _statements(table, item, words)
+        scales: dict[str, Scale] = {}
+        for text in words if len(words) <= _MOST_ITEMS else ():
+            asked = replace(table, rows=tuple(row for row in rows if row[item] == text))
+            scale = scale_of(asked, response, known.vocabulary)
+            if scale is not None and _is_asked(said.get(text, text), group, known.vocabulary):
+                scales[text] = scale
+        if not scales:
+            continue
+        taken_names: set[str] = {*TAKEN}
+        items = {_name(text, taken_names): text for text in scales}
+        scales = _together(scales)
+        questions = [(name, said.get(text, text), scales[text]) for name, text in items.items()]
+        instrument = declared(_name(group or "own_questions", made), questions)
+        where = None if named is None else (named, group)
+        hows: dict[str, How] = dict.fromkeys(items, "name")
+        own.append(Long(instrument, (), item, response, items, hows, [], where))
+    return own
+
+
+def _is_asked(text: str, group: str, vocabulary: LabVocabulary) -> bool:
+    """Return whether a text in the column of items asks, by its words or under a name."""
+    words = {*tokens(text)}
+    if len(tokens(text)) >= _SENTENCE:
+        return bool(words & vocabulary.asking.sentences)
+    no_answer = words & vocabulary.asking.others or plain(text) in vocabulary.roles
+    return bool(group or words & vocabulary.asking.words) and not no_answer
+
+
+def _statements(table: SourceTable, column: int, items: Sequence[str]) -> dict[str, str]:
+    """Return item → its statement, where a column beside has one for each."""
+    for other in range(len(table.headings)):
+        pairs = {(row[column], row[other]) for row in table.rows if row[column] in items}
+        found = dict(pairs)
+        long = all(len(tokens(text)) >= _SENTENCE for text in found.values())
+        if other != column and long and len(found) == len(pairs) == len({*found.values()}):
+            return found
+    return {}
+
+
+_MOST_ITEMS = 60
+
+
+def _columns_of_rows(
+    table: SourceTable, known: Known, found: Sequence[Long]
+) -> tuple[int | None, int | None, int | None]:
+    """Return the columns of items, of answers, and of the names of questionnaires."""
+    if found:
+        first = found[0]
+        named = first.instrument_column and first.instrument_column[0]
+        return first.item_column, first.response_column, named
+    labels = known.vocabulary.item_labels
+    items = [c for c, h in enumerate(table.headings) if plain(h) in labels]
+    items = [c for c in items if 1 < len(texts(table, c)) <= len(table.rows) // _FEWEST_ANSWERS]
+    response = response_column(table, items[0], known.vocabulary) if items else None
+    return (items[0], response, None) if response is not None else (None, None, None)
+
+
+def draft_own_rows(
+    table: SourceTable, long: Long, facts: Mapping[str, str], known: Known, _: Roles
+) -> Drafted:
+    """Draft the lab's own questions of a table that has a row for each answer."""
+    draft = TomlDraft({"instrument": long.instrument.name, **facts})
+    draft.put("item_column", table.headings[long.item_column])
+    draft.put("response_column", table.headings[long.response_column])
+    rows = [row for row in table.rows if row[long.item_column] in long.items.values()]
+    if long.instrument_column is not None:
+        column, text = long.instrument_column
+        draft.put("where", {table.headings[column]: text})
+        rows = [row for row in rows if row[column] == text]
+    cells = [row[long.response_column] for row in rows]
+    _coded(draft, dict.fromkeys(cells), table.reading.decimal or ".", known.vocabulary)
+    draft.tables["items"] = TomlDraft(dict(long.items))
+    return draft, [_doubt(long.instrument, [*long.items.values()])]
+
+
+def own_instruments(questions: Sequence[Question]) -> list[Found]:
+    """Return the lab's own questions as instruments: those that are asked together are one."""
+    met: dict[str, set[Context]] = defaultdict(set)
+    for each in questions:
+        met[plain(each.text)].add(each.context)
+    groups: dict[tuple[str, frozenset[Context]], list[Question]] = defaultdict(list)
+    codes = Counter(each.code for each in questions)
+    contexts_of = {key: frozenset(found) for key, found in met.items()}
+    for each in questions:
+        code = each.code if codes[each.code] > 1 and len(each.code) > 1 else ""
+        groups[code, contexts_of[plain(each.text)]].append(each)
+    found: list[Found] = []
+    names: set[str] = {*shipped_instruments(), *TAKEN}
+    for (code, _), group in groups.items():
+        found += _blocks(_name(code or "own_questions", names), group)
+    return found
+
+
+def _blocks(name: str, group: Sequence[Question]) -> list[Found]:
+    """Return one instrument's questions for each administration."""
+    items: dict[str, str] = {}
+    scales: dict[str, Scale] = {}
+    taken: set[str] = {*TAKEN}
+    for each in group:
+        key = plain(each.text)
+        items.setdefault(key, "") or items.update({key: _name(each.text, taken)})
+        scale = each.said or each.seen
+        scales[key] = scales[key] | scale if key in scales else scale
+    texts_of = {plain(each.text): each.text for each in reversed(group)}
+    said = {plain(each.text) for each in group if each.said}
+    scales |= _together({key: scale for key, scale in scales.items() if key not in said})
+    instrument = declared(name, [(items[k], texts_of[k], scales[k]) for k in items])
+    found = []
+    for context in dict.fromkeys(each.context for each in group):
+        named = {
+            items[plain(e.text)]: Named(e.column, name, items[plain(e.text)], "name", (), ())
+            for e in group
+            if e.context == context
+        }
+        found.append(Found(instrument, context, named))
+    return found
+
+
+def _together(scales: Mapping[str, Scale]) -> dict[str, Scale]:
+    """Return usual scales, one for questions of few steps, and one for those of many."""
+    found: dict[str, Scale] = {}
+    for many in (False, True):
+        alike = {key: s for key, s in scales.items() if many == (s.high > _MOST_STEPS)}
+        if alike:
+            widest = reduce(lambda one, other: one | other, alike.values())
+            found |= dict.fromkeys(alike, widest.usual)
+    return found
+
+
+def declared(name: str, items: Sequence[tuple[str, str, Scale]]) -> Instrument:
+    """Return an instrument of these items: name, text and scale."""
+    shared = Counter(scale for *_, scale in items).most_common(1)[0][0]
+    short = name.replace("_", " ").capitalize()
+    draft = TomlDraft({"name": name, "short": short, "title": f"{short}, as asked by the lab"})
+    draft.put("answers", _answers(shared))
+    draft.lists["items"] = [
+        TomlDraft(
+            {"name": item, "text": text} | ({} if scale == shared else {"answers": _answers(scale)})
+        )
+        for item, text, scale in items
+    ]
+    return parse_instrument(draft.text())
+
+
+def _answers(scale: Scale) -> dict[str, float]:
+    return {"low": scale.low, "high": scale.high} | (
+        {} if scale.step == 1 else {"step": scale.step}
+    )
+
+
+def _name(text: str, taken: set[str]) -> str:
+    """Return a name that is not taken yet, of the first words of a text; and take it."""
+    whole = "_".join(tokens(bare(text.casefold().replace("ß", "ss"))))
+    whole = re.sub(r"[^a-z0-9_]", "", whole).strip("_")
+    short = whole if len(whole) <= _LONGEST_NAME else whole[:_LONGEST_NAME].rpartition("_")[0]
+    short = short if short[:1].isalpha() else f"question_{short}".strip("_")
+    name = next(n for n in _numbered(short) if n not in taken)
+    taken.add(name)
+    return name
+
+
+def _numbered(name: str) -> Iterable[str]:
+    yield name
+    yield from (f"{name}_{number}" for number in range(2, 10_000))
