@@ -47,7 +47,7 @@ def unequal(tmp_path) -> tuple[dict, str, Path]:
 
 def test_scores_are_of_everybody_in_a_test_of_the_condition(unequal):
     _, page, out = unequal
-    rows = rows_of(page, "SSQ scores of the participants in the primary analysis: under each")
+    rows = rows_of(page, "SSQ scores of the analysed participants: under each")
     assert [(row[1], row[2]) for row in rows[:3]] == [("a", "2"), ("b", "3"), ("c", "3")]
     expected = described(out, by="primary", outcome="T")
     for row, line in zip(rows[:3], expected, strict=True):
@@ -61,8 +61,8 @@ def test_scores_are_of_everybody_in_a_test_of_the_condition(unequal):
 def test_who_is_in_some_tests_only_is_told(unequal):
     results, page, _ = unequal
     assert results["participants"]["analysed"] == ["P1", "P2", "P3"]
-    assert [row[0] for row in rows_of(page, "Not in the primary analysis")] == ["P4"]
-    some = rows_of(page, "In the primary analysis, but not in every test")
+    assert [row[0] for row in rows_of(page, "Not analysed")] == ["P4"]
+    some = rows_of(page, "Analysed in some tests")
     assert some == [["P3", "not every exposure has a questionnaire"]]
 
 
@@ -88,7 +88,7 @@ def test_of_one_pair_the_scores_are_those_of_its_test(tmp_path):
             expected = test["descriptives"][condition]
             assert {name: row[name] for name in expected} == pytest.approx(expected)
     page = (tmp_path / "o" / "index.html").read_text("utf-8")
-    rows = rows_of(page, "SSQ scores of the participants in the primary analysis, mean per")
+    rows = rows_of(page, "SSQ scores of the analysed participants, mean per")
     assert [(row[1], row[2]) for row in rows[:3]] == [
         ("No blur", "6"), ("Blur", "6"), ("difference", "6"),
     ]  # fmt: skip

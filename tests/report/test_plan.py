@@ -2,11 +2,15 @@
 
 import csv
 import json
+import random
 import re
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import ttest_1samp
 
 from tests.support import designs
 from tests.support.places import ROOT
@@ -17,6 +21,7 @@ from tests.support.report import (
     build_report,
     carnegie_like,
     foreign,
+    manifest,
     write_csv,
 )
 from vrcomfort.cli import main
@@ -161,6 +166,55 @@ def test_totals_are_adjusted_apart_from_what_they_are_summed_from(tmp_path):
     parts = holm([tests[name]["p"] for name in "NOD"])
     assert [tests[name]["p_holm"] for name in "NOD"] == pytest.approx(parts)
     assert [(f["name"], f["size"]) for f in results["families"]] == [("total", 1), ("subscales", 3)]
+
+
+CROSSED = {f"{a}_{b}": {"blur": a, "streaks": b} for a in ("off", "dof") for b in ("off", "on")}
+
+
+def crossed(folder: Path, met: Callable[[int], list[str]]) -> Path:
+    """Write a study of a protocol with two crossed factors; participant → their conditions."""
+    study, rng = Study(folder), random.Random(4)
+    settings = {"conditions": [{"name": name, "levels": of} for name, of in CROSSED.items()]}
+    for i in range(12):
+        totals = {name: rng.randrange(9) + 4 * name.startswith("dof") for name in met(i)}
+        exposures = [(name, "room", total) for name, total in totals.items()]
+        where = study.session(f"P{i}", 1, 0, exposures)
+        text = manifest(f"P{i}", settings=settings)
+        (where / "manifest.json").write_text(text, encoding="utf-8")
+    return folder
+
+
+def test_crossed_factors_are_tested_by_their_effects(tmp_path):
+    folder = crossed(tmp_path / "study", lambda _: list(CROSSED))
+    results, page = reported(folder)
+    scores = pd.read_csv(tmp_path / "o/tables/scores.csv")
+    wide = scores.pivot(index="participant", columns="condition", values="T")[list(CROSSED)]
+    effects = {each["effect"]: each for each in results["anova"][0]["effects"]}
+    assert list(effects) == ["blur", "streaks", "blur × streaks"]
+    signs = {"blur": (1, 1, -1, -1), "streaks": (1, -1, 1, -1), "blur × streaks": (1, -1, -1, 1)}
+    p_values = [ttest_1samp(wide @ np.array(signs[name]), 0).pvalue for name in effects]
+    assert [each["p"] for each in effects.values()] == pytest.approx(p_values)
+    assert [each["p_holm"] for each in effects.values()] == pytest.approx(holm(p_values))
+    pairs = {(test["a"], test["b"]) for test in results["tests"]}
+    assert pairs == {("dof_off", "dof_on"), ("dof_off", "off_off"), ("dof_on", "off_on"),
+                     ("off_off", "off_on")}  # fmt: skip
+    said = "an effect of blur", "no effect of streaks", "no interaction of blur and streaks"
+    assert sorted(page.index(f"{each} was shown") for each in said) == [
+        page.index(f"{each} was shown") for each in said
+    ]
+
+
+def test_crossed_factors_are_between_people_who_met_one_condition_each(tmp_path):
+    folder = crossed(tmp_path / "study", lambda i: [list(CROSSED)[i % 4]])
+    anova = analysed(folder)["anova"][0]
+    assert anova["between"] == ["blur", "streaks"]
+    assert [each["effect"] for each in anova["effects"]] == ["blur", "streaks", "blur × streaks"]
+
+
+@pytest.mark.parametrize("kept", [3, 2])
+def test_conditions_are_compared_where_not_every_cell_was_met(tmp_path, kept):
+    folder = crossed(tmp_path / "study", lambda i: list(CROSSED)[i % 2 : i % 2 + kept])
+    assert [factor.name for factor in plan_of(read_study(folder)).anova] == ["condition"]
 
 
 # --- Contrasts ----------------------------------------------------------------------------------

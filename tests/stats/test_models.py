@@ -157,6 +157,32 @@ def test_what_two_variances_cannot_be_told_from_is_said(cells, words):
         mixed_model(fewest(cells), value="y", participant="person", factors=["condition"])
 
 
+@pytest.mark.parametrize("errors", ["cluster_robust", "model"])
+def test_of_one_value_each_the_model_is_a_t_test_of_groups(errors):
+    one, two = np.array([1.0, 4, 2, 8, 3]), np.array([2.0, 9, 11, 4, 7])
+    rows = [("a", value) for value in one] + [("b", value) for value in two]
+    table = pd.DataFrame(rows, columns=["condition", "y"]).assign(person=np.arange(10))
+    model = mixed_model(
+        table, value="y", participant="person", factors=["condition"], errors=errors,
+        repeated=False,
+    )  # fmt: skip
+    found, expected = model.terms["condition: b − a"], ttest_ind(two, one)
+    assert (found.t, found.estimate) == pytest.approx((expected.statistic, two.mean() - one.mean()))
+    assert (found.df, found.p) == pytest.approx((8, expected.pvalue))
+    assert model.omnibus["condition"].p == pytest.approx(expected.pvalue)
+    assert model.participant_sd is None
+
+
+@pytest.mark.parametrize(
+    ("cells", "words"), [("ax1 by2", "too few"), ("ax1 by2 cx1", "no variance")]
+)
+def test_what_no_residual_is_left_of_is_said(cells, words):
+    with pytest.raises(InputError, match=words):
+        mixed_model(
+            fewest(cells), value="y", participant="person", factors=["condition"], repeated=False
+        )
+
+
 def test_people_who_differ_as_residuals_do_leave_all_degrees_of_freedom():
     """The slope of the deviance is 0 at λ = 0, but for rounding; R's lme4 is singular there."""
     scores = {

@@ -126,6 +126,11 @@ class _Named(_Part):
     name: str
 
 
+class _Condition(_Named):
+    levels: dict[str, str] = {}
+    """Crossed factor → its level; empty without factors."""
+
+
 class _View(_Named):
     scene: str
 
@@ -196,7 +201,7 @@ class SettingsShape(_Part):
     participants: Count | None = None
     scenes: list[str] = []
     views: list[_View] = []
-    conditions: list[_Named] = []
+    conditions: list[_Condition] = []
     order: _Order | None = None
     parts: list[PartOfStudy] = []
     groups: list[_Named] = []

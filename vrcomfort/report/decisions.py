@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort.report.analyses import ANALYSES, with_intervals
-from vrcomfort.report.analyses.anova import ANOVA
+from vrcomfort.report.analyses.anova import ANOVA, reported_p
 from vrcomfort.report.families import Decision, decided
 from vrcomfort.stats.multiplicity import holm
 from vrcomfort.stats.ranks import level_of
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from vrcomfort.report.analyses.contract import Section
     from vrcomfort.report.analyses.signed_rank import SignedRankRow
     from vrcomfort.report.plan import Plan
-    from vrcomfort.stats.anova import AnovaEffect
 
 
 @dataclass(frozen=True)
@@ -46,9 +45,10 @@ class Decided:
 
 def decide_all(data: AnalysisData, rows: Mapping[str, Sequence[Any]]) -> Decided:
     """Return all rows with the decision of each test and the intervals of its level."""
-    compared = [(each, row) for each in ANALYSES if each.by_outcome for row in rows[each.key]]
+    alone = [each for each in ANALYSES if each.by_outcome and each is not ANOVA]
+    compared = [(each, row) for each in alone for row in rows[each.key]]
     families, decisions, anovas = adjust(data.plan, [row for _, row in compared], ANOVA.of(rows))
-    found: dict[str, list[Any]] = {each.key: [] for each in ANALYSES if each.by_outcome}
+    found: dict[str, list[Any]] = {each.key: [] for each in alone}
     for (analysis, row), decision in zip(compared, decisions, strict=True):
         decided_row = replace(row, decision=decision)
         found[analysis.key].append(with_intervals(data, analysis, decided_row))
@@ -81,7 +81,7 @@ def adjust(
                 decision = _decided(compared[member].p, decision, level, p_values, place)
             decisions[member] = decision
         for (row, effect), p in zip(places, adjusted[len(members) :], strict=True):
-            adjusted_rows[row] = _with_p(adjusted_rows[row], effect, family.name, p)
+            adjusted_rows[row] = _with_p(adjusted_rows[row], effect, family.name, p, level)
         size = sum(p is not None for p in p_values)
         found.append(AdjustedFamily(family.name, family.method, size))
     return found, decisions, adjusted_rows
@@ -106,15 +106,11 @@ def _p_of_effect(row: AnovaRow, effect: int) -> float | None:
     return reported_p(row.fit.effects[effect].test) if row.fit else None
 
 
-def reported_p(effect: AnovaEffect) -> float | None:
-    """Return the p that counts: of an effect without sphericity, Greenhouse and Geisser's."""
-    corrected = effect.p_greenhouse_geisser
-    return effect.p if corrected is None else corrected
-
-
-def _with_p(row: AnovaRow, place: int, family: str, p: float | None) -> AnovaRow:
+def _with_p(row: AnovaRow, place: int, family: str, p: float | None, level: float) -> AnovaRow:
     if row.fit is None:
         return row
     effects = list(row.fit.effects)
-    effects[place] = replace(effects[place], family=family, p_holm=p)
+    deciding = reported_p(effects[place].test) if p is None else p
+    shown = deciding is not None and deciding <= level
+    effects[place] = replace(effects[place], family=family, p_holm=p, shown=shown)
     return replace(row, fit=replace(row.fit, effects=tuple(effects)))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from itertools import combinations
+from math import prod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +17,7 @@ from vrcomfort.report.study_data import conditions_in
 from vrcomfort.settings import toml_value
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Collection, Iterator
 
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
@@ -33,7 +34,7 @@ _HEAD = """\
 
 
 def plan_of(study: StudyData) -> Plan:
-    """Return the plan that the data suggest: every score, every pair of conditions.
+    """Return the plan that the data suggest: every score, every factor or pair of conditions.
 
     Its text, read again, is the same plan.
 
@@ -65,15 +66,6 @@ def _lines(study: StudyData) -> Iterator[str]:
     conditions = conditions_in(study, moments["exposure_timepoint"])
     outcomes = _outcomes(study, moments["exposure_timepoint"])
     before = any(sheet.timepoint == moments["baseline_timepoint"] for sheet in study.sheets)
-    yield 'name = "derived"'
-    yield f"title = {toml_value(_title(conditions, before=before))}"
-    yield f"note = {toml_value('The plan was derived from the data, because none was given.')}"
-    if study.planned_participants:
-        yield f"participants = {study.planned_participants}"
-    yield f"outcomes = {toml_value([each.name for each in outcomes])}"
-    if not before:
-        yield 'scores = "raw"'
-    yield from (f"{key} = {toml_value(name)}" for key, name in moments.items())
     met = _one_condition_each(study, moments["exposure_timepoint"])
     apart = len(set(met.values())) > 1
     groups = _groups(study, met if apart else {})
@@ -81,20 +73,61 @@ def _lines(study: StudyData) -> Iterator[str]:
     factors = ["condition"] if len(conditions) > 1 else []
     factors += ["scene"] if len(scenes - {""}) > 1 else []
     factors += groups
+    crossed = _crossed(study, conditions, factors, apart=apart)
+    yield 'name = "derived"'
+    yield f"title = {toml_value(_title(conditions, crossed, before=before))}"
+    yield f"note = {toml_value('The plan was derived from the data, because none was given.')}"
+    if study.planned_participants:
+        yield f"participants = {study.planned_participants}"
+    yield f"outcomes = {toml_value([each.name for each in outcomes])}"
+    if not before:
+        yield 'scores = "raw"'
+    yield from (f"{key} = {toml_value(name)}" for key, name in moments.items())
     yield f"mixed_model = {toml_value([] if apart else [*factors, 'position', 'session'])}"
     if not factors:
         yield "anova = []"
-    yield from _contrasts(study, conditions, moments, apart=apart)
-    yield from _families(outcomes)
-    for column in factors:
-        yield from (
-            "",
-            "[[anova]]",
-            f"name = {toml_value(column)}",
-            f"column = {toml_value(column)}",
-        )
+    yield from _contrasts(study, conditions, moments, crossed, apart=apart)
+    yield from _families(outcomes, "anova" if crossed else "tests")
+    if crossed:
+        yield from _families(outcomes, "tests", of="_of_conditions")
+    columns = [(name, "condition") for name in crossed]
+    columns += [(each, each) for each in factors if not (crossed and each == "condition")]
+    for name, column in columns:
+        yield from ("", "[[anova]]", f"name = {toml_value(name)}", f"column = {toml_value(column)}")
+        if name in crossed:
+            yield f"levels = {toml_value(crossed[name])}"
         if apart and column == "condition":
             yield 'kind = "between"'
+
+
+def _crossed(
+    study: StudyData, conditions: list[str], others: list[str], *, apart: bool
+) -> dict[str, dict[str, str]]:
+    """Return the protocol's crossed factors: name → condition → level.
+
+    There are none where a combination of levels is missing, or where people met some of them, but
+    neither one nor all.
+    """
+    levels = [study.levels.get(name, {}) for name in conditions]
+    names = list(levels[0]) if levels else []
+    cells = {tuple(each.items()) for each in levels}
+    if len(names) < 2 or any(list(each) != names for each in levels):
+        return {}
+    full = prod(len({each[name] for each in levels}) for name in names)
+    met: dict[str, set[str]] = defaultdict(set)
+    for sheet in study.sheets:
+        met[sheet.participant] |= {sheet.condition} & set(conditions)
+    if not len(cells) == len(conditions) == full:
+        return {}
+    if not apart and not any(len(each) == full for each in met.values()):
+        return {}
+    taken = {"participant", "score", *others}
+    return {
+        f"{name}_level" if name in taken else name: {
+            condition: each[name] for condition, each in zip(conditions, levels, strict=True)
+        }
+        for name in names
+    }
 
 
 def _one_condition_each(study: StudyData, timepoint: str) -> dict[str, str]:
@@ -126,7 +159,9 @@ def _outcomes(study: StudyData, timepoint: str) -> tuple[Outcome, ...]:
     return tuple(found)
 
 
-def _title(conditions: list[str], *, before: bool) -> str:
+def _title(conditions: list[str], crossed: Collection[str], *, before: bool) -> str:
+    if crossed:
+        return f"Effects of {' and '.join(crossed)}, and their interaction"
     if len(conditions) == 1:
         return "Before and after exposure" if before else "One condition, described"
     return "Every pair of conditions"
@@ -151,9 +186,17 @@ def _moments(study: StudyData) -> dict[str, str]:
 
 
 def _contrasts(
-    study: StudyData, conditions: list[str], moments: dict[str, str], *, apart: bool
+    study: StudyData,
+    conditions: list[str],
+    moments: dict[str, str],
+    crossed: dict[str, dict[str, str]],
+    *,
+    apart: bool,
 ) -> Iterator[str]:
+    """Compare every pair of conditions; of crossed factors, those that differ in one of them."""
     for a, b in combinations(conditions, 2):
+        if sum(level[a] != level[b] for level in crossed.values()) > 1:
+            continue
         yield from ("", "[[contrasts]]", f"a = {toml_value(a)}", f"b = {toml_value(b)}")
         if apart:
             yield 'between = "condition"'
@@ -163,15 +206,17 @@ def _contrasts(
         yield f"b_timepoint = {toml_value(baseline)}"
 
 
-def _families(outcomes: tuple[Outcome, ...]) -> Iterator[str]:
+def _families(outcomes: tuple[Outcome, ...], analysis: str, of: str = "") -> Iterator[str]:
     """Adjust totals and their subscales in separate families: both hold the same answers."""
     totals = [each.name for each in outcomes if each.parts]
     others = [each.name for each in outcomes if not each.parts]
     named = {"total": totals, "subscales": others} if totals else {"scores": others}
     for name, members in named.items():
         if members:
-            yield from ("", "[[families]]", f"name = {toml_value(name)}")
+            yield from ("", "[[families]]", f"name = {toml_value(name + of)}")
             yield f"outcomes = {toml_value(members)}"
+            if analysis != "tests":
+                yield f"analyses = {toml_value([analysis])}"
 
 
 def _groups(study: StudyData, met: dict[str, str]) -> list[str]:

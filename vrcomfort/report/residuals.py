@@ -11,6 +11,7 @@ from scipy.stats import norm
 from vrcomfort.report.analyses.signed_rank.figure import differences
 from vrcomfort.report.canvas import INK, SOFT, Drawing, canvas, dots, lines
 from vrcomfort.report.exposures import with_scores
+from vrcomfort.report.factors import is_between, level_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
     from vrcomfort.report.vocabulary import Vocabulary
 
     Floats = NDArray[np.float64]
-
-WITHIN = ("condition", "scene", "position", "session")
 
 
 @dataclass(frozen=True)
@@ -80,15 +79,14 @@ def residual_lines(found: Iterable[Residuals]) -> list[Cells]:
 
 def _of_cells(scored: Exposures, plan: Plan, outcome: str) -> tuple[Floats, Floats]:
     table, unit = with_scores(scored.table, outcome), scored.units[outcome]
-    factors = [
-        factor.column
-        for factor in plan.anova
-        if factor.column in WITHIN and table[factor.column].nunique() > 1
-    ]
+    within = [factor for factor in plan.anova if not is_between(factor)]
+    levels = {factor.name: level_of(scored, table, factor) for factor in within}
+    factors = {name: each for name, each in levels.items() if each.nunique() > 1}
     if not factors:
         return np.empty(0), np.empty(0)
-    means = table.groupby(["participant", *factors])[outcome].mean().astype(float) * unit
-    scores = means.unstack(factors).dropna().to_numpy(dtype=float)
+    cells = table[["participant"]].assign(score=table[outcome], **factors)
+    means = cells.groupby(["participant", *factors])["score"].mean().astype(float) * unit
+    scores = means.unstack(list(factors)).dropna().to_numpy(dtype=float)
     if len(scores) < 2:
         return np.empty(0), np.empty(0)
     fitted = scores.mean(axis=0) + scores.mean(axis=1, keepdims=True) - scores.mean()

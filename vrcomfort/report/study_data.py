@@ -140,6 +140,14 @@ class StudyData:
                 return planned
         return None
 
+    @property
+    def levels(self) -> dict[str, dict[str, str]]:
+        """Return condition → crossed factor → level, as the last session's protocol has them."""
+        for manifest in reversed(self.manifests):
+            if manifest.settings.conditions:
+                return {each.name: each.levels for each in manifest.settings.conditions}
+        return {}
+
     def stop_rule(self, instrument: str) -> StopRuleOfRatings | None:
         """Return the rule by which ratings end exposures, as the last session's protocol has it."""
         for manifest in reversed(self.manifests):

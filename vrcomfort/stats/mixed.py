@@ -13,7 +13,7 @@ from scipy.stats import t as t_distribution
 
 from vrcomfort.errors import InputError
 from vrcomfort.stats.cluster_robust import cluster_robust
-from vrcomfort.stats.random_intercept import FTest, fit_random_intercept
+from vrcomfort.stats.random_intercept import FTest, fit_independent, fit_random_intercept
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -233,8 +233,9 @@ class MixedModel:
     """Fixed effects by name: ``factor: level − reference level``; no intercept."""
     omnibus: dict[str, FTest]
     """Test of each factor, all of its levels together, given the others."""
-    participant_sd: float
-    """0 where people differ no more than the residuals let expect."""
+    participant_sd: float | None
+    """0 where people differ no more than the residuals let expect; None of a model without a random
+    intercept."""
     residual_sd: float
     means: dict[str, dict[str, Estimate]]
     """Estimated marginal means by factor and level."""
@@ -252,6 +253,7 @@ def mixed_model(
     covariates: Sequence[str] = (),
     errors: Errors = "cluster_robust",
     confidence: float = 0.95,
+    repeated: bool = True,
 ) -> MixedModel:
     """Fit ``value ~ factors + (1 | participant)`` to every row, complete participants or not.
 
@@ -271,6 +273,9 @@ def mixed_model(
         Columns with numbers, each an effect of one degree of freedom: points per unit.
     errors
         `cluster_robust` (CR2), or those of the `model`.
+    repeated
+        Whether participants have several values. A linear model without a random intercept is
+        fitted to one value each.
 
     Raises
     ------
@@ -293,7 +298,11 @@ def mixed_model(
         raise InputError(f"{names} cannot be told apart in these data")
     people, groups = np.unique(rows[participant].astype(str), return_inverse=True)
     values = rows[value].to_numpy(dtype=np.float64)
-    fitted = fit_random_intercept(values, design, groups)
+    fitted = (
+        fit_random_intercept(values, design, groups)
+        if repeated
+        else fit_independent(values, design)
+    )
     robust = errors == "cluster_robust"
     fit = cluster_robust(fitted, values, design, groups) if robust else fitted
     unit = np.eye(design.shape[1])
@@ -321,7 +330,7 @@ def mixed_model(
                 if found
             }
         ),
-        participant_sd=float(np.sqrt(fitted.group_variance)),
+        participant_sd=float(np.sqrt(fitted.group_variance)) if repeated else None,
         residual_sd=float(np.sqrt(fitted.residual_variance)),
         means=means,
         pairwise=pairwise,

@@ -130,6 +130,28 @@ def fit_random_intercept(
     return fit
 
 
+def fit_independent(values: Floats, design: Floats) -> RandomIntercept:
+    """Fit ``values ~ design`` by least squares: the same model, where no group has two values.
+
+    Raises
+    ------
+    InputError
+        If no residual, or no variance of residuals, is left.
+    """
+    df = values.size - design.shape[1]
+    if df < 1:
+        raise InputError("too few values for a linear model")
+    coefficients = np.linalg.lstsq(design, values, rcond=None)[0]
+    squares = float(np.sum((values - design @ coefficients) ** 2))
+    if squares <= ROUNDING * float(np.sum((values - values.mean()) ** 2)):
+        raise InputError("the scores leave no variance to model")
+    variance = squares / df
+    inverse = np.linalg.inv(design.T @ design)
+    gradients = np.stack([inverse, np.zeros_like(inverse)])
+    components = np.diag([2 * variance**2 / df, 0.0])
+    return RandomIntercept(coefficients, variance * inverse, variance, 0.0, gradients, components)
+
+
 class _Likelihood:
     """The restricted deviance (−2 log likelihood without constants) as a function of λ."""
 

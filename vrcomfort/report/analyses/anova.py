@@ -22,6 +22,7 @@ from vrcomfort.report.analyses.contract import (
     MethodsParagraph,
     Remark,
     ReportContext,
+    Sentence,
     TableColumn,
     estimable,
     html,
@@ -31,7 +32,7 @@ from vrcomfort.report.analyses.contract import (
 from vrcomfort.report.factors import is_between, level_of, points
 from vrcomfort.report.pairs import with_every_score
 from vrcomfort.report.rows import INLINE
-from vrcomfort.report.words import NONE, degrees, fraction, number, p_value
+from vrcomfort.report.words import NONE, degrees, fraction, number, p_equals, p_value
 from vrcomfort.stats.anova import AnovaEffect, anova
 from vrcomfort.stats.rank_anova import aligned_ranks
 
@@ -53,11 +54,18 @@ MOST_FOR_SHAPIRO = 5000
 
 @dataclass(frozen=True)
 class AnovaEffectRow:
-    """An effect, with its p adjusted in the plan's family."""
+    """An effect, with its p adjusted in the plan's family.
+
+    Parameters
+    ----------
+    shown
+        Whether the p that decides is small enough; None where no family tests the effect.
+    """
 
     test: AnovaEffect = field(metadata=INLINE)
     family: str | None = None
     p_holm: float | None = None
+    shown: bool | None = None
 
 
 @dataclass(frozen=True)
@@ -71,9 +79,16 @@ class ResidualCheck:
 
 @dataclass(frozen=True)
 class AnovaFit:
-    """The effects, and the people they are of."""
+    """The effects, and the people they are of.
+
+    Parameters
+    ----------
+    means
+        Factor → level → mean of the cells of that level, each participant weighing alike.
+    """
 
     factors: dict[str, list[str]]
+    means: dict[str, dict[str, float]]
     between: tuple[str, ...]
     sums_of_squares: str
     n: int
@@ -131,8 +146,10 @@ def _fit(data: AnalysisData, outcome: str) -> AnovaFit:
             sums_of_squares=plan.sums_of_squares,
         )  # fmt: skip
     people = set(cells["participant"]) - set(result.excluded)
+    analysed = cells[cells["participant"].isin(people)]
     return AnovaFit(
         factors={n: sorted(map(str, cells[n].unique())) for n in names},
+        means={name: _means(analysed, name, names) for name in names},
         between=tuple(between),
         sums_of_squares=plan.sums_of_squares,
         n=result.n,
@@ -142,6 +159,12 @@ def _fit(data: AnalysisData, outcome: str) -> AnovaFit:
         aligned_ranks=tuple(ranked),
         residuals=_residual_check(result.residuals),
     )
+
+
+def _means(cells: pd.DataFrame, factor: str, factors: list[str]) -> dict[str, float]:
+    """Return level → mean of its cells, in which participants weigh alike."""
+    means = cells.groupby(factors)["score"].mean().groupby(level=factor).mean()
+    return {str(level): float(mean) for level, mean in means.items()}
 
 
 def _with_every_score(
@@ -169,6 +192,43 @@ def _residual_check(residuals: NDArray[np.float64]) -> ResidualCheck | None:
         return None
     found = shapiro(flat)
     return ResidualCheck(float(found.statistic), float(found.pvalue), int(flat.size))
+
+
+def reported_p(effect: AnovaEffect) -> float | None:
+    """Return the p that counts: of an effect without sphericity, Greenhouse and Geisser's."""
+    corrected = effect.p_greenhouse_geisser
+    return effect.p if corrected is None else corrected
+
+
+def _sentences(row: AnovaRow, words: Vocabulary) -> Iterator[Sentence]:
+    """Yield the answers of the effects that a family of the plan tests."""
+    for effect in row.fit.effects if row.fit else ():
+        if row.fit and effect.family:
+            yield _sentence(row.fit, effect, words.outcome(row.outcome))
+
+
+def _sentence(fit: AnovaFit, row: AnovaEffectRow, outcome: str) -> Sentence:
+    effect, factors = row.test, row.test.effect.split(" × ")
+    what = f"effect of {factors[0]}"
+    if len(factors) > 1:
+        what = f"interaction of {', '.join(factors[:-1])} and {factors[-1]}"
+    if effect.f is None:
+        return Sentence(f"{outcome}: the {what} could not be tested (no variance of error).")
+    p, adjusted = reported_p(effect), ""
+    if row.p_holm is not None and row.p_holm != p:
+        p, adjusted = row.p_holm, "Holm-adjusted "
+    shape = effect.sphericity
+    share = 1.0 if shape is None else shape.greenhouse_geisser
+    df = f"{degrees(effect.df_effect * share)}, {degrees(effect.df_error * share)}"
+    eta = fraction(effect.generalised_eta_squared)
+    means = fit.means[factors[0]].items() if len(factors) == 1 else ()
+    listed = ", ".join(f"{level} {number(mean)}" for level, mean in means)
+    return Sentence(
+        f"{outcome}: {f'an {what}' if row.shown else f'no {what}'} was shown; "
+        f"F({df})\u00a0=\u00a0{number(effect.f)}, {adjusted}{p_equals(p)}, "
+        f"η²G\u00a0=\u00a0{eta}, n\u00a0=\u00a0{fit.n}.",
+        f"Means: {listed}." if listed else "",
+    )
 
 
 def _methods(rows: Sequence[AnovaRow], report: ReportContext) -> Iterator[MethodsParagraph]:
@@ -460,8 +520,10 @@ ANOVA = Analysis(
     AnalysisSet.COMPLETE_BLOCKS,
     _compute,
     section="models",
-    place=100,
+    place=-10,
     order=100,
+    by_outcome=True,
+    sentences=_sentences,
     tables=(_TABLE, _TABLE_OF_CORRECTIONS, _TABLE_OF_RANKS),
     remarks=_remarks,
     methods=_methods,

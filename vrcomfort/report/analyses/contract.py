@@ -333,7 +333,7 @@ class Analysis(Generic[Row]):
         first.
     by_outcome
         Whether its answers stand with their outcome, those of the primary one first. Its rows have
-        a `Decision`, made in families.
+        a `Decision`, made in families (those of the ANOVA one for each effect).
     intervals
         Estimates of a row with the intervals of a level: those at which the row decides in its
         family (data, row, level; None where there are none).

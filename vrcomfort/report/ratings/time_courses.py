@@ -92,7 +92,7 @@ class SummaryEstimates:
     intercept: Estimate
     terms: dict[str, Estimate]
     omnibus: dict[str, OmnibusTest]
-    participant_sd: float
+    participant_sd: float | None
     residual_sd: float
     means: dict[str, dict[str, Estimate]]
     pairwise: dict[str, dict[str, Pairwise]]
@@ -190,7 +190,10 @@ def possible_summaries(exposures: Iterable[RatedExposure], scale: Possible) -> R
 def model_of(
     table: pd.DataFrame, summary: Course, reference: str, plan: Plan, ranges: Ranges
 ) -> SummaryModel:
-    """Fit ``summary ~ condition + (1 | participant)``; or return the reason for no model."""
+    """Fit ``summary ~ condition + (1 | participant)``; or return the reason for no model.
+
+    Of people with one exposure each, the model has no random intercept.
+    """
     try:
         model = mixed_model(
             table,
@@ -200,6 +203,7 @@ def model_of(
             references={"condition": reference},
             errors=plan.mixed_model_errors,
             confidence=plan.confidence,
+            repeated=not table["participant"].is_unique,
         )
     except InputError as error:
         return SummaryModel(summary, error.message)
@@ -423,11 +427,13 @@ def time_course_paragraph(
     """
     text = "The ratings of an exposure were reduced to summary measures (Matthews et al., 1990). "
     cited = ["matthews_1990"]
-    if again:
-        text += (
-            "Each was analysed with a mixed model with a random intercept per participant. "
-            f"Standard errors are {ERRORS[errors]} "
+    if several or again:
+        model = (
+            "mixed model with a random intercept per participant"
+            if again
+            else "linear model of the conditions, as each participant has one exposure"
         )
+        text += f"Each was analysed with a {model}. Standard errors are {ERRORS[errors]} "
         cited += CITED[errors]
     text += "Times count only while the stimulus was visible, where recorded. "
     if several and not again:
