@@ -287,7 +287,7 @@ def test_intervals_of_groups_are_not_called_within_participants(tmp_path):
     text, made = page_of(study, tmp_path)
     assert "ithin-participant" not in text
     assert "random intercept" not in text
-    assert "no difference was shown between b and a; the mean difference was" in text
+    assert "no difference was shown between a and b; the mean difference was −0.25" in text
     assert "Linear model of these measures" in text
     found = json.loads(made.results.read_text("utf-8"))["ratings"]["curves"]
     assert any(point["low"] < point["mean"] < point["high"] for point in found)
