@@ -2,7 +2,6 @@
 
 import csv
 import json
-import random
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -173,10 +172,10 @@ CROSSED = {f"{a}_{b}": {"blur": a, "streaks": b} for a in ("off", "dof") for b i
 
 def crossed(folder: Path, met: Callable[[int], list[str]]) -> Path:
     """Write a study of a protocol with two crossed factors; participant → their conditions."""
-    study, rng = Study(folder), random.Random(4)
+    study, rng = Study(folder), np.random.default_rng(4)
     settings = {"conditions": [{"name": name, "levels": of} for name, of in CROSSED.items()]}
     for i in range(12):
-        totals = {name: rng.randrange(9) + 4 * name.startswith("dof") for name in met(i)}
+        totals = {name: int(rng.integers(9)) + 4 * name.startswith("dof") for name in met(i)}
         exposures = [(name, "room", total) for name, total in totals.items()]
         where = study.session(f"P{i}", 1, 0, exposures)
         text = manifest(f"P{i}", settings=settings)
@@ -188,7 +187,7 @@ def test_crossed_factors_are_tested_by_their_effects(tmp_path):
     folder = crossed(tmp_path / "study", lambda _: list(CROSSED))
     results, page = reported(folder)
     scores = pd.read_csv(tmp_path / "o/tables/scores.csv")
-    wide = scores.pivot(index="participant", columns="condition", values="T")[list(CROSSED)]
+    wide = scores.pivot_table(index="participant", columns="condition", values="T")[list(CROSSED)]
     effects = {each["effect"]: each for each in results["anova"][0]["effects"]}
     assert list(effects) == ["blur", "streaks", "blur × streaks"]
     signs = {"blur": (1, 1, -1, -1), "streaks": (1, -1, 1, -1), "blur × streaks": (1, -1, -1, 1)}
