@@ -141,7 +141,7 @@ def fit_independent(values: Floats, design: Floats) -> RandomIntercept:
     df = values.size - design.shape[1]
     if df < 1:
         raise InputError("too few values for a linear model")
-    coefficients = np.linalg.lstsq(design, values, rcond=None)[0]
+    coefficients: Floats = np.linalg.lstsq(design, values, rcond=None)[0].astype(np.float64)
     squares = float(np.sum((values - design @ coefficients) ** 2))
     if squares <= ROUNDING * float(np.sum((values - values.mean()) ** 2)):
         raise InputError("the scores leave no variance to model")
