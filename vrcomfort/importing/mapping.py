@@ -267,6 +267,8 @@ class LabMapping(Settings):
     """The study's title."""
     condition_labels: dict[str, str] = Field(default_factory=dict)
     """Condition → label in the report, in the order in which they are to stand there."""
+    condition_levels: dict[str, dict[str, str]] = Field(default_factory=dict)
+    """Condition → factor → level, where the conditions are those of crossed factors."""
     instruments: tuple[_OwnInstrument, ...] = ()
     """A lab's own instruments: their TOML files, beside the mapping, or what such files say."""
     ignore_sheets: tuple[str, ...] = ()

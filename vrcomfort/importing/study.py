@@ -105,6 +105,7 @@ def _description(imported: Imported, mapping: MappingFile, folder: Path) -> dict
         "name": mapping.mapping.name or folder.resolve().name,
         "description": f"Answers imported with vrcomfort; where from, {PROVENANCE} says.",
         "conditions": conditions,
+        "levels": mapping.mapping.condition_levels,
         "instruments": list(instruments),
         "scores_without_answers": imported.scores,
         "not_asked": {name: list(items) for name, items in imported.not_asked.items()},

@@ -43,10 +43,11 @@ def unmatched(
         Those of the answers.
     """
     there = set(conditions)
-    for name in mapping.condition_labels:
-        if name not in there:
-            message = f"no answer is of a condition `{name}`; {did_you_mean(name, there)}"
-            yield Problem(("condition_labels", name), message)
+    for key in ("condition_labels", "condition_levels"):
+        for name in getattr(mapping, key):
+            if name not in there:
+                message = f"no answer is of a condition `{name}`; {did_you_mean(name, there)}"
+                yield Problem((key, name), message)
     for place, (table, cells) in enumerate(zip(mapping.tables, seen, strict=True)):
         for kind, sources in (("questionnaires", table.questionnaires), ("scores", table.scores)):
             for index, each in enumerate(sources):

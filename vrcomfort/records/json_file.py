@@ -268,6 +268,8 @@ class DescribedShape(_File):
     citation: str = ""
     protocol: str = ""
     conditions: dict[str, str] = {}
+    levels: dict[str, dict[str, str]] = {}
+    """Condition → factor → level, where the conditions are those of crossed factors."""
     not_asked: dict[str, list[str]] = {}
     """Instrument → the items that an import's short form of it does not have."""
 

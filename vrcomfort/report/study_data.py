@@ -91,6 +91,8 @@ class StudyData:
     protocol: str | None
     labels: dict[str, str]
     """Condition → label, in the protocol's order; empty without a study description."""
+    imported_levels: dict[str, dict[str, str]]
+    """Condition → factor → level, as an import says it."""
     instruments: Mapping[str, Instrument]
     """Name → shipped instruments, and those of the study's own."""
     sheets: tuple[Sheet, ...]
@@ -142,11 +144,14 @@ class StudyData:
 
     @property
     def levels(self) -> dict[str, dict[str, str]]:
-        """Return condition → crossed factor → level, as the last session's protocol has them."""
+        """Return condition → crossed factor → level, as the last session's protocol has them.
+
+        Or as the import says them.
+        """
         for manifest in reversed(self.manifests):
             if manifest.settings.conditions:
                 return {each.name: each.levels for each in manifest.settings.conditions}
-        return {}
+        return self.imported_levels
 
     def stop_rule(self, instrument: str) -> StopRuleOfRatings | None:
         """Return the rule by which ratings end exposures, as the last session's protocol has it."""
@@ -238,6 +243,7 @@ def read_study(
         title=(description.name if description else "") or source.resolve().name,
         protocol=_protocol(description),
         labels=description.conditions if description else {},
+        imported_levels=description.levels if description else {},
         instruments=known,
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
         participants=participants,

@@ -129,6 +129,10 @@ def suggest_mapping(
         imported, refusal = _tried(top, files, [*own.values()])
     if imported is not None and say_same_people(useful, imported):
         imported, refusal = _tried(top, files, [*own.values()])
+    levels = {name: said for draft in useful for name, said in draft.levels.items()}
+    factors = {frozenset(said) for said in levels.values()}
+    if imported is not None and {*imported.conditions} == levels.keys() and len(factors) == 1:
+        top.tables["condition_levels"] = TomlDraft(dict(levels))
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
     doubts += [*ignored, *left_out, *_unanswered(drafts, known)]
     if refusal:

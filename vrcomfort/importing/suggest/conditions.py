@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from difflib import SequenceMatcher
 from itertools import combinations
+from math import prod
 
 from vrcomfort.importing.suggest.draft import CONDITIONS, ORDER, SAME_CONDITION, TIMEPOINTS
 from vrcomfort.importing.suggest.evidence import (
@@ -23,6 +24,8 @@ from vrcomfort.questionnaire import plain
 from vrcomfort.settings import toml_value
 
 MOST_NAMED = 5
+_MOST_LEVELS, _FULL_OF = 6, 10
+"""Levels of a factor between participants; people of whom one may lack a combination."""
 LONG_WORD, NEAR, RARER = 6, 0.85, 2
 """Letters in which a misspelling shows, how alike the two words are, and how much rarer one is."""
 
@@ -47,12 +50,7 @@ class Conditions(FactDraft):
         if "condition" in self._named and not columns:
             return
         if len(columns) == 1 and (factors := self._with_another(columns[0])):
-            self._join_condition(factors)
-            names = ", ".join(repr(self.heading(column)) for column in factors)
-            for factor in factors:
-                self._roles.forget(factor)
-            question = f"Are conditions made of {names} together?"
-            self.doubt(question, "they are, joined by _", CONDITIONS)
+            self._cross(factors)
         elif len(columns) == 1:
             self.use("condition", columns[0])
             if len(texts(self._table, columns[0])) == 1:
@@ -78,21 +76,54 @@ class Conditions(FactDraft):
                 shown = ", ".join(map(repr, words[:MOST_NAMED]))
                 question = f"{self.heading(column)!r} has {shown}: is it not the condition?"
                 assumed = "it is not: headings, names of files or another column say it"
+                if column in self._roles.facts["condition"] and self._groups(column):
+                    assumed = "it is a group of participants: the condition is said elsewhere"
                 self.doubt(question, assumed, CONDITIONS)
+
+    def _groups(self, column: int) -> bool:
+        """Take a column that says one thing of each person for a group; return whether it does."""
+        table, who = self._table, self._context.participant
+        if who is None or "group" in self._context.covariates or varies_within(table, column, who):
+            return False
+        self._context.covariates["group"] = column
+        self._context.used.add(column)
+        return True
 
     def _several_conditions(self, columns: list[int]) -> None:
         names = ", ".join(repr(self.heading(c)) for c in columns)
         within = [c for c in columns if varies_within(self._table, c, self._context.participant)]
-        chosen = within or columns[:1]
-        if len(chosen) == 1:
-            self.use("condition", chosen[0])
-            chosen_one = repr(self.heading(chosen[0]))
-            self.doubt(f"Which of {names} is the condition?", chosen_one, CONDITIONS)
-        else:
-            self._join_condition(chosen)
-            self.doubt(
-                f"Are conditions made of {names} together?", "they are, joined by _", CONDITIONS
-            )
+        between = [c for c in columns if 1 < len(texts(self._table, c)) <= _MOST_LEVELS]
+        chosen = within or (between if self._levels(between) else columns[:1])
+        if len(chosen) > 1:
+            self._cross(chosen)
+            return
+        self.use("condition", chosen[0])
+        chosen_one = repr(self.heading(chosen[0]))
+        groups = next((c for c in columns if c not in chosen and self._groups(c)), None)
+        if groups is not None:
+            chosen_one += f"; {self.heading(groups)!r} is a group of participants"
+        self.doubt(f"Which of {names} is the condition?", chosen_one, CONDITIONS)
+
+    def _cross(self, columns: Sequence[int]) -> None:
+        """Make conditions of columns together, which are their factors if crossed; and ask."""
+        self._join_condition(columns)
+        self.found.levels = self._levels(columns)
+        names = ", ".join(repr(self.heading(column)) for column in columns)
+        for column in columns:
+            self._roles.forget(column)
+        what = "they are, and these are crossed factors" if self.found.levels else "they are"
+        question = f"Are conditions made of {names} together?"
+        self.doubt(question, f"{what}, joined by _", CONDITIONS)
+
+    def _levels(self, columns: Sequence[int]) -> dict[str, dict[str, str]]:
+        """Return condition → heading → level; nothing where columns are not crossed."""
+        cells = dict.fromkeys(tuple(row[c] for c in columns) for row in self._table.rows)
+        whole = [cell for cell in cells if all(cell)]
+        sizes = [len({*level}) for level in zip(*whole, strict=True)]
+        if len(sizes) < 2 or min(sizes) < 2 or len(whole) != prod(sizes):
+            return {}
+        names = [self.heading(column) for column in columns]
+        return {"_".join(cell): dict(zip(names, cell, strict=True)) for cell in whole}
 
     def _join_condition(self, columns: Sequence[int]) -> None:
         self._context.used |= set(columns)
@@ -121,16 +152,11 @@ class Conditions(FactDraft):
             said = {"column": self.heading(column), **self.names_of_codes(column)}
             self.found.draft.put("condition", said)
             self.doubt_of(found[0])
-        elif factors := self._factors(
-            [each for each in found if each.evidence is found[0].evidence]
+        elif factors := (
+            self._factors([each for each in found if each.evidence is found[0].evidence])
+            or self._with_another(found[0].column)
         ):
-            self._join_condition(factors)
-            for column in factors:
-                if column in self._roles.unknown:
-                    self._roles.unknown.remove(column)
-            names = ", ".join(repr(self.heading(column)) for column in factors)
-            question = f"Are conditions made of {names} together?"
-            self.doubt(question, "they are, joined by _", CONDITIONS)
+            self._cross(factors)
         else:
             self.use("condition", found[0].column)
             if found[0].column in self._roles.unknown:
@@ -145,6 +171,10 @@ class Conditions(FactDraft):
         who, rows = self._context.participant, self._table.rows
         if who is None or self._answers.row_keys or self._context.time is not None:
             return []
+        open_ = [c for c in self._roles.unknown if c != column and c not in self._context.used]
+        for other, _ in candidates("condition", open_, self._context):
+            if self._is_crossed(column, other):
+                return [column, other]
         flag = self._is_flag(column)
         no_keys = {"condition", "trial", "period"} if flag else {"condition"}
         decided = [c for f, cs in self._context.columns.items() if f not in no_keys for c in cs]
@@ -157,6 +187,27 @@ class Conditions(FactDraft):
             if alike and len(cells) == len(rows):
                 return sorted([column, other]) if flag else [column, other]
         return []
+
+    def _is_crossed(self, column: int, other: int) -> bool:
+        """Return whether nearly everybody had each level of one with each level of another.
+
+        A count from 1 is a number of trials.
+        """
+        counted = {str(n) for n in range(1, 1 + len(texts(self._table, other)))}
+        if counted == {*texts(self._table, other)} or not self._levels([column, other]):
+            return False
+        cells = {
+            (row[column], row[other]) for row in self._table.rows if row[column] and row[other]
+        }
+        met: dict[str, Counter[tuple[str, str]]] = defaultdict(Counter)
+        for row in self._table.rows:
+            if self._context.participant is not None:
+                met[row[self._context.participant]][row[column], row[other]] += 1
+        whole = (
+            cells <= count.keys() and len({count[cell] for cell in cells}) == 1
+            for count in met.values()
+        )
+        return sum(whole) * _FULL_OF >= len(met) * (_FULL_OF - 1)
 
     def _is_flag(self, column: int) -> bool:
         return {*texts(self._table, column)} == {"0", "1"}

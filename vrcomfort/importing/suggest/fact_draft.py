@@ -30,12 +30,15 @@ class DraftedFacts:
         The decisions on columns.
     unused
         Columns with a heading for a fact that were not taken.
+    levels
+        Condition → factor → level, where conditions are made of crossed factors.
     """
 
     context: Context
     draft: TomlDraft = field(default_factory=TomlDraft)
     doubts: list[OpenDoubt] = field(default_factory=list)
     unused: list[int] = field(default_factory=list)
+    levels: dict[str, dict[str, str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from math import prod
 from typing import Any
 
 from vrcomfort.importing.answers import number, time_in_words_s
@@ -35,6 +36,7 @@ from vrcomfort.importing.suggest.draft import (
     LAYOUT,
     ORDER,
     PEOPLE,
+    SAME_CONDITION,
     SAME_PERSON,
     SCORE_KIND,
     STAYED,
@@ -101,6 +103,8 @@ class TableDraft(KeptRows):
         self._known = known
         self.labels: dict[str, str] = {}
         """Condition that headings say → how they write it."""
+        self.levels: dict[str, dict[str, str]] = {}
+        """Condition → factor → level, where conditions are made of crossed factors."""
         self.gives = False
         """Whether there is anything to import."""
         self._files()
@@ -223,6 +227,7 @@ class TableDraft(KeptRows):
         self.draft.values |= exposures.draft.values
         self.draft.comments |= exposures.draft.comments
         self.doubts += exposures.doubts
+        self.levels = exposures.levels or self._levels_in_headings(facts)
         self._leave_out(context.participant)
         self._draft_leaving()
         self._compare_moments()
@@ -233,6 +238,26 @@ class TableDraft(KeptRows):
         self.gives = bool(
             self.draft.lists or self._leaving or self.draft.values.get("participants")
         )
+
+    def _levels_in_headings(self, facts: Sequence[Mapping[str, str]]) -> dict[str, dict[str, str]]:
+        """Return the levels of crossed factors that conditions in headings consist of; and ask.
+
+        A factor is called after its levels.
+        """
+        names = dict.fromkeys(c for each in facts if (c := each.get("condition")))
+        parts = {name: name.split("_") for name in names}
+        if len({*map(len, parts.values())}) != 1:
+            return {}
+        levels = [[*dict.fromkeys(level)] for level in zip(*parts.values(), strict=True)]
+        factors = {n: "/".join(each) for n, each in enumerate(levels) if len(each) > 1}
+        if len(factors) < 2 or len(names) != prod(len(levels[n]) for n in factors):
+            return {}
+        shown = " and ".join(f"{factor}" for factor in factors.values())
+        question = f"Are the conditions crossed, of the factors {shown}?"
+        self.doubts.append(OpenDoubt(question, "they are", *SAME_CONDITION))
+        return {
+            name: {factor: part[n] for n, factor in factors.items()} for name, part in parts.items()
+        }
 
     def _facts_beside(self) -> list[dict[str, str]]:
         """Return the facts of blocks whose conditions stand in columns beside them."""

@@ -1,0 +1,113 @@
+"""Conditions that are every combination of two factors, in columns or in headings."""
+
+from __future__ import annotations
+
+import csv
+import json
+import random
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from tests.support.layouts import ENGLISH
+from tests.support.report import build_report
+from vrcomfort.errors import InputError
+from vrcomfort.importing import import_files, load_mapping, write_study
+from vrcomfort.importing.mapping import MappingFile
+from vrcomfort.importing.suggest import Suggestion, suggest_mapping
+
+RANDOM = random.Random(9)  # noqa: S311
+MOVES, VIEWS = ("Teleport", "Joystick"), ("60", "110")
+LEVELS = {f"{m}_{v}": (m, v) for m in MOVES for v in VIEWS}
+
+
+def table(file: Path, rows: Sequence[Sequence[object]]) -> Path:
+    with file.open("w", newline="", encoding="utf-8") as out:
+        csv.writer(out).writerows(rows)
+    return file
+
+
+def ssq() -> list[int]:
+    return [RANDOM.choice((0, 0, 1, 2, 3)) for _ in ENGLISH]
+
+
+def confirmed(found: Suggestion, folder: Path) -> MappingFile:
+    file = folder / "map.toml"
+    file.write_text(re.sub('answer = ""', 'answer = "yes"', found.text), encoding="utf-8")
+    return load_mapping(file)
+
+
+def in_rows(move: str, view: str) -> list[list[object]]:
+    rows: list[list[object]] = [["id", "trial", move, view, *ENGLISH]]
+    for n in range(1, 13):
+        cells = RANDOM.sample([*LEVELS.values()], 4)
+        rows += [[f"P{n}", k, *cell, *ssq()] for k, cell in enumerate(cells, start=1)]
+    return rows
+
+
+@pytest.mark.parametrize("move", ["Locomotion", "Bewegung"])
+def test_two_columns_are_factors_of_the_conditions_and_of_the_analysis(
+    tmp_path: Path, move: str
+) -> None:
+    file = table(tmp_path / "study.csv", in_rows(move, "Sichtfeld"))
+    mapping = confirmed(suggest_mapping([file]), tmp_path)
+    assert mapping.mapping.condition_levels == {
+        name: {move: m, "Sichtfeld": v} for name, (m, v) in LEVELS.items()
+    }
+    imported = import_files([file], mapping.mapping)
+    assert {*imported.conditions} == {*LEVELS}
+    study, out = tmp_path / "study", tmp_path / "report"
+    write_study(study, imported, mapping, [file])
+    build_report(study, out=out)
+    results = json.loads((out / "results.json").read_text(encoding="utf-8"))
+    effects = [each["effect"] for each in results["anova"][0]["effects"]]
+    assert effects == [move, "Sichtfeld", f"{move} × Sichtfeld"]
+
+
+def test_conditions_in_headings_are_crossed(tmp_path: Path) -> None:
+    head = ["id", *(f"{name}_{item}" for name in LEVELS for item in ENGLISH)]
+    rows = [[f"P{n}", *(answer for _ in LEVELS for answer in ssq())] for n in range(1, 9)]
+    found = suggest_mapping([table(tmp_path / "wide.csv", [head, *rows])])
+    assert confirmed(found, tmp_path).mapping.condition_levels == {
+        name: {"Teleport/Joystick": m, "60/110": v} for name, (m, v) in LEVELS.items()
+    }
+
+
+def test_conditions_that_are_not_every_combination_have_no_factors(tmp_path: Path) -> None:
+    names = ["Teleport_60", "Teleport_110", "Joystick_60"]
+    head = ["id", *(f"{name}_{item}" for name in names for item in ENGLISH)]
+    rows = [[f"P{n}", *(answer for _ in names for answer in ssq())] for n in range(1, 9)]
+    found = suggest_mapping([table(tmp_path / "wide.csv", [head, *rows])])
+    assert "condition_levels" not in found.text
+
+
+def test_a_factor_between_people_beside_one_within_is_their_group(tmp_path: Path) -> None:
+    rows = [
+        [f"P{n}", MOVES[n % 2], view, *ssq()] for n in range(1, 13) for view in ("small", "large")
+    ]
+    file = table(tmp_path / "x.csv", [["id", "Locomotion", "FOV", *ENGLISH], *rows])
+    found = suggest_mapping([file]).imported
+    assert found is not None
+    assert {*found.conditions} == {"small", "large"}
+    assert {n: p["group"] for n, p in found.participants.items()} == {
+        f"P{n}": MOVES[n % 2] for n in range(1, 13)
+    }
+
+
+def test_a_count_of_repetitions_is_no_factor(tmp_path: Path) -> None:
+    rows = [[f"P{n}", m, k, *ssq()] for n in range(1, 9) for m in MOVES for k in (1, 2)]
+    file = table(tmp_path / "x.csv", [["id", "Locomotion", "Rep", *ENGLISH], *rows])
+    found = suggest_mapping([file]).imported
+    assert found is not None
+    assert {*found.conditions} == {*MOVES}
+
+
+def test_levels_of_a_condition_that_nobody_had_are_refused(tmp_path: Path) -> None:
+    file = table(tmp_path / "study.csv", in_rows("Locomotion", "FOV"))
+    text = suggest_mapping([file]).text.replace("Teleport_60 =", "Teleport_06 =")
+    (tmp_path / "map.toml").write_text(re.sub('answer = ""', 'answer = "y"', text), "utf-8")
+    mapping = load_mapping(tmp_path / "map.toml").mapping
+    with pytest.raises(InputError, match="no answer is of a condition `Teleport_06`"):
+        import_files([file], mapping)
