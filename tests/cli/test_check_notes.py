@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from vrcomfort.resources import data_folder
-
-SHIPPED = sorted(path.stem for path in data_folder("protocols").glob("*.toml"))
-
 STUDY = """\
 name = "noted"
 title = "Noted"
@@ -181,11 +177,3 @@ def test_ratings_that_are_asked_less_often_than_they_are_due_are_noted(noted):
 
 def test_ratings_with_time_for_each_are_not(noted):
     assert noted(rated(("fms", 10.0, 5.0), ("misc", 20.0, 5.0)))[2] == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SHIPPED)
-def test_shipped_protocols_have_nothing_to_note(run, name):
-    code, out, err = run("check", name, "--no-draw")
-    assert (code, "note:" in err) == (0, False), err
-    assert f"{name}: nothing is wrong" in out

@@ -41,7 +41,7 @@ read = set()
 source = shaders.source
 shaders.source = lambda name: (read.add(name), source(name))[1]
 
-context, scene = create_context(), load_scene("temple")
+context, scene = create_context(), load_scene("depths")
 for law in ("linear", "dioptre"):
     condition = Condition(
         name="all", depth_of_field=DepthOfField(law=law), motion_blur=MotionBlur()

@@ -61,15 +61,17 @@ def assert_whole(study: Path, protocol: Protocol, rehearsed: Path) -> None:
     Parameters
     ----------
     rehearsed
-        The same protocol from `simulate --no-draw`, in its own length: what is asked, and when.
+        The same protocol from `simulate --no-draw`: what is asked, and when.
     """
     assert not verify_study(study).faults
     folders = sorted((study / "sub-P01").glob("ses-*"))
     assert folders
-    for folder in folders:
+    planned = build_design(protocol).plan(1)[0].sessions
+    for folder, trials in zip(folders, planned, strict=False):  # a runtime shows the first alone
         assert read_manifest(folder)["status"] == "completed"
         other = rehearsed / "sub-P01" / folder.name
         assert _asked(folder) == _asked(other)
+        assert len(_table(folder, "trials")) == len(trials)
         assert _column(folder, "trials", "condition") == _column(other, "trials", "condition")
         assert set(_column(folder, "ratings", "trial")) == set(_column(other, "ratings", "trial"))
         _assert_frames(folder, protocol)

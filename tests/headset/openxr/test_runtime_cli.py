@@ -146,7 +146,7 @@ def test_a_whole_session_is_replayed_verified_and_reported(session: Path, tmp_pa
     vrcomfort("play", session_folder(session), "--out", tmp_path / "played", "--trial", 1)
     played = json.loads((tmp_path / "played" / "replay.json").read_text("utf-8"))
     assert played["images_equal"] == played["images_compared"] > 0
-    vrcomfort("report", study, "--out", tmp_path / "report")
+    vrcomfort("report", study, "--figures", "none", "--out", tmp_path / "report")
     results = json.loads((tmp_path / "report" / "results.json").read_text("utf-8"))
     assert results["participants"]["n"] == 1
     assert results["quality"]["questionnaires"] == 5

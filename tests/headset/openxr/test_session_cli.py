@@ -154,7 +154,7 @@ def test_a_whole_session_records_the_trace_and_the_script_and_is_reported(
     assert (timing["interval_median_ms"].astype(float) >= 40).all()
     assert set(timing["gpu_median_ms"]) == {""}  # a software rasteriser
 
-    reported = run("report", str(study), "--out", str(tmp_path / "report"))
+    reported = run("report", str(study), "--figures", "none", "--out", str(tmp_path / "report"))
     assert reported.returncode == 0, reported.stderr
     results = json.loads((tmp_path / "report" / "results.json").read_text())
     assert results["participants"]["n"] == 1
@@ -195,5 +195,6 @@ def test_a_runtime_killed_in_an_exposure_is_told_and_the_session_goes_on(tmp_pat
     assert trials["resumed"].tolist() == [0, 1, 1, 1, 1]
     timepoints = read(tmp_path, "questionnaires.csv")["timepoint"].tolist()[::16]
     assert timepoints == ["baseline", "baseline", *["post"] * 4]
-    reported = run("report", str(tmp_path / "study"), "--out", str(tmp_path / "r"))
+    told = ("--figures", "none", "--out", str(tmp_path / "r"))
+    reported = run("report", str(tmp_path / "study"), *told)
     assert reported.returncode == 0, reported.stderr

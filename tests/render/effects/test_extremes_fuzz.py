@@ -73,7 +73,7 @@ def test_whole_frames(ctx, cases):
         centre = condition.gaze_centre
         stops = centre is not None and centre.without_gaze == "stop"
         tracked = condition.focus.without_gaze == "stop" or stops or rng.random() < 0.5
-        for frame in frames(rng, tracked=tracked):
+        for frame in frames(rng, tracked=tracked, length=2):
             rendered = renderer.render(
                 frame,
                 frame.predicted_display_time_ns * 1e-9,
@@ -231,7 +231,7 @@ def test_two_frames_at_a_headsets_size(ctx):
     condition = condition.model_copy(
         update={"depth_of_field": DepthOfField(samples=16), "motion_blur": MotionBlur(samples=2)}
     )
-    renderer = StereoRenderer(ctx, (1832, 1920), samples=2)
+    renderer = StereoRenderer(ctx, (1832, 1920), samples=2, eyes=1)
     renderer.build(scene(rng), condition)
     for frame in frames(rng, tracked=True, length=2):
         renderer.render(frame, 0.0, lambda _, images: check_images(images, condition))
