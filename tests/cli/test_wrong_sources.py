@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -34,9 +35,22 @@ def test_a_dataset_of_another_format_is_no_damaged_study(run: Call, tmp_path, co
     (tmp_path / "d" / "dataset_description.json").write_text(json.dumps(content), "utf-8")
     out = {"anonymise": ("--out", tmp_path / "a"), "export": ("--out", tmp_path / "b")}
     form = ("--format", "bids") if command == "export" else ()
-    _, told, err = run(command, tmp_path / "d", *out.get(command, ()), *form)
-    assert "this describes a dataset, and no study that vrcomfort recorded; give the" in told + err
-    assert "damaged" not in told + err
+    said = refusal(run, command, tmp_path / "d", *out.get(command, ()), *form)
+    assert "this describes a dataset, and no study that vrcomfort recorded; give the" in said
+
+
+def test_a_mistyped_session_is_not_taken_for_a_trace(run: Call, study: Path, tmp_path) -> None:
+    mistyped = study / "sub-P01" / "ses-7"
+    for options in (("--from-s", "1"), ()):
+        said = refusal(run, "play", mistyped, *options, "--out", tmp_path / "o")
+        assert said == f"error: {mistyped}: there is no such file or folder\n"
+
+
+def test_a_pipe_is_no_protocol(run: Call, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.toml")
+    code, _, err = run("design", tmp_path / "pipe.toml")
+    assert code == 2
+    assert "pipe.toml: this is no regular file; a protocol is a TOML file" in err
 
 
 def test_a_folder_of_files_is_no_file_to_import(run: Call, study: Path) -> None:

@@ -61,7 +61,7 @@ def test_a_whole_study_passes_with_counts(whole: Path) -> None:
     assert found.counts["sessions completed"] == 2
     frames = (whole / SESSION / "frames.csv").read_text().count("\n") - 1
     assert found.counts["rows of frames.csv"] == found.counts["rows of gaze.csv"] == 2 * frames
-    assert found.counts["files as they were when their session ended"] == 2 * 8
+    assert found.counts["files unchanged since the session ended"] == 2 * 8
 
 
 @pytest.mark.parametrize(
@@ -343,7 +343,7 @@ def test_another_folder_is_refused(tmp_path: Path) -> None:
 def test_the_command_says_what_is_wrong_in_its_exit_code(run, study: Path, tmp_path: Path) -> None:
     code, out, err = run("verify", study)
     assert (code, err) == (0, "")
-    assert "nothing is wrong. Counted: 1 participants, 2 sessions" in out
+    assert "nothing is wrong. Counted: 1 participant, 2 sessions" in out
     cell(study / SESSION / "trials.csv", 2, "participant", "P02")
     code, out, _ = run("verify", study)
     assert code == 1

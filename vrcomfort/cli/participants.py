@@ -10,6 +10,7 @@ import typer
 from vrcomfort.cli.options import Json, Quiet, StudyArgument
 from vrcomfort.cli.terminal import conclude, warn
 from vrcomfort.errors import InputError
+from vrcomfort.plurals import counted
 
 Participant = Annotated[
     str, typer.Argument(metavar="PARTICIPANT", help="Participant id, such as P01.")
@@ -109,7 +110,7 @@ def erase(
     for file in done.mentions:
         warn(f"{study / file} still names {participant}; make it again, mend it, or delete it")
     row = f" {done.row} is the row that stays in participants.csv." if done.row else ""
-    sentence = f"{participant} is erased, with {done.sessions} sessions.{row}"
+    sentence = f"{participant} is erased, with {counted(done.sessions, 'sessions')}.{row}"
     facts = {
         "participant": participant,
         "sessions": done.sessions,

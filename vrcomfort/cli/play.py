@@ -289,6 +289,8 @@ def play(
     of_sessions = {
         "--from-s": from_s, "--to-s": to_s, "--show": show or None, "--eye": eye,
     }  # fmt: skip
+    if not source.exists():
+        raise InputError("there is no such file or folder", file=source)
     is_session = source.is_dir()
     if is_session:
         from vrcomfort.replay import require_session

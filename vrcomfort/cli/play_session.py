@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort.api.rendering import make_renderer, shader_hashes
 from vrcomfort.cli.terminal import conclude, console, progress_bar, warn
 from vrcomfort.errors import InputError
+from vrcomfort.plurals import counted
 from vrcomfort.protocol import Condition, Protocol, load_protocol
 from vrcomfort.protocol.quality_levels import Quality
 
@@ -108,7 +109,7 @@ def play_session(
         "images_equal": comparison.equal,
         "written": places,
     }
-    sentence = f"{count} frames, {length_s:.2f} s: {', '.join(places)}"
+    sentence = f"{counted(count, 'frames')}, {length_s:.2f} s: {', '.join(places)}"
     conclude(sentence, facts, quiet=quiet, as_json=as_json)
 
 
@@ -273,7 +274,8 @@ def _tell(
     machine = Machine(facts["renderer"], facts["version"], shaders=shader_hashes())
     reasons += differences(session.manifest, machine)
     why = "; ".join(reasons) or "nothing that is recorded says why: `vrcomfort verify` the study"
-    warn(f"{comparison.compared - comparison.equal} images are not as recorded: {why}")
+    other = comparison.compared - comparison.equal
+    warn(f"{counted(other, 'images')} {'is' if other == 1 else 'are'} not as recorded: {why}")
 
 
 def _summary(

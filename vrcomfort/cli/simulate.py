@@ -37,6 +37,7 @@ from vrcomfort.cli.options import (
 )
 from vrcomfort.cli.terminal import answer, ask_for_code, console, progress_bar, warn
 from vrcomfort.errors import InputError
+from vrcomfort.plurals import counted
 from vrcomfort.protocol import load_protocol
 
 
@@ -133,7 +134,7 @@ def demo(
     study, pictures = _fresh(out)
     quiet = quiet or as_json
     say = console(quiet).print
-    say(f"Simulating {participants} participants, two sessions each ...")
+    say(f"Simulating {counted(participants, 'participants')}, two sessions each ...")
     outcomes = simulate_sessions(
         load_protocol(DEMO_PROTOCOL),
         participants=participants,

@@ -21,6 +21,7 @@ from vrcomfort.cli.options import (
     output_option,
 )
 from vrcomfort.cli.terminal import answer, conclude, console, progress_bar, warn
+from vrcomfort.plurals import counted
 
 if TYPE_CHECKING:
     from vrcomfort.exchange.status import SessionState, StudyState
@@ -81,7 +82,9 @@ def _show_status(state: StudyState) -> None:
 def _session(session: SessionState) -> str:
     of = "" if session.planned is None else f" of {session.planned}"
     flags = f", {session.flagged} flagged" if session.flagged else ""
-    return f"{session.number}: {session.status}, {session.exposures}{of} exposures{flags}"
+    many = session.exposures if session.planned is None else session.planned
+    exposures = f"{session.exposures}{of} {'exposure' if many == 1 else 'exposures'}"
+    return f"{session.number}: {session.status}, {exposures}{flags}"
 
 
 def _people(state: StudyState) -> str:
@@ -160,12 +163,12 @@ def _show(found: Verified, *, quiet: bool) -> None:
         console().print(f"wrong: {fault}")
     for note in found.notes:
         console(quiet).print(f"note: {note}", style="dim")
-    counted = ", ".join(f"{count} {what}" for what, count in found.counts.items())
+    numbers = ", ".join(counted(count, what) for what, count in found.counts.items())
     verdict = "nothing is wrong"
     if found.faults:
         things = "1 thing is" if len(found.faults) == 1 else f"{len(found.faults)} things are"
         verdict = f"{things} wrong"
-    console(quiet and not found.faults).print(f"{found.study}: {verdict}. Counted: {counted}")
+    console(quiet and not found.faults).print(f"{found.study}: {verdict}. Counted: {numbers}")
 
 
 def pack(

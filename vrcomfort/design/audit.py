@@ -14,6 +14,7 @@ from math import lcm
 from vrcomfort.design.groups import margins
 from vrcomfort.design.orders import CombinedOrders
 from vrcomfort.design.pool import COUNTING_STATUSES, Design, Enrolment
+from vrcomfort.plurals import counted
 from vrcomfort.protocol import Sequence, Trial
 
 
@@ -117,9 +118,11 @@ def _remainder(design: Design, used: Counter[str], participants: int) -> str:
         return " ".join(_of_parts(each, names) for each in design.parts.values())
     if not pool:
         return "Each participant has a random order of their own, so no number has to divide."
+    people = counted(participants, "participants")
     each, left = divmod(participants, pool)
     if {used[sequence.name] for sequence in design.sequences} == {each}:
-        return f"{participants} participants divide evenly: {each} for each of {pool} sequences."
+        divide = "divides" if participants == 1 else "divide"
+        return f"{people} {divide} evenly: {each} for each of {counted(pool, 'sequences')}."
     if not left:
         return (
             f"{participants} participants would divide by {pool} sequences, but groups are filled "
@@ -128,8 +131,8 @@ def _remainder(design: Design, used: Counter[str], participants: int) -> str:
     lacking = "participant" if pool - left == 1 else "participants"
     more = [sequence.name for sequence in design.sequences if used[sequence.name] > each]
     return (
-        f"{participants} participants do not divide by {pool} sequences: each has {each}, "
-        f"{_some(more)} one more, and {pool - left} further {lacking} would balance them."
+        f"{people} {'does' if participants == 1 else 'do'} not divide by {pool} sequences: "
+        f"each has {each}, {_some(more)} one more, and {pool - left} further {lacking} would balance them."
     )
 
 
@@ -265,7 +268,9 @@ def cannot_balance(design: Design, participants: int) -> str | None:
     shares = dict(design.groups.shares) if design.groups else {"": 1}
     total = sum(shares.values())
     if participants % total:
-        message = f"{participants} participants cannot be divided among {_groups(shares)}"
+        message = (
+            f"{counted(participants, 'participants')} cannot be divided among {_groups(shares)}"
+        )
         return f"{message}; choose {_nearest(participants, total)}"
     step = _least_number(pools, shares)
     if not pools or not participants % step:

@@ -170,6 +170,8 @@ def _find(name_or_path: str | Path) -> Path:
         return shipped[str(name_or_path)]
     if path.is_dir():
         raise InputError("this is a folder; a protocol is a TOML file", file=path)
+    if path.exists():
+        raise InputError("this is no regular file; a protocol is a TOML file", file=path)
     hint = did_you_mean(path.stem, shipped)
     raise InputError(f"there is no protocol file or shipped protocol `{name_or_path}`; {hint}")
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vrcomfort.plurals import counted
 from vrcomfort.questionnaire import score_all
 from vrcomfort.report.baselines import Values, moment_of
 from vrcomfort.report.outcomes import Outcome, item_column, items_of
@@ -52,7 +53,7 @@ def unused_timepoints(study: StudyData, plan: Plan) -> list[str]:
     known = timepoints_of(plan)
     *first, last = known
     return [
-        f"{counts[name]} questionnaires at `{name}` are not used: the analysis plan names "
+        f"{counted(counts[name], 'questionnaires')} at `{name}` not used: the analysis plan names "
         f"{', '.join(first)} and {last}"
         for name in sorted(counts.keys() - set(known))
     ]

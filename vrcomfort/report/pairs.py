@@ -204,7 +204,8 @@ def too_few(samples: Pairs | Groups) -> str | None:
     """Say why samples cannot be compared; None where they can."""
     if isinstance(samples, Pairs):
         n = len(samples.participants)
-        return f"{n} complete pairs: too few for a test" if n < 2 else None
+        pairs = "complete pair" if n == 1 else "complete pairs"
+        return f"{n} {pairs}: too few for a test" if n < 2 else None
     if samples.in_both and min(samples.a.size, samples.b.size) < 2:
         return "the same people are on both sides: leave `between` away to compare pairs"
     if min(samples.a.size, samples.b.size) < 2:

@@ -54,7 +54,9 @@ def choose_sessions(
     done = set(recorded_sessions(study, participant)) - set(unfinished)
     left = [number for number in range(1, total + 1) if number not in done]
     if wanted is None and not left:
-        raise InputError(f"all {total} sessions of {participant} are recorded", file=study)
+        which = f"all {total} sessions" if total > 1 else "the only session"
+        have = "are" if total > 1 else "is"
+        raise InputError(f"{which} of {participant} {have} recorded", file=study)
     numbers = left if wanted is None else _checked(wanted, total, left)
     taken_up = [number for number in numbers if number in unfinished]
     if taken_up and not resume:

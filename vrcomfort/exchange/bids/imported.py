@@ -21,6 +21,7 @@ from vrcomfort.exchange.bids.dataset import (
 )
 from vrcomfort.exchange.bids.runs import write_json, write_tsv
 from vrcomfort.exchange.imports import Import, labels_of, place_of
+from vrcomfort.plurals import counted
 from vrcomfort.questionnaire import instruments_in, shipped_instruments
 from vrcomfort.records.exposure_rows import RatingRow
 from vrcomfort.records.rows import declared
@@ -69,7 +70,7 @@ def write_import(source: Import, out: Path, said: str) -> list[str]:
     for who, label in labels.items():
         _write_rows(out, label, task, rows[who])
     nobody = len(source.names) - len(labels)
-    return [f"{nobody} participants without an answer"] if nobody else []
+    return [f"{counted(nobody, 'participants')} without an answer"] if nobody else []
 
 
 def _write_participants(source: Import, out: Path, labels: Mapping[str, str]) -> None:

@@ -128,7 +128,7 @@ def check_checksums(folder: Path, found: Verified, *, ended: bool) -> None:
                 found.fault(each, f"is missing, and {CHECKSUMS} has it; restore it from a copy")
         elif checksum.fits(sha256_of(each)):
             found.intact.add(each)
-            found.counts["files as they were when their session ended"] += 1
+            found.counts["files unchanged since the session ended"] += 1
         else:
             message = f"has changed since the session ended ({CHECKSUMS}, line {checksum.line})"
             hint = "restore it from a copy, or write down why"

@@ -64,6 +64,8 @@ def verify_study(
     imported = is_import(study)
     if not imported and not any((study / name).exists() for name in (DESCRIPTION, "sub-P01")):
         raise InputError(f"this is not a study folder: it has no {DESCRIPTION}", file=study)
+    if not imported and not _is_recorded(study):
+        read_description(study)  # which refuses other programs' datasets
     found = Verified(study)
     check_listed(study, found)
     seed = _description(study, found, imported=imported)
@@ -91,6 +93,12 @@ def verify_study(
             _agree(study, people[name], sessions, seed, found, left)
     found.leave_out_consequences()
     return found
+
+
+def _is_recorded(study: Path) -> bool:
+    """Return whether anything but the description says that vrcomfort recorded this study."""
+    manifests = (each / "manifest.json" for each in session_folders(study))
+    return (study / ParticipantRow.FILE).exists() or any(each.exists() for each in manifests)
 
 
 def _not_copied(study: Path, found: Verified) -> list[SessionName]:

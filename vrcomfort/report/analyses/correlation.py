@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from vrcomfort.plurals import counted
 from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import (
     ITALIC_N,
@@ -158,7 +159,7 @@ def _sentences(row: CorrelationRow, words: Vocabulary) -> Iterator[Sentence]:
         ends += disagreement(row.verdict, found)
     n = f"n\u00a0=\u00a0{found.n}"
     if found.method == "repeated_measures":
-        n = f"{found.n} exposures of {found.people} people"
+        n = f"{counted(found.n, 'exposures')} of {counted(found.people, 'people')}"
     yield Sentence(
         f"{x} and {y}: {said}; {symbol}\u00a0=\u00a0{fraction(found.estimate)}{ends}, {n}.",
         f"{title}: {p_equals(found.p)}.",

@@ -10,6 +10,7 @@ import pandas as pd
 from markupsafe import Markup
 
 from vrcomfort.errors import InputError
+from vrcomfort.plurals import counted
 from vrcomfort.report.analyses.contract import (
     ITALIC_P,
     ITALIC_SE,
@@ -195,7 +196,8 @@ def _title(row: MixedRow, _: Sequence[MixedRow], report: ReportContext) -> str:
     if row.fit is None:
         return ""
     model = row.fit.model
-    sizes = f"{model.n_values} exposures of {model.n_participants} participants"
+    people = counted(model.n_participants, "participants")
+    sizes = f"{counted(model.n_values, 'exposures')} of {people}"
     return f"{report.words.outcome(row.outcome)}, {sizes}"
 
 
