@@ -130,9 +130,10 @@ def _remainder(design: Design, used: Counter[str], participants: int) -> str:
         )
     lacking = "participant" if pool - left == 1 else "participants"
     more = [sequence.name for sequence in design.sequences if used[sequence.name] > each]
+    verb = "does" if participants == 1 else "do"
     return (
-        f"{people} {'does' if participants == 1 else 'do'} not divide by {pool} sequences: "
-        f"each has {each}, {_some(more)} one more, and {pool - left} further {lacking} would balance them."
+        f"{people} {verb} not divide by {pool} sequences: each has {each}, {_some(more)} one more, "
+        f"and {pool - left} further {lacking} would balance them."
     )
 
 

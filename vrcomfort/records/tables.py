@@ -17,6 +17,7 @@ from typing import Any
 from vrcomfort.csv_table import LARGEST_WHOLE, CsvTable, are_numbers, plain_digits, shortened
 from vrcomfort.errors import InputError
 from vrcomfort.files import open_file
+from vrcomfort.plurals import counted
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.json_file import LONGEST_S
 from vrcomfort.records.rows import Column, Row, declared, single
@@ -231,7 +232,7 @@ def _cells(line: bytes, header: Sequence[str]) -> dict[str, str]:
     except ValueError as error:  # also text that is no UTF-8
         raise _RowError(f"is no row: {error}") from None
     if len(row) != len(header):
-        raise _RowError(f"is no row: {len(row)} cells under {len(header)} columns")
+        raise _RowError(f"is no row: {counted(len(row), 'cells')} under {len(header)} columns")
     return dict(zip(header, row, strict=True))
 
 
