@@ -32,6 +32,7 @@ bool drawn(ivec2 at) {
 }
 
 void main() {
+    draw_in_layer();
     ivec2 at = tile_of_vertex(tiles);
     tile = texel_of(dilated, at);
     put_point(drawn(at), at, tiles);

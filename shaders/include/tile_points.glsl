@@ -15,7 +15,6 @@ ivec2 tile_of_vertex(ivec2 tiles) {
 // What is not drawn is put outside the image.
 void put_point(bool drawn, ivec2 tile, ivec2 tiles) {
     vec2 middle = (vec2(tile) + 0.5) / vec2(tiles);
-    draw_in_layer();
     gl_PointSize = float(POINT_PX);
     gl_Position = vec4(drawn ? 2.0 * middle - 1.0 : vec2(-2.0), 0.0, 1.0);
 }

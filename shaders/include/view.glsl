@@ -9,7 +9,7 @@ layout(std140, binding = 0) uniform View {
     mat4 previous_view_from_relative;      // rotation of the previous view, as motion blur counts it
     mat4 previous_clip_from_clip;          // of what does not move, as motion blur counts the eye
     vec4 eye_delta_m;                      // xyz: eye now less eye before, world axes
-    vec4 image_size_px;                    // xy
+    vec4 image_size_px;                    // xy; z: which eye
     vec4 lens;                             // xy: offset per px of radius (NDC), w: infinity m
     vec4 lens_focus;                       // x: m
     vec4 lens_limit;                       // x: px per defocus, y: largest radius px

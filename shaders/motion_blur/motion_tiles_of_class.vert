@@ -16,6 +16,7 @@ ivec2 tiles = size_of(longest);
 int eye = eye_of_vertex(tiles);
 
 void main() {
+    draw_in_layer();
     ivec2 tile = tile_of_vertex(tiles);
     bool known = may_be_complex(texel_of(frame, ivec2(0)).xyz);
     put_point(known && texel_of(longest, tile).z == CLASS, tile, tiles);

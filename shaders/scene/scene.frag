@@ -20,7 +20,9 @@ uniform sampler2DArray emissive_images;
 uniform sampler2DShadow shadow_map;
 
 #ifdef BEHIND_NEAR
-uniform sampler2D nearest;
+#define EYE int(image_size_px.z)
+#include "eyes.glsl"
+uniform eye_image nearest;
 #endif
 
 in vec3 relative;
@@ -224,7 +226,7 @@ void main() {
     if (coverage < 0.5)
         discard;  // one sample: it is covered or not
 #endif
-    if (gl_FragCoord.z > texelFetch(nearest, ivec2(gl_FragCoord.xy), 0).r)
+    if (gl_FragCoord.z > texel_of(nearest, ivec2(gl_FragCoord.xy)).r)
         discard;
 #elif defined(ALPHA_MASK)
     if (coverage <= 0.0)

@@ -28,6 +28,7 @@ from vrcomfort.render.pipeline import StereoRenderer
 RENDER = Path(gl.__file__).parent
 SIZE = (45, 33)
 WIDTH, HEIGHT, LAYERS, SAMPLES, BUFFER_SIZE = 0x1000, 0x1001, 0x8071, 0x9106, 0x8764
+IMMUTABLE = 0x912F
 CHANNELS = (0x805C, 0x805D, 0x805E, 0x805F, 0x884A)
 """Bits of red, green, blue, alpha and depth."""
 
@@ -66,6 +67,7 @@ class Survey:
         self._ctx = ctx
         self._level = self._function("glGetTextureLevelParameteriv", 3)
         self._size = self._function("glGetNamedBufferParameteriv", 2)
+        self._parameter = self._function("glGetTextureParameteriv", 2)
 
     def _function(self, name, numbers):
         call = gl.function(self._ctx, name, *[ctypes.c_uint] * numbers, ctypes.c_void_p)
@@ -85,7 +87,13 @@ class Survey:
             call(1, ctypes.byref(newest))
         return {name for name in range(1, newest.value) if exists(name)}
 
+    def _is_view(self, name):
+        """Return whether it is a layer of another one: only those and arrays are immutable."""
+        return self._parameter(name, IMMUTABLE) and self._level(name, 0, LAYERS) == 1
+
     def _texture_bytes(self, name):
+        if self._is_view(name):
+            return 0
         bits = sum(self._level(name, 0, channel) for channel in CHANNELS)
         samples = self._level(name, 0, SAMPLES)
         levels = 1 if samples else 14  # of the largest texture that drivers must allow

@@ -47,7 +47,7 @@ void main() {{
     result = {expression};
 }}
 """
-    for include in ("light.glsl", "sky.glsl"):
+    for include in ("light.glsl", "sky.glsl", "eyes.glsl", "corner.glsl"):
         ctx.includes[include] = shaders.source(f"include/{include}")
     padded = np.zeros((len(rows), 4), "f4")
     padded[:, : rows.shape[1]] = rows

@@ -38,6 +38,7 @@ SAMPLES_PASSED, QUERY_RESULT, BLEND, WIDTH, HEIGHT, SAMPLES = (
     0x1001,
     0x9106,
 )
+IMMUTABLE, LAYERS = 0x912F, 0x8071
 BITS = (0x805C, 0x805D, 0x805E, 0x805F, 0x884A, 0x88F1)
 
 
@@ -54,6 +55,7 @@ class Trace:
                 "glGetProgramiv": (uint, uint, out),
                 "glGetActiveUniform": (uint, uint, ctypes.c_int, out, out, out, ctypes.c_char_p),
                 "glGetUniformiv": (uint, ctypes.c_int, out),
+                "glGetTextureParameteriv": (uint, uint, out),
                 "glGetTextureLevelParameteriv": (uint, ctypes.c_int, uint, out),
                 "glGetFramebufferAttachmentParameteriv": (uint, uint, uint, out),
                 "glBeginQuery": (uint, uint),
@@ -118,7 +120,10 @@ class Trace:
                 unit = self._get("glGetUniformiv", program, self._location(program, each))
                 self._gl["glActiveTexture"](TEXTURE0 + unit)
                 if texture := self._get("glGetIntegerv", BINDINGS[target]):
-                    found = surfaces if target == TEXTURE_2D_ARRAY else images
+                    # Arrays of eyes' images never change their storage; those of surfaces may.
+                    of_eyes = self._get("glGetTextureParameteriv", texture, IMMUTABLE)
+                    is_surface = target == TEXTURE_2D_ARRAY and not of_eyes
+                    found = surfaces if is_surface else images
                     found[texture] = self._size(texture)
         self._gl["glActiveTexture"](active)
         return images, surfaces
@@ -133,13 +138,13 @@ class Trace:
         return found
 
     def _size(self, texture):
-        """Return width, height, samples and bytes of a texel."""
+        """Return width, height, samples with those of all layers, and bytes of a texel."""
         ask = "glGetTextureLevelParameteriv"
-        width, height, samples = (
-            self._get(ask, texture, 0, each) for each in (WIDTH, HEIGHT, SAMPLES)
+        width, height, samples, layers = (
+            self._get(ask, texture, 0, each) for each in (WIDTH, HEIGHT, SAMPLES, LAYERS)
         )
         bits = sum(self._get(ask, texture, 0, each) for each in BITS)
-        return width, height, max(1, samples), bits / 8
+        return width, height, max(1, samples) * layers, bits / 8
 
     def _samples_of(self, draw):
         self._gl["glBeginQuery"](SAMPLES_PASSED, self._query)

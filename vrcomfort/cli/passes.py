@@ -385,7 +385,8 @@ def _notes(found: StudyPasses) -> list[str]:
         told.append(
             "Passes, draws and bytes are those of a frame drawn here where the scene begins, of a "
             "head that walks: each pass reads each of its textures once and writes what it draws; "
-            "a mip chain is one pass. They grow with what is on the way. "
+            "a mip chain is one pass. They grow with what is on the way. What follows the scene is "
+            "drawn once for both eyes where the driver draws layers. "
             "`headset` is the copy of each image to the runtime; vertices are not counted, and a "
             "GPU that compresses, or keeps tiles on chip, moves less."
         )

@@ -14,12 +14,19 @@ import moderngl
 import numpy as np
 
 from vrcomfort.gpu import gl, passes, shaders, visible_area
-from vrcomfort.gpu.passes import WATCHERS, Pass, PassImage
+from vrcomfort.gpu.passes import WATCHERS, AnyTexture, Pass, PassImage
 from vrcomfort.gpu.visible_area import DRAWN, limited_draw, texel_list
+
+OVER = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+"""Factors by which what is drawn, premultiplied by its alpha, lies over what is there."""
+
+ADDED = moderngl.ONE, moderngl.ONE
 
 
 class FullscreenPass:
     """Draws `fragment` into a texture of its own.
+
+    Where its textures have a layer for each eye, it draws both eyes at once: ``include/eyes.glsl``.
 
     Parameters
     ----------
@@ -48,8 +55,8 @@ class FullscreenPass:
         eye's image, or how far by name; without it, and for names that are left out, anywhere.
     texel_px
         (width, height) of a texel of the target in pixels of the eye's image.
-    over
-        Blend what is drawn, premultiplied by its alpha, over what is there.
+    blend
+        Factors of what is drawn and of what is there, such as `OVER`; without them it is replaced.
     """
 
     def __init__(
@@ -58,7 +65,7 @@ class FullscreenPass:
         fragment: str,
         *,
         size_px: tuple[int, int],
-        inputs: Mapping[str, moderngl.Texture | Sequence[moderngl.Texture]],
+        inputs: Mapping[str, AnyTexture | Sequence[AnyTexture]],
         constants: Mapping[str, Any] | None = None,
         defines: shaders.Defines | None = None,
         filtered: Collection[str] = (),
@@ -67,25 +74,30 @@ class FullscreenPass:
         more_components: Sequence[int] = (),
         vertex: str = "common/fullscreen.vert",
         tiles: tuple[int, int] | None = None,
-        target: moderngl.Texture | Sequence[moderngl.Texture] | None = None,
-        depth: moderngl.Texture | None = None,
+        target: AnyTexture | Sequence[AnyTexture] | None = None,
+        depth: AnyTexture | None = None,
         reach_px: float | Mapping[str, float] = math.inf,
         texel_px: tuple[int, int] = (1, 1),
-        over: bool = False,
+        blend: tuple[int, int] | None = None,
     ) -> None:
+        # Those that are filtered come last, on the units that filter: units follow each other.
+        order = sorted(inputs, key=lambda name: name in filtered)
+        named = [(name, texture) for name in order for texture in _textures(inputs[name])]
+        written = [] if target is None else [*_textures(target)]
+        written += [] if depth is None else [depth]
+        eyes = max(map(gl.layers_of, [*written, *(texture for _, texture in named)]))
         if target is None:
-            wanted = (components, *more_components)
-            made = (gl.color_texture(ctx, size_px, components=n, dtype=dtype) for n in wanted)
-            self.targets = tuple(made)
+            self.targets = tuple(
+                gl.eye_texture(ctx, size_px, eyes, components=count, dtype=dtype)
+                for count in (components, *more_components)
+            )
         else:
             self.targets = tuple(_textures(target))
         area = visible_area.current()
         if area is not None and tiles is None:
             defines = {**(defines or {}), "CORNERS": 1}
+        defines = {**(defines or {}), **by_eyes(eyes)}
         self._triangle = ctx.vertex_array(shaders.program(ctx, fragment, vertex, defines), [])
-        # Those that are filtered come last, on the units that filter: units follow each other.
-        order = sorted(inputs, key=lambda name: name in filtered)
-        named = [(name, texture) for name in order for texture in _textures(inputs[name])]
         first_unit = gl.FILTERED_UNIT - sum(name not in filtered for name, _ in named)
         for name in inputs:
             units = tuple(
@@ -96,18 +108,18 @@ class FullscreenPass:
         self._members: dict[str, Any] = {}
         self._last: Mapping[str, Any] = {}
         self._set(constants or {})
-        framebuffer = ctx.framebuffer(self.targets, depth)
+        framebuffer = gl.framebuffer(ctx, self.targets, depth)
         flags = moderngl.NOTHING if depth is None else moderngl.DEPTH_TEST
-        self._ctx, self._writes_depth, self._over = ctx, depth is not None, over
-        flags |= moderngl.BLEND if over else moderngl.NOTHING
-        self._draw = _drawing(self._triangle, moderngl.TRIANGLES, 3)
+        self._ctx, self._writes_depth, self._blend = ctx, depth is not None, blend
+        flags |= moderngl.BLEND if blend else moderngl.NOTHING
+        self._draw = _drawing(self._triangle, moderngl.TRIANGLES, 3 * eyes)
         drawn_px = texel_px
         if tiles is not None:
             columns, rows = tiles
-            self._draw = _drawing(self._triangle, moderngl.POINTS, columns * rows)
+            self._draw = _drawing(self._triangle, moderngl.POINTS, columns * rows * eyes)
             flags |= moderngl.PROGRAM_POINT_SIZE
             # Points whose middle is outside the viewport are not drawn: it is of whole tiles.
-            point_px = int((defines or {})["POINT_PX"])
+            point_px = int(defines["POINT_PX"])
             framebuffer.viewport = (0, 0, columns * point_px, rows * point_px)
             drawn_px = (texel_px[0] * point_px, texel_px[1] * point_px)
         self._triangle.scope = ctx.scope(framebuffer, flags)
@@ -120,7 +132,7 @@ class FullscreenPass:
             ),
             tuple(map(PassImage.of, (*self.targets, *([] if depth is None else [depth])))),
             texel_px=drawn_px,
-            blends=over,
+            blends=blend is not None,
         )
         self._framebuffer = framebuffer
         if area is not None:
@@ -130,7 +142,7 @@ class FullscreenPass:
             )
 
     @property
-    def target(self) -> moderngl.Texture:
+    def target(self) -> AnyTexture:
         """Return the first of `targets`."""
         return self.targets[0]
 
@@ -142,8 +154,8 @@ class FullscreenPass:
         self._bind()
         if self._writes_depth:
             self._ctx.depth_func = "1"  # moderngl's GL_ALWAYS: fragments replace any depth
-        if self._over:
-            self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        if self._blend is not None:
+            self._ctx.blend_func = self._blend
         if WATCHERS:
             self.declared.run(self._draw)
         else:
@@ -155,9 +167,8 @@ class FullscreenPass:
         for each in self.targets:
             if each.dtype.startswith("u"):
                 texel = b"\xff" if math.isnan(value) else b"\0"
-                each.write(
-                    texel * (each.width * each.height * each.components * int(each.dtype[1]))
-                )
+                texel *= gl.layers_of(each) * each.components * int(each.dtype[1])
+                each.write(texel * (each.width * each.height))
 
     def _set(self, uniforms: Mapping[str, Any]) -> None:
         known = self._values
@@ -181,17 +192,25 @@ def _drawing(array: moderngl.VertexArray, mode: int, vertices: int) -> Callable[
     return partial(methodcaller("render", mode, vertices), array)
 
 
-def _textures(given: moderngl.Texture | Sequence[moderngl.Texture]) -> Sequence[moderngl.Texture]:
-    return (given,) if isinstance(given, moderngl.Texture) else given
+def _textures(given: AnyTexture | Sequence[AnyTexture]) -> Sequence[AnyTexture]:
+    return (given,) if isinstance(given, AnyTexture) else given
 
 
-def copier(
-    ctx: moderngl.Context, source: moderngl.Texture, target: moderngl.Texture
-) -> Callable[[], None]:
+def by_eyes(eyes: int) -> shaders.Defines:
+    """Return the defines of ``include/eyes.glsl``."""
+    return {"EYES": eyes} if eyes > 1 else {}
+
+
+def of_each(values: Sequence[Any]) -> Any:
+    """Return the value of a uniform of each eye: one alone, or all."""
+    return values[0] if len(values) == 1 else tuple(values)
+
+
+def copier(ctx: moderngl.Context, source: AnyTexture, target: AnyTexture) -> Callable[[], None]:
     """Return a function that copies an image bit by bit, or what is drawn of it."""
     if visible_area.current() is None:
         return gl.copier(ctx, source, target)
-    inputs, size_px = {"image": source}, target.size
+    inputs, size_px = {"image": source}, gl.size_px_of(target)
     copied = FullscreenPass(
         ctx, "common/copy.frag", size_px=size_px, inputs=inputs, target=target, reach_px=0.0
     )
@@ -211,7 +230,7 @@ class MipChain:
     """
 
     def __init__(
-        self, ctx: moderngl.Context, image: moderngl.Texture, count: int, size_px: tuple[int, int]
+        self, ctx: moderngl.Context, image: AnyTexture, count: int, size_px: tuple[int, int]
     ) -> None:
         self._halves: list[FullscreenPass] = []
         width, height = size_px
@@ -237,7 +256,7 @@ class MipChain:
 
 
 class ReductionPass:
-    """Sums up all texels of a texture in one pixel, by one work group: `target`.
+    """Sums up all texels of an eye's image in one pixel, by one work group: `target`.
 
     The greatest value of all frames is kept as well; no frame waits for it: only :meth:`read` does.
 
@@ -258,7 +277,7 @@ class ReductionPass:
         self,
         ctx: moderngl.Context,
         shader: str,
-        texels: tuple[str, moderngl.Texture],
+        texels: tuple[str, AnyTexture],
         *,
         texel_px: tuple[int, int] | None = None,
         components: int = 1,
@@ -266,12 +285,14 @@ class ReductionPass:
         constants: Mapping[str, Any] | None = None,
     ) -> None:
         name, self._texels = texels
-        self.target = gl.color_texture(ctx, (1, 1), components=components, dtype="f4")
-        self._of_all = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
+        self._eyes = eyes = gl.layers_of(self._texels)
+        self.target = gl.eye_texture(ctx, (1, 1), eyes, components=components, dtype="f4")
+        self._of_all = gl.eye_texture(ctx, (1, 1), eyes, components=1, dtype="f4")
         self._framebuffer = ctx.framebuffer([self._of_all])
         self._framebuffer.clear()
         area = None if texel_px is None else visible_area.current()
-        defines = {**(defines or {}), **({} if area is None else {"LISTED": 1})}
+        listed = {} if area is None else {"LISTED": 1}
+        defines = {**(defines or {}), **listed, **by_eyes(eyes)}
         self._program = shaders.compute(ctx, shader, defines)
         self._program[name] = 0
         for uniform, value in (constants or {}).items():
@@ -292,12 +313,12 @@ class ReductionPass:
             self._listed().bind_to_storage_buffer(0)
         self._bind()
         self._bind_images()
-        self.declared.run(self._program.run)
+        self.declared.run(self._program.run, group_z=self._eyes)
         self._barrier(_AFTER_IMAGE_STORES)
 
     def read(self) -> float:
         """Return the greatest value since the pass was made; waits for the GPU."""
-        return float(np.frombuffer(self._of_all.read(), dtype=np.float32)[0])
+        return float(np.frombuffer(self._of_all.read(), dtype=np.float32).max())
 
     def reset(self) -> None:
         """Start again from 0."""
@@ -306,7 +327,7 @@ class ReductionPass:
 
 def max_reduction(
     ctx: moderngl.Context,
-    texels: moderngl.Texture,
+    texels: AnyTexture,
     *,
     value: str = "xy",
     texel_px: tuple[int, int] | None = None,

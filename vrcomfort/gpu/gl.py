@@ -12,13 +12,14 @@ import sys
 import weakref
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import moderngl
 
 from vrcomfort.errors import InputError
 from vrcomfort.gpu import adapters, passes
 from vrcomfort.gpu import memory as gpu_memory
+from vrcomfort.gpu.passes import AnyTexture
 
 MINIMUM_VERSION = 450
 """OpenGL 4.5: the first with clip control. The README names it, too."""
@@ -37,6 +38,7 @@ _TEXTURE_2D, _TEXTURE_2D_MULTISAMPLE = 0x0DE1, 0x9100
 _DEPTH_COMPONENT, _DEPTH_COMPONENT32F, _FLOAT = 0x1902, 0x8CAC, 0x1406
 _SRGB8_ALPHA8, _TEXTURE_SAMPLES, _SAMPLE_POSITION = 0x8C43, 0x9106, 0x8E50
 _TEXTURE_2D_ARRAY, _RGBA8, _RGBA, _UNSIGNED_BYTE = 0x8C1A, 0x8058, 0x1908, 0x1401
+_INTERNAL_FORMAT, _FRAMEBUFFER_DEPTH = 0x1003, 0x8D00
 
 _DYNAMIC_DRAW = 0x88E8
 
@@ -143,23 +145,22 @@ def depth_texture(
     return _entered(ctx, point_sampled(texture, comparison=False), 1, "f4")
 
 
-def copier(
-    ctx: moderngl.Context, source: moderngl.Texture, target: moderngl.Texture
-) -> Callable[[], None]:
+def copier(ctx: moderngl.Context, source: AnyTexture, target: AnyTexture) -> Callable[[], None]:
     """Return a function that copies a single-sample texture (depth too) over another like it.
 
     `Context.copy_framebuffer` copies colour only.
     """
     copy = function(ctx, "glCopyImageSubData", *[ctypes.c_int] * 15)
-    level_and_corner = (0, 0, 0, 0)
-    place = (_TEXTURE_2D, *level_and_corner)
-    draw = partial(copy, source.glo, *place, target.glo, *place, *source.size, 1)
+    level_and_corner, layers = (0, 0, 0, 0), layers_of(source)
+    place = (_TEXTURE_2D_ARRAY if layers > 1 else _TEXTURE_2D, *level_and_corner)
+    size = (*size_px_of(source), layers)
+    draw = partial(copy, source.glo, *place, target.glo, *place, *size)
     return partial(passes.run_copy, source, target, draw)
 
 
 def binder(
     ctx: moderngl.Context,
-    textures: Sequence[moderngl.Texture | moderngl.TextureArray | None],
+    textures: Sequence[AnyTexture | None],
     first_unit: int = 0,
     *,
     images: bool = False,
@@ -194,6 +195,143 @@ def color_texture(
     """
     texture = ctx.texture(size_px, components, dtype=dtype, samples=samples)
     return _entered(ctx, texture if samples else point_sampled(texture), components, dtype)
+
+
+EYES_AT_ONCE = {"GL_ARB_shader_viewport_layer_array", "GL_AMD_vertex_shader_layer"}
+"""Extensions with either of which a vertex shader says in which layer it draws."""
+
+
+def eyes_at_once(ctx: moderngl.Context) -> str | None:
+    """Return the extension by which passes draw both eyes at once; None where there is none."""
+    return min(EYES_AT_ONCE & ctx.extensions, default=None)
+
+
+def eye_texture(
+    ctx: moderngl.Context,
+    size_px: tuple[int, int],
+    eyes: int,
+    *,
+    components: int = 4,
+    dtype: str = "f2",
+) -> AnyTexture:
+    """Return a texture as :func:`color_texture` does, or one with a layer for each eye."""
+    if eyes == 1:
+        return color_texture(ctx, size_px, components=components, dtype=dtype)
+    return _array(ctx, size_px, eyes, components, dtype)
+
+
+def eye_depth(ctx: moderngl.Context, size_px: tuple[int, int], eyes: int) -> AnyTexture:
+    """Return a texture as :func:`depth_texture` does, or one with a layer for each eye."""
+    if eyes == 1:
+        return depth_texture(ctx, size_px)
+    return _array(ctx, size_px, eyes, 1, "f4", _DEPTH_COMPONENT32F)
+
+
+def _array(
+    ctx: moderngl.Context,
+    size_px: tuple[int, int],
+    eyes: int,
+    components: int,
+    dtype: str,
+    internal_format: int = 0,
+) -> moderngl.TextureArray:
+    """Return an array, to draw into; its storage never changes, so that it can have views."""
+    texture = ctx.texture_array((*size_px, eyes), components, dtype=dtype)
+    store = function(ctx, "glTextureStorage3D", ctypes.c_uint, *[ctypes.c_int] * 5)
+    given = internal_format or _internal_format(texture)
+    store(texture.glo, 1, given, *size_px, eyes)
+    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    texture.repeat_x = texture.repeat_y = False
+    entry = gpu_memory.texture("target", size_px, components, dtype, layers=eyes)
+    gpu_memory.account(ctx).add(texture, entry)
+    return texture
+
+
+def layers_of(texture: AnyTexture) -> int:
+    """Return how many images a texture holds: those of so many eyes."""
+    return texture.layers if isinstance(texture, moderngl.TextureArray) else 1
+
+
+def size_px_of(texture: AnyTexture) -> tuple[int, int]:
+    """Return (width, height)."""
+    return texture.width, texture.height
+
+
+def of_eye(texture: AnyTexture, eye: int) -> moderngl.Texture:
+    """Return an eye's image alone: a layer as a texture of its own, which is kept while it is."""
+    if isinstance(texture, moderngl.Texture):
+        return texture
+    ctx, uint = texture.ctx, ctypes.c_uint
+    (name,) = made = names(ctx, "Textures", 1)
+    view = function(ctx, "glTextureView", *[uint] * 8)
+    view(name, _TEXTURE_2D, texture.glo, _internal_format(texture), 0, 1, eye, 1)
+    found = ctx.external_texture(name, size_px_of(texture), texture.components, 0, texture.dtype)
+    found.extra = texture
+    owned(ctx, found, "Textures", made)
+    return point_sampled(found)
+
+
+def _internal_format(texture: AnyTexture) -> int:
+    return _level_parameter(texture, _INTERNAL_FORMAT)
+
+
+def _level_parameter(texture: AnyTexture, parameter: int) -> int:
+    given = ctypes.c_int()
+    name = "glGetTextureLevelParameteriv"
+    ask = function(texture.ctx, name, *[ctypes.c_uint] * 3, ctypes.c_void_p)
+    ask(texture.glo, 0, parameter, ctypes.byref(given))
+    return given.value
+
+
+def read(texture: AnyTexture) -> bytes:
+    """Return all texels, in the texture's own type (this waits for the GPU)."""
+    if _internal_format(texture) != _DEPTH_COMPONENT32F:
+        return texture.read()
+    ctx, count = texture.ctx, texture.width * texture.height * layers_of(texture)
+    texels, types = (ctypes.c_float * count)(), [ctypes.c_uint] * 4
+    get = function(ctx, "glGetTextureImage", *types, ctypes.c_int, ctypes.c_void_p)
+    get(texture.glo, 0, _DEPTH_COMPONENT, _FLOAT, ctypes.sizeof(texels), texels)
+    return bytes(texels)
+
+
+def framebuffer(
+    ctx: moderngl.Context, colours: Sequence[AnyTexture], depth: AnyTexture | None = None
+) -> moderngl.Framebuffer:
+    """Return a framebuffer of all layers; moderngl takes no array as depth, nor a layer of one."""
+    if depth is None or (isinstance(depth, moderngl.Texture) and depth.depth):
+        return ctx.framebuffer(colours, depth)
+    made = ctx.framebuffer(colours) if colours else ctx.empty_framebuffer(size_px_of(depth))
+    uint = ctypes.c_uint
+    attach = function(ctx, "glNamedFramebufferTexture", uint, uint, uint, ctypes.c_int)
+    attach(made.glo, _FRAMEBUFFER_DEPTH, depth.glo, 0)
+    made.depth_mask = True
+    made.extra = depth  # which lives as long as it does
+    return made
+
+
+class _Names(NamedTuple):
+    """OpenGL's names, which :func:`collect` releases."""
+
+    delete: Callable[..., object]
+    names: ctypes.Array[ctypes.c_uint]
+
+    def release(self) -> None:
+        self.delete(len(self.names), self.names)
+
+
+def names(ctx: moderngl.Context, kind: str, count: int) -> ctypes.Array[ctypes.c_uint]:
+    """Return new names of a kind of OpenGL's objects: ``Queries`` or ``Textures``."""
+    made = (ctypes.c_uint * count)()
+    function(ctx, f"glGen{kind}", ctypes.c_int, ctypes.c_void_p)(count, made)
+    return made
+
+
+def owned(
+    ctx: moderngl.Context, owner: object, kind: str, made: ctypes.Array[ctypes.c_uint]
+) -> None:
+    """Let objects of OpenGL die with their owner."""
+    dead = _Names(function(ctx, f"glDelete{kind}", ctypes.c_int, ctypes.c_void_p), made)
+    weakref.finalize(owner, ctx.objects.append, dead).atexit = False
 
 
 _WRAPS = {"repeat": 0x2901, "clamp_to_edge": 0x812F, "mirrored_repeat": 0x8370}
@@ -266,18 +404,11 @@ def _entered_buffer(ctx: moderngl.Context, made: moderngl.Buffer) -> moderngl.Bu
 def _entered(
     ctx: moderngl.Context, target: moderngl.Texture, components: int, dtype: str
 ) -> moderngl.Texture:
-    samples = _samples(ctx, target) if target.samples else 0
+    # At least as many as were asked for.
+    samples = _level_parameter(target, _TEXTURE_SAMPLES) if target.samples else 0
     entry = gpu_memory.texture("target", target.size, components, dtype, samples=samples)
     gpu_memory.account(ctx).add(target, entry)
     return target
-
-
-def _samples(ctx: moderngl.Context, texture: moderngl.Texture) -> int:
-    """Return how many samples the driver gave: at least as many as were asked for."""
-    given = ctypes.c_int()
-    ask = function(ctx, "glGetTextureLevelParameteriv", *[ctypes.c_uint] * 3, ctypes.c_void_p)
-    ask(texture.glo, 0, _TEXTURE_SAMPLES, ctypes.byref(given))
-    return given.value
 
 
 def sample_places(ctx: moderngl.Context, samples: int) -> list[tuple[float, float]]:

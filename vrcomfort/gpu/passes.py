@@ -44,6 +44,8 @@ class PassImage:
     reach_px
         How far beyond the pixels of a texel of its target a pass reads it, in pixels of the eye's
         image (`gpu.visible_area`).
+    layers
+        Of an array.
     """
 
     name: int
@@ -52,6 +54,7 @@ class PassImage:
     samples: int = 1
     of_surface: int = 0
     reach_px: float = math.inf
+    layers: int = 1
 
     @classmethod
     def of(
@@ -63,13 +66,16 @@ class PassImage:
         reach_px: float = math.inf,
     ) -> PassImage:
         """Return the image of a texture."""
+        # A layer as a texture of its own is one by the array's name.
+        whole = texture.extra if isinstance(texture.extra, moderngl.TextureArray) else texture
         width, height = texture.size[:2]
         layers = 1 if isinstance(texture, moderngl.Texture) else texture.layers
         samples = texture.samples if isinstance(texture, moderngl.Texture) else 0
         texel = texel_bytes(texture.components, texture.dtype)
         size = texture_bytes((width, height), texel, samples=samples, mipmaps=mipmaps)
         surface = texel if of_surface else 0
-        return cls(texture.glo, (width, height), layers * size, max(samples, 1), surface, reach_px)
+        shape = (width, height), layers * size, max(samples, 1), surface, reach_px, layers
+        return cls(whole.glo, *shape)
 
 
 _collected: ContextVar[list[Pass] | None] = ContextVar("collected", default=None)

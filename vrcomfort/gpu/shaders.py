@@ -18,7 +18,7 @@ from typing import Any, Literal
 import moderngl
 import numpy as np
 
-from vrcomfort.gpu.gl import is_software
+from vrcomfort.gpu.gl import eyes_at_once, is_software
 from vrcomfort.resources import data_folder
 
 Defines = Mapping[str, int | float | str]
@@ -84,7 +84,8 @@ def program(
     stages = [name for name in (vertex, fragment) if name is not None]
     files = (_with_chosen(source(name), chosen or {}) for name in stages)
     own = {"SOFTWARE_RASTERISER": 1} if is_software(ctx) else {}
-    texts = tuple(_with_defines(text, {**(defines or {}), **own}) for text in files)
+    extension = eyes_at_once(ctx) if "EYES" in (defines or {}) else None
+    texts = tuple(_with_defines(text, {**(defines or {}), **own}, extension) for text in files)
     if counting := _counting.get():
         texts = tuple(
             with_counted_reads(text, _included, undrawn=counting == "undrawn") for text in texts
@@ -120,10 +121,11 @@ def compute(
         raise RuntimeError(f"{name}: {error}") from error
 
 
-def _with_defines(text: str, defines: Defines) -> str:
+def _with_defines(text: str, defines: Defines, extension: str | None = None) -> str:
     """Put the defines after ``#version`` and keep the line numbers of the file."""
     version, rest = text.split("\n", 1)
-    lines = [f"#define {name} {value}" for name, value in {**_ALWAYS, **defines}.items()]
+    lines = [f"#extension {extension} : require"] if extension else []
+    lines += [f"#define {name} {value}" for name, value in {**_ALWAYS, **defines}.items()]
     return "\n".join([version, *lines, "#line 2", rest])
 
 

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import ctypes
 import time
-import weakref
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
 
 import moderngl
 
@@ -211,23 +209,10 @@ class Stopwatch:
         return time_ns.value
 
 
-class _Queries(NamedTuple):
-    """Names of queries, which :func:`gl.collect` releases."""
-
-    delete: Callable[..., object]
-    names: ctypes.Array[ctypes.c_uint]
-
-    def release(self) -> None:
-        self.delete(len(self.names), self.names)
-
-
 def queries(ctx: moderngl.Context, owner: object, count: int) -> tuple[int, ...]:
     """Return the names of new queries, which die with their owner."""
-    names = (ctypes.c_uint * count)()
-    count_and_names = ctypes.c_int, ctypes.POINTER(ctypes.c_uint)
-    gl.function(ctx, "glGenQueries", *count_and_names)(count, names)
-    dead = _Queries(gl.function(ctx, "glDeleteQueries", *count_and_names), names)
-    weakref.finalize(owner, ctx.objects.append, dead).atexit = False
+    names = gl.names(ctx, "Queries", count)
+    gl.owned(ctx, owner, "Queries", names)
     return tuple(names)
 
 

@@ -54,7 +54,8 @@ class DrawnPass:
         if not self.draws or self.declared.computes:
             return whole + sum(image.bytes for image in writes)
         target = max(writes, key=lambda image: image.size_px[0] * image.size_px[1])
-        covered = self.samples / (target.size_px[0] * target.size_px[1] * target.samples)
+        width, height = target.size_px
+        covered = self.samples / (width * height * target.samples * target.layers)
         pixels = self.samples / target.samples
         surfaces = sum(image.bytes for image in reads if image.of_surface)
         painted = sum(pixels * image.of_surface for image in reads)

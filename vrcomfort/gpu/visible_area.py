@@ -71,7 +71,7 @@ class VisibleArea:
     Attributes
     ----------
     eye
-        Whose tiles are drawn: 0 left, 1 right.
+        Whose tiles passes of one eye draw: 0 left, 1 right.
     state
         Grows whenever other tiles than before are drawn.
     """
@@ -127,21 +127,26 @@ class VisibleArea:
         """Return by how many tiles more than what is seen a texture is drawn; `ANYWHERE`: all."""
         return self._margins.get(name, 0)
 
-    def tiles(self, name: int) -> Tiles:
-        """Return which tiles of the present eye's image a texture, OpenGL's `name`, is drawn in."""
-        return widened(self._visible[self.eye], self.margin(name))
+    def by_eye(self, image: PassImage, make: Callable[[list[Tiles]], Made]) -> Callable[[], Made]:
+        """Return a function that gives what `make` makes of the tiles that are drawn, made once.
 
-    def by_eye(self, make: Callable[[], Made]) -> Callable[[], Made]:
-        """Return a function that gives what `make` makes of the present eye's tiles, made once."""
+        They are the present eye's, or each eye's where the image has them as layers.
+        """
         kept: dict[int, tuple[int, Made]] = {}
 
         def present() -> Made:
-            if self.eye not in kept or kept[self.eye][0] != self.state:
-                kept[self.eye] = self.state, make()
-            return kept[self.eye][1]
+            eye = self.eye if image.layers == 1 else _ALL
+            if eye not in kept or kept[eye][0] != self.state:
+                drawn = self._visible if eye == _ALL else [self._visible[eye]]
+                margin = self.margin(image.name)
+                kept[eye] = self.state, make([widened(each, margin) for each in drawn])
+            return kept[eye][1]
 
         return present
 
+
+_ALL = -1
+"""Stands for all eyes."""
 
 _current: ContextVar[VisibleArea | None] = ContextVar("visible_area", default=None)
 
@@ -160,7 +165,7 @@ def limited_draw(
     points: tuple[int, int] | None = None,
     elsewhere: bool = False,
 ) -> Callable[[], None]:
-    """Return a function that draws what the present eye needs of a texture.
+    """Return a function that draws what the present eye needs of a texture, or all eyes.
 
     Parameters
     ----------
@@ -176,15 +181,20 @@ def limited_draw(
     """
     ctx = whole.ctx
 
-    def made() -> moderngl.VertexArray | None:
-        tiles = area.tiles(image.name)
+    def made(drawn_in: list[Tiles]) -> moderngl.VertexArray | None:
         places: NDArray[np.uint32] | NDArray[np.float32]
         if points is not None:
-            places = _texels_in(tiles, points, texel_px)
+            places = np.concatenate(_texels_in(drawn_in, points, texel_px))
         else:
-            rectangles = covering(~tiles if elsewhere else tiles, image.size_px, texel_px)
-            flat = corners(list(rectangles), image.size_px)
-            places = np.pad(flat, ((0, 0), (0, 1)))
+            places = np.concatenate(
+                [
+                    np.insert(corners(list(rectangles), image.size_px), 2, eye, axis=1)
+                    for eye, tiles in enumerate(drawn_in)
+                    for rectangles in [
+                        covering(~tiles if elsewhere else tiles, image.size_px, texel_px)
+                    ]
+                ]
+            )
         if not len(places):
             return None
         buffer = gl.buffer(ctx, places.tobytes())
@@ -196,7 +206,7 @@ def limited_draw(
         drawn.scope = whole.scope
         return drawn
 
-    of_eye = area.by_eye(made)
+    of_eye = area.by_eye(image, made)
 
     def draw() -> None:
         if (drawn := of_eye()) is not None:
@@ -208,28 +218,38 @@ def limited_draw(
 def texel_list(
     ctx: moderngl.Context, area: VisibleArea, image: PassImage, texel_px: tuple[int, int]
 ) -> Callable[[], moderngl.Buffer]:
-    """Return a function that lists a texture's texels that are drawn for the present eye.
+    """Return a function that lists a texture's texels that are drawn, as :func:`limited_draw` does.
 
-    Their number stands first: ``include/summed_texels.glsl``.
+    Each eye's number stands first: ``include/summed_texels.glsl``.
 
     Parameters
     ----------
     texel_px
         (width, height) in pixels of the eye's image.
     """
+    width, height = image.size_px
 
-    def made() -> moderngl.Buffer:
-        texels = _texels_in(area.tiles(image.name), image.size_px, texel_px)
-        return gl.buffer(ctx, np.array([len(texels), *texels], np.uint32).tobytes())
+    def made(drawn_in: list[Tiles]) -> moderngl.Buffer:
+        texels = _texels_in(drawn_in, image.size_px, texel_px)
+        counts = np.array([len(each) for each in texels], np.uint32)
+        # The shader counts the texels of each eye from 0.
+        listed = np.concatenate(texels) % np.uint32(width * height)
+        return gl.buffer(ctx, np.concatenate([counts, listed]).tobytes())
 
-    return area.by_eye(made)
+    return area.by_eye(image, made)
 
 
 def _texels_in(
-    tiles: Tiles, size_px: tuple[int, int], texel_px: tuple[int, int]
-) -> NDArray[np.uint32]:
-    """Return which texels of a texture touch tiles, counted row by row."""
-    return np.flatnonzero(texels_of(tiles, size_px, texel_px)).astype(np.uint32)
+    drawn_in: list[Tiles], size_px: tuple[int, int], texel_px: tuple[int, int]
+) -> list[NDArray[np.uint32]]:
+    """Return which texels of a texture touch each eye's tiles, counted row by row, eye by eye."""
+    width, height = size_px
+    return [
+        (np.flatnonzero(texels_of(tiles, size_px, texel_px)) + eye * width * height).astype(
+            np.uint32
+        )
+        for eye, tiles in enumerate(drawn_in)
+    ]
 
 
 def margins(declared: Iterable[Pass], pixel_aspect: float = 1.0) -> dict[int, float]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.errors import InputError
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass, MipChain
+from vrcomfort.gpu.passes import AnyTexture
 from vrcomfort.optics.motion import halvings
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.planned_pass import PlannedPass
@@ -73,11 +74,11 @@ class MipLevelPass:
     def __init__(
         self,
         ctx: moderngl.Context,
-        colour: moderngl.Texture,
+        colour: AnyTexture,
         *,
         most_level: float,
         size_px: tuple[int, int],
-        target: moderngl.Texture | None = None,
+        target: AnyTexture | None = None,
     ) -> None:
         self._chain = MipChain(ctx, colour, halvings(most_level), size_px)
         self._pass = FullscreenPass(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import partial
@@ -14,7 +14,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.frame import FocusSample, Frame, GazeHit
 from vrcomfort.geometry import Array, Gaze, HiddenAreas, Pose
 from vrcomfort.gpu import gl
-from vrcomfort.gpu.passes import draw_part, part
+from vrcomfort.gpu.passes import AnyTexture, draw_part, part
 from vrcomfort.gpu.visible_area import VisibleArea
 from vrcomfort.optics.focus import Centre, GazeFollower
 from vrcomfort.protocol.conditions import CentredEffect, Condition
@@ -47,7 +47,7 @@ def head_from_gaze(frame: Frame) -> Gaze | None:
 
 
 class EyeImages(NamedTuple):
-    """The textures of the eye that was just drawn; the next eye overwrites all but `encoded`.
+    """The textures of an eye; they hold its images until another is drawn.
 
     `pinhole` and `linear` are linear HDR light before and after the effects, `depth` is reverse-Z
     with `near_m`, `headset_depth` what a runtime is to get of it, `velocity` is px per frame,
@@ -102,6 +102,8 @@ class ConditionPasses:
         self._ctx = ctx
         self.area = None if hidden == (None, None) else VisibleArea(size_px, hidden)
         self._size_px = size_px
+        self._at_once = eyes if gl.eyes_at_once(ctx) else 1
+        """How many eyes passes draw at once: without layers one after the other."""
         planned = plan_passes(scene, condition)
         self.names = tuple(item.name for item in planned if item.needed)
         registered = [each for each in in_order(condition) if each.name in self.names]
@@ -116,6 +118,7 @@ class ConditionPasses:
                 samples=samples,
                 lens_law="dioptre" if self._views > 1 else None,
                 background=condition if "background_blur" in self.names else None,
+                eyes=self._at_once,
             )
         self._near_m = near_m
         self._sees_along_ray = blur is not None and blur.distance_along == "ray"
@@ -133,13 +136,14 @@ class ConditionPasses:
         self.gaze_hits: GazeHits | None = None
         """Made when the first gaze is to be looked along."""
         self.colour = self.scene.colour
-        self._pinhole: moderngl.Texture | None = None
+        self._pinhole: AnyTexture | None = None
         """A copy of `scene.colour` before effects, where one overwrites it and it is wanted."""
         self._lens_views: LensViews | None = None
         self._of_view: dict[str, EffectPass] = {}
         """By name, drawn in each view through the lens."""
         self._of_eye: dict[str, EffectPass] = {}
         """Drawn once."""
+        self._views_of_layers: dict[tuple[int, int], moderngl.Texture] = {}
         self._seen_depth: SeenDepthPass | None = None
         with self._limiting():
             for each in registered:
@@ -156,7 +160,13 @@ class ConditionPasses:
                 exposure=scene.environment.exposure,
             )
             # A target for each eye: both images of a frame are valid until the next frame.
-            self.tone_maps = tuple(tone_map() for _ in range(eyes))
+            self._tone_maps = tuple(tone_map() for _ in range(0, eyes, self._at_once))
+        self.encoded = tuple(
+            gl.of_eye(each.target, image)
+            for each in self._tone_maps
+            for image in range(self._at_once)
+        )
+        """Each eye's image for the display, until the next frame."""
 
     def _limiting(self) -> AbstractContextManager[None]:
         """Return the context in which passes of an eye's image are made."""
@@ -300,61 +310,91 @@ class ConditionPasses:
         head = cameras[0].head
         self.scene.update(scene_time_s, head, previous[0].time_s, cameras, previous)
 
-    def render_eye(
-        self, eye: EyeFrame, scene_time_s: float, *, keep_pinhole: bool = False
-    ) -> EyeImages:
-        """Draw one eye and its effects; the left one first.
+    def render(
+        self,
+        eyes: Sequence[EyeFrame],
+        scene_time_s: float,
+        on_eye: Callable[[int, EyeImages], None] | None = None,
+        *,
+        keep_pinhole: bool = False,
+    ) -> None:
+        """Draw the eyes of a frame and their effects.
+
+        Passes draw both eyes at once; without layers the left eye goes through all of them first.
 
         Parameters
         ----------
+        on_eye
+            Called with each eye (0 left, 1 right) and its textures.
         keep_pinhole
             Whether `EyeImages.pinhole` is looked at.
         """
         blur = self._of_eye.get("depth_of_field")
         keep = keep_pinhole and isinstance(blur, DepthOfFieldPass) and blur.draws_behind
         if keep and self._pinhole is None:
-            self._pinhole = gl.color_texture(self._ctx, self._size_px)
-        if self.area is not None:
-            self.area.eye = eye.eye_index
+            self._pinhole = gl.eye_texture(self._ctx, self._size_px, self._at_once)
+        for first in range(0, len(eyes), self._at_once):
+            now = eyes[first : first + self._at_once]
+            self._render(now, scene_time_s, keep_pinhole=keep)
+            if on_eye is not None:
+                for image, eye in enumerate(now):
+                    on_eye(eye.eye_index, self._images(eye, image, keep_pinhole=keep))
+
+    def _render(self, eyes: Sequence[EyeFrame], scene_time_s: float, *, keep_pinhole: bool) -> None:
         if self._lens_views is not None:
             with part("lens_views"):
                 self._lens_views.render(
-                    eye.camera.fov,
-                    lambda lens: self._draw(eye, self._of_view, scene_time_s, lens),
+                    [eye.camera.fov for eye in eyes],
+                    lambda lenses: self._draw(eyes, self._of_view, scene_time_s, lenses),
                 )
         # The centre view comes last: its depth and velocity are those of the eye.
-        self._draw(eye, self._of_eye, scene_time_s, keep_pinhole=keep)
-        tone_map = self.tone_maps[eye.eye_index]
+        self._draw(eyes, self._of_eye, scene_time_s, keep_pinhole=keep_pinhole)
+        tone_map = self._tone_maps[eyes[0].eye_index]
         draw_part("tone_map", tone_map.render)
-        depth = self.scene.depth
         if self._seen_depth is not None:
-            draw_part("headset_depth", self._seen_depth.render, eye.camera)
-            depth = self._seen_depth.target
-        return EyeImages(
-            eye.camera,
-            eye.previous,
-            self._pinhole if keep and self._pinhole is not None else self.scene.colour,
-            self.colour,
-            self.scene.depth,
-            depth,
-            self.scene.velocity,
-            tone_map.target,
-        )
+            cameras = [eye.camera for eye in eyes]
+            draw_part("headset_depth", self._seen_depth.render, *cameras)
 
     def _draw(
         self,
-        eye: EyeFrame,
+        eyes: Sequence[EyeFrame],
         effects: Mapping[str, EffectPass],
         scene_time_s: float,
-        lens: Lens | None = None,
+        lenses: Sequence[Lens | None] = (None, None),
         *,
         keep_pinhole: bool = False,
     ) -> None:
-        camera = eye.camera if lens is None else replace(eye.camera, lens=lens)
-        draw_part("scene", self.scene.render, camera, scene_time_s, eye.previous, resolve=False)
-        draw_part(RESOLVE, self.scene.resolve.render, camera)
+        seen, scene = [], self.scene
+        for image, (eye, lens) in enumerate(zip(eyes, lenses, strict=False)):
+            if self.area is not None:
+                self.area.eye = eye.eye_index
+            camera, previous = eye.camera, eye.previous
+            camera = camera if lens is None else replace(camera, lens=lens)
+            of_image: dict[str, Any] = {"resolve": False, "image": image}
+            draw_part("scene", scene.render, camera, scene_time_s, previous, **of_image)
+            draw_part(RESOLVE, scene.resolve.render, camera, image)
+            seen.append(eye._replace(still=scene.still))
         if keep_pinhole and self._pinhole is not None:
-            gl.copier(self._ctx, self.scene.colour, self._pinhole)()
-        seen = eye._replace(still=self.scene.still)
+            gl.copier(self._ctx, scene.colour, self._pinhole)()
         for name, effect in effects.items():
-            draw_part(name, effect.render, seen)
+            draw_part(name, effect.render, *seen)
+
+    def _images(self, eye: EyeFrame, image: int, *, keep_pinhole: bool) -> EyeImages:
+        scene, seen_depth = self.scene, self._seen_depth
+        kept = self._pinhole if keep_pinhole else None
+        return EyeImages(
+            eye.camera,
+            eye.previous,
+            self._alone(scene.colour if kept is None else kept, image),
+            self._alone(self.colour, image),
+            self._alone(scene.depth, image),
+            self._alone(scene.depth if seen_depth is None else seen_depth.target, image),
+            None if scene.velocity is None else self._alone(scene.velocity, image),
+            self.encoded[eye.eye_index],
+        )
+
+    def _alone(self, texture: AnyTexture, image: int) -> moderngl.Texture:
+        key = texture.glo, image
+        if key not in self._views_of_layers:
+            self._views_of_layers[key] = gl.of_eye(texture, image)
+        return self._views_of_layers[key]

@@ -17,6 +17,7 @@ from vrcomfort.frame import ImageHash
 from vrcomfort.geometry import Fov
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.passes import AnyTexture
 from vrcomfort.optics import dither, tone
 from vrcomfort.protocol.viewing import Photodiode
 
@@ -34,7 +35,7 @@ def noise_texture(ctx: moderngl.Context) -> moderngl.Texture:
 def tone_map_pass(
     ctx: moderngl.Context,
     *,
-    radiance: moderngl.Texture,
+    radiance: AnyTexture,
     blue_noise: moderngl.Texture,
     size_px: tuple[int, int],
     exposure: float,

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.gpu.passes import PassImage
+from vrcomfort.gpu.fullscreen_pass import by_eyes
+from vrcomfort.gpu.passes import AnyTexture, PassImage
 from vrcomfort.render import culling, lighting
 from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
 from vrcomfort.render.materials import (
@@ -222,13 +223,19 @@ class GpuScene:
         """Return what surfaces may read, to declare passes that draw them."""
         return self._drawer.textures.images
 
-    def add_texture(self, unit: int, texture: moderngl.Texture) -> None:
+    def add_texture(self, unit: int, texture: AnyTexture) -> None:
         """Let surfaces read a texture at a unit, as `TextureStore.add` has it."""
         self._drawer.textures.add(unit, texture)
 
-    def make_behind(self) -> None:
-        """Compile what `draw` needs for what lies behind near things (``BEHIND_NEAR``)."""
-        self._behind_states = self._make_behind()
+    def make_behind(self, eyes: int) -> None:
+        """Compile what `draw` needs for what lies behind near things (``BEHIND_NEAR``).
+
+        Parameters
+        ----------
+        eyes
+            For how many there is a limit in the texture.
+        """
+        self._behind_states = self._make_behind(by_eyes(eyes))
 
     def draw(
         self, view: int, *, blended: bool, foreground: bool = False, behind: bool = False
@@ -357,8 +364,10 @@ def _semantic_states(factory: BatchStateFactory, table: DrawList) -> list[BatchS
     return [factory.semantic(key) for key in table.depth_keys]
 
 
-def _behind_states(factory: BatchStateFactory, table: DrawList) -> list[BatchState]:
-    return [factory.color(key, {"BEHIND_NEAR": 1}) for key in table.keys]
+def _behind_states(
+    factory: BatchStateFactory, table: DrawList, defines: shaders.Defines
+) -> list[BatchState]:
+    return [factory.color(key, {"BEHIND_NEAR": 1, **defines}) for key in table.keys]
 
 
 def _vertex_array(

@@ -282,7 +282,7 @@ class TextureStore:
         self.bind = gl.binder(ctx, self._textures, SHADOW_UNIT)
         """Puts every texture on its unit."""
 
-    def add(self, unit: int, texture: moderngl.Texture) -> None:
+    def add(self, unit: int, texture: passes.AnyTexture) -> None:
         """Add a texture that surfaces read, at `SHADOW_UNIT` or `NEAREST_UNIT`."""
         self._textures[unit - SHADOW_UNIT] = texture
         self.bind = gl.binder(self._ctx, self._textures, SHADOW_UNIT)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from vrcomfort.errors import InputError, pip_install
+from vrcomfort.gpu import gl
 
 if TYPE_CHECKING:
     import av
@@ -29,7 +30,7 @@ _DTYPES = {"f1": np.uint8, "f2": np.float16, "f4": np.float32}
 
 def read_texture(texture: moderngl.Texture) -> NDArray[np.generic]:
     """Return (height, width, components) of a single-sample texture, in its own type."""
-    data = np.frombuffer(texture.read(), dtype=_DTYPES[texture.dtype])
+    data = np.frombuffer(gl.read(texture), dtype=_DTYPES[texture.dtype])
     return data.reshape(texture.height, texture.width, -1)[::-1]
 
 

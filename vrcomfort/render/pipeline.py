@@ -3,9 +3,9 @@
 ::
 
     focus (head centre, once)
-      |        per eye:
-      +--> scene ----> effects, in the condition's order ----> tone map --> eyes
-           colour      (depth of field, motion blur, …)
+      |    per eye:         both eyes at once:
+      +--> scene ---------> effects, in the condition's order ----> tone map --> eyes
+           colour           (depth of field, motion blur, …)
            depth, velocity
 """
 
@@ -128,8 +128,8 @@ class StereoRenderer:
     eyes
         1 draws the left eye alone, and gives its image for both.
     on_eye
-        Called after each eye (0 left, 1 right) of each frame with its textures, where `render` is
-        not told otherwise.
+        Called with each eye (0 left, 1 right) of each frame and its textures, where `render` is not
+        told otherwise.
     hash_every
         Frames from one hash of the images to the next, the first of each `begin` among them; 0: no
         hashes.
@@ -231,8 +231,7 @@ class StereoRenderer:
             eyes=self._eyes, headset_depth=self._headset_depth, hidden=self._hidden,
         )  # fmt: skip
         if self._photodiode is not None:
-            images = tuple(each.target for each in self._passes.tone_maps)
-            self._patch = PatchPainter(self.ctx, self._photodiode, images)
+            self._patch = PatchPainter(self.ctx, self._photodiode, self._passes.encoded)
         self._allocated = first, account.mark()
 
     def memory(self) -> tuple[gpu_memory.GpuAllocation, ...]:
@@ -276,7 +275,7 @@ class StereoRenderer:
         scene_time_s
             Time of the scene's animations.
         on_eye
-            Called after each eye (0 left, 1 right) with its textures, for files and measurements.
+            Called with each eye (0 left, 1 right) and its textures, for files and measurements.
         """
         on_eye = on_eye or self._on_eye
         timer, parts = self._timer, self._part_timer
@@ -357,10 +356,14 @@ class StereoRenderer:
         seeks_gaze, hits = self._look_along(frame, world_from_head)
         # A headset takes depth alone.
         keep_pinhole = on_eye is not None and on_eye is not self._on_eye
-        for index, eye in enumerate(eyes):
-            images = passes.render_eye(eye, scene_time_s, keep_pinhole=keep_pinhole)
+
+        def hand_on(index: int, images: EyeImages) -> None:
+            nonlocal elsewhere_s
             if on_eye is not None:
                 elsewhere_s += self._hand_on(on_eye, index, images)
+
+        take = None if on_eye is None else hand_on
+        passes.render(eyes, scene_time_s, take, keep_pinhole=keep_pinhole)
         if self._patch is not None and frame.patch is not None:
             self._patch.paint(tuple(view.fov for view in frame.views), white=frame.patch)
         self._before = _Before(
@@ -372,7 +375,7 @@ class StereoRenderer:
         )
         return RenderedFrame(
             # With one eye, its image stands for both.
-            eyes=(passes.tone_maps[0].target, passes.tone_maps[-1].target),
+            eyes=(passes.encoded[0], passes.encoded[-1]),
             focus_samples=samples,
             max_blur_px=passes.max_blur_px,
             draws=gpu.draws,
@@ -417,9 +420,9 @@ class StereoRenderer:
 
     def hash_now(self, frame_index: int) -> ImageHash:
         """Return the hashes of the images that were drawn last (this waits for the GPU)."""
-        maps = self._built().tone_maps
+        encoded = self._built().encoded
         hasher = self._get_hasher()
-        hasher.take(frame_index, (maps[0].target, maps[-1].target))
+        hasher.take(frame_index, (encoded[0], encoded[-1]))
         return hasher.drain()[-1]
 
     def drain_hashes(self) -> tuple[ImageHash, ...]:

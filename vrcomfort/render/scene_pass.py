@@ -1,4 +1,4 @@
-"""Scene pass of one eye: linear HDR colour, reverse-Z depth, velocity if asked for.
+"""Scene pass, eye by eye: linear HDR colour, reverse-Z depth, velocity if asked for.
 
 Multisampled, then resolved (`ResolvePass`). `EyeBlocks` fills the uniform blocks that all draws of
 an eye share.
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl, passes, shaders, visible_area
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.gpu.passes import Pass, PassImage
+from vrcomfort.gpu.passes import AnyTexture, Pass, PassImage
 from vrcomfort.gpu.visible_area import VisibleArea, limited_draw
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import lighting
@@ -41,7 +41,7 @@ from vrcomfort.scene.data import Scene
 
 
 class ScenePass:
-    """Draws a scene; both eyes may share it, one after the other.
+    """Draws a scene, one eye after the other.
 
     Parameters
     ----------
@@ -57,6 +57,8 @@ class ScenePass:
         ``f2`` half floats, or ``f4`` where rounding must not hide an error.
     background
         The condition whose background is blurred behind its foreground, where it is.
+    eyes
+        For how many images there is room: 1, which eyes share, or 2, each eye's as a layer.
     """
 
     def __init__(
@@ -70,8 +72,9 @@ class ScenePass:
         lens_law: LensLaw | None = None,
         velocity_dtype: str = "f2",
         background: Condition | None = None,
+        eyes: int = 1,
     ) -> None:
-        self.size_px = size_px
+        self.size_px, self._images = size_px, eyes
         self._ctx = ctx
         defines = _defines(velocity=velocity, lens_law=lens_law)
         sharp = None if background is None else foreground(scene, background)
@@ -91,6 +94,7 @@ class ScenePass:
             velocity_dtype=velocity_dtype if velocity else None,
             samples=samples,
             by_brightness=light.exposure if light.resolve == "by_brightness" else None,
+            eyes=eyes,
         )
         shadows = () if self._shadow is None else self._shadow.images
         drawn = self._targets.samples
@@ -99,9 +103,7 @@ class ScenePass:
         self._behind = Pass("scene/sky.frag", (), drawn)
         settings = None if background is None else background.background_blur
         self._background_level = 0.0 if settings is None else settings.level
-        self._background = (
-            self._targets.background_blur(self._background_level) if settings else None
-        )
+        self._background = self._targets.background_blur(self._background_level) if settings else ()
         self._blocks = EyeBlocks(ctx, scene, size_px, lens=lens_law is not None, velocity=velocity)
         self._eyes: tuple[EyeCamera, ...] = ()
         self._previous: tuple[PreviousCamera, ...] = ()
@@ -157,6 +159,7 @@ class ScenePass:
         previous: PreviousCamera | None = None,
         *,
         resolve: bool = True,
+        image: int = 0,
     ) -> None:
         """Draw the scene at a time.
 
@@ -166,6 +169,8 @@ class ScenePass:
             Where the eye counts as having been; without it all velocities are zero.
         resolve
             False leaves it to the caller to call `resolve`.
+        image
+            Which one is drawn, of several.
         """
         before = previous or PreviousCamera(camera.world_from_eye, time_s)
         self.still = before.world_from_eye == camera.world_from_eye and (
@@ -176,15 +181,15 @@ class ScenePass:
             self.update(time_s, camera.head, before.time_s, [camera], [before])
             view = 0
         self._bind_blocks(view, camera, before)
-        self._draw(view, camera)
+        self._draw(view, camera, image)
         if resolve:
-            self.resolve.render(camera)
+            self.resolve.render(camera, image)
 
     def prepare_behind(
         self,
-        nearest: moderngl.Texture,
-        colour: moderngl.Texture,
-        depth: moderngl.Texture,
+        nearest: AnyTexture,
+        colour: AnyTexture,
+        depth: AnyTexture,
     ) -> None:
         """Compile what :meth:`draw_behind` draws.
 
@@ -195,10 +200,13 @@ class ScenePass:
         colour, depth
             Where it draws, one sample a pixel: RGBA16F and D32F.
         """
-        self.gpu.make_behind()
+        self.gpu.make_behind(self._images)
         self.gpu.add_texture(NEAREST_UNIT, nearest)
-        self._single = _Surfaces(self._ctx, [colour], depth)
-        images = tuple(map(passes.PassImage.of, (colour, depth)))
+        each = [
+            (gl.of_eye(colour, image), gl.of_eye(depth, image)) for image in range(self._images)
+        ]
+        self._single = [_Surfaces(self._ctx, [pair[0]], pair[1]) for pair in each]
+        images = tuple(map(passes.PassImage.of, each[0]))
         limit = passes.PassImage.of(nearest, reach_px=0.0)
         self._opaque_behind = replace(
             self._opaque, reads=(*self._opaque.reads, limit), writes=images
@@ -209,9 +217,13 @@ class ScenePass:
         self._sky_behind = replace(self._behind, writes=images)
 
     def draw_behind(self) -> None:
-        """Draw the last view again, up to `nearest`, wherever `depth` is less than 1."""
-        self._single.use()
-        self._draw_layers(self._view_drawn, behind=True)
+        """Draw the last images again, up to `nearest`, wherever `depth` is less than 1."""
+        for image, surfaces in enumerate(self._single):
+            if len(self._single) > 1:
+                self._blocks.bind(image)
+            surfaces.use()
+            view = image if len(self._single) > 1 else self._view_drawn
+            self._draw_layers(view, behind=surfaces)
         self._ctx.enable_only(moderngl.NOTHING)
 
     def _bind_blocks(self, view: int, camera: EyeCamera, before: PreviousCamera) -> None:
@@ -230,20 +242,20 @@ class ScenePass:
                 return view
         return None
 
-    def _draw(self, view: int, camera: EyeCamera) -> None:
+    def _draw(self, view: int, camera: EyeCamera, image: int) -> None:
         self._targets.begin()
         self._draw_layers(view)
         self._view_drawn = view
-        if self._background is not None:
+        if self._background:
             self._ctx.enable_only(moderngl.NOTHING)
-            self.resolve.render(camera)
-            self._background.render(self._background_level)
+            self.resolve.render(camera, image)
+            self._background[image].render(self._background_level)
             self._targets.use()
             self._draw_opaque(view, foreground=True)
             self._draw_blended(view, foreground=True)
         self._ctx.enable_only(moderngl.NOTHING)
 
-    def _draw_layers(self, view: int, *, behind: bool = False) -> None:
+    def _draw_layers(self, view: int, *, behind: _Surfaces | None = None) -> None:
         """Draw opaque surfaces, the sky where none is, and blended ones."""
         self._draw_opaque(view, behind=behind)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
@@ -251,20 +263,26 @@ class ScenePass:
         (self._sky_behind if behind else self._behind).run(self._sky.render, vertices=3)
         self._draw_blended(view, behind=behind)
 
-    def _draw_opaque(self, view: int, *, foreground: bool = False, behind: bool = False) -> None:
+    def _draw_opaque(
+        self, view: int, *, foreground: bool = False, behind: _Surfaces | None = None
+    ) -> None:
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = gl.DEPTH_FUNC
         drawn = self._opaque_behind if behind else self._opaque
-        drawn.run(self.gpu.draw, view, blended=False, foreground=foreground, behind=behind)
+        kind = {"blended": False, "foreground": foreground, "behind": behind is not None}
+        drawn.run(self.gpu.draw, view, **kind)
 
-    def _draw_blended(self, view: int, *, foreground: bool = False, behind: bool = False) -> None:
+    def _draw_blended(
+        self, view: int, *, foreground: bool = False, behind: _Surfaces | None = None
+    ) -> None:
         if not self.gpu.has_blended:
             return
-        (self._single if behind else self._targets).blend()
+        (behind or self._targets).blend()
         self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
         self._ctx.depth_func = gl.DEPTH_FUNC
         drawn = self._blended_behind if behind else self._blended
-        drawn.run(self.gpu.draw, view, blended=True, foreground=foreground, behind=behind)
+        kind = {"blended": True, "foreground": foreground, "behind": behind is not None}
+        drawn.run(self.gpu.draw, view, **kind)
 
 
 def _motion(eyes: Sequence[EyeCamera], previous: Sequence[PreviousCamera]) -> CameraMotion:
@@ -292,10 +310,10 @@ class _Surfaces:
         self, ctx: moderngl.Context, images: list[moderngl.Texture], depth: moderngl.Texture
     ) -> None:
         self._ctx = ctx
-        self._all = ctx.framebuffer(images, depth)
+        self._all = gl.framebuffer(ctx, images, depth)
         self.use = self._all.use
         """Draw into all of them from now on."""
-        self._colour_only = ctx.framebuffer(images[:1], depth)
+        self._colour_only = gl.framebuffer(ctx, images[:1], depth)
 
     def blend(self) -> None:
         """Continue with colour only: blended surfaces cover by alpha and write no depth."""
@@ -315,10 +333,18 @@ class _Targets(_Surfaces):
         velocity_dtype: str | None,
         samples: int,
         by_brightness: float | None,
+        eyes: int,
     ) -> None:
-        colour, velocity = _colours(ctx, size_px, velocity_dtype, 0)
-        depth = gl.depth_texture(ctx, size_px)
-        many_colour, many_velocity = _colours(ctx, size_px, velocity_dtype, samples)
+        colour, depth = gl.eye_texture(ctx, size_px, eyes), gl.eye_depth(ctx, size_px, eyes)
+        many_colour, many_velocity, velocity = (
+            gl.color_texture(ctx, size_px, samples=samples),
+            None,
+            None,
+        )
+        if velocity_dtype is not None:
+            kind: dict[str, Any] = {"components": 2, "dtype": velocity_dtype}
+            many_velocity = gl.color_texture(ctx, size_px, samples=samples, **kind)
+            velocity = gl.eye_texture(ctx, size_px, eyes, **kind)
         many_depth = gl.depth_texture(ctx, size_px, samples=samples)
         many = [many_colour, *([many_velocity] if many_velocity else [])]
         self._colours = many_colour
@@ -338,11 +364,18 @@ class _Targets(_Surfaces):
         )
         self.count = 2 * (len(many) + 1)
 
-    def background_blur(self, level: float) -> MipLevelPass:
-        """Return the pass that blurs the colour of all samples; depth stays as it is."""
-        colour = self.resolve.colour
-        return MipLevelPass(
-            self._ctx, colour, most_level=level, size_px=colour.size, target=self._colours
+    def background_blur(self, level: float) -> tuple[MipLevelPass, ...]:
+        """Return what blurs the colour of all samples of each image; depth stays as it is."""
+        size_px, colour = self._colours.size, self.resolve.colour
+        return tuple(
+            MipLevelPass(
+                self._ctx,
+                gl.of_eye(colour, image),
+                most_level=level,
+                size_px=size_px,
+                target=self._colours,
+            )
+            for image in range(gl.layers_of(colour))
         )
 
     def begin(self) -> None:
@@ -368,16 +401,6 @@ class _HiddenTiles:
         """Draw them over a depth that was cleared."""
         self._ctx.depth_func = gl.DEPTH_FUNC
         self._declared.run(self._draw)
-
-
-def _colours(
-    ctx: moderngl.Context, size_px: tuple[int, int], velocity_dtype: str | None, samples: int
-) -> tuple[moderngl.Texture, moderngl.Texture | None]:
-    colour = gl.color_texture(ctx, size_px, samples=samples)
-    if velocity_dtype is None:
-        return colour, None
-    velocity = gl.color_texture(ctx, size_px, components=2, dtype=velocity_dtype, samples=samples)
-    return colour, velocity
 
 
 VIEW_BINDING, LIGHT_BINDING = 0, 1
@@ -421,6 +444,7 @@ class EyeBlocks:
         of_light = self._bytes[:, self._light_offset :][:, : light.itemsize]
         self._light = Light(scene, of_light.view(light)[:, 0])
         self._views["image_size_px"][:, :2] = size_px
+        self._views["image_size_px"][:, 2] = np.arange(most)
         self._clips, self._previous_clips = (
             self._views[name].swapaxes(1, 2)  # GLSL stores columns
             for name in ("clip_from_view", "previous_clip_from_clip")
@@ -492,7 +516,7 @@ class Radii(NamedTuple):
         Gives shaders the constants of an eye.
     """
 
-    inputs: dict[str, moderngl.Texture]
+    inputs: dict[str, AnyTexture]
     defines: dict[str, Any]
     see_with: Callable[[EyeCamera], None]
 
@@ -517,7 +541,7 @@ class ResolvePass:
     ----------
     colour
         RGBA16F linear radiance; alpha is 1, or with :meth:`write_radii` a signed radius in pixels
-        of image width.
+        of image width. Like the others it holds one image, or each eye's as a layer.
     depth
         D32F reverse-Z depth, ``near_m / distance``; 0 is the sky.
     velocity
@@ -529,9 +553,9 @@ class ResolvePass:
         ctx: moderngl.Context,
         samples: Samples,
         *,
-        colour: moderngl.Texture,
-        depth: moderngl.Texture,
-        velocity: moderngl.Texture | None,
+        colour: AnyTexture,
+        depth: AnyTexture,
+        velocity: AnyTexture | None,
         by_brightness: float | None = None,
     ) -> None:
         self._ctx, self._samples = ctx, samples
@@ -539,18 +563,18 @@ class ResolvePass:
         self.colour, self.depth, self.velocity = colour, depth, velocity
         self._radii: Radii | None = None
         self._places: dict[str, Any] = {}
-        self._pass = self._make()
+        self._passes = self._make()
 
     def write_radii(self, radii: Radii) -> None:
         """Write circles of confusion into the alpha of colour from now on."""
         self._radii = radii
-        self._pass = self._make()
+        self._passes = self._make()
 
-    def render(self, camera: EyeCamera) -> None:
-        """Resolve an eye's image into the single-sample textures."""
+    def render(self, camera: EyeCamera, image: int = 0) -> None:
+        """Resolve what an eye has drawn into one of the images."""
         if self._radii is not None:
             self._radii.see_with(camera)
-        self._pass.render(**self._places)
+        self._passes[image].render(**self._places)
 
     def learn_sample_places(self) -> None:
         """Ask the driver where samples lie; it tells of the framebuffer in use only."""
@@ -558,16 +582,19 @@ class ResolvePass:
             places = gl.sample_places(self._ctx, self._samples.colour.samples)
             self._places = {"sample_place": places if len(places) > 1 else places[0]}
 
-    def _make(self) -> FullscreenPass:
+    def _make(self) -> list[FullscreenPass]:
+        return [self._make_one(image) for image in range(gl.layers_of(self.colour))]
+
+    def _make_one(self, image: int) -> FullscreenPass:
         many, radii = self._samples, self._radii
-        inputs = {"colors": many.colour, "depths": many.depth}
-        targets = [self.colour]
+        inputs: dict[str, AnyTexture] = {"colors": many.colour, "depths": many.depth}
+        targets = [gl.of_eye(self.colour, image)]
         defines: dict[str, Any] = {"SAMPLES": many.colour.samples}
         if self._by_brightness is not None:
             defines["BY_BRIGHTNESS"] = self._by_brightness
         if many.velocity is not None and self.velocity is not None:
             inputs["velocities"] = many.velocity
-            targets.append(self.velocity)
+            targets.append(gl.of_eye(self.velocity, image))
             defines["VELOCITY"] = 1
         if radii is not None:
             inputs |= radii.inputs
@@ -575,10 +602,10 @@ class ResolvePass:
         return FullscreenPass(
             self._ctx,
             "scene/resolve.frag",
-            size_px=self.colour.size,
+            size_px=gl.size_px_of(self.colour),
             inputs=inputs,
             defines=defines,
             target=targets,
-            depth=self.depth,
+            depth=gl.of_eye(self.depth, image),
             reach_px={"colors": 0.0, "depths": 0.0, "velocities": 0.0},
         )

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Gaze
+from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.conditions import Condition, DepthOfField
@@ -146,7 +147,9 @@ class _Walk:
                 radii, drawn = self._coc(each, lens, images)
                 radii.see_with(images.camera)
                 drawn.render()
-                circles = 2 * np.abs(np.asarray(read_texture(drawn.target)[..., 3], np.float32))
+                circles = 2 * np.abs(
+                    np.asarray(read_texture(gl.of_eye(drawn.target, 0))[..., 3], np.float32)
+                )
                 self._circles[each.name].append(circles.ravel())
             if motion is not None:
                 max_radius_px = motion.max_radius_percent / 50 * self._size_px[0]

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose, focal_length_px
+from vrcomfort.gpu import gl
 from vrcomfort.optics.lens_sampling import lens_and_shutter
 from vrcomfort.protocol.conditions import EFFECTS, Condition, DepthOfField
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera, extrapolated_eye_pose
@@ -206,7 +207,7 @@ class Reference:
         moved = _moved(camera, previous.world_from_eye, frames)
         lens = self._lens(camera, focus_m, lens_point)
         self._pass.render(replace(moved, lens=lens), time_s + frames * (time_s - previous.time_s))
-        return read_rgb(self._pass.colour)
+        return read_rgb(gl.of_eye(self._pass.colour, 0))
 
     def _lens(
         self, camera: EyeCamera, focus_m: float, position: tuple[float, float]

@@ -32,9 +32,9 @@ class GreyPass(EffectPass):
         )
         self.target = self._pass.target
 
-    def render(self, eye: EyeFrame) -> None:
-        """Draw the present image in grey."""
-        del eye
+    def render(self, *eyes: EyeFrame) -> None:
+        """Draw the present images in grey."""
+        del eyes
         self._pass.render()
 
 

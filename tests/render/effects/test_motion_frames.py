@@ -444,7 +444,8 @@ def test_all_programs_are_drawn_with_before_the_first_frame(ctx, count_primitive
     # A tile pass, neighbours, the averages of long streaks (in one
     # step: the image is narrow) and of short ones, a point for each of 3 x 3 tiles in which things
     # may pass each other; two Gaussians.
-    assert warm - plain == 1 + 1 + 2 + 9 + 2
+    # Of each eye.
+    assert warm - plain == 2 * (1 + 1 + 2 + 9 + 2)
 
 
 def turned_30_degrees(index, **known):

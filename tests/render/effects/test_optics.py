@@ -41,7 +41,7 @@ def evaluate(
     `include` names files of shaders/include, in order; `defines` are pairs of names and values.
     """
     rows = np.asarray(arguments, "f4")
-    for name in include.split():
+    for name in (*include.split(), "eyes.glsl", "corner.glsl"):
         ctx.includes[name] = shaders.source(f"include/{name}")
     lines = [f"#define {name} {value}" for name, value in defines]
     includes = "\n".join(lines + [f'#include "{name}"' for name in include.split()])

@@ -1,4 +1,4 @@
-"""Interface of effects: each is one step from an eye's image to the next.
+"""Interface of effects: each is one step from the eyes' images to the next.
 
 A new effect is a table of settings (`vrcomfort.protocol.conditions.EffectTables`), an `EffectPass`,
 its shader and the shader's twin, and a `RegisteredEffect` beside the pass.
@@ -13,6 +13,8 @@ from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 import moderngl
 
 from vrcomfort.geometry import Pose
+from vrcomfort.gpu import gl
+from vrcomfort.gpu.passes import AnyTexture
 from vrcomfort.protocol.conditions import Condition, EffectName, Focus
 from vrcomfort.render.camera import EyeCamera, HeadStep, PreviousCamera
 from vrcomfort.render.planned_pass import PlannedPass
@@ -40,6 +42,9 @@ class EyeFrame(NamedTuple):
 class EffectInputs:
     """Textures and settings for building an effect.
 
+    A `FullscreenPass` of these textures draws as many eyes at once as they have layers; what both
+    eyes share, such as focus, has none.
+
     Parameters
     ----------
     settings
@@ -58,15 +63,15 @@ class EffectInputs:
 
     ctx: moderngl.Context
     settings: Any
-    colour: moderngl.Texture
-    reads: Mapping[str, moderngl.Texture] = field(default_factory=dict)
+    colour: AnyTexture
+    reads: Mapping[str, AnyTexture] = field(default_factory=dict)
     infinity_m: float = Focus().infinity_m
     scene: ScenePass | None = None
 
     @property
     def size_px(self) -> tuple[int, int]:
         """Return (width, height) of an eye's image."""
-        return self.colour.size
+        return gl.size_px_of(self.colour)
 
 
 class EffectPass:
@@ -83,7 +88,7 @@ class EffectPass:
         Those of the inputs, or of the last :meth:`adjust`.
     """
 
-    target: moderngl.Texture
+    target: AnyTexture
 
     def __init__(self, inputs: EffectInputs) -> None:
         self.settings = inputs.settings
@@ -93,8 +98,11 @@ class EffectPass:
         """Return the largest radius or half streak that it can have; 0 if it has none."""
         return 0.0
 
-    def render(self, eye: EyeFrame) -> None:
-        """Draw the present inputs as this eye sees them; the left eye comes first."""
+    def render(self, *eyes: EyeFrame) -> None:
+        """Draw the present inputs as these eyes of a frame see them, each its layer.
+
+        Without layers it is called for each eye, the left one first.
+        """
         raise NotImplementedError
 
     def adjust(self, condition: Condition, settings: Any) -> None:

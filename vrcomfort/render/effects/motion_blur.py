@@ -1,4 +1,4 @@
-"""Motion blur of one eye from a velocity buffer (McGuire et al. 2012, Guertin et al. 2013).
+"""Motion blur of each eye from a velocity buffer (McGuire et al. 2012, Guertin et al. 2013).
 
 ::
 
@@ -24,6 +24,7 @@ import numpy as np
 
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass, ReductionPass, copier
+from vrcomfort.gpu.passes import AnyTexture
 from vrcomfort.gpu.shaders import Defines
 from vrcomfort.optics.motion import Sampling, ramp, sampling_of
 from vrcomfort.protocol.conditions import Condition, MotionBlur
@@ -104,10 +105,10 @@ class MotionBlurPass(EffectPass):
         """Return the limit on half streaks."""
         return self._max_radius_px
 
-    def render(self, eye: EyeFrame) -> None:
+    def render(self, *eyes: EyeFrame) -> None:
         """Blur the present image; where nothing has moved, it is copied, bit by bit."""
-        scale = streak_scale(self.settings, eye.step)
-        if eye.still or scale == 0:
+        scale = streak_scale(self.settings, eyes[0].step)
+        if all(eye.still for eye in eyes) or scale == 0:
             self._copy()
             return
         self._draw(scale)
@@ -164,9 +165,9 @@ class Reconstruction:
         self,
         ctx: moderngl.Context,
         *,
-        colour: moderngl.Texture,
-        depth: moderngl.Texture,
-        velocity: moderngl.Texture,
+        colour: AnyTexture,
+        depth: AnyTexture,
+        velocity: AnyTexture,
         samples: int,
         max_radius_px: float,
     ) -> None:
@@ -178,7 +179,8 @@ class Reconstruction:
             ctx, velocity=velocity, max_radius_px=max_radius_px, sampling=sampling
         )
         self._dilate = _dilation(ctx, self._tile_max, max_radius_px, sampling.jump)
-        self.target = gl.color_texture(ctx, colour.size)
+        size_px, eyes = gl.size_px_of(colour), gl.layers_of(colour)
+        self.target = gl.eye_texture(ctx, size_px, eyes)
         kinds = {
             "LONG": (1, 1),
             **({"LONG_X": (2, 1), "LONG_Y": (1, 2)} if sampling.halves else {}),
@@ -208,14 +210,14 @@ class Reconstruction:
     def _average(
         self,
         name: str,
-        source: moderngl.Texture,
+        source: AnyTexture,
         kind: str,
         reach_px: float,
         defines: Defines,
         px: tuple[int, int] | None = None,
     ) -> FullscreenPass:
         """Return a pass over the image in frames of a kind, into `target` where no `px` is."""
-        width, height = self._colour.size
+        width, height = gl.size_px_of(self._colour)
         across, up = px or (1, 1)
         return FullscreenPass(
             self._ctx,
@@ -240,7 +242,7 @@ class Reconstruction:
             texel_px=(across, up),
         )
 
-    def _complex_tiles(self, depth: moderngl.Texture) -> FullscreenPass:
+    def _complex_tiles(self, depth: AnyTexture) -> FullscreenPass:
         longest, crossing = self._dilate.targets
         tile_px = self._tile_max.tile_px
         most_taps = self._sampling.most_taps
@@ -249,7 +251,7 @@ class Reconstruction:
         return FullscreenPass(
             self._ctx,
             "motion_blur/motion_blur_foreground.frag",
-            size_px=self._colour.size,
+            size_px=gl.size_px_of(self._colour),
             inputs={
                 "colour": self._colour,
                 "velocity": self._velocity,
@@ -269,7 +271,7 @@ class Reconstruction:
                 "MOST_TAPS": most_taps,
             },
             vertex="motion_blur/motion_tiles_of_class.vert",
-            tiles=longest.size,
+            tiles=gl.size_px_of(longest),
             target=self.target,
             reach_px={
                 **dict.fromkeys(("colour", "velocity", "depth"), reach_px),
@@ -278,7 +280,7 @@ class Reconstruction:
         )
 
     @property
-    def tiles(self) -> tuple[moderngl.Texture, moderngl.Texture]:
+    def tiles(self) -> tuple[AnyTexture, AnyTexture]:
         """Return the streaks that reach each tile with its class, and those that cross it.
 
         Of the last frame that may have had velocity discontinuities.
@@ -305,7 +307,7 @@ def _dilation(
     return FullscreenPass(
         ctx,
         "motion_blur/tile_max_dilate.frag",
-        size_px=tile_max.target.size,
+        size_px=gl.size_px_of(tile_max.target),
         inputs={
             "tile_max": tile_max.target,
             "tile_max_crossing": tile_max.crossing,
@@ -357,11 +359,11 @@ class TileMaxPass:
         self,
         ctx: moderngl.Context,
         *,
-        velocity: moderngl.Texture,
+        velocity: AnyTexture,
         max_radius_px: float,
         sampling: Sampling,
     ) -> None:
-        width, height = velocity.size
+        width, height = gl.size_px_of(velocity)
         self.tile_px = max(LEAST_TILE_PX, ROWS * ceil(max_radius_px / MOST_TILES / ROWS))
         at_once = width <= AT_ONCE_PX and self.tile_px == LEAST_TILE_PX
         rows = self.tile_px if at_once else ROWS
@@ -425,8 +427,8 @@ class PerPixel:
         self,
         ctx: moderngl.Context,
         *,
-        colour: moderngl.Texture,
-        velocity: moderngl.Texture,
+        colour: AnyTexture,
+        velocity: AnyTexture,
         samples: int,
         max_radius_px: float,
     ) -> None:
@@ -437,7 +439,7 @@ class PerPixel:
         self._gather = FullscreenPass(
             ctx,
             "motion_blur/motion_blur_per_pixel.frag",
-            size_px=colour.size,
+            size_px=gl.size_px_of(colour),
             inputs={"colour": colour, "velocity": velocity},
             filtered={"colour"},
             reach_px={"colour": max_radius_px + 1, "velocity": 0.0},

@@ -35,9 +35,9 @@ class RelocationBlurPass(EffectPass):
         self._copy = copier(inputs.ctx, inputs.colour, self.target)
         self._relocated_ns: int | None = None
 
-    def render(self, eye: EyeFrame) -> None:
+    def render(self, *eyes: EyeFrame) -> None:
         """Blur the present image by the time since the last relocation."""
-        level = self._level(eye)
+        level = self._level(eyes[0])
         if level == 0:
             self._copy()
             return

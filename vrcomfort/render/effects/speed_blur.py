@@ -1,11 +1,15 @@
-"""Blurs one eye's whole image, the more the faster the participant turns or moves."""
+"""Blurs each eye's whole image, the more the faster the participant turns or moves."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import moderngl
 
 from vrcomfort.geometry import focal_length_px
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, copier
+from vrcomfort.gpu import gl
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, copier, of_each
+from vrcomfort.gpu.passes import AnyTexture
 from vrcomfort.optics.motion import sigma_px
 from vrcomfort.protocol.conditions import Condition, SpeedBlur
 from vrcomfort.render.camera import speed_share
@@ -38,29 +42,32 @@ class SpeedBlurPass(EffectPass):
         self.target = self._along.target
         self._copy = copier(inputs.ctx, inputs.colour, self.target)
 
-    def render(self, eye: EyeFrame) -> None:
+    def render(self, *eyes: EyeFrame) -> None:
         """Blur the present image as fast as the head goes; after a cut it does not."""
-        sigma_arcmin = self.settings.max_sigma_arcmin * speed_share(self.settings, eye.step)
-        focal_px = focal_length_px(eye.camera.fov, self._size_px)
-        x_px, y_px = (sigma_px(sigma_arcmin, each) for each in focal_px)
-        if min(x_px, y_px) < LEAST_PX:
+        sigma_arcmin = self.settings.max_sigma_arcmin * speed_share(self.settings, eyes[0].step)
+        sigmas_px = [
+            tuple(sigma_px(sigma_arcmin, each) for each in focal_length_px(fov, self._size_px))
+            for fov in (eye.camera.fov for eye in eyes)
+        ]
+        if min(map(min, sigmas_px)) < LEAST_PX:
             self._copy()
             return
-        self._draw(x_px, y_px)
+        self._draw(sigmas_px)
 
     def warm_up(self) -> None:
         """Draw everything once, which frames at rest leave out."""
-        self._draw(1.0, 1.0)
+        self._draw([(1.0, 1.0)] * gl.layers_of(self.target))
 
-    def _draw(self, x_px: float, y_px: float) -> None:
+    def _draw(self, sigmas_px: Sequence[tuple[float, ...]]) -> None:
+        x_px, y_px = map(of_each, zip(*sigmas_px, strict=True))
         self._across.render(sigma_px_of_eye=x_px)
         self._along.render(sigma_px_of_eye=y_px)
 
 
-def _axis(ctx: moderngl.Context, axis: int, image: moderngl.Texture) -> FullscreenPass:
-    inputs, defines = {"image": image}, {"AXIS": axis}
+def _axis(ctx: moderngl.Context, axis: int, image: AnyTexture) -> FullscreenPass:
+    inputs, defines, size_px = {"image": image}, {"AXIS": axis}, gl.size_px_of(image)
     return FullscreenPass(
-        ctx, "speed_blur/gaussian.frag", size_px=image.size, inputs=inputs, defines=defines
+        ctx, "speed_blur/gaussian.frag", size_px=size_px, inputs=inputs, defines=defines
     )
 
 

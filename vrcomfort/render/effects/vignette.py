@@ -1,12 +1,16 @@
-"""Restricts one eye's field of view, the more the faster the participant turns or moves."""
+"""Restricts each eye's field of view, the more the faster the participant turns or moves."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Fov, Pose, turn_to
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, copier
+from vrcomfort.gpu import gl
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, copier, of_each
+from vrcomfort.gpu.passes import AnyTexture
 from vrcomfort.optics.motion import clear_deg, moved_towards, widest_angle_deg
 from vrcomfort.protocol.conditions import Condition, Vignette
 from vrcomfort.render.camera import speed_share
@@ -44,9 +48,9 @@ class VignettePass(EffectPass):
         super().__init__(inputs)
         ctx, colour = inputs.ctx, inputs.colour
         self._means: tuple[FullscreenPass, ...] = ()
-        images = {"image": colour}
+        images: dict[str, AnyTexture] = {"image": colour}
         if self.settings.colour == "scene":
-            blocks = _mean(ctx, colour, BLOCKS)
+            blocks = _mean(ctx, gl.of_eye(colour, 0), BLOCKS)
             self._means = blocks, _mean(ctx, blocks.target, (1, 1))
             images["mean"] = self._means[-1].target
         self._pass = FullscreenPass(
@@ -67,22 +71,23 @@ class VignettePass(EffectPass):
         settings = self.settings
         return clear_deg(settings.open_deg, settings.restricted_deg, self._strength)
 
-    def render(self, eye: EyeFrame) -> None:
+    def render(self, *eyes: EyeFrame) -> None:
         """Restrict the present image; where all of it is in the clear field, the copy is exact."""
-        self._move(eye)
-        centre_from_eye = _centred(eye)
-        if widest_angle_deg(eye.camera.fov, centre_from_eye) <= self.clear_deg / 2:
+        self._move(eyes[0])
+        seen = [(eye.camera.fov, _centred(eye)) for eye in eyes]
+        if max(widest_angle_deg(*each) for each in seen) <= self.clear_deg / 2:
             self._copy()
             return
-        if self._mean_time_ns != eye.display_time_ns:
-            self._mean_time_ns = eye.display_time_ns
+        if self._mean_time_ns != eyes[0].display_time_ns:
+            self._mean_time_ns = eyes[0].display_time_ns
             self._average()
-        self._draw(eye.camera.fov, centre_from_eye)
+        self._draw(seen)
 
     def warm_up(self) -> None:
         """Draw everything once, which frames at rest may leave out."""
         self._average()
-        self._draw(Fov.symmetric(vertical_rad=1.0, aspect=1.0), Pose())
+        seen = Fov.symmetric(vertical_rad=1.0, aspect=1.0), Pose()
+        self._draw([seen] * gl.layers_of(self.target))
 
     def reset(self) -> None:
         """Open the field."""
@@ -107,11 +112,11 @@ class VignettePass(EffectPass):
         for mean in self._means:
             mean.render()
 
-    def _draw(self, fov: Fov, centre_from_eye: Pose) -> None:
-        rotation = centre_from_eye.matrix()[:3, :3]
+    def _draw(self, seen: Sequence[tuple[Fov, Pose]]) -> None:
+        rotations = [centre_from_eye.matrix()[:3, :3].T for _, centre_from_eye in seen]
         self._pass.render(
-            tangents_of_eye=fov.tangents,
-            centre_from_each_eye=rotation.T.astype("f4").tobytes(),
+            tangents_of_eye=of_each([fov.tangents for fov, _ in seen]),
+            centre_from_each_eye=np.array(rotations, np.float32).tobytes(),
             clear_rad=float(np.radians(self.clear_deg / 2)),
             feather_rad=float(np.radians(self.settings.feather_deg)),
         )
@@ -125,9 +130,7 @@ def _centred(eye: EyeFrame) -> Pose:
     return Pose(orientation=turn_to(axis)).inverse() @ eye.head_from_eye
 
 
-def _mean(
-    ctx: moderngl.Context, image: moderngl.Texture, size_px: tuple[int, int]
-) -> FullscreenPass:
+def _mean(ctx: moderngl.Context, image: AnyTexture, size_px: tuple[int, int]) -> FullscreenPass:
     return FullscreenPass(
         ctx,
         "vignette/block_mean.frag",

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import ceil
-from typing import Any, NamedTuple
+from operator import is_not
+from typing import Any, NamedTuple, TypeAlias
 
 import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Fov, Pose, focal_length_px, rotate
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass, max_reduction
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, max_reduction, of_each
+from vrcomfort.gpu.passes import AnyTexture
 from vrcomfort.optics import blur_kernels
 from vrcomfort.optics.circle_of_confusion import CLOSEST_FOCUS
 from vrcomfort.protocol.conditions import DepthOfField
@@ -31,8 +33,19 @@ TILE_PX = 8
 
 COC_BINDING = 4
 
-Inputs = Mapping[str, moderngl.Texture | Sequence[moderngl.Texture]]
+Inputs = Mapping[str, AnyTexture | Sequence[AnyTexture]]
 """Textures by sampler, as in `FullscreenPass`."""
+
+
+PixelAspect: TypeAlias = float | tuple[float, ...]
+"""Vertical over horizontal px per radian, of one eye or of each."""
+
+
+def aspects(fovs: Sequence[Fov], size_px: tuple[int, int]) -> PixelAspect:
+    """Return it for images with these frusta."""
+    focal_px = (focal_length_px(fov, size_px) for fov in fovs)
+    found: PixelAspect = of_each([vertical / across for across, vertical in focal_px])
+    return found
 
 
 class EyeInHead(NamedTuple):
@@ -79,21 +92,22 @@ _MEMBERS = (
 
 
 class DepthToCoc:
-    """Signed radius of any depth in one eye's image, for ``include/coc_of_depth.glsl``."""
+    """Signed radius of any depth in the eyes' images, for ``include/coc_of_depth.glsl``."""
 
     def __init__(self, inputs: EffectInputs) -> None:
         settings: DepthOfField = inputs.settings
         self._ctx, self._settings, self._infinity_m = inputs.ctx, settings, inputs.infinity_m
         self.depth = inputs.reads["depth"]
-        self._size_px = self.depth.size
+        self._size_px = gl.size_px_of(self.depth)
         self.inputs = {"focus": inputs.reads["focus"]}
-        self._camera: EyeCamera | None = None
+        self._cameras: tuple[EyeCamera, ...] = ()
         """Whose constants the block has."""
+        self._packed: dict[int, tuple[EyeCamera, bytes, float]] = {}
         self._of_frustum: dict[Fov, tuple[float, ...]] = {}
         self.max_radius_px = max_radius_of(settings, self._size_px)
-        """Largest radius of the eye that constants were given for last."""
+        """Largest radius of the eyes that constants were given for last."""
         self._block = shaders.PackedStruct("coc_of_depth.glsl", "CocOfEye", _MEMBERS)
-        self._buffer = gl.dynamic_buffer(self._ctx, self._block.size_bytes)
+        self._buffer = gl.dynamic_buffer(self._ctx, EYES * self._block.size_bytes)
         self._rewrite = gl.rewriter(self._ctx, self._buffer)
         self.defines: dict[str, Any] = {
             **_law_defines(settings),
@@ -105,7 +119,7 @@ class DepthToCoc:
         self,
         fragment: str,
         *,
-        inputs: dict[str, moderngl.Texture] | None = None,
+        inputs: dict[str, AnyTexture] | None = None,
         defines: dict[str, Any] | None = None,
         **options: Any,
     ) -> FullscreenPass:
@@ -124,17 +138,29 @@ class DepthToCoc:
     def adjust(self, settings: DepthOfField, infinity_m: float) -> None:
         """Take other settings of the same law, and another distance of the sky."""
         self._settings, self._infinity_m = settings, infinity_m
-        self._camera = None
+        self._cameras = ()
+        self._packed.clear()
         self._of_frustum.clear()
 
-    def see_with(self, camera: EyeCamera) -> None:
-        """Give shaders the constants of a camera, until another asks for its own."""
-        if camera is not self._camera:
-            self._camera = camera
-            self._rewrite(self._block.packed(self._constants(camera)))
+    def see_with(self, *cameras: EyeCamera) -> None:
+        """Give shaders the constants of each eye's camera, until others ask for theirs."""
+        if len(cameras) != len(self._cameras) or any(map(is_not, cameras, self._cameras)):
+            self._cameras = cameras
+            found = [self._constants(each) for each in cameras]
+            self._rewrite(b"".join(packed for packed, _ in found))
+            self.max_radius_px = max(radius_px for _, radius_px in found)
         self._buffer.bind_to_uniform_block(COC_BINDING)
 
-    def _constants(self, eye: EyeCamera) -> tuple[float, ...]:
+    def _constants(self, eye: EyeCamera) -> tuple[bytes, float]:
+        """Return those of a camera, and its largest radius: the resolve asks for them, too."""
+        if id(eye) not in self._packed:
+            if len(self._packed) >= EYES:
+                self._packed.clear()
+            numbers = self._numbers(eye)
+            self._packed[id(eye)] = eye, self._block.packed(numbers), numbers[_MAX_RADIUS]
+        return self._packed[id(eye)][1:]
+
+    def _numbers(self, eye: EyeCamera) -> tuple[float, ...]:
         place, axis = EyeInHead.of(eye.head_from_eye), eye.peripheral_axis
         if axis is not None:
             axis = rotate(eye.head_from_eye.inverse().orientation, axis)
@@ -143,7 +169,6 @@ class DepthToCoc:
             if len(self._of_frustum) >= KEPT_FRUSTA:
                 self._of_frustum.clear()
             of_frustum = self._of_frustum[eye.fov] = self._constants_of(eye.fov)
-        self.max_radius_px = of_frustum[_MAX_RADIUS]
         forward = place.head_forward_in_view
         return (
             *(*forward, eye.near_m),
@@ -165,9 +190,10 @@ class DepthToCoc:
         )
 
 
-_MAX_RADIUS = 6
-"""Place of the largest radius in the constants of a frustum."""
+_MAX_RADIUS = 17
+"""Place of the largest radius in the constants of an eye."""
 
+EYES = 2
 KEPT_FRUSTA = 8
 """More than a headset has; those of one that changes them in every frame do not pile up."""
 
@@ -179,11 +205,13 @@ class CocPasses:
         self.ctx, self._colour = inputs.ctx, inputs.colour
         self._resolve = None if inputs.scene is None else inputs.scene.resolve
         self.size_px = size_px = inputs.size_px
+        self.eyes = gl.layers_of(inputs.colour)
+        """How many are drawn at once."""
         self.settings: DepthOfField = inputs.settings
         self.max_radius_px = max_radius_of(self.settings, size_px)
         """No eye's image can have a larger radius."""
         self.max_radius_now_px = self.max_radius_px
-        """Largest radius that the last eye could have: `max_diameter_arcmin` may make it less."""
+        """Largest radius that the last eyes could have: `max_diameter_arcmin` may make it less."""
         self._least_max_radius_px = self.max_radius_px
         self.depth_to_coc = DepthToCoc(inputs)
         self._is_rendered = False
@@ -209,7 +237,7 @@ class CocPasses:
         self._tiles_are_read = False
         self.tells_clamps = True
         """False draws nothing for :meth:`clamps` alone: for measurements of a kernel's cost."""
-        self._colour_and_coc: moderngl.Texture | None = None
+        self._colour_and_coc: AnyTexture | None = None
         self._beside: FullscreenPass | None = None
 
     @property
@@ -218,7 +246,7 @@ class CocPasses:
         return float(self.max_radius_px + 2 ** int(self.level_defines["LEVELS"]))
 
     @property
-    def reach(self) -> tuple[dict[str, moderngl.Texture], dict[str, Any]]:
+    def reach(self) -> tuple[dict[str, AnyTexture], dict[str, Any]]:
         """Return inputs and defines of ``include/tile_dilate.glsl``."""
         defines = {"TILE": self.tile_px, "MAX_RADIUS_PX": float(self.max_radius_px)}
         if self.widest is None:
@@ -226,13 +254,13 @@ class CocPasses:
         return {"widest": self.widest}, {**defines, "WIDEST": 1}
 
     @property
-    def tile_min_max(self) -> moderngl.Texture:
+    def tile_min_max(self) -> AnyTexture:
         """Tiles of :class:`CocTileMinMax` of the last eye; asking once keeps them drawn."""
         self._tiles_are_read = True
         return self._tile_min_max.target
 
     @property
-    def widest(self) -> moderngl.Texture | None:
+    def widest(self) -> AnyTexture | None:
         """1×1, px: no radius of the last eye is wider; asking once keeps it drawn.
 
         None with peripheral blur: tiles only sample it.
@@ -241,13 +269,13 @@ class CocPasses:
         return None if self.settings.peripheral else self._tile_min_max.widest
 
     @property
-    def colour_and_coc(self) -> moderngl.Texture:
+    def colour_and_coc(self) -> AnyTexture:
         """RGBA16F: finite colour, signed radius in pixels of image width. Drawn if asked for."""
         if self._colour_and_coc is None:
             self._colour_and_coc = self._with_radii()
         return self._colour_and_coc
 
-    def _with_radii(self) -> moderngl.Texture:
+    def _with_radii(self) -> AnyTexture:
         if self._resolve is not None:
             found = self.depth_to_coc
             self._resolve.write_radii(Radii(found.inputs, found.defines, found.see_with))
@@ -263,9 +291,9 @@ class CocPasses:
             self._beside.render()
         return self._beside.target
 
-    def render(self, camera: EyeCamera) -> None:
-        """Find the radii of the image that an eye has drawn."""
-        self.depth_to_coc.see_with(camera)
+    def render(self, *cameras: EyeCamera) -> None:
+        """Find the radii of the images that eyes have drawn."""
+        self.depth_to_coc.see_with(*cameras)
         self.max_radius_now_px = self.depth_to_coc.max_radius_px
         self._least_max_radius_px = min(self._least_max_radius_px, self.max_radius_now_px)
         self._is_rendered = True

@@ -1,4 +1,4 @@
-"""Depth of field of one eye: circular bokeh, one focus for both eyes.
+"""Depth of field of each eye: circular bokeh, one focus for both eyes.
 
 With several views through the lens the effect blurs each view a little, and `LensViews` averages
 them. One setting spans fast to reference: with one view all blur is a filter's; with K, each view
@@ -9,18 +9,20 @@ lie about a pixel apart are not blurred: the pixel's own sampling of the scene h
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import moderngl
 
 from vrcomfort.geometry import Fov, focal_length_px
-from vrcomfort.gpu import gl, passes, shaders
-from vrcomfort.gpu.passes import Pass, PassImage
+from vrcomfort.gpu import gl, passes
+from vrcomfort.gpu.fullscreen_pass import ADDED, FullscreenPass
+from vrcomfort.gpu.passes import AnyTexture
 from vrcomfort.optics.lens_sampling import FEW, view_points, view_radius
 from vrcomfort.protocol.conditions import Condition, DepthOfField
 from vrcomfort.render.camera import Lens
-from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, aspects
 from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
 from vrcomfort.render.effects.depth_of_field.layered_gather import LayeredGatherKernel
 from vrcomfort.render.effects.depth_of_field.lens_radius import lens, radius_per_dioptre_px
@@ -80,15 +82,16 @@ class DepthOfFieldPass(EffectPass):
         """Return whether `colour` comes to hold what near things hide."""
         return self._near is not None
 
-    def render(self, eye: EyeFrame) -> None:
-        """Blur the image that an eye with this frustum, near plane and place in the head drew."""
-        focal_x, focal_y = focal_length_px(eye.camera.fov, self._size_px)
-        self._coc.render(eye.camera)
+    def render(self, *eyes: EyeFrame) -> None:
+        """Blur the images that eyes with these frusta, near planes and places in the head drew."""
+        cameras = [eye.camera for eye in eyes]
+        pixel_aspect = aspects([camera.fov for camera in cameras], self._size_px)
+        self._coc.render(*cameras)
         if self._near is not None:
-            self._near.draw_behind(focal_y / focal_x)
-        self._kernel.render(focal_y / focal_x)
+            self._near.draw_behind(pixel_aspect)
+        self._kernel.render(pixel_aspect)
         if self._near is not None:
-            self._near.draw_over(focal_y / focal_x)
+            self._near.draw_over(pixel_aspect)
 
     def adjust(self, condition: Condition, settings: DepthOfField) -> None:
         """Blur by other settings, and take another distance of the sky, from now on."""
@@ -106,7 +109,7 @@ class DepthOfFieldPass(EffectPass):
 
     @property
     def max_radius_px(self) -> float:
-        """Return the largest radius that the last eye could have."""
+        """Return the largest radius that the last eyes could have."""
         if self._slices_m:
             return 2.0 ** len(self._slices_m)  # of a disc as blurred as the last level
         return self._coc.max_radius_now_px
@@ -180,51 +183,43 @@ class LensViews:
     def __init__(
         self,
         ctx: moderngl.Context,
-        view: moderngl.Texture,
+        view: AnyTexture,
         settings: DepthOfField,
         infinity_m: float,
     ) -> None:
         self.views = settings.views
         self._settings = settings
         self._infinity_m = infinity_m
-        self._points = view_points(settings.views, part_of_one_view(settings, view.size))
-        self._sum = gl.color_texture(ctx, view.size, dtype="f4")  # of up to hundreds of half floats
-        self.target = gl.color_texture(ctx, view.size)
-        self._view = view
-        self._ctx = ctx
-        self._copy = shaders.fullscreen(ctx, SCALED_COPY)
-        self._summing = ctx.framebuffer([self._sum])
-        self._averaging = ctx.framebuffer([self.target])
-        one, total, mean = (PassImage.of(each) for each in (view, self._sum, self.target))
-        self._cleared = passes.clear([self._sum])
-        self._added = Pass(SCALED_COPY, (one,), (total,), blends=True)
-        self._averaged = Pass(SCALED_COPY, (total,), (mean,))
+        self._size_px = size_px = gl.size_px_of(view)
+        self._points = view_points(settings.views, part_of_one_view(settings, size_px))
+        # Of up to hundreds of half floats.
+        total = gl.eye_texture(ctx, size_px, gl.layers_of(view), dtype="f4")
+        self._summing = ctx.framebuffer([total])
+        self._cleared = passes.clear([total])
+        scaled = partial(FullscreenPass, ctx, SCALED_COPY, size_px=size_px, reach_px=0.0)
+        self._add = scaled(
+            inputs={"image": view}, constants={"share": 1.0}, target=total, blend=ADDED
+        )
+        self._average = scaled(inputs={"image": total}, constants={"share": 1 / settings.views})
+        self.target = self._average.target
 
-    def render(self, fov: Fov, draw: Callable[[Lens], None]) -> None:
-        """Average the views of an eye with this frustum; `draw` fills the view's texture."""
+    def render(self, fovs: Sequence[Fov], draw: Callable[[Sequence[Lens]], None]) -> None:
+        """Average the views of eyes with these frusta; `draw` fills the view's texture."""
         self._cleared.run(self._summing.clear)
-        for point in self._lenses(fov):
-            draw(point)
-            self._ctx.blend_func = moderngl.ONE, moderngl.ONE  # `draw` may have set another
-            with self._ctx.scope(self._summing, moderngl.BLEND):
-                self._added.run(self._scaled, self._view, 1.0)
-        with self._ctx.scope(self._averaging, moderngl.NOTHING):
-            self._averaged.run(self._scaled, self._sum, 1 / self.views)
-
-    def _scaled(self, image: moderngl.Texture, share: float) -> None:
-        image.use(0)
-        self._copy.program["share"] = share
-        self._copy.render(vertices=3)
+        for points in zip(*map(self._lenses, fovs), strict=True):
+            draw(points)
+            self._add.render()
+        self._average.render()
 
     def _lenses(self, fov: Fov) -> list[Lens]:
-        focal_x, focal_y = focal_length_px(fov, self._view.size)
+        focal_x, focal_y = focal_length_px(fov, self._size_px)
         # Round in angle, not in pixels. The focus is the scene pass's to fill in.
         return [
             lens(
                 self._settings,
                 (float(x), float(y) * focal_y / focal_x),
                 focal_x,
-                self._view.size,
+                self._size_px,
                 self._infinity_m,
                 self._infinity_m,
             )

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from math import ceil, log2
 
-import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Array
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, of_each
+from vrcomfort.gpu.passes import AnyTexture
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, PixelAspect
 
 HALF_PX = 2
 """Side of a texel of half an image: how far beyond a pixel a bilinear read of it goes."""
@@ -23,16 +23,14 @@ IN_FOCUS_PX = 1.0
 """Below this radius Filament leaves the sharp image."""
 
 
-def halved(
-    coc: CocPasses, source: moderngl.Texture, texel_px: int, **defines: float
-) -> FullscreenPass:
+def halved(coc: CocPasses, source: AnyTexture, texel_px: int, **defines: float) -> FullscreenPass:
     """Return the pass that draws half of an image with its radii (``half_resolution.frag``)."""
     return coc.make_pass(
         "half_resolution", {"source": source}, texel_px=texel_px, defines=defines, reach_px=0.0
     )
 
 
-def composite(coc: CocPasses, half_image: moderngl.Texture) -> FullscreenPass:
+def composite(coc: CocPasses, half_image: AnyTexture) -> FullscreenPass:
     """Return the pass ``half_resolution_composite.frag``: half an image over the whole."""
     return coc.make_pass(
         "half_resolution_composite",
@@ -89,7 +87,7 @@ class HalfResolutionDiscKernel:
         self._composite = composite(coc, self._tent.target)
         self.target = self._composite.target
 
-    def render(self, pixel_aspect: float) -> None:
+    def render(self, pixel_aspect: PixelAspect) -> None:
         """Blur the present points."""
         self._half.render()
         self._gather.render(pixel_aspect_of_eye=pixel_aspect)
@@ -160,7 +158,7 @@ class HalfResolutionRingsKernel:
         self._before, self._after = (half, *levels, *tiles), (median, shown)
         self.target = shown.target
 
-    def render(self, pixel_aspect: float) -> None:
+    def render(self, pixel_aspect: PixelAspect) -> None:
         """Blur the present points."""
         for each in self._before:
             each.render()
@@ -169,7 +167,7 @@ class HalfResolutionRingsKernel:
             each.render()
 
 
-def _levels(coc: CocPasses, half_image: moderngl.Texture) -> list[FullscreenPass]:
+def _levels(coc: CocPasses, half_image: AnyTexture) -> list[FullscreenPass]:
     made: list[FullscreenPass] = []
     for level in range(1, ring_levels(coc.max_radius_px) + 1):
         source = made[-1].target if made else half_image
@@ -177,7 +175,7 @@ def _levels(coc: CocPasses, half_image: moderngl.Texture) -> list[FullscreenPass
     return made
 
 
-def _tiles(coc: CocPasses, half_image: moderngl.Texture) -> list[FullscreenPass]:
+def _tiles(coc: CocPasses, half_image: AnyTexture) -> list[FullscreenPass]:
     made: list[FullscreenPass] = []
     side_px = HALF_PX * RING_TILE
     for dilation in range(ring_dilations(coc.max_radius_px) + 1):
@@ -215,13 +213,14 @@ class SeparableGaussianKernel:
         self._columns = _along(coc, self._rows.target)
         self.target = self._columns.target
 
-    def render(self, pixel_aspect: float) -> None:
+    def render(self, pixel_aspect: PixelAspect) -> None:
         """Blur the present points."""
-        self._rows.render(axis_of_eye=(1.0, 0.0))
-        self._columns.render(axis_of_eye=(0.0, pixel_aspect))
+        each = pixel_aspect if isinstance(pixel_aspect, tuple) else (pixel_aspect,)
+        self._rows.render(axis_of_eye=of_each([(1.0, 0.0)] * len(each)))
+        self._columns.render(axis_of_eye=of_each([(0.0, aspect) for aspect in each]))
 
 
-def _along(coc: CocPasses, source: moderngl.Texture) -> FullscreenPass:
+def _along(coc: CocPasses, source: AnyTexture) -> FullscreenPass:
     return coc.make_pass(
         "separable_gaussian",
         {"source": source},

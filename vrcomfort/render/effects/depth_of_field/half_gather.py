@@ -8,7 +8,12 @@ from typing import Any
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import blur_kernels
-from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs, each_level
+from vrcomfort.render.effects.depth_of_field.coc_passes import (
+    CocPasses,
+    Inputs,
+    PixelAspect,
+    each_level,
+)
 from vrcomfort.render.effects.depth_of_field.layered_gather import of_class, on_tiles
 
 FILL_PX = 4.0
@@ -81,14 +86,14 @@ class HalfGatherKernel:
             # Summed over texels of the coarsest level.
             reach_px={"dilated": 0.0, "surfaces": widest_px + 2.0 ** (len(surfaces) + 1)},
         )
-        self.target = gl.color_texture(coc.ctx, coc.size_px)
+        self.target = gl.eye_texture(coc.ctx, coc.size_px, coc.eyes)
         points, half = {"colour_and_coc": coc.colour_and_coc}, {"gathered": self._gather.target}
         self._sharp = self._composite("IN_FOCUS", "in_focus", points)
         self._wide = self._composite("FAST", "half_wide", half, filtered=set(half))
         both = {**points, **half}
         self._mixed = self._composite("COMPLEX", "half_mixed", both, small, filtered=set(both))
 
-    def render(self, pixel_aspect: float) -> None:
+    def render(self, pixel_aspect: PixelAspect) -> None:
         """Blur the image of the last eye."""
         for each in self._surfaces:
             each.render()

@@ -13,11 +13,11 @@ import moderngl
 import numpy as np
 
 from vrcomfort.gpu import gl, passes, shaders
-from vrcomfort.gpu.fullscreen_pass import MipChain
+from vrcomfort.gpu.fullscreen_pass import ADDED, MipChain, by_eyes
 from vrcomfort.gpu.passes import Pass, PassImage
 from vrcomfort.optics import blur_kernels
 from vrcomfort.protocol.conditions import DepthOfField, Kernel
-from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs, PixelAspect
 from vrcomfort.render.effects.depth_of_field.engine_kernels import (
     HalfResolutionDiscKernel,
     HalfResolutionRingsKernel,
@@ -59,7 +59,7 @@ class Poisson12Kernel:
         )
         self.target = self._pass.target
 
-    def render(self, pixel_aspect: float) -> None:
+    def render(self, pixel_aspect: PixelAspect) -> None:
         """Blur the present points."""
         self._pass.render(pixel_aspect_of_eye=pixel_aspect)
 
@@ -97,7 +97,7 @@ class Poisson15NearKernel:
         )
         self.target = self._gather.target
 
-    def render(self, pixel_aspect: float) -> None:
+    def render(self, pixel_aspect: PixelAspect) -> None:
         """Blur the present points."""
         self._near_mean.render()
         self._gather.render(pixel_aspect_of_eye=pixel_aspect)
@@ -143,7 +143,7 @@ class MipKernel:
         )
         self.target = self._shown.target
 
-    def render(self, pixel_aspect: float) -> None:  # noqa: ARG002 - texels are squares of pixels
+    def render(self, pixel_aspect: PixelAspect) -> None:  # noqa: ARG002 - texels are squares of pixels
         """Blur the present points."""
         self._chain.render()
         self._shown.render()
@@ -173,7 +173,7 @@ class ScatterKernel:
         self._ctx = ctx = coc.ctx
         self._colour_and_coc = coc.colour_and_coc
         # 32-bit floats: half floats lose small shares beside the sum of many discs.
-        shares = gl.color_texture(ctx, coc.size_px, dtype="f4")
+        shares = gl.eye_texture(ctx, coc.size_px, coc.eyes, dtype="f4")
         self._framebuffer = ctx.framebuffer([shares])
         self._scope = ctx.scope(self._framebuffer, moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
         reads, writes = (PassImage.of(coc.colour_and_coc),), (PassImage.of(shares),)
@@ -182,7 +182,7 @@ class ScatterKernel:
         # Squares are drawn where the widest disc is larger than the driver's largest point.
         widest_px = 2 * (TALLEST_PIXEL * (coc.max_radius_px + 0.5) + 1)
         self._fits_points = widest_px <= ctx.info["GL_POINT_SIZE_RANGE"][1]
-        defines = {} if self._fits_points else {"SQUARES": 1}
+        defines = {**by_eyes(coc.eyes), **({} if self._fits_points else {"SQUARES": 1})}
         program = shaders.program(
             ctx, "depth_of_field/scatter.frag", "depth_of_field/scatter.vert", defines
         )
@@ -191,17 +191,18 @@ class ScatterKernel:
         self._mean = coc.make_pass("scatter_mean", {"shares": shares}, reach_px=0.0)
         self.target = self._mean.target
 
-    def render(self, pixel_aspect: float) -> None:
+    def render(self, pixel_aspect: PixelAspect) -> None:
         """Blur the present points."""
         self._sprites.program["pixel_aspect_of_eye"] = pixel_aspect
         self._cleared.run(self._framebuffer.clear)
         self._colour_and_coc.use(0)
-        self._ctx.blend_func = moderngl.ONE, moderngl.ONE
+        self._ctx.blend_func = ADDED
         self._declared.run(self._draw)
         self._mean.render()
 
     def _draw(self) -> None:
-        pixels = self._colour_and_coc.width * self._colour_and_coc.height
+        image = self._colour_and_coc
+        pixels = image.width * image.height * gl.layers_of(image)
         with self._scope:
             if self._fits_points:
                 self._sprites.render(moderngl.POINTS, vertices=pixels)

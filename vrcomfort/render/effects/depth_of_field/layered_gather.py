@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-import moderngl
-
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.passes import AnyTexture
 from vrcomfort.optics import blur_kernels
 from vrcomfort.protocol.conditions import DepthOfField
-from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs, PixelAspect
 
 
 class BlurKernel(Protocol):
@@ -21,11 +20,11 @@ class BlurKernel(Protocol):
     """
 
     @property
-    def target(self) -> moderngl.Texture:
+    def target(self) -> AnyTexture:
         """The blurred image, RGBA16F of the same size."""
 
-    def render(self, pixel_aspect: float) -> None:
-        """Blur the present points; `pixel_aspect` is vertical over horizontal px per radian."""
+    def render(self, pixel_aspect: PixelAspect) -> None:
+        """Blur the present points."""
 
 
 class LayeredGatherKernel:
@@ -49,7 +48,7 @@ class LayeredGatherKernel:
         self._dilate = self._dilate_pass()
         self._layers = self._layer_passes()
         layers: Inputs = {"layers": [each.target for each in self._layers]} if self._layers else {}
-        self.target = gl.color_texture(coc.ctx, coc.size_px)
+        self.target = gl.eye_texture(coc.ctx, coc.size_px, coc.eyes)
         # A shader for each class, which reads only what the class needs.
         self._composite = [self._tiles("IN_FOCUS", "in_focus"), self._tiles("FAST", "fast")]
         coarser = {"COARSER_BEHIND": int(blur_kernels.coarser_behind(settings.samples))}
@@ -63,7 +62,7 @@ class LayeredGatherKernel:
                 self._tiles("FAST_HALF_RESOLUTION", "fast", gathered, wide, filtered={"gathered"})
             )
 
-    def render(self, pixel_aspect: float) -> None:
+    def render(self, pixel_aspect: PixelAspect) -> None:
         """Blur the image of the last eye."""
         self._dilate.render(pixel_aspect_of_eye=pixel_aspect)
         for layer in self._layers:
@@ -143,9 +142,9 @@ class LayeredGatherKernel:
         )
 
 
-def on_tiles(classes: moderngl.Texture) -> dict[str, Any]:
+def on_tiles(classes: AnyTexture) -> dict[str, Any]:
     """Return the options of a pass that is drawn on tiles of a class."""
-    return {"vertex": "depth_of_field/tiles_of_class.vert", "tiles": classes.size}
+    return {"vertex": "depth_of_field/tiles_of_class.vert", "tiles": gl.size_px_of(classes)}
 
 
 def of_class(name: str, point_px: int, *, beside: int) -> dict[str, Any]:

@@ -17,9 +17,15 @@ from numpy.typing import NDArray
 
 from vrcomfort.gpu import gl, passes, shaders
 from vrcomfort.gpu.conditional import ConditionalDraws
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.fullscreen_pass import OVER, FullscreenPass, of_each
+from vrcomfort.gpu.passes import AnyTexture
 from vrcomfort.gpu.visible_area import DRAWN
-from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, Inputs, each_level
+from vrcomfort.render.effects.depth_of_field.coc_passes import (
+    CocPasses,
+    Inputs,
+    PixelAspect,
+    each_level,
+)
 from vrcomfort.render.effects.depth_of_field.layered_gather import of_class, on_tiles
 from vrcomfort.render.scene_pass import ScenePass
 
@@ -48,7 +54,7 @@ class NearThings:
         ctx: moderngl.Context,
         coc: CocPasses,
         scene: ScenePass,
-        blurred: moderngl.Texture,
+        blurred: AnyTexture,
     ) -> None:
         self._ctx, self._coc, self._scene = ctx, coc, scene
         colour = coc.colour_and_coc
@@ -56,11 +62,11 @@ class NearThings:
         self._classes = self._tiles[-1].target
         self._if_any = ConditionalDraws(ctx, self._any_behind)
         self._if_more = ConditionalDraws(ctx, self._any_more)
-        behind_depth = gl.depth_texture(ctx, coc.size_px)
-        self._closed = ctx.framebuffer([], behind_depth)
+        behind_depth = gl.eye_depth(ctx, coc.size_px, coc.eyes)
+        self._closed = gl.framebuffer(ctx, [], behind_depth)
         self._close = passes.clear([behind_depth])
         self._limit = self._limit_pass()
-        nearest = gl.color_texture(ctx, coc.size_px, components=1, dtype="f4")
+        nearest = gl.eye_texture(ctx, coc.size_px, coc.eyes, components=1, dtype="f4")
         self._open_next = self._open_pass(nearest, behind_depth, seen=coc.depth_to_coc.depth)
         self._open_last = self._open_pass(nearest, behind_depth)
         # The image of the kernel is free until it draws.
@@ -95,14 +101,14 @@ class NearThings:
             {"near": self._gather.target, "dilated": self._classes},
             defines={**of_class("NEAR", coc.tile_px, beside=0), "OR_ABOVE": 1},
             target=blurred,
-            over=True,
+            blend=OVER,
             # What is blurred knows what is behind as far as its own discs and tiles come.
             reach_px={"near": 2.0, "dilated": coc.disc_px + 4.0 * coc.tile_px},
             **on_tiles(self._classes),
         )
 
-    def draw_behind(self, pixel_aspect: float) -> None:
-        """Draw what is behind the near things of the last eye, whose radii are known."""
+    def draw_behind(self, pixel_aspect: PixelAspect) -> None:
+        """Draw what is behind the near things of the last eyes, whose radii are known."""
         rows, tiles = self._tiles
         rows.render(pixel_aspect_of_eye=pixel_aspect)
         tiles.render(pixel_aspect_of_eye=pixel_aspect)
@@ -111,7 +117,7 @@ class NearThings:
         self._if_more.run(self._draw_last)
         self._if_any.run(self._again.render)
 
-    def draw_over(self, pixel_aspect: float) -> None:
+    def draw_over(self, pixel_aspect: PixelAspect) -> None:
         """Draw near things over the blurred image."""
         self._if_any.run(self._draw_over, pixel_aspect)
 
@@ -120,23 +126,23 @@ class NearThings:
         self._draw_next()
         self._draw_last()
         self._again.render()
-        self._draw_over(1.0)
+        self._draw_over(of_each([1.0] * self._coc.eyes))
 
     def _any_behind(self) -> bool:
         return bool(self._is_behind().any())
 
     def _any_more(self) -> bool:
         """Whether something near is behind something near."""
-        colour, tile_px = self._coc.colour_and_coc, self._coc.tile_px
-        width, height = colour.size
-        radii = np.frombuffer(colour.read(), np.float16)[3::4].reshape(height, width)
-        behind = self._is_behind().repeat(tile_px, axis=0).repeat(tile_px, axis=1)
-        return bool((radii[behind[:height, :width]] <= -BEHIND_PX).any())
+        coc, colour, tile_px = self._coc, self._coc.colour_and_coc, self._coc.tile_px
+        width, height = coc.size_px
+        radii = np.frombuffer(colour.read(), np.float16)[3::4].reshape(-1, height, width)
+        behind = self._is_behind().repeat(tile_px, axis=1).repeat(tile_px, axis=2)
+        return bool((radii[behind[:, :height, :width]] <= -BEHIND_PX).any())
 
     def _is_behind(self) -> NDArray[np.bool_]:
-        columns, rows = self._classes.size
+        columns, rows = gl.size_px_of(self._classes)
         classes = np.frombuffer(self._classes.read(), np.float16)[3::4]
-        return np.equal(classes.reshape(rows, columns), _BEHIND)
+        return np.equal(classes.reshape(-1, rows, columns), _BEHIND)
 
     def _draw_next(self) -> None:
         self._limit.render()
@@ -153,20 +159,23 @@ class NearThings:
         self._scene.draw_behind()
         self._take.render()
 
-    def _draw_over(self, pixel_aspect: float) -> None:
+    def _draw_over(self, pixel_aspect: PixelAspect) -> None:
         self._gather.render(pixel_aspect_of_eye=pixel_aspect)
         self._over.render()
 
     def _open_pass(
         self,
-        nearest: moderngl.Texture,
-        depth: moderngl.Texture,
+        nearest: AnyTexture,
+        depth: AnyTexture,
         *,
-        seen: moderngl.Texture | None = None,
+        seen: AnyTexture | None = None,
     ) -> FullscreenPass:
         """Return the pass that opens `depth` for what is not near; or well behind depths `seen`."""
         coc = self._coc
-        inputs = {"colour_and_coc": coc.colour_and_coc, "limit": self._limit.target}
+        inputs: dict[str, AnyTexture] = {
+            "colour_and_coc": coc.colour_and_coc,
+            "limit": self._limit.target,
+        }
         defines = {"TILE": coc.tile_px, **of_class("BEHIND", coc.tile_px, beside=0)}
         if seen is not None:
             inputs["depth"], defines["NEXT"] = seen, 1
@@ -209,23 +218,23 @@ class NearThings:
         return rows, found
 
     def _limit_pass(self) -> FullscreenPass:
-        coc, columns, rows = self._coc, *self._coc.tile_min_max.size
-        radii = coc.depth_to_coc
+        coc, radii = self._coc, self._coc.depth_to_coc
+        columns, rows = gl.size_px_of(coc.tile_min_max)
+        size_px = columns + 1, rows + 1
         made = FullscreenPass(
             self._ctx,
             "depth_of_field/near_limit.frag",
-            size_px=(columns + 1, rows + 1),
+            size_px=size_px,
             inputs=radii.inputs,
             constants={"size_px": coc.size_px},
             defines={**radii.defines, "TILE": coc.tile_px},
-            components=1,
-            dtype="f4",
+            target=gl.eye_texture(self._ctx, size_px, coc.eyes, components=1, dtype="f4"),
         )
         made.target.filter = (moderngl.LINEAR, moderngl.LINEAR)
         return made
 
     def _layer_passes(
-        self, next_colour: moderngl.Texture, next_depth: moderngl.Texture
+        self, next_colour: AnyTexture, next_depth: AnyTexture
     ) -> list[FullscreenPass]:
         coc = self._coc
         inputs: Inputs = {

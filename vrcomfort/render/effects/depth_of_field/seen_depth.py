@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from vrcomfort.geometry import focal_length_px
 from vrcomfort.gpu import gl
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, of_each
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.camera import EyeCamera
-from vrcomfort.render.effects.depth_of_field.coc_passes import DepthToCoc
+from vrcomfort.render.effects.depth_of_field.coc_passes import DepthToCoc, aspects
 from vrcomfort.render.effects.depth_of_field.lens_radius import max_radius_of
 from vrcomfort.render.effects.effect import EffectInputs
 
@@ -33,14 +33,14 @@ class SeenDepthPass:
 
     def __init__(self, inputs: EffectInputs) -> None:
         ctx, depth, settings = inputs.ctx, inputs.reads["depth"], inputs.settings
-        self._settings, self._size_px = settings, depth.size
+        self._settings, self._size_px = settings, gl.size_px_of(depth)
         self._radii = DepthToCoc(inputs)
-        self.target = gl.depth_texture(ctx, depth.size)
+        self.target = gl.eye_depth(ctx, self._size_px, gl.layers_of(depth))
         # Taps are whole pixels apart, and as many on each side: the last may lie beyond the disc.
-        reach_px = max_radius_of(settings, depth.size) + TAPS
+        reach_px = max_radius_of(settings, self._size_px) + TAPS
         self._rows = self._radii.make_pass(
             "depth_of_field/seen_depth_rows.frag",
-            size_px=depth.size,
+            size_px=self._size_px,
             defines={"TAPS": TAPS},
             components=2,
             dtype="f4",
@@ -49,7 +49,7 @@ class SeenDepthPass:
         self._columns = FullscreenPass(
             ctx,
             "depth_of_field/seen_depth_columns.frag",
-            size_px=depth.size,
+            size_px=self._size_px,
             inputs={"rows": self._rows.target},
             defines={"TAPS": TAPS},
             target=(),
@@ -62,12 +62,14 @@ class SeenDepthPass:
         self._settings = settings
         self._radii.adjust(settings, infinity_m)
 
-    def render(self, camera: EyeCamera) -> None:
-        """Spread the present depth of an eye."""
-        focal_x, focal_y = focal_length_px(camera.fov, self._size_px)
-        max_radius_px = max_radius_of(self._settings, self._size_px, focal_x)
-        self._radii.see_with(camera)
+    def render(self, *cameras: EyeCamera) -> None:
+        """Spread the present depth of the eyes."""
+        fovs = [camera.fov for camera in cameras]
+        focal_px = (focal_length_px(fov, self._size_px)[0] for fov in fovs)
+        limits_px = [max_radius_of(self._settings, self._size_px, each) for each in focal_px]
+        self._radii.see_with(*cameras)
         self._rows.render()
         self._columns.render(
-            max_radius_px_of_eye=max_radius_px, pixel_aspect_of_eye=focal_y / focal_x
+            max_radius_px_of_eye=of_each(limits_px),
+            pixel_aspect_of_eye=aspects(fovs, self._size_px),
         )
