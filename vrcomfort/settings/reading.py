@@ -130,6 +130,23 @@ _DOTTED = re.compile(
 """A key of more parts than tables may stand in each other."""
 _QUOTED = re.compile("'([^']*)'")
 _PLACE = re.compile(r" \(at line (\d+), column (\d+)\)$")
+_REMEDIES = (
+    ("overwrite a value", "this key is there already: keep one of the lines"),
+    ("twice", "put a table's keys below one heading, or write [[…]] above entries of a list"),
+    ("Invalid value", 'a text needs quotes ("…"), true and false small letters'),
+    ("Unterminated string", "close the quotes"),
+    ("character '\\n'", "close the quotes in the same line"),
+    ("after a statement", "a text needs quotes, a comment #, and each key a line of its own"),
+    ("'=' after a key", "write key = value"),
+    ("Unclosed array", "close the list with ], and put commas between its values"),
+    ("Unclosed inline table", "close the table with } in the same line"),
+    ("end of a table declaration", "close the heading with ], of a list with ]]"),
+    ("Unescaped '\\'", "write / for \\ in paths"),
+    ("Invalid hex value", "write / for \\ in paths"),
+    ("character for a key part", "write a key, or take the comma before } away"),
+    ("Invalid statement", "a line is key = value, [a heading] or # a comment"),
+)
+"""Part of what the parser says → what to do."""
 _NAME, _WORD = r"^[A-Za-z0-9_-]+$", r"^[a-z][a-z0-9_]*$"
 _LONGEST_SHOWN = 60
 _PATTERNS = {
@@ -278,7 +295,9 @@ def read_toml(text: str, file: Path | None) -> dict[str, Any]:
         message = str(error)
         place = _PLACE.search(message)
         line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, None)
-        what = f"this is not valid TOML: {_PLACE.sub('', message)}"
+        found = _PLACE.sub("", message)
+        hint = next((said for part, said in _REMEDIES if part in found), "")
+        what = f"this is not valid TOML: {found}{hint and f'; {hint}'}"
         raise InputError(what, file=file, line=line, column=column) from error
     if is_nested_deeper(content, MOST_NESTED):
         raise too_deep
