@@ -226,3 +226,92 @@ def test_faults_of_a_declared_instrument_have_their_place(
     with pytest.raises(InputError, match=re.escape(words)) as found:
         load_mapping(file)
     assert found.value.line == place
+
+
+def test_seven_degrees_of_agreement_in_words(tmp_path: Path) -> None:
+    seven = [*AGREE[:2], "Somewhat disagree", AGREE[2], "Somewhat agree", *AGREE[3:]]
+    rows = [[f"P{n}", c, seven[(n + k) % 7]] for n in range(9) for k, c in enumerate("ab")]
+    head = ["participant", "condition", "I felt present in the scene"]
+    found = imported_from(table(tmp_path / "x.csv", [head, *rows]))
+    assert own_items(found) == {"i_felt_present_in_the_scene": (1, 7)}
+    assert answers(found, "i_felt_present_in_the_scene") == {
+        (f"P{n}", c, "post"): 1 + (n + k) % 7 for n in range(9) for k, c in enumerate("ab")
+    }
+
+
+def test_a_word_between_two_questions_on_their_scale_is_a_question_and_their_mean_none(
+    tmp_path: Path,
+) -> None:
+    head = ["ID", "Display", "Realism", "Artifacts", "Comfort", "Quality", "errors"]
+    rows = []
+    for n in range(1, 13):
+        for k, display in enumerate(("a", "b"), start=1):
+            given = [1 + (n + 2 * k) % 7, 1 + (n * k) % 7, 1 + (n + k) % 7]
+            rows.append([f"P{n}", display, *given, round(sum(given) / 3, 3), n % 3])
+    found = imported_from(table(tmp_path / "x.csv", [head, *rows]))
+    assert {*own_items(found)} == {"realism", "artifacts", "comfort"}
+
+
+def test_questions_that_repeat_belong_to_the_conditions_beside_their_numbers(
+    tmp_path: Path,
+) -> None:
+    asked = ["I was in control", "I find this system", "I find this system"]
+    head = ["Participant", "MISC_1", "Condition_1", *asked, "MISC_2", "Condition_2", *asked]
+    rows = [
+        [n, n % 4, "ab"[n % 2], *(1 + (n + k) % 5 for k in range(3)),
+         n % 5, "ba"[n % 2], *(1 + (n + k) % 5 for k in (3, 4, 5))]
+        for n in range(1, 13)
+    ]  # fmt: skip
+    found = imported_from(table(tmp_path / "x.csv", [head, *rows]))
+    assert answers(found, "i_find_this_system_2") == {
+        (str(n), c, "post"): 1 + (n + k) % 5
+        for n in range(1, 13)
+        for c, k in (("ab"[n % 2], 2), ("ba"[n % 2], 5))
+    }
+
+
+def test_discomfort_beside_rising_times_is_rated_during_exposure(tmp_path: Path) -> None:
+    rows = [
+        [p, c, t, t // 60 + p % 2] for p in range(1, 9) for c in "ab" for t in range(0, 300, 30)
+    ]
+    head = ["pid", "condition", "time_s", "discomfort"]
+    found = suggest_mapping([table(tmp_path / "x.csv", [head, *rows])])
+    assert found.imported is not None
+    assert {r.instrument for r in found.imported.ratings} == {"discomfort"}
+    assert len(found.imported.ratings) == len(rows)
+    assert any("own questions: 'discomfort'" in doubt for doubt in found.doubts)
+
+
+@pytest.mark.parametrize("wide", [False, True])
+def test_a_mark_in_one_of_several_columns_is_its_answer(tmp_path: Path, *, wide: bool) -> None:
+    words = ["None", "Slight", "Moderate", "Severe"]
+    given = {(f"P{n}", c): ssq() for n in range(1, 9) for c in "ab"}
+    marks = {
+        k: [["x" if v == n else "" for n in range(4)] for v in each] for k, each in given.items()
+    }
+    if wide:
+        head = [["id", "condition", *(t for e in ENGLISH for t in (e, "", "", ""))]]
+        head += [["", "", *words * len(ENGLISH)]]
+        rows = [[*key, *(cell for four in each for cell in four)] for key, each in marks.items()]
+    else:
+        head = [["id", "condition", "Symptom", *words]]
+        rows = [
+            [*key, e, *four]
+            for key, each in marks.items()
+            for e, four in zip(ENGLISH, each, strict=True)
+        ]
+    found = suggest_mapping([table(tmp_path / "x.csv", [*head, *rows])])
+    assert found.imported is not None
+    assert any("Is a mark in one of several columns" in doubt for doubt in found.doubts)
+    assert {
+        (m.participant, m.condition): [*response.answers.values()]
+        for (_, m), response in found.imported.responses.items()
+    } == given
+
+
+def test_a_block_is_called_after_the_only_word_of_its_headings(tmp_path: Path) -> None:
+    asked = ["Mental Demand", "Physical Demand", "Temporal Demand", "Performance", "Effort"]
+    head = ["ID", *asked, *(f"VR {each}" for each in asked)]
+    rows = [[n, *(5 * ((n + k) % 20) for k in range(10))] for n in range(1, 9)]
+    found = imported_from(table(tmp_path / "tlx.csv", [head, *rows]))
+    assert found.conditions == ["questionnaire_1", "VR"]

@@ -97,6 +97,8 @@ def as_table(grid: Grid) -> SourceTable:
     if grid.sheet or not width:  # cells of a workbook stand where they are; a separator may stray
         width = max(width, *(len(row) for _, row in data))
     headings = [*headings, *[""] * (width - len(headings))]
+    if grid.reading.marked:
+        headings, data = _marked(headings, data)
     used = max(
         [i + 1 for _, row in data for i, cell in enumerate(row) if cell]
         + [i + 1 for i, heading in enumerate(headings) if heading],
@@ -142,6 +144,48 @@ def _stacked(
     width = starts[1]
     rows = [(n, row[start : start + width]) for start in starts for n, row in data]
     return [*headings[:width]], [(n, row) for n, row in rows if any(row)]
+
+
+_MARKS = frozenset(["x", "✓", "✔", "✗", "•", "*"])
+_FEWEST_MARKED = 3
+"""Columns of which a row marks one."""
+
+
+def marked_runs(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> list[range]:
+    """Return runs of columns of which each row marks one, and no more, with nothing else there."""
+    cells = [{row[c].casefold() for row in rows if c < len(row)} for c in range(len(headings))]
+    marks = [len(each - {""}) < 2 and each - {""} <= _MARKS for each in cells]
+    outer = [heading.rpartition(JOIN)[0] for heading in headings]
+    found: list[range] = []
+    start = 0
+    for end in range(1, len(headings) + 1):
+        if end < len(headings) and marks[end] and marks[start] and outer[end] == outer[start]:
+            continue
+        count = [sum(bool(cell) for cell in row[start:end]) for row in rows]
+        if end - start >= _FEWEST_MARKED and marks[start] and {1} <= {*count} <= {0, 1}:
+            found.append(range(start, end))
+        start = end
+    return found
+
+
+def _marked(
+    headings: Sequence[str], data: Sequence[tuple[int, Sequence[str]]]
+) -> tuple[list[str], list[tuple[int, Sequence[str]]]]:
+    """Put the heading of the marked column of each run into one column in its place."""
+    runs = {run.start: run for run in marked_runs(headings, [row for _, row in data])}
+    inside = {c for run in runs.values() for c in run}
+    kept = [c for c in range(len(headings)) if c in runs or c not in inside]
+
+    def cell(row: Sequence[str], column: int) -> str:
+        if column not in runs:
+            return row[column] if column < len(row) else ""
+        marked = (c for c in runs[column] if c < len(row) and row[c])
+        return next((headings[c].rpartition(JOIN)[2] for c in marked), "")
+
+    names = [
+        headings[c].rpartition(JOIN)[0] or "answer" if c in runs else headings[c] for c in kept
+    ]
+    return names, [(n, [cell(row, c) for c in kept]) for n, row in data]
 
 
 def transposed(grid: Grid) -> Grid:

@@ -82,6 +82,8 @@ class Read(Settings):
     """The headings repeat in the row: each run of them is a table, one below the other."""
     sections: bool = False
     """Several tables stand one below the other: each is a sheet, called ``sheet: title``."""
+    marked: bool = False
+    """Of several columns a row marks one (``x``): they are one column, of the headings marked."""
 
     @property
     def reading(self) -> Reading:
@@ -95,6 +97,7 @@ class Read(Settings):
             self.transpose,
             self.stack,
             self.sections,
+            self.marked,
         )
 
 

@@ -40,6 +40,8 @@ class Reading(NamedTuple):
         rows of one table.
     sections
         A sheet has several tables, one below the other: each is read as a sheet of its own.
+    marked
+        Of several columns a row marks one: they are read as one, with the heading of that column.
     """
 
     encoding: str | None = None
@@ -50,6 +52,7 @@ class Reading(NamedTuple):
     transpose: bool = False
     stack: bool = False
     sections: bool = False
+    marked: bool = False
 
 
 def require_room(rows: int, width: int, file: Path, longest: str) -> None:

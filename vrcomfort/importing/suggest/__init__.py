@@ -12,7 +12,7 @@ from typing import Any
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
-from vrcomfort.importing.files import as_table, read_grids, repeated_runs
+from vrcomfort.importing.files import as_table, marked_runs, read_grids, repeated_runs
 from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.sections import sections
@@ -221,6 +221,9 @@ def _table(grid: Grid, known: Known) -> SourceTable:
     """Read a sheet, on its side or stacked where people stand so."""
     reading = grid.reading._replace(transpose=stands_on_its_side(grid, known))
     table = as_table(replace(grid, reading=reading))
+    if marked_runs(table.headings, table.rows):
+        reading = reading._replace(marked=True)
+        table = as_table(replace(grid, reading=reading))
     bare = [re.sub(r" \(\d+\)$|^column \d+$", "", heading) for heading in table.headings]
     if names_fact(bare[0], "participant", known.vocabulary) and len(repeated_runs(bare)) > 1:
         return as_table(replace(grid, reading=reading._replace(stack=True)))

@@ -27,10 +27,9 @@ from vrcomfort.importing.suggest.long_tables import Long, find_long
 from vrcomfort.importing.suggest.own_questions import (
     OwnQuestions,
     draft_own,
-    draft_own_rows,
     own_instruments,
-    own_rows,
 )
+from vrcomfort.importing.suggest.own_rows import draft_own_rows, own_rows
 from vrcomfort.importing.suggest.questionnaires import (
     Drafted,
     draft_block,
@@ -149,8 +148,9 @@ class AnswerColumns:
         contexts = [each.context for found in self._found.values() for each in found]
         found = OwnQuestions(table, columns, known, contexts)
         self._found[COURSES] += found.courses
-        self.taken.update(c for each in found.courses for c in each.columns)
-        return own_instruments(found.questions)
+        self._found[RATINGS] += found.rated
+        self.taken.update(c for each in (*found.courses, *found.rated) for c in each.columns)
+        return [] if found.rated else own_instruments(found.questions)
 
     def __getitem__(self, layout: Layout[FoundT]) -> list[FoundT]:
         return self._found[layout]

@@ -339,14 +339,32 @@ def _number_beside(text: str) -> tuple[int | None, str]:
     return int(digits), word
 
 
-def code_of(text: str, vocabulary: LabVocabulary) -> int | None:
-    """Return the number that an answer stands for: beside its word, as a code, or as a degree."""
-    if plain(text) in vocabulary.agreement:
-        return 1 + vocabulary.agreement[plain(text)]
-    if plain(text) in vocabulary.severity:
-        return vocabulary.severity[plain(text)]
+def code_of(text: str, vocabulary: LabVocabulary, *, of_seven: bool = False) -> int | None:
+    """Return the number that an answer stands for: beside its word, as a code, or as a degree.
+
+    Parameters
+    ----------
+    of_seven
+        Agreement has seven degrees: `somewhat agree` is below `agree`.
+    """
+    key = plain(text)
+    if key in vocabulary.agreement:
+        degree = vocabulary.agreement[key]
+        return _OF_SEVEN[degree][is_softened(text)] if of_seven else 1 + degree
+    if key in vocabulary.severity:
+        return vocabulary.severity[key]
     code = _CODE.fullmatch(text)
-    return int(code[2]) if code else _number_beside(text)[0]
+    number_said = int(code[2]) if code else _number_beside(text)[0]
+    return vocabulary.degree(text) if number_said is None else number_said
+
+
+def is_softened(text: str) -> bool:
+    """Return whether an answer such as `somewhat agree` is softened."""
+    return text.casefold().startswith(("somewhat", "slightly", "rather", "eher", "stimme eher"))
+
+
+_OF_SEVEN = ((1, 1), (2, 3), (4, 4), (6, 5), (7, 7))
+"""For each degree of agreement, the number of the plain answer and of the softened one."""
 
 
 def missing_codes(values: Iterable[float]) -> list[int]:

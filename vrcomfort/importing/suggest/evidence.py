@@ -19,7 +19,7 @@ from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.heading_roles import Roles, is_personal, names_fact
-from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
+from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, LabVocabulary, tokens
 from vrcomfort.importing.text_files import KEY
 from vrcomfort.questionnaire import plain
 
@@ -274,8 +274,11 @@ def _differs_within_people(context: Context, column: int) -> bool:
         return False
     if column in context.derived or not few_texts(table, column) or measures(table, column):
         return False
-    if {*tokens(table.headings[column])} & context.vocabulary.scale_fillers:
+    words = tokens(table.headings[column])
+    if {*words} & context.vocabulary.scale_fillers:
         return False  # a sum or a score
+    if len(words) >= FEWEST_OF_SENTENCE and {*words} & context.vocabulary.asking.sentences:
+        return False  # a question of the lab's own
     return varies_within(table, column, context.participant)
 
 

@@ -50,7 +50,7 @@ def heading_facts(
     _later(facts, doubts)
     _two_unnamed(facts, doubts)
     _first_before(facts, doubts)
-    _name_the_rest(facts, doubts, numbers)
+    _name_the_rest(facts, doubts, numbers, contexts)
     return facts, doubts
 
 
@@ -234,7 +234,12 @@ def _is_second(text: str) -> bool:
     return text.isdecimal() or text == "p"
 
 
-def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: str) -> None:
+def _name_the_rest(
+    facts: list[dict[str, str]],
+    doubts: list[OpenDoubt],
+    fact: str,
+    contexts: Sequence[Sequence[str]],
+) -> None:
     """Ask for the meaning of numbers that stand alone; tell equal administrations apart."""
     numbers = [f for f in facts if f.get("condition", "").replace("_", "").isdecimal()]
     if len({f.get("timepoint") for f in numbers} - {None}) == len(facts):
@@ -255,9 +260,11 @@ def _name_the_rest(facts: list[dict[str, str]], doubts: list[OpenDoubt], fact: s
         nameless = several and "condition" not in each and each.get("timepoint") != "baseline"
         nameless = nameless and fact not in each
         if nameless or (not each and len(facts) > 1):
-            each["condition"] = f"questionnaire_{place}"
+            said = "_".join(contexts[place - 1])  # words that else say nothing: VR
+            alone = said and sum(tuple(c) == tuple(contexts[place - 1]) for c in contexts) == 1
+            each["condition"] = said if alone else f"questionnaire_{place}"
             question = f"Of which condition is questionnaire {place} of a row?"
-            doubts.append(OpenDoubt(question, f"`questionnaire_{place}`", *CONDITIONS))
+            doubts.append(OpenDoubt(question, f"`{each['condition']}`", *CONDITIONS))
 
 
 class Template(NamedTuple):

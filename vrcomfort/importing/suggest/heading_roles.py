@@ -15,7 +15,13 @@ from typing import NamedTuple
 from vrcomfort.importing.files import JOIN
 from vrcomfort.importing.mapping import FACTS
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.vocabulary import IGNORED, UNSPACED, LabVocabulary, tokens
+from vrcomfort.importing.suggest.vocabulary import (
+    FEWEST_OF_SENTENCE,
+    IGNORED,
+    UNSPACED,
+    LabVocabulary,
+    tokens,
+)
 from vrcomfort.questionnaire import plain
 
 
@@ -77,10 +83,15 @@ def _own_label(text: str, vocabulary: LabVocabulary) -> list[str]:
 
 
 def _fact_word(text: str, vocabulary: LabVocabulary, *, most: int) -> list[str]:
-    words = set(tokens(text))
-    if len(words) > most:
+    said = tokens(text)
+    words = set(said)
+    if len(words) > most or (len(said) >= FEWEST_OF_SENTENCE and said[0] in _OPINIONS):
         return []
     return [fact for fact, known in vocabulary.fact_words.items() if words & known]
+
+
+_OPINIONS = frozenset(["how", "i", "wie", "ich"])
+"""Words with which questions begin that ask no fact: how comfortable was this condition?"""
 
 
 def _label_inside(text: str, vocabulary: LabVocabulary) -> list[str]:

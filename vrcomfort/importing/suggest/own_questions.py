@@ -14,20 +14,20 @@ from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from itertools import pairwise
 from math import ceil, floor
+from statistics import fmean
 from typing import NamedTuple
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.codings import code_of, missing_codes
+from vrcomfort.importing.suggest.codings import code_of, is_softened, missing_codes
 from vrcomfort.importing.suggest.draft import OpenDoubt, Stake, TomlDraft
 from vrcomfort.importing.suggest.evidence import texts, varies_within
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
-from vrcomfort.importing.suggest.item_names import How, Named
+from vrcomfort.importing.suggest.item_names import Named
 from vrcomfort.importing.suggest.items import Context, Found
-from vrcomfort.importing.suggest.long_tables import Long, response_column
 from vrcomfort.importing.suggest.questionnaires import Drafted
-from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating
-from vrcomfort.importing.suggest.stems import shared_stems
+from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating, rises, time_column
+from vrcomfort.importing.suggest.stems import Stem, shared_stems
 from vrcomfort.importing.suggest.vocabulary import (
     Known,
     LabVocabulary,
@@ -44,7 +44,7 @@ USUAL = (
     (0, 20), (0, 100), (-50, 50), (-100, 100),
 )  # fmt: skip
 """Lowest and highest answers of scales, the narrowest first."""
-_FEWEST_STEPS, _MOST_STEPS, _FEWEST_ANSWERS, _FEWEST_OF_SERIES = 2, 20, 4, 3
+_FEWEST_STEPS, _MOST_STEPS, FEWEST_ANSWERS, _FEWEST_OF_SERIES = 2, 20, 4, 3
 _MOST_OF_RECORD = 7
 _SENTENCE = 4
 """Words of a heading that is a sentence."""
@@ -56,7 +56,12 @@ _ENDS = (
     re.compile(r"(-?\d{1,2})\s*[=:(]\s*[^\d=:]{2,80}?(\d{1,3})\s*[=:(]"),
 )
 """The ends of a scale in a heading: ``(1-7)``, ``1 = not at all, 7 = very``."""
+_REPEATED = re.compile(r" \(\d+\)$")
 _NUMBER_OF_ITEM = re.compile(r"(?<=[^\d])\d+$")
+_MOST_MEANT, _ROUNDED = 12, 0.051
+"""Questions of a mean at most, and how far it may be rounded."""
+_OF_SEVEN = 7
+_FIRST_PERSON = frozenset(["i", "me", "my", "ich", "mich", "mir", "je", "yo"])
 _CLOCK = frozenset(["t", "time", "zeit"])
 _ENDS_OF_CODE = re.compile(r"_(-?\d)_(\d{1,3})$")
 
@@ -103,6 +108,7 @@ class OwnQuestions:
         self, table: SourceTable, columns: Sequence[int], known: Known, contexts: Iterable[Context]
     ) -> None:
         self._table = table
+        self._columns, self._known = columns, known
         self._vocabulary = known.vocabulary
         self._roles = roles_of(table, columns, known.vocabulary)
         self._apart = {word for context in contexts for word in context}
@@ -110,11 +116,14 @@ class OwnQuestions:
         self._labels = shared_stems(table.labels)
         items = known.vocabulary.item_labels & {*map(plain, table.headings)}
         no_item = known.vocabulary.response_labels if items else frozenset()
+        named = bool(table.reading.heading_rows or table.nested)
+        cells = (cell for row in table.rows for cell in row)
+        seven = are_of_seven(cells, known.vocabulary)
         self._scales = {
             column: scale
-            for column in columns
+            for column in (columns if named else ())
             if plain(table.headings[column]) not in no_item
-            if (scale := scale_of(table, column, known.vocabulary)) is not None
+            if (scale := scale_of(table, column, known.vocabulary, of_seven=seven)) is not None
         }
 
     @cached_property
@@ -141,7 +150,7 @@ class OwnQuestions:
         for text, courses in alike.items():
             scales = [self._scales[c] for _, columns in courses for c in columns]
             widest = reduce(lambda one, other: one | other, scales)
-            name = _name(text, names)
+            name = name_of(text, names)
             scale = declared(name, [(name, text, widest.usual)])
             for context, rated in courses if widest.high >= _FEWEST_STEPS else ():
                 ratings = (FoundRating(scale, context, column, None) for column in rated)
@@ -158,9 +167,40 @@ class OwnQuestions:
         rated = {c for course in self.courses for c in course.columns}
         columns = [c for c in self._scales if c not in rated and self._asks(c)]
         columns += self._in_their_records(columns, rated)
+        columns += self._in_their_midst(sorted(columns), rated)
         columns = [c for c in columns if not self._is_made_of(c, columns)]
-        found = [self._question(column) for column in columns]
-        return self._crossed([each for each in found if each is not None])
+        return self._in_runs(self._crossed([*map(self._question, sorted(columns))]))
+
+    @cached_property
+    def rated(self) -> list[FoundRating]:
+        """Return the only question as a rating during exposure, if a column has its times."""
+        time = time_column(self._table, self._columns, self._known)
+        if len(self.questions) != 1 or time is None or not rises(self._table, time):
+            return []
+        (asked,) = self.questions
+        name = name_of(asked.text, {*shipped_instruments(), *TAKEN})
+        scale = declared(name, [(name, asked.text, asked.said or asked.seen.usual)])
+        return [FoundRating(scale, asked.context, asked.column, time)]
+
+    def _in_runs(self, questions: list[Question]) -> list[Question]:
+        """Tell runs of questions apart that repeat in the same order, by their numbers."""
+        bare = [_REPEATED.sub("", self._table.headings[each.column]) for each in questions]
+        if len({*bare}) == len(bare):
+            return questions
+        for size in range(1, len(bare) // 2 + 1):
+            runs = [bare[start : start + size] for start in range(0, len(bare), size)]
+            if all(run == runs[0] for run in runs):
+                break
+        else:
+            return questions
+        often = Counter(runs[0])
+        found = []
+        for place, (each, text) in enumerate(zip(questions, bare, strict=True)):
+            run, within = divmod(place, size)
+            number_within = runs[0][: within + 1].count(text)
+            asked = f"{text} {number_within}" if often[text] > 1 else text
+            found.append(replace(each, text=asked, context=(str(run + 1),)))
+        return found
 
     def _in_their_records(self, asking: Sequence[int], rated: set[int]) -> list[int]:
         """Return other values of JSON records with questions that are on the same scale."""
@@ -172,6 +212,24 @@ class OwnQuestions:
             c: self._scales[c] | records[r] for c in open_ if (r := self._record(c)) in records
         }
         return sorted(c for c, scale in alike.items() if scale.usual.high <= _MOST_OF_RECORD)
+
+    def _in_their_midst(self, asking: Sequence[int], rated: set[int]) -> list[int]:
+        """Return columns between two questions which all are on the scale of these."""
+        open_ = {*self._roles.unknown} & {*self._scales} - rated
+        found: list[int] = []
+        for left, right in pairwise(asking):
+            between = [*range(left + 1, right)]
+            scale = (self._scales[left] | self._scales[right]).usual
+            fitting = (
+                c in open_
+                and self._scales[c].usual == scale
+                and not {*self._words(c)} & self._vocabulary.asking.others
+                and not self._is_no_answer(c)
+                for c in between
+            )
+            if scale.high <= _MOST_OF_RECORD and all(fitting):
+                found += between
+        return found
 
     def _record(self, column: int) -> str:
         return self._table.headings[column].rpartition(".")[0]
@@ -211,6 +269,8 @@ class OwnQuestions:
 
     def _is_free(self, column: int) -> bool:
         """Return whether a sentence has a role by one of its words alone."""
+        if _FIRST_PERSON & {*self._words(column)}:
+            return True
         return column not in self._roles.metadata and column not in {
             columns[0] for columns in self._roles.facts.values() if columns
         }
@@ -218,16 +278,35 @@ class OwnQuestions:
     def _is_balanced(self, column: int) -> bool:
         """Return whether each number is there equally often, as levels of a factor are."""
         counts = Counter(filter(None, self._table.column(column)))
-        few = len(counts) <= _FEWEST_ANSWERS and min(counts.values()) > _FEWEST_ANSWERS
+        few = len(counts) <= FEWEST_ANSWERS and min(counts.values()) > FEWEST_ANSWERS
         return few and len({*counts.values()}) == 1
 
     def _is_made_of(self, column: int, columns: Sequence[int]) -> bool:
         """Return whether a mean or a total stands beside the questions that it is made of."""
+        others = [c for c in sorted(columns) if c != column]
+        if self._scales[column].step < 1 and self._is_mean(column, others):
+            return True
         fillers = self._vocabulary.scale_fillers | self._vocabulary.totals | {"mean", "avg"}
-        words = {*tokens(self._table.headings[column])}
+        given = tokens(self._table.headings[column])
+        words = {*given} if len(given) < _SENTENCE else set()
         own = {word for word in words - fillers - self._apart if not word.isdecimal()}
-        others = ({*tokens(self._table.headings[c])} for c in columns if c != column)
-        return bool(words & fillers) and any(own & each and not each & fillers for each in others)
+        said = ({*tokens(self._table.headings[c])} for c in others)
+        return bool(words & fillers) and any(own & each and not each & fillers for each in said)
+
+    def _is_mean(self, column: int, others: Sequence[int]) -> bool:
+        """Return whether a column is the mean of a run of others, wherever these are answered."""
+        whole = [c for c in others if self._scales[c].step == 1]
+        decimal = self._table.reading.decimal or "."
+        values = {c: [number(t, decimal) for t in self._table.column(c)] for c in (column, *whole)}
+        ends = range(2, 1 + len(whole))
+        for run in (whole[e - n : e] for e in ends for n in range(2, min(e, _MOST_MEANT) + 1)):
+            rows = zip(values[column], zip(*(values[c] for c in run), strict=True), strict=True)
+            known = [(m, parts) for m, parts in rows if m is not None and None not in parts]
+            if len(known) >= FEWEST_ANSWERS and all(
+                abs(m - fmean(p for p in parts if p is not None)) < _ROUNDED for m, parts in known
+            ):
+                return True
+        return False
 
     @cached_property
     def _series(self) -> set[int]:
@@ -243,7 +322,7 @@ class OwnQuestions:
             columns = [column for _, column in group if column in self._scales]
             steps = [self._scales[c].high - self._scales[c].low for c in columns]
             no_codes = vocabulary.asking.others | vocabulary.measures | vocabulary.units
-            no_codes |= {*vocabulary.numbered, *vocabulary.timepoints}
+            no_codes |= {*vocabulary.numbered, *vocabulary.timepoints, *vocabulary.scale_fillers}
             alike = len(columns) * 5 >= len(group) * 4 and max(steps, default=99) <= 10
             if not alike or len(columns) < _FEWEST_OF_SERIES or not {*code} - self._apart:
                 continue
@@ -267,7 +346,7 @@ class OwnQuestions:
                 return Scale(low, high, self._scales[column].step)
         return None
 
-    def _question(self, column: int) -> Question | None:
+    def _question(self, column: int) -> Question:
         """Return what a column asks, without the words that tell administrations apart."""
         heading, label = self._table.headings[column], self._table.labels[column]
         bracket = _BRACKET.search(label) or _BRACKET.search(heading)
@@ -276,17 +355,17 @@ class OwnQuestions:
             heading = heading.replace(bracket[0], "")
             around = f"{heading} {self._labels[column].stem}"
         elif len(tokens(label)) > 1:
-            stem = self._labels[column]
-            text, around = stem.rest or label, f"{heading} {stem.stem}"
-        elif self._headings[column].stem and len(tokens(self._headings[column].rest)) > 1:
-            text, heading = self._headings[column].rest, self._headings[column].stem
-            around = heading
+            stem = self._labels[column] if _is_whole(self._labels[column]) else Stem("", label)
+            text, around = stem.rest, f"{heading} {stem.stem}"
+        elif _is_whole(self._headings[column]):
+            text, around = self._headings[column].rest, self._headings[column].stem
+            heading = ""
         else:
             return self._short_question(column)
         words = tokens(_NUMBER_OF_ITEM.sub("", heading) + around[len(heading) :])
         context = tuple(w for n, w in enumerate(words) if self._tells(words, n))
         code = next((w for n, w in enumerate(words) if not self._tells(words, n)), "")
-        return self._made(column, text.strip(" -–:?.[]"), context, code)
+        return self._made(column, text.strip(" -–:?.[]"), context, code if heading else "")
 
     def _short_question(self, column: int) -> Question:
         """Return a question whose heading is all there is: words at its ends may be facts."""
@@ -342,12 +421,19 @@ class OwnQuestions:
         return questions
 
 
-def scale_of(table: SourceTable, column: int, vocabulary: LabVocabulary) -> Scale | None:
+def _is_whole(stem: Stem) -> bool:
+    """Return whether what headings share is a question before statements, or a name."""
+    return len(tokens(stem.rest)) > 1 and not stem.stem.rstrip()[-1:].isalnum() and bool(stem.stem)
+
+
+def scale_of(
+    table: SourceTable, column: int, vocabulary: LabVocabulary, *, of_seven: bool = False
+) -> Scale | None:
     """Return the lowest and the highest answer of a column; None where it holds no answers."""
     counts = Counter(cell for cell in table.column(column) if not _is_missing(cell, vocabulary))
-    read = _read(counts, table.reading.decimal or ".", vocabulary)
+    read = _read(counts, table.reading.decimal or ".", vocabulary, of_seven=of_seven)
     values = [value for value in read.values() if value is not None]
-    if sum(counts.values()) < _FEWEST_ANSWERS or len(values) < len(read):
+    if sum(counts.values()) < FEWEST_ANSWERS or len(values) < len(read):
         return None
     values = [value for value in values if value not in missing_codes(values)]
     low, high = min(values), max(values)
@@ -362,12 +448,23 @@ def _is_missing(cell: str, vocabulary: LabVocabulary) -> bool:
     return not cell or (cell.casefold() in vocabulary.missing and plain(cell) != "none")
 
 
-def _read(cells: Iterable[str], decimal: str, vocabulary: LabVocabulary) -> dict[str, float | None]:
+def are_of_seven(cells: Iterable[str], vocabulary: LabVocabulary) -> bool:
+    """Return whether cells have plain and softened agreement."""
+    agree = {text for text in {*cells} if vocabulary.agreement.get(plain(text)) in {1, 3}}
+    return len({is_softened(text) for text in agree}) > 1
+
+
+def _read(
+    cells: Iterable[str], decimal: str, vocabulary: LabVocabulary, *, of_seven: bool
+) -> dict[str, float | None]:
     """Return text → the answer that it is, as a number or in words; None where it is none."""
-    found: dict[str, float | None] = {}
-    for text in cells:
-        value = number(text, decimal)
-        found[text] = code_of(text, vocabulary) if value is None else value
+    found: dict[str, float | None] = {text: number(text, decimal) for text in cells}
+    words = [text for text, value in found.items() if value is None]
+    alike = len({text[:1] for text in words if text[1:].isdecimal()}) < 2  # not a1, b1
+    if alike:
+        found |= {text: code_of(text, vocabulary, of_seven=of_seven) for text in words}
+    if len({found[text] for text in words}) < len({*map(plain, words)}):
+        return dict.fromkeys(found)  # two words of one degree
     return {text: None if value is None else float(value) for text, value in found.items()}
 
 
@@ -377,16 +474,24 @@ def draft_own(
     """Draft the lab's own questions of one administration."""
     draft = TomlDraft({"instrument": found.instrument.name, **facts})
     cells = [text for c in found.columns for text in texts(table, c)]
-    _coded(draft, cells, table.reading.decimal or ".", known.vocabulary)
+    put_coding(draft, found.instrument, cells, table.reading.decimal or ".", known.vocabulary)
     headings = {item: table.headings[named.column] for item, named in found.items.items()}
     draft.tables["items"] = TomlDraft(dict(headings))
-    return draft, [_doubt(found.instrument, [*headings.values()])]
+    return draft, [ask_about(found.instrument, [*headings.values()])]
 
 
-def _coded(draft: TomlDraft, cells: Iterable[str], decimal: str, vocabulary: LabVocabulary) -> None:
+def put_coding(
+    draft: TomlDraft,
+    instrument: Instrument,
+    cells: Iterable[str],
+    decimal: str,
+    vocabulary: LabVocabulary,
+) -> None:
     """Write what answers in words mean, and which texts are missing answers."""
     blank = [text for text in cells if text and _is_missing(text, vocabulary)]
-    read = _read([text for text in cells if text and text not in blank], decimal, vocabulary)
+    seven = max(item.answers.high for item in instrument.items) == _OF_SEVEN
+    given = [text for text in cells if text and text not in blank]
+    read = _read(given, decimal, vocabulary, of_seven=seven)
     codes = missing_codes([value for value in read.values() if value is not None])
     blank += [text for text, value in read.items() if value in codes]
     words = {t: int(v) for t, v in read.items() if v is not None and number(t, decimal) is None}
@@ -396,7 +501,8 @@ def _coded(draft: TomlDraft, cells: Iterable[str], decimal: str, vocabulary: Lab
         draft.put("missing", list(dict.fromkeys(blank)))
 
 
-def _doubt(instrument: Instrument, headings: Sequence[str]) -> OpenDoubt:
+def ask_about(instrument: Instrument, headings: Sequence[str]) -> OpenDoubt:
+    """Return the question whether these are the lab's own, on this scale."""
     answers = {(item.answers.low, item.answers.high) for item in instrument.items}
     shown = ", ".join(map(repr, headings[:_SHOWN]))
     shown += f" and {len(headings) - _SHOWN} more" if headings[_SHOWN:] else ""
@@ -414,102 +520,6 @@ def _holds(low: int, high: int, seen: Scale) -> bool:
     return -100 <= low <= 1 < high <= 100 and low <= seen.low and seen.high <= high
 
 
-def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Long]:
-    """Return the lab's own questions of a table that has a row for each answer.
-
-    They stand beside those of known instruments, under another name or as other items; or alone
-    in a column that is called item.
-    """
-    item, response, named = _columns_of_rows(table, known, found)
-    if item is None or response is None or len({each.response_column for each in found}) > 1:
-        return []
-    groups: dict[str, list[str]] = defaultdict(list)
-    taken = {text for each in found for text in each.items.values()}
-    names = {each.instrument_column[1] for each in found if each.instrument_column}
-    for row in table.rows:
-        group = "" if named is None else row[named]
-        if group not in names and row[item] and row[item] not in taken | {*groups[group]}:
-            groups[group].append(row[item])
-    made: set[str] = {*shipped_instruments(), *TAKEN}
-    own = []
-    for group, words in groups.items():
-        rows = [row for row in table.rows if named is None or row[named] == group]
-        said = _statements(table, item, words)
-        scales: dict[str, Scale] = {}
-        for text in words if len(words) <= _MOST_ITEMS else ():
-            asked = replace(table, rows=tuple(row for row in rows if row[item] == text))
-            scale = scale_of(asked, response, known.vocabulary)
-            if scale is not None and _is_asked(said.get(text, text), group, known.vocabulary):
-                scales[text] = scale
-        if not scales:
-            continue
-        taken_names: set[str] = {*TAKEN}
-        items = {_name(text, taken_names): text for text in scales}
-        scales = _together(scales)
-        questions = [(name, said.get(text, text), scales[text]) for name, text in items.items()]
-        instrument = declared(_name(group or "own_questions", made), questions)
-        where = None if named is None else (named, group)
-        hows: dict[str, How] = dict.fromkeys(items, "name")
-        own.append(Long(instrument, (), item, response, items, hows, [], where))
-    return own
-
-
-def _is_asked(text: str, group: str, vocabulary: LabVocabulary) -> bool:
-    """Return whether a text in the column of items asks, by its words or under a name."""
-    words = {*tokens(text)}
-    if len(tokens(text)) >= _SENTENCE:
-        return bool(words & vocabulary.asking.sentences)
-    no_answer = words & vocabulary.asking.others or plain(text) in vocabulary.roles
-    return bool(group or words & vocabulary.asking.words) and not no_answer
-
-
-def _statements(table: SourceTable, column: int, items: Sequence[str]) -> dict[str, str]:
-    """Return item → its statement, where a column beside has one for each."""
-    for other in range(len(table.headings)):
-        pairs = {(row[column], row[other]) for row in table.rows if row[column] in items}
-        found = dict(pairs)
-        long = all(len(tokens(text)) >= _SENTENCE for text in found.values())
-        if other != column and long and len(found) == len(pairs) == len({*found.values()}):
-            return found
-    return {}
-
-
-_MOST_ITEMS = 60
-
-
-def _columns_of_rows(
-    table: SourceTable, known: Known, found: Sequence[Long]
-) -> tuple[int | None, int | None, int | None]:
-    """Return the columns of items, of answers, and of the names of questionnaires."""
-    if found:
-        first = found[0]
-        named = first.instrument_column and first.instrument_column[0]
-        return first.item_column, first.response_column, named
-    labels = known.vocabulary.item_labels
-    items = [c for c, h in enumerate(table.headings) if plain(h) in labels]
-    items = [c for c in items if 1 < len(texts(table, c)) <= len(table.rows) // _FEWEST_ANSWERS]
-    response = response_column(table, items[0], known.vocabulary) if items else None
-    return (items[0], response, None) if response is not None else (None, None, None)
-
-
-def draft_own_rows(
-    table: SourceTable, long: Long, facts: Mapping[str, str], known: Known, _: Roles
-) -> Drafted:
-    """Draft the lab's own questions of a table that has a row for each answer."""
-    draft = TomlDraft({"instrument": long.instrument.name, **facts})
-    draft.put("item_column", table.headings[long.item_column])
-    draft.put("response_column", table.headings[long.response_column])
-    rows = [row for row in table.rows if row[long.item_column] in long.items.values()]
-    if long.instrument_column is not None:
-        column, text = long.instrument_column
-        draft.put("where", {table.headings[column]: text})
-        rows = [row for row in rows if row[column] == text]
-    cells = [row[long.response_column] for row in rows]
-    _coded(draft, dict.fromkeys(cells), table.reading.decimal or ".", known.vocabulary)
-    draft.tables["items"] = TomlDraft(dict(long.items))
-    return draft, [_doubt(long.instrument, [*long.items.values()])]
-
-
 def own_instruments(questions: Sequence[Question]) -> list[Found]:
     """Return the lab's own questions as instruments: those that are asked together are one."""
     met: dict[str, set[Context]] = defaultdict(set)
@@ -519,12 +529,12 @@ def own_instruments(questions: Sequence[Question]) -> list[Found]:
     codes = Counter(each.code for each in questions)
     contexts_of = {key: frozenset(found) for key, found in met.items()}
     for each in questions:
-        code = each.code if codes[each.code] > 1 and len(each.code) > 1 else ""
+        code = each.code if codes[each.code] >= _FEWEST_OF_SERIES and len(each.code) > 1 else ""
         groups[code, contexts_of[plain(each.text)]].append(each)
     found: list[Found] = []
     names: set[str] = {*shipped_instruments(), *TAKEN}
     for (code, _), group in groups.items():
-        found += _blocks(_name(code or "own_questions", names), group)
+        found += _blocks(name_of(code or "own_questions", names), group)
     return found
 
 
@@ -535,12 +545,12 @@ def _blocks(name: str, group: Sequence[Question]) -> list[Found]:
     taken: set[str] = {*TAKEN}
     for each in group:
         key = plain(each.text)
-        items.setdefault(key, "") or items.update({key: _name(each.text, taken)})
+        items.setdefault(key, "") or items.update({key: name_of(each.text, taken)})
         scale = each.said or each.seen
         scales[key] = scales[key] | scale if key in scales else scale
     texts_of = {plain(each.text): each.text for each in reversed(group)}
     said = {plain(each.text) for each in group if each.said}
-    scales |= _together({key: scale for key, scale in scales.items() if key not in said})
+    scales |= together({key: scale for key, scale in scales.items() if key not in said})
     instrument = declared(name, [(items[k], texts_of[k], scales[k]) for k in items])
     found = []
     for context in dict.fromkeys(each.context for each in group):
@@ -553,7 +563,7 @@ def _blocks(name: str, group: Sequence[Question]) -> list[Found]:
     return found
 
 
-def _together(scales: Mapping[str, Scale]) -> dict[str, Scale]:
+def together(scales: Mapping[str, Scale]) -> dict[str, Scale]:
     """Return usual scales, one for questions of few steps, and one for those of many."""
     found: dict[str, Scale] = {}
     for many in (False, True):
@@ -585,7 +595,7 @@ def _answers(scale: Scale) -> dict[str, float]:
     )
 
 
-def _name(text: str, taken: set[str]) -> str:
+def name_of(text: str, taken: set[str]) -> str:
     """Return a name that is not taken yet, of the first words of a text; and take it."""
     whole = "_".join(tokens(bare(text.casefold().replace("ß", "ss"))))
     whole = re.sub(r"[^a-z0-9_]", "", whole).strip("_")

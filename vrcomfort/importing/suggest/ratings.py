@@ -89,7 +89,7 @@ def _time_in(context: Sequence[str], units: Set[str]) -> int | None:
 def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
     """Return the columns that are called by the name of a scale of one item."""
     totals = {c for each in find_scores(table, columns, known) for c in each.columns}
-    time = _time_column(table, [c for c in columns if c not in totals], known)
+    time = time_column(table, [c for c in columns if c not in totals], known)
     if not table.reading.heading_rows:
         return _beside_their_time(table, columns, time, known) or _in_columns(table, columns, known)
     found = []
@@ -130,7 +130,7 @@ def _among_events(table: SourceTable, known: Known) -> list[FoundRating]:
         others = [c for c in range(len(table.headings)) if c != column and all(own.column(c))]
         numbers = [c for c in others if len(values_of(own, c)) == len(rows)]
         counts = [c for c in numbers if _counts_anew(own, c)]
-        time = counts[0] if counts else _time_column(own, numbers, known)
+        time = counts[0] if counts else time_column(own, numbers, known)
         rated = [c for c in numbers if c != time and all(map(scale.answers.has, values_of(own, c)))]
         rated = [c for c in rated if not is_identifier(own, c, known.vocabulary)]
         if time is not None and len(rated) == 1 and len(rows) >= _FEWEST_RISING:
@@ -172,7 +172,7 @@ def _numbered_columns(
     ]
 
 
-def _time_column(table: SourceTable, columns: Sequence[int], known: Known) -> int | None:
+def time_column(table: SourceTable, columns: Sequence[int], known: Known) -> int | None:
     """Return the column of the seconds of ratings: by its heading, or one of times that rise."""
     vocabulary, scales = known.vocabulary, {plain(i.name) for i in known.instruments}
     inner = [h.rpartition(".")[2] if table.nested else h for h in table.headings]
@@ -185,12 +185,12 @@ def _time_column(table: SourceTable, columns: Sequence[int], known: Known) -> in
         c
         for c in columns
         if not headed or {*tokens(table.headings[c])} & (vocabulary.time_words | MINUTES)
-        if _rises(table, c)
+        if rises(table, c)
     ]
     return rising[0] if len(rising) == 1 or (rising and not headed) else None
 
 
-def _rises(table: SourceTable, column: int) -> bool:
+def rises(table: SourceTable, column: int) -> bool:
     """Return whether numbers rise from row to row, but where another exposure begins."""
     values = values_of(table, column)
     whole = len(values) == len(table.rows) > _FEWEST_RISING

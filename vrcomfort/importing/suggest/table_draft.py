@@ -54,6 +54,7 @@ from vrcomfort.importing.suggest.heading_roles import PERSON_CODE, is_personal, 
 from vrcomfort.importing.suggest.items import Found, FoundAnswers
 from vrcomfort.importing.suggest.kept_rows import KeptRows
 from vrcomfort.importing.suggest.leaving import find_leaving
+from vrcomfort.importing.suggest.own_questions import ask_about
 from vrcomfort.importing.suggest.questionnaires import (
     answers_of_block,
     leftovers,
@@ -199,6 +200,10 @@ class TableDraft(KeptRows):
             self.doubts.append(
                 OpenDoubt(question, "it is; they are read one below the other", *LAYOUT)
             )
+        if read.marked:
+            values["marked"] = True
+            question = "Is a mark in one of several columns the answer that the column is called?"
+            self.doubts.append(OpenDoubt(question, "it is; the columns are read as one", *LAYOUT))
         if values:
             self.draft.put("read", values)
         if not read.heading_rows and "heading_rows" in values:
@@ -435,13 +440,25 @@ class TableDraft(KeptRows):
                 said = {**own, **before_exposures(table, found, own, self.draft.values)}
                 draft, doubts = layout.draft(table, found, said, self._known, self._roles)
                 beside = self._beside[len(drafts)] if len(drafts) < len(self._beside) else None
-                if beside is not None and layout is self._answers.leading:
+                beside = beside if layout is self._answers.leading else None
+                if layout is OWN and layout is not self._answers.leading:
+                    beside = self._beside_of(found)
+                if beside is not None:
                     draft.put("beside", {"condition": beside})
                 drafts.append(draft)
                 self.doubts += doubts
+                if layout in {RATINGS, COURSES} and found.instrument in self._answers.own:
+                    names = [table.headings[column] for column in found.columns]
+                    self.doubts.append(ask_about(found.instrument, names))
         self.doubts[:] = list(dict.fromkeys(self.doubts))
         if drafts:
             self.draft.lists["questionnaires"] = self._in_short(drafts)
+
+    def _beside_of(self, found: FoundAnswers) -> str | None:
+        """Return the column of the condition that stands beside answers, or others like them."""
+        leading = self._answers[self._answers.leading or OWN]
+        pairs = zip(leading, self._beside, strict=False)
+        return next((column for each, column in pairs if each.context == found.context), None)
 
     def _compare_moments(self) -> None:
         """Ask where headings of answers say another moment than the draft."""
@@ -559,6 +576,7 @@ class TableDraft(KeptRows):
         facts: list[dict[str, str]] = [{} for _ in named]
         for name in dict.fromkeys(name for name, _ in named):
             places = [i for i, (other, _) in enumerate(named) if other == name]
+            places.sort(key=lambda i: min(found[i].columns))
             own, doubts = heading_facts(
                 [named[i][1] for i in places], self._vocabulary, numbers=self._numbers(found)
             )

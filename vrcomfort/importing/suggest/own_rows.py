@@ -1,0 +1,132 @@
+"""Finds a lab's own questions in tables that have a row for each answer."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.draft import TomlDraft
+from vrcomfort.importing.suggest.evidence import texts
+from vrcomfort.importing.suggest.heading_roles import Roles
+from vrcomfort.importing.suggest.item_names import How
+from vrcomfort.importing.suggest.long_tables import Long, response_column
+from vrcomfort.importing.suggest.own_questions import (
+    FEWEST_ANSWERS,
+    Scale,
+    are_of_seven,
+    ask_about,
+    declared,
+    name_of,
+    put_coding,
+    scale_of,
+    together,
+)
+from vrcomfort.importing.suggest.questionnaires import Drafted
+from vrcomfort.importing.suggest.vocabulary import (
+    FEWEST_OF_SENTENCE,
+    Known,
+    LabVocabulary,
+    tokens,
+)
+from vrcomfort.questionnaire import plain, shipped_instruments
+from vrcomfort.questionnaire.instrument_file import TAKEN
+
+_MOST_ITEMS = 60
+
+
+def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Long]:
+    """Return the lab's own questions of a table that has a row for each answer.
+
+    They stand beside those of known instruments, under another name or as other items; or alone
+    in a column that is called item.
+    """
+    item, response, named = _columns_of_rows(table, known, found)
+    if item is None or response is None or len({each.response_column for each in found}) > 1:
+        return []
+    groups: dict[str, list[str]] = defaultdict(list)
+    taken = {text for each in found for text in each.items.values()}
+    names = {each.instrument_column[1] for each in found if each.instrument_column}
+    for row in table.rows:
+        group = "" if named is None else row[named]
+        if group not in names and row[item] and row[item] not in taken | {*groups[group]}:
+            groups[group].append(row[item])
+    made: set[str] = {*shipped_instruments(), *TAKEN}
+    seven = are_of_seven((row[response] for row in table.rows), known.vocabulary)
+    own = []
+    for group, words in groups.items():
+        rows = [row for row in table.rows if named is None or row[named] == group]
+        said = _statements(table, item, words)
+        scales: dict[str, Scale] = {}
+        for text in words if len(words) <= _MOST_ITEMS else ():
+            asked = replace(table, rows=tuple(row for row in rows if row[item] == text))
+            scale = scale_of(asked, response, known.vocabulary, of_seven=seven)
+            if scale is not None and _is_asked(said.get(text, text), group, known.vocabulary):
+                scales[text] = scale
+        if not scales:
+            continue
+        taken_names: set[str] = {*TAKEN}
+        items = {name_of(text, taken_names): text for text in scales}
+        scales = together(scales)
+        questions = [(name, said.get(text, text), scales[text]) for name, text in items.items()]
+        instrument = declared(name_of(group or "own_questions", made), questions)
+        where = None if named is None else (named, group)
+        hows: dict[str, How] = dict.fromkeys(items, "name")
+        own.append(Long(instrument, (), item, response, items, hows, [], where))
+    return own
+
+
+def _is_asked(text: str, group: str, vocabulary: LabVocabulary) -> bool:
+    """Return whether a text in the column of items asks, by its words or under a name."""
+    words = {*tokens(text)}
+    if len(tokens(text)) >= FEWEST_OF_SENTENCE:
+        return bool(words & vocabulary.asking.sentences)
+    no_answer = words & vocabulary.asking.others or plain(text) in vocabulary.roles
+    return bool(group or words & vocabulary.asking.words) and not no_answer
+
+
+def _statements(table: SourceTable, column: int, items: Sequence[str]) -> dict[str, str]:
+    """Return item → its statement, where a column beside has one for each."""
+    for other in range(len(table.headings)):
+        pairs = {(row[column], row[other]) for row in table.rows if row[column] in items}
+        found = dict(pairs)
+        long = all(len(tokens(text)) >= FEWEST_OF_SENTENCE for text in found.values())
+        if other != column and long and len(found) == len(pairs) == len({*found.values()}):
+            return found
+    return {}
+
+
+def _columns_of_rows(
+    table: SourceTable, known: Known, found: Sequence[Long]
+) -> tuple[int | None, int | None, int | None]:
+    """Return the columns of items, of answers, and of the names of questionnaires."""
+    if found:
+        first = found[0]
+        named = first.instrument_column and first.instrument_column[0]
+        return first.item_column, first.response_column, named
+    labels = known.vocabulary.item_labels
+    items = [c for c, h in enumerate(table.headings) if plain(h) in labels]
+    items = [c for c in items if 1 < len(texts(table, c)) <= len(table.rows) // FEWEST_ANSWERS]
+    response = response_column(table, items[0], known.vocabulary) if items else None
+    return (items[0], response, None) if response is not None else (None, None, None)
+
+
+def draft_own_rows(
+    table: SourceTable, long: Long, facts: Mapping[str, str], known: Known, _: Roles
+) -> Drafted:
+    """Draft the lab's own questions of a table that has a row for each answer."""
+    draft = TomlDraft({"instrument": long.instrument.name, **facts})
+    draft.put("item_column", table.headings[long.item_column])
+    draft.put("response_column", table.headings[long.response_column])
+    rows = [row for row in table.rows if row[long.item_column] in long.items.values()]
+    if long.instrument_column is not None:
+        column, text = long.instrument_column
+        draft.put("where", {table.headings[column]: text})
+        rows = [row for row in rows if row[column] == text]
+    cells = [row[long.response_column] for row in rows]
+    put_coding(
+        draft, long.instrument, dict.fromkeys(cells), table.reading.decimal or ".", known.vocabulary
+    )
+    draft.tables["items"] = TomlDraft(dict(long.items))
+    return draft, [ask_about(long.instrument, [*long.items.values()])]
