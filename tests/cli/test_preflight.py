@@ -7,21 +7,27 @@ from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import moderngl
 import pytest
 
 from tests.support.places import ROOT
 from tests.support.study import PROTOCOL, tiny_protocol
-from vrcomfort.api.timed_show import Cost, TimedShow
-from vrcomfort.cli.preflight_checks import CHECKS, Preflight
+from vrcomfort.api.timed_show import COST_ROUNDS, Cost, TimedShow, costs
+from vrcomfort.cli.preflight_checks import CHECKS, FRAME_BYTES, Preflight
 from vrcomfort.cli.run import DESKTOP, OPENXR, PLAYBACK, RunOptions, _preflight
 from vrcomfort.errors import InputError
+from vrcomfort.geometry import Pose
 from vrcomfort.gpu.adapters import adapters, faster_adapters
 from vrcomfort.protocol import load_protocol
 from vrcomfort.records.disk import OWNER
 from vrcomfort.records.json_file import PreflightShape
 from vrcomfort.records.preflights import FILE, read_preflight, why_again, write_preflight
+from vrcomfort.render.pipeline import StereoRenderer, looks_around
+from vrcomfort.resources import data_folder
+from vrcomfort.scene.load import load_scene
 from vrcomfort.session.frame_log import TrialTiming
 
 Run = Callable[..., tuple[int, str, str]]
@@ -73,6 +79,39 @@ def test_a_rate_that_is_just_held_is_told(busy_ms: float | None, outcome: str) -
     show = TimedShow(Cost("temple", "both", 3.0), timing, period_ms=10.0)
     about = replace(flight(), shown=show)
     assert outcomes("rate holds", about) == [outcome]
+
+
+@pytest.mark.parametrize(("free", "outcome"), [(1, "refuse"), (3, "notice"), (5, "ok")])
+def test_the_disk_has_room_for_a_session_and_for_the_study(
+    monkeypatch: pytest.MonkeyPatch, free: int, outcome: str
+) -> None:
+    """Of four participants with a session of four exposures each."""
+    about = flight()
+    session_bytes = 4 * 0.1 * about.protocol.headset.refresh_hz * FRAME_BYTES
+    usage = SimpleNamespace(free=free * session_bytes)
+    monkeypatch.setattr("shutil.disk_usage", lambda _: usage)
+    (found,) = FIND["disk"](about)
+    assert found.outcome == outcome
+    assert ("the study's 4 participants need about" in found.remedy) == (outcome == "notice")
+
+
+def test_what_conditions_cost_is_measured_in_frames_that_are_drawn(
+    ctx: moderngl.Context, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    smoke = (data_folder("protocols") / "smoke.toml").read_text("utf-8")
+    (tmp_path / "small.toml").write_text(smoke.replace('"temple"', '"depths"'), "utf-8")
+    drawn = []
+    render = StereoRenderer.render
+
+    def counted(renderer: StereoRenderer, *given: Any) -> Any:
+        drawn.append(given[0])
+        return render(renderer, *given)
+
+    monkeypatch.setattr(StereoRenderer, "render", counted)
+    protocol = load_protocol(tmp_path / "small.toml")
+    found = costs(protocol, StereoRenderer(ctx, (8, 10)), load_scene)
+    assert [each.scene for each in found] == 4 * ["depths"]
+    assert len(drawn) == 4 * COST_ROUNDS * len(looks_around(Pose()))
 
 
 def test_codes_for_words_stand_in_the_way(run: Run, tmp_path: Path) -> None:

@@ -69,6 +69,12 @@ def crossed(folder, factors=FACTORS, order='rule = "williams"'):
     return tiny_protocol(folder, text.replace(explicit, f"{order}\n"))
 
 
+def test_a_quality_may_say_something_in_one_of_a_levels_conditions_alone(tmp_path):
+    factors = FACTORS.replace('name = "still"', 'name = "still"\nquality = "fast"')
+    qualities = [each.quality for each in crossed(tmp_path, factors).conditions]
+    assert qualities == ["fast", None, "fast", None]
+
+
 def test_factors_are_crossed_to_conditions(tmp_path):
     protocol = crossed(tmp_path)
     assert [each.name for each in protocol.conditions] == [

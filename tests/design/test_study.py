@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 
 import pytest
@@ -164,6 +165,8 @@ def test_design_of_a_study_on_the_command_line(tmp_path, run):
     code, out, _ = run("design", protocol, "-n", 8)
     assert code == 0
     assert "Groups" in out
+    (first,) = [line for line in out.splitlines() if "P01" in line]
+    assert re.search(r"P01 .* (near|far) ", first)
     assert "Covariates of the people above were drawn" in " ".join(out.split())
     code, out, _ = run("design", protocol, "-n", 8, "--json")
     assert sum(json.loads(out)["groups"].values()) == 8

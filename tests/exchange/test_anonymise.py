@@ -164,10 +164,12 @@ def test_what_cannot_be_made_is_refused_in_a_sentence(run, study: Path, tmp_path
         assert (code, err.count("\n")) == (2, 1)
         assert words in err
     go(tmp_path)
-    cell(tmp_path / "S" / "sub-P01" / "ses-1" / "trials.csv", 2, "session", "2")
-    code, _, err = run("anonymise", tmp_path / "S", "--out", tmp_path / "out")
-    assert code == 2
-    assert "this study is not whole: sub-P01/ses-1/trials.csv, line 2: session is 2" in err
+    for line, more in ((2, " (and 1 more)"), (3, " (and 2 more)")):
+        cell(tmp_path / "S" / "sub-P01" / "ses-1" / "trials.csv", line, "session", "2")
+        code, _, err = run("anonymise", tmp_path / "S", "--out", tmp_path / "out")
+        assert code == 2
+        assert "this study is not whole: sub-P01/ses-1/trials.csv, line 2: session is 2" in err
+        assert f"{more}; see vrcomfort verify" in err
     assert not (tmp_path / "out").exists()
 
 

@@ -55,6 +55,8 @@ def test_each_participant_is_somewhere_and_something_is_next(study: Path) -> Non
     words = f"vrcomfort run tiny.toml --participant P02 --out {study} --respondent scripted"
     assert commands["P02"] == f"{words} --resume"
     assert commands["P03"] == commands["P04"] == ""
+    set_status(study, "P04", "enrolled")
+    assert steps(status_of(study))["P04"] == "nothing: all sessions are recorded"
 
 
 def test_the_next_participant_takes_the_place_of_who_withdrew(tmp_path: Path) -> None:

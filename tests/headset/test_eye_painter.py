@@ -48,6 +48,15 @@ def test_an_image_is_scaled_into_its_box(ctx: moderngl.Context) -> None:
     assert (shown[16:, 16:48] == RED).all()
 
 
+def test_a_scaled_image_is_smooth_whatever_its_own_filter(ctx: moderngl.Context) -> None:
+    image = ctx.texture((2, 1), 4, bytes(RED + BLUE))
+    image.filter = moderngl.NEAREST, moderngl.NEAREST
+    red, blue = painted(ctx, image, [])[SIZE // 2, :, (0, 2)].astype(int)
+    assert np.ptp(red) == np.ptp(blue) == 255
+    assert (np.diff(red) <= 0).all()
+    assert np.abs(np.diff(red)).max() < 16
+
+
 def test_a_panel_stands_where_its_quad_says(ctx: moderngl.Context) -> None:
     # At 2 m and 90 degrees the image is 4 m wide: 16 pixels a metre.
     quad = Quad(Pose(np.array([0.5, 1.0, -2.0])), (1.0, 0.5))

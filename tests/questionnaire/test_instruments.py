@@ -165,6 +165,7 @@ def test_words_in_several_languages_find_items_and_answers():
     assert ssq.item("eyestrain", language="de").name == "eyestrain"
     assert ssq.answers.words["none"] == ssq.answers.words["gar nicht"] == 0
     assert ssq.answers.words["severe"] == 3
+    assert ssq.lacks("en") == ssq.lacks("de") == []
 
 
 def test_an_own_instrument_is_scored_with_its_reversed_item_and_what_stands_alone():
@@ -175,6 +176,12 @@ def test_an_own_instrument_is_scored_with_its_reversed_item_and_what_stands_alon
     assert ours.scale("tired").alone
     assert not ours.scale("bad").alone
     assert score(ours, {"calm": 5, "tired": 4})["bad"] is None
+
+
+def test_percent_of_a_scale_goes_from_its_lowest_answers_to_its_highest():
+    ours = parse_instrument(own(('made = "mean"', 'made = "percent"')))
+    for calm, ill, percent in ((5, 1, 0), (3, 3, 50), (2, 2, 50), (1, 5, 100)):
+        assert score(ours, {"calm": calm, "ill": ill})["bad"].points == percent
 
 
 def test_with_min_valid_the_mean_of_the_others_stands_for_what_is_missing():
@@ -191,6 +198,7 @@ def test_with_min_valid_the_mean_of_the_others_stands_for_what_is_missing():
 def test_answers_in_decimal_steps_are_exact():
     ours = parse_instrument(own(("low = 1\nhigh = 5", "low = 0\nhigh = 1\nstep = 0.1")))
     assert score(ours, {"calm": 0.7, "ill": 0.1})["bad"].raw == 4
+    assert [str(tenths / 10) for tenths in range(1, 10)] == [*ours.items[0].answers.plain][1:-1]
     with pytest.raises(InputError, match=r"0 to 1 in steps of 0\.1"):
         score(ours, {"calm": 0.75, "ill": 0})
 

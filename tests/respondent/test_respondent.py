@@ -21,6 +21,7 @@ from vrcomfort.respondent import (
     TerminalRespondent,
     Withdrew,
 )
+from vrcomfort.respondent.keyboard import SURE
 from vrcomfort.tasks import Demand
 
 FMS = shipped_instruments()["fms"]
@@ -95,6 +96,14 @@ def test_answers_stay_on_their_scales(seed, minutes, rate):
     person.prompt(FMS, 1.0, 10.0)
     rating = person.rating(20.0)
     assert rating is None or 0 <= rating <= 20
+
+
+def test_a_rating_takes_a_tenth_of_its_time_at_least():
+    person = somebody(missed_rating=0.0)
+    person.start_exposure(Exposure(1, 1, "room", "a", 60))
+    person.prompt(FMS, 10.0, 10.0)
+    assert person.rating(10.9) is None
+    assert person.rating(16.1) is not None
 
 
 def test_sickness_follows_its_differential_equation():
@@ -246,7 +255,7 @@ def test_the_end_of_input_is_told():
 
 def test_ratings_and_withdrawals_are_typed_during_exposure():
     lines = iter([None, "7", None, "21", "q", "q", "n", "q", "y"])
-    person, _ = terminal(Typist(), lambda: next(lines))
+    person, shown = terminal(Typist(), lambda: next(lines))
     person.start_exposure(Exposure(1, 1, "room", "secret_condition", 60))
     person.prompt(FMS, 0.0, 10.0)
     person.update(0.1)
@@ -259,6 +268,7 @@ def test_ratings_and_withdrawals_are_typed_during_exposure():
     assert person.rating(30.2) is None
     for _ in range(4):
         person.update(30.3)
+    assert shown.getvalue().splitlines()[-4:] == [SURE, SURE, "The session continues.", SURE]
     with pytest.raises(Withdrew):
         person.update(30.4)
 
@@ -298,13 +308,15 @@ def test_a_wish_to_stop_that_the_exposure_overtook_is_asked_at_the_next_question
 
 
 def test_a_rating_typed_too_late_answers_no_question():
-    lines = iter(["5", None])
+    lines = iter(["5", None, "6"])
     person, shown = terminal(Typist("3"), lambda: next(lines))
     person.end_exposure(60.0)
     heard: list[int | None] = []
     person.ask(POST, lambda _item, response, _took: heard.append(response))
     assert heard[0] == 3
     assert "'5' came too late" in shown.getvalue()
+    person.ask(POST, lambda *_: None)
+    assert next(lines) == "6", "what is typed between two questionnaires is the next one's"
 
 
 def test_a_person_may_withdraw_in_a_rest():

@@ -295,6 +295,14 @@ def test_places_that_are_not_there_are_told_with_line(tmp_path, old, new, told):
             VIEWS.replace(
                 'path = "rail"',
                 "points = [{ time_s = 0.0, position = [0.0, 0.0, 0.0] }, "
+                "{ time_s = 9.0, position = [0.0, 0.0, 0.0], turning_deg_s = 9.0 }]",
+            ),
+            "the last point has nowhere to turn to",
+        ),
+        (
+            VIEWS.replace(
+                'path = "rail"',
+                "points = [{ time_s = 0.0, position = [0.0, 0.0, 0.0] }, "
                 "{ time_s = 2.0, position = [0.0, 0.0, 0.0] }]",
             ),
             "the path ends after 2 s and the trial after 6 s",

@@ -87,6 +87,19 @@ def test_a_fault_of_a_later_entry_is_found_in_its_own_file(tmp_path):
     assert (caught.value.file, caught.value.line) == (tmp_path / "main.toml", line)
 
 
+def test_a_fault_inside_a_table_of_two_files_has_the_line_of_its_own(tmp_path):
+    more = "[headset]\nipd_m = 0.06\nrefresh_hz = -72.0\n"
+    with pytest.raises(InputError, match="refresh_hz") as caught:
+        load_protocol(write(tmp_path, main=f'include = ["more.toml"]\n{PROTOCOL}', more=more))
+    assert (caught.value.file, caught.value.line) == (tmp_path / "more.toml", 3)
+    more = "[ratings]\nevery_s = 5.0\n"
+    main = f'include = ["more.toml"]\n{PROTOCOL}'.replace("every_s = 3.0", "every_s = 0.0")
+    with pytest.raises(InputError, match="every_s") as caught:
+        load_protocol(write(tmp_path, main=main, more=more))
+    line = main.splitlines().index("every_s = 0.0") + 1
+    assert (caught.value.file, caught.value.line) == (tmp_path / "main.toml", line)
+
+
 def test_files_that_include_each_other_are_refused_with_their_chain(tmp_path):
     file = write(
         tmp_path,

@@ -115,22 +115,12 @@ class Source:
             if isinstance(there, dict) and isinstance(value, dict):
                 self._join(there, value, part, here, at)
             elif isinstance(there, list) and _are_tables(there) and _are_tables(value):
-                for index, each in enumerate(value):
-                    self._mark(each, part, (*here, len(there) + index), (*at, index))
+                for index in range(len(value)):
+                    self._origin[*here, len(there) + index] = part, (*at, index)
                 whole[key] = [*there, *value]
             else:
                 whole[key] = _copied(value)
-                self._mark(value, part, here, at)
-
-    def _mark(self, value: Any, part: IncludedFile, path: KeyPath, local: KeyPath) -> None:
-        self._origin[path] = part, local
-        inner: Iterable[tuple[str | int, Any]] = ()
-        if isinstance(value, dict):
-            inner = value.items()
-        elif isinstance(value, list):
-            inner = enumerate(value)
-        for key, each in inner:
-            self._mark(each, part, (*path, key), (*local, key))
+                self._origin[here] = part, at
 
     def place(self, path: Sequence[str | int]) -> SourcePlace:
         """Return file, line and column of a key, or of its nearest parent that is written."""
