@@ -22,7 +22,7 @@ STOPPED = "stopped; what was already written stays"
 FAULTS_OF_THE_MACHINE = {
     errno.ENOSPC: "the disk is full; what was already written stays",
     errno.EDQUOT: "your disk quota is used up; what was already written stays",
-    errno.EROFS: "the disk is read-only; choose another --out",
+    errno.EROFS: "the disk is read-only; choose another place",
     errno.EACCES: "no permission; ask for access, or choose another place",
     errno.ENOTDIR: "part of this path is a file, not a folder",
     errno.EISDIR: "this is a folder, a file was expected",

@@ -236,7 +236,9 @@ def _open(file: Path, access: Access) -> IO[str]:
     try:
         return os.fdopen(open_new(file, access, os.O_RDWR), "r+", encoding="utf-8")
     except OSError as error:
-        raise InputError(f"cannot make this file: {error.strerror}", file=file) from error
+        message = f"cannot make this file: {error.strerror}"
+        hint = "make the folder writable, or work on a copy of the study"
+        raise InputError(f"{message}; {hint}", file=file) from error
 
 
 def _is_in_place(stream: IO[str], file: Path) -> bool:
