@@ -122,11 +122,6 @@ class ScenePass:
         self.still = True
         """Whether nothing in the last image can have moved: every velocity is exactly 0."""
 
-    @property
-    def textures(self) -> int:
-        """Return the number of image-sized textures this pass owns."""
-        return self._targets.count
-
     def update(
         self,
         time_s: float,
@@ -251,37 +246,36 @@ class ScenePass:
             self.resolve.render(camera, image)
             self._background[image].render(self._background_level)
             self._targets.use()
-            self._draw_opaque(view, foreground=True)
-            self._draw_blended(view, foreground=True)
+            self._draw_surfaces(view, blended=False, foreground=True)
+            self._draw_surfaces(view, blended=True, foreground=True)
         self._ctx.enable_only(moderngl.NOTHING)
 
     def _draw_layers(self, view: int, *, behind: _Surfaces | None = None) -> None:
         """Draw opaque surfaces, the sky where none is, and blended ones."""
-        self._draw_opaque(view, behind=behind)
+        self._draw_surfaces(view, blended=False, behind=behind)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = ">="  # the sky lies at infinity: depth 0, as the clear value
         (self._sky_behind if behind else self._behind).run(self._sky.render, vertices=3)
-        self._draw_blended(view, behind=behind)
+        self._draw_surfaces(view, blended=True, behind=behind)
 
-    def _draw_opaque(
-        self, view: int, *, foreground: bool = False, behind: _Surfaces | None = None
+    def _draw_surfaces(
+        self,
+        view: int,
+        *,
+        blended: bool,
+        foreground: bool = False,
+        behind: _Surfaces | None = None,
     ) -> None:
-        self._ctx.enable_only(moderngl.DEPTH_TEST)
+        if blended:
+            if not self.gpu.has_blended:
+                return
+            (behind or self._targets).blend()
+            drawn = self._blended_behind if behind else self._blended
+        else:
+            drawn = self._opaque_behind if behind else self._opaque
+        self._ctx.enable_only(moderngl.DEPTH_TEST | (moderngl.BLEND if blended else 0))
         self._ctx.depth_func = gl.DEPTH_FUNC
-        drawn = self._opaque_behind if behind else self._opaque
-        kind = {"blended": False, "foreground": foreground, "behind": behind is not None}
-        drawn.run(self.gpu.draw, view, **kind)
-
-    def _draw_blended(
-        self, view: int, *, foreground: bool = False, behind: _Surfaces | None = None
-    ) -> None:
-        if not self.gpu.has_blended:
-            return
-        (behind or self._targets).blend()
-        self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
-        self._ctx.depth_func = gl.DEPTH_FUNC
-        drawn = self._blended_behind if behind else self._blended
-        kind = {"blended": True, "foreground": foreground, "behind": behind is not None}
+        kind = {"blended": blended, "foreground": foreground, "behind": behind is not None}
         drawn.run(self.gpu.draw, view, **kind)
 
 
@@ -336,11 +330,8 @@ class _Targets(_Surfaces):
         eyes: int,
     ) -> None:
         colour, depth = gl.eye_texture(ctx, size_px, eyes), gl.eye_depth(ctx, size_px, eyes)
-        many_colour, many_velocity, velocity = (
-            gl.color_texture(ctx, size_px, samples=samples),
-            None,
-            None,
-        )
+        many_colour, many_velocity = gl.color_texture(ctx, size_px, samples=samples), None
+        velocity = None
         if velocity_dtype is not None:
             kind: dict[str, Any] = {"components": 2, "dtype": velocity_dtype}
             many_velocity = gl.color_texture(ctx, size_px, samples=samples, **kind)
@@ -362,7 +353,6 @@ class _Targets(_Surfaces):
             velocity=velocity,
             by_brightness=by_brightness,
         )
-        self.count = 2 * (len(many) + 1)
 
     def background_blur(self, level: float) -> tuple[MipLevelPass, ...]:
         """Return what blurs the colour of all samples of each image; depth stays as it is."""
@@ -561,14 +551,13 @@ class ResolvePass:
         self._ctx, self._samples = ctx, samples
         self._by_brightness = by_brightness
         self.colour, self.depth, self.velocity = colour, depth, velocity
-        self._radii: Radii | None = None
         self._places: dict[str, Any] = {}
-        self._passes = self._make()
+        self.write_radii(None)
 
-    def write_radii(self, radii: Radii) -> None:
-        """Write circles of confusion into the alpha of colour from now on."""
+    def write_radii(self, radii: Radii | None) -> None:
+        """Write circles of confusion into the alpha of colour from now on; None: ones."""
         self._radii = radii
-        self._passes = self._make()
+        self._passes = [self._make(image) for image in range(gl.layers_of(self.colour))]
 
     def render(self, camera: EyeCamera, image: int = 0) -> None:
         """Resolve what an eye has drawn into one of the images."""
@@ -582,10 +571,7 @@ class ResolvePass:
             places = gl.sample_places(self._ctx, self._samples.colour.samples)
             self._places = {"sample_place": places if len(places) > 1 else places[0]}
 
-    def _make(self) -> list[FullscreenPass]:
-        return [self._make_one(image) for image in range(gl.layers_of(self.colour))]
-
-    def _make_one(self, image: int) -> FullscreenPass:
+    def _make(self, image: int) -> FullscreenPass:
         many, radii = self._samples, self._radii
         inputs: dict[str, AnyTexture] = {"colors": many.colour, "depths": many.depth}
         targets = [gl.of_eye(self.colour, image)]
