@@ -20,6 +20,7 @@ def test_every_shader_has_its_bound_in_the_docs():
 
 
 THROUGH = {
+    "eye_of_vertex": "passes on tiles of both eyes (render/test_both_eyes.py)",
     "clip_now": "the scene's images",
     "through_lens": "the reference's images (render/test_depth_and_lens.py)",
     "zone_depth": "focus_weights.frag and focus_candidates.frag (render/focus/test_zone.py)",
