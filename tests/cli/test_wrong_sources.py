@@ -50,7 +50,7 @@ def test_a_pipe_is_no_protocol(run: Call, tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.toml")
     code, _, err = run("design", tmp_path / "pipe.toml")
     assert code == 2
-    assert "pipe.toml: this is no regular file; a protocol is a TOML file" in err
+    assert "pipe.toml: this is a pipe, and only files are read; put a file in its place" in err
 
 
 def test_a_folder_of_files_is_no_file_to_import(run: Call, study: Path) -> None:

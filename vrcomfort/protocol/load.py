@@ -163,15 +163,13 @@ def _by_name(
 
 def _find(name_or_path: str | Path) -> Path:
     path = Path(name_or_path)
-    if path.is_file():
-        return path
+    if path.exists() and not path.is_dir():
+        return path  # what is no regular file is refused where it is opened
     shipped = {file.stem: file for file in data_folder("protocols").glob("*.toml")}
     if str(name_or_path) in shipped:
         return shipped[str(name_or_path)]
     if path.is_dir():
         raise InputError("this is a folder; a protocol is a TOML file", file=path)
-    if path.exists():
-        raise InputError("this is no regular file; a protocol is a TOML file", file=path)
     hint = did_you_mean(path.stem, shipped)
     raise InputError(f"there is no protocol file or shipped protocol `{name_or_path}`; {hint}")
 
