@@ -7,6 +7,7 @@ import json
 import random
 import re
 from collections.abc import Sequence
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -111,3 +112,12 @@ def test_levels_of_a_condition_that_nobody_had_are_refused(tmp_path: Path) -> No
     mapping = load_mapping(tmp_path / "map.toml").mapping
     with pytest.raises(InputError, match="no answer is of a condition `Teleport_06`"):
         import_files([file], mapping)
+
+
+def test_three_crossed_columns_are_three_factors(tmp_path: Path) -> None:
+    cells = list(product(MOVES, VIEWS, ("calm", "busy")))
+    rows = [[f"P{n}", *cell, *ssq()] for n in range(1, 9) for cell in cells]
+    file = table(tmp_path / "x.csv", [["id", "Locomotion", "Sichtfeld", "Umfeld", *ENGLISH], *rows])
+    levels = confirmed(suggest_mapping([file]), tmp_path).mapping.condition_levels
+    assert {tuple(each) for each in levels.values()} == {("Locomotion", "Sichtfeld", "Umfeld")}
+    assert {tuple(each.values()) for each in levels.values()} == {*cells}

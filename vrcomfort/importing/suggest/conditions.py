@@ -14,7 +14,6 @@ from vrcomfort.importing.suggest.evidence import (
     GROUPS_PEOPLE,
     MOST_CONDITIONS,
     WORDS_WITHIN_PEOPLE,
-    Candidate,
     candidates,
     texts,
     varies_within,
@@ -117,8 +116,7 @@ class Conditions(FactDraft):
 
     def _levels(self, columns: Sequence[int]) -> dict[str, dict[str, str]]:
         """Return condition → heading → level; nothing where columns are not crossed."""
-        cells = dict.fromkeys(tuple(row[c] for c in columns) for row in self._table.rows)
-        whole = [cell for cell in cells if all(cell)]
+        whole = [cell for cell in self._cells(columns) if all(cell)]
         sizes = [len({*level}) for level in zip(*whole, strict=True)]
         if len(sizes) < 2 or min(sizes) < 2 or len(whole) != prod(sizes):
             return {}
@@ -152,10 +150,7 @@ class Conditions(FactDraft):
             said = {"column": self.heading(column), **self.names_of_codes(column)}
             self.found.draft.put("condition", said)
             self.doubt_of(found[0])
-        elif factors := (
-            self._factors([each for each in found if each.evidence is found[0].evidence])
-            or self._with_another(found[0].column)
-        ):
+        elif factors := self._with_another(found[0].column):
             self._cross(factors)
         else:
             self.use("condition", found[0].column)
@@ -164,68 +159,37 @@ class Conditions(FactDraft):
             self.doubt_of(found[0])
 
     def _with_another(self, column: int) -> list[int]:
-        """Return a column and another one of words, which tell a person's rows apart together.
-
-        Beside a flag (0 or 1) it may be another flag: numbers of trials say no condition.
-        """
-        who, rows = self._context.participant, self._table.rows
+        """Return a column and others with which it is crossed; nothing where there is none."""
+        who = self._context.participant
         if who is None or self._answers.row_keys or self._context.time is not None:
             return []
+        factors = [column]
         open_ = [c for c in self._roles.unknown if c != column and c not in self._context.used]
         for other, _ in candidates("condition", open_, self._context):
-            if self._is_crossed(column, other):
-                return [column, other]
-        flag = self._is_flag(column)
-        no_keys = {"condition", "trial", "period"} if flag else {"condition"}
-        decided = [c for f, cs in self._context.columns.items() if f not in no_keys for c in cs]
-        keys = [row[who] + "".join(f"/{row[c]}" for c in decided) for row in rows]
-        if len({(key, row[column]) for key, row in zip(keys, rows, strict=True)}) == len(rows):
-            return []
-        for other, evidence in candidates("condition", self._roles.unknown, self._context):
-            cells = {(k, row[column], row[other]) for k, row in zip(keys, rows, strict=True)}
-            alike = evidence is WORDS_WITHIN_PEOPLE or (flag and self._is_flag(other))
-            if alike and len(cells) == len(rows):
-                return sorted([column, other]) if flag else [column, other]
-        return []
+            if self._are_crossed([*factors, other], who):
+                factors.append(other)
+        return [column, *sorted(factors[1:])] if len(factors) > 1 else []
 
-    def _is_crossed(self, column: int, other: int) -> bool:
-        """Return whether nearly everybody had each level of one with each level of another.
+    def _are_crossed(self, factors: Sequence[int], who: int) -> bool:
+        """Return whether nearly everybody had each combination of levels equally often.
 
         A count from 1 is a number of trials.
         """
-        counted = {str(n) for n in range(1, 1 + len(texts(self._table, other)))}
-        if counted == {*texts(self._table, other)} or not self._levels([column, other]):
+        words = texts(self._table, factors[-1])
+        counted = {str(n) for n in range(1, 1 + len(words))} == {*words}
+        cells = [cell for cell in self._cells(factors) if all(cell)]
+        if counted or not self._levels(factors):
             return False
-        cells = {
-            (row[column], row[other]) for row in self._table.rows if row[column] and row[other]
-        }
-        met: dict[str, Counter[tuple[str, str]]] = defaultdict(Counter)
+        met: dict[str, Counter[tuple[str, ...]]] = defaultdict(Counter)
         for row in self._table.rows:
-            if self._context.participant is not None:
-                met[row[self._context.participant]][row[column], row[other]] += 1
-        whole = (
-            cells <= count.keys() and len({count[cell] for cell in cells}) == 1
-            for count in met.values()
-        )
+            met[row[who]][tuple(row[c] for c in factors)] += 1
+        often = [{count[cell] for cell in cells} for count in met.values()]
+        whole = (len(each) == 1 and each != {0} for each in often)
         return sum(whole) * _FULL_OF >= len(met) * (_FULL_OF - 1)
 
-    def _is_flag(self, column: int) -> bool:
-        return {*texts(self._table, column)} == {"0", "1"}
-
-    def _factors(self, found: Sequence[Candidate]) -> list[int]:
-        """Return the columns that tell a person's rows apart together, and none of them alone."""
-        who, rows = self._context.participant, self._table.rows
-        chosen: list[int] = []
-        different = len({row[who] for row in rows}) if who is not None else len(rows)
-        keys = [who] if who is not None else []
-        for each in found:
-            finer = len({tuple(row[c] for c in (*keys, *chosen, each.column)) for row in rows})
-            if different < finer:
-                chosen.append(each.column)
-                different = finer
-            if different == len(rows):
-                return chosen if len(chosen) > 1 else []
-        return []
+    def _cells(self, columns: Sequence[int]) -> list[tuple[str, ...]]:
+        """Return the different combinations of texts of columns."""
+        return [*dict.fromkeys(tuple(row[c] for c in columns) for row in self._table.rows)]
 
     def _crossover(self, group: int, number: int) -> None:
         """Take group and number of the exposure together for the condition."""
