@@ -34,6 +34,9 @@ class Experimenter(ScriptedDesk):
     questions: list[Any] = field(default_factory=list)
 
     def ask(self, question: Any) -> None:
+        if question and question["action"] == "answer":
+            answered = [item["answered"] for item in question["items"]]
+            assert question["current"] == [*answered, False].index(False)
         self.question = question
         self.questions.append(question)
 

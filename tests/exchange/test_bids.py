@@ -6,15 +6,19 @@ import csv
 import gzip
 import json
 import math
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from tests.support.exchange import PRACTICE, cell, errors_of, with_gaze
 from tests.support.resume import go
+from tests.support.study import AheadHeadset
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
 from vrcomfort.exchange.bids import export_bids
+from vrcomfort.frame import Frame
+from vrcomfort.headset.base import HeadsetEvent
 
 FIRST = "sub-P01_ses-1_task-tiny"
 
@@ -113,6 +117,26 @@ def test_events_hold_the_exposure_and_its_ratings(study: Path, dataset: Path) ->
     (exposure,) = [row for row in rows if row["trial_type"] == "exposure"]
     assert (exposure["value"], exposure["condition"]) == ("completed", "plain")
     assert [float(row["onset"]) for row in rows] == sorted(float(row["onset"]) for row in rows)
+
+
+class Notes(AheadHeadset):
+    """A headset that notes something in the fifth second."""
+
+    noted = HeadsetEvent("unfocused", "the stop button does not work")
+
+    def frames(self) -> Iterator[Frame]:
+        for each in super().frames():
+            if each.index == 50:
+                self.events.append(self.noted)
+            yield each
+
+
+def test_events_hold_what_the_headset_noted(tmp_path: Path) -> None:
+    go(tmp_path, headset_for=lambda *_: Notes())
+    export_bids(tmp_path / "S", tmp_path / "dataset")
+    rows = tsv(next((tmp_path / "dataset").rglob("*_run-1_events.tsv")))
+    told = [row["value"] for row in rows if row["trial_type"] == "unfocused"]
+    assert told == [Notes.noted.detail]
 
 
 def test_columns_of_participants_and_events_are_described(dataset: Path) -> None:
