@@ -274,6 +274,10 @@ def test_a_wrong_row_is_refused_with_its_place(
         ("", "empty"),
         ("a,b\n1,2\n3,4\n", "orientation"),
         ("pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n0,1,0,0,0,0\n0,1,0,0,0,0\n", "no column of times"),
+        (
+            "frameCount,head_qx,head_qy,head_qz,head_qw\n0,0,0,0,1\n1,0,0,0,1\n2,0,0,0,1\n",
+            "rate_hz",
+        ),
         ("xr_time_ns,head_qw\n1,2\n2,2\n", "a trace already"),
     ],
 )
@@ -324,3 +328,13 @@ def test_the_columns_of_unity_logs_are_known(tmp_path: Path) -> None:
     trace = import_log(file, UNITY_EULER)
     assert suggest_log_mapping(file).doubts == ()
     assert trace.head.positions[0].tolist() == [1, 2, -3]
+
+
+def test_time_since_the_start_is_preferred_to_the_wall_clock(tmp_path: Path) -> None:
+    file = tmp_path / "log.csv"
+    rows = [f"{1764381600000 + 11 * n},{12.5 + 0.0112 * n:.4f},0,0,0,1" for n in range(3)]
+    heading = "WallClockMs,RealtimeSinceStartup,head_qx,head_qy,head_qz,head_qw"
+    file.write_text("\n".join([heading, *rows]), encoding="utf-8")
+    trace = suggest_log_mapping(file).trace
+    assert trace is not None
+    assert np.diff(trace.time_ns).tolist() == [11_200_000, 11_200_000]

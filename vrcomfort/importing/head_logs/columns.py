@@ -34,6 +34,8 @@ def _words(text: str) -> frozenset[str]:
 WORDS: tuple[WordEvidence, ...] = (
     WordEvidence("time", 40, _words("time timestamp zeit zeitstempel t elapsed seconds clock")),
     WordEvidence("time", 10, _words("ns us ms s sec ticks unix unixtime media game")),
+    WordEvidence("time", 60, _words("realtime startup")),
+    WordEvidence("time", -20, _words("wall wallclock date system")),
     WordEvidence("time", -30, _words("delta dt duration fps frame frames remaining reaction")),
     WordEvidence("position", 40, _words("pos position p loc location translation trans")),
     WordEvidence("orientation", 40, _words("rot rotation q quat quaternion orientation r ori")),

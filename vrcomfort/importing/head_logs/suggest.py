@@ -222,7 +222,8 @@ class _LogDraft:
         if not rising:
             raise InputError(
                 "no column of times was found: one that rises from row to row, called time or "
-                "timestamp; rename it in the first row", file=self._file,
+                "timestamp; rename it in the first row, or write a mapping with the number of the "
+                "frame (unit = \"frames\", rate_hz)", file=self._file,
             )  # fmt: skip
         name = rising[0]
         unit, sure = self._unit(name)
