@@ -64,7 +64,9 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
     "image_hash": lambda ctx, options: image_hash.measure(ctx, rounds=options.rounds),
     "simulated": lambda _, options: simulated.measure(options.simulated),
     "mask": lambda ctx, options: mask.measure(ctx, rounds=options.rounds),
-    "unseen": lambda _, options: unseen.measure(options.seeds, samples=options.views),
+    "unseen": lambda _, options: unseen.measure(
+        options.seeds, samples=options.views, still=options.still
+    ),
     "resolve": lambda ctx, _: resolve.measure(ctx),
     "unseen_motion": lambda _, options: unseen_motion.measure(
         options.seeds, samples=options.views, rounds=options.rounds
@@ -89,6 +91,7 @@ def main() -> None:
     parser.add_argument("--simulated", type=int, default=200, help="people without frames")
     parser.add_argument("--seeds", type=int, nargs="+", default=[], help="of unseen scenes")
     parser.add_argument("--views", type=int, default=512, help="of their references")
+    parser.add_argument("--still", action="store_true", help="no flicker, no rivalry in unseen")
     arguments = parser.parse_args()
     ctx = create_context()
     for name in [arguments.only] if arguments.only else _possible():

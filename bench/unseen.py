@@ -12,6 +12,8 @@ cuts            pixels beside which the image steps by 2/255 more than the refer
                 24 pixels of a row or column: heads are rolled, so that few things in a scene do
 flicker         99.9th percentile of the change of the error, of 255, while the head moves 3.3 mm
 rivalry         mean difference·10³ of the errors at matching points of both eyes
+
+The last two need three references; ``--still`` leaves them out.
 """
 
 from __future__ import annotations
@@ -215,15 +217,17 @@ def _seen(found: Case, right_m: float, samples: int) -> _Seen:
     return _Seen(there, through_the_lens(there, samples), sharp, eye)
 
 
-def errors(found: Case, *, samples: int, tried: Sequence[BlurMethod]) -> list[dict[str, Any]]:
+def errors(
+    found: Case, *, samples: int, tried: Sequence[BlurMethod], still: bool = False
+) -> list[dict[str, Any]]:
     """Return a row for each method, and one for a reference of half as many views."""
-    here, later, right = (_seen(found, at, samples) for at in (0.0, STEP_M, IPD_M))
+    here = _seen(found, 0.0, samples)
+    moved = () if still else (_seen(found, STEP_M, samples), _seen(found, IPD_M, samples))
     judged = found.window.within(found.drawn)
     sharp = here.sharp
     radius = radius_px(sharp, of_part(found.view.condition(), found.part))
     pinhole = PinholeView(sharp.depth, radius, sharp.sharp * here.exposure, found.whole_px[0])
     edges = regions(pinhole)["near_rims"][judged]
-    pairs = correspondence(here.depth, right.depth, margin_px=2)
     ppd = pixels_per_degree(found.view.fov, found.whole_px)
 
     true = _shown(here.true, here.exposure) @ LUMINANCE
@@ -231,9 +235,8 @@ def errors(found: Case, *, samples: int, tried: Sequence[BlurMethod]) -> list[di
     def row(name: str, draw: Callable[[_Seen], Array]) -> dict[str, Any]:
         linear = draw(here)
         error = here.error(linear)
-        change = flicker(error, later.error(draw(later))) @ LUMINANCE
         flip = hdr_flip(linear * here.exposure, here.true * here.exposure, pixels_per_degree=ppd)
-        return {
+        measured = {
             "seed": found.seed,
             "method": name,
             "rms": _rms(error),
@@ -241,9 +244,15 @@ def errors(found: Case, *, samples: int, tried: Sequence[BlurMethod]) -> list[di
             "flip": flip,
             "seams": off_median(_shown(linear, here.exposure), radius[judged]).over_2,
             "cuts": cuts(_shown(linear, here.exposure) @ LUMINANCE, true),
-            "flicker": float(np.percentile(np.abs(change), 99.9) * 255),
-            "rivalry": binocular_error(pairs, error, right.error(draw(right))).rivalry * 1e3,
         }
+        if moved:
+            later, right = moved
+            change = flicker(error, later.error(draw(later))) @ LUMINANCE
+            measured["flicker"] = float(np.percentile(np.abs(change), 99.9) * 255)
+            pairs = correspondence(here.depth, right.depth, margin_px=2)
+            both = binocular_error(pairs, error, right.error(draw(right)))
+            measured["rivalry"] = both.rivalry * 1e3
+        return measured
 
     half = f"reference of {samples // 2}"
     rows = [row(half, lambda eye: through_the_lens(eye.found, samples // 2, seed=1))]
@@ -258,7 +267,7 @@ def _rms(error: Array) -> float:
     return float(np.sqrt(np.mean(error**2)) * 1e3) if error.size else 0.0
 
 
-def measure(seeds: Sequence[int], *, samples: int) -> Result:
+def measure(seeds: Sequence[int], *, samples: int, still: bool = False) -> Result:
     """Measure all steps and the methods of sources and engines on the scene of each seed.
 
     Parameters
@@ -267,6 +276,8 @@ def measure(seeds: Sequence[int], *, samples: int) -> Result:
         1 and two that are drawn now, where there are none.
     samples
         Views of each reference.
+    still
+        Leave out flicker and rivalry.
     """
     seeds = seeds or [1, *(2 + secrets.randbelow(1_000_000) for _ in range(2))]
     tried = [each for each in methods("depth_of_field") if each.family != "dial"]
@@ -274,7 +285,7 @@ def measure(seeds: Sequence[int], *, samples: int) -> Result:
         rows = [
             row
             for seed in seeds
-            for row in errors(case(seed, Path(folder)), samples=samples, tried=tried)
+            for row in errors(case(seed, Path(folder)), samples=samples, tried=tried, still=still)
         ]
     notes = [
         f"Seeds {', '.join(map(str, seeds))}; windows of {WINDOW_PX}×{WINDOW_PX} of the left eye's "

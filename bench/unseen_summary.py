@@ -39,9 +39,6 @@ def _row(name: str, scenes: Sequence[dict[str, Row]]) -> Row:
     edges = np.array([scene[name]["edges"] / _best_other(scene, "edges") for scene in with_edges])
     rms = [scene[name]["rms"] / _best_other(scene, "rms") for scene in scenes]
     seams = [scene[name]["seams"] <= _reference(scene)["seams"] + MORE_SEAMS for scene in scenes]
-    flicker = [scene[name]["flicker"] <= _best_other(scene, "flicker") for scene in scenes]
-    ideal = [scene["scatter"]["rivalry"] for scene in scenes]
-    rivalry = np.array([scene[name]["rivalry"] for scene in scenes]) / ideal
     cuts = [scene[name]["cuts"] for scene in scenes]
     return {
         "method": name,
@@ -51,10 +48,21 @@ def _row(name: str, scenes: Sequence[dict[str, Row]]) -> Row:
         "seams": f"{sum(seams)} of {count}",
         "no cut": f"{cuts.count(0)} of {count}",
         "most cuts": max(cuts),
+        **(_of_moved(name, scenes) if "flicker" in scenes[0][name] else {}),
+        "RMS / best other, median": float(np.median(rms)),
+    }
+
+
+def _of_moved(name: str, scenes: Sequence[dict[str, Row]]) -> Row:
+    """Return what ``--still`` leaves out."""
+    count = len(scenes)
+    flicker = [scene[name]["flicker"] <= _best_other(scene, "flicker") for scene in scenes]
+    ideal = [scene["scatter"]["rivalry"] for scene in scenes]
+    rivalry = np.array([scene[name]["rivalry"] for scene in scenes]) / ideal
+    return {
         "flicker ≤ best other": f"{sum(flicker)} of {count}",
         f"rivalry ≤ {RIVALRY_PART} scatter": f"{(rivalry <= RIVALRY_PART).sum()} of {count}",
         "rivalry / scatter, median": float(np.median(rivalry)),
-        "RMS / best other, median": float(np.median(rms)),
     }
 
 
