@@ -52,22 +52,24 @@ void main() {
     // Surfaces that are both blurred behind the focus share a texel: thin ones would be lost.
     float border = min(farthest - 1.5 * margin_px(farthest), 0.5);
     vec4 front = vec4(0.0), back = vec4(0.0);
-    vec2 parts = vec2(0.0), coverage = vec2(0.0), light = vec2(0.0);
+    vec2 parts = vec2(0.0), coverage = vec2(0.0), light = vec2(0.0), most = vec2(SHARP_WEIGHT);
     for (int i = 0; i < 4; ++i) {
-        float weight = covered[i] * mix(SHARP_WEIGHT, 1.0, clamp(abs(texels[i].a) - 0.25, 0.0, 1.0));
+        float blurred = mix(SHARP_WEIGHT, 1.0, clamp(abs(texels[i].a) - 0.25, 0.0, 1.0));
+        float weight = covered[i] * blurred;
         bool nearer = texels[i].a < border;
         vec2 which = nearer ? vec2(1.0, 0.0) : vec2(0.0, 1.0);
         float bright = weight * brightness(texels[i].rgb);
         front += which.x * vec4(weight * texels[i].rgb, bright * texels[i].a);
         back += which.y * vec4(weight * texels[i].rgb, bright * texels[i].a);
         parts += weight * which;
-        coverage += 0.25 * covered[i] * which;
+        coverage += 0.25 * weight * which;
+        most = max(most, blurred * which);
         light += bright * which;
     }
     bool is_front = light.x > light.y;
     vec4 mean = is_front ? front / vec4(vec3(parts.x), light.x) : back / vec4(vec3(parts.y), light.y);
     // The rest counts as all of the texel: opacity then adds up where a surface goes on.
-    float part = brightness(mean.rgb) > 1.0 ? (is_front ? coverage.x : coverage.y) : 1.0;
+    float part = brightness(mean.rgb) > 1.0 ? (is_front ? coverage.x / most.x : coverage.y / most.y) : 1.0;
     uint code = coverage_code(part);
     mean.rgb *= part / coverage_of_code(code);
     surface = vec4(min(UP * mean.rgb, HALF_MAX), with_coverage(mean.a, code, small));

@@ -3,8 +3,8 @@
 //
 // Input:  tiles (half_tiles.frag).
 // Output: r = widest RADIUS of what is in front of the focus and reaches the tile, 0 for none (px of image
-//         width); g = widest of the tile, those beside it, and r; b = 0; a = class (include/tile_classes.glsl):
-//         FAST where all is blurred widely, COMPLEX where some is not.
+//         width); g = widest of the tile, those beside it, and r; b = narrowest of what r is the widest of; a =
+//         class (include/tile_classes.glsl): FAST where all is blurred widely, COMPLEX where some is not.
 // SLACK_PX: a tile's ranges are of texels of two pixels, and read bilinearly.
 #include "eyes.glsl"
 #include "tile_dilate.glsl"
@@ -17,17 +17,19 @@ out vec4 dilated;
 void main() {
     ivec2 last = size_of(tiles) - 1;
     ivec2 middle = ivec2(gl_FragCoord.xy);
-    float front_px = 0.0, widest_px = 0.0;
+    float front_px = 0.0, least_px = 1e4, widest_px = 0.0;
     int around = int((max(pixel_aspect, 1.0) * MAX_RADIUS_PX + SLACK_PX) / float(TILE)) + 1;
     for (int y = -around; y <= around; ++y)
         for (int x = -around; x <= around; ++x) {
             vec4 t = texel_of(tiles, clamp(middle + ivec2(x, y), ivec2(0), last));
             float reach_px = max(pixel_aspect, 1.0) * max(-t.r, 0.0) + SLACK_PX;
-            front_px = gap_px(ivec2(x, y)) <= reach_px ? max(front_px, -t.r) : front_px;
+            bool reaches = gap_px(ivec2(x, y)) <= reach_px;
+            front_px = reaches ? max(front_px, -t.r) : front_px;
+            least_px = reaches ? min(least_px, -t.b) : least_px;
             widest_px = max(abs(x), abs(y)) <= 1 ? max(widest_px, max(-t.r, t.g)) : widest_px;
         }
     widest_px = max(widest_px, front_px);
     bool has_small = texel_of(tiles, middle).a > 0.0;
     int tile_class = widest_px <= 0.5 ? IN_FOCUS : has_small ? COMPLEX : FAST;
-    dilated = vec4(front_px, widest_px, 0.0, float(tile_class));
+    dilated = vec4(front_px, widest_px, min(least_px, front_px), float(tile_class));
 }

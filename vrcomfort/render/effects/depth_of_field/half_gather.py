@@ -89,9 +89,9 @@ class HalfGatherKernel:
         self.target = gl.eye_texture(coc.ctx, coc.size_px, coc.eyes)
         points, half = {"colour_and_coc": coc.colour_and_coc}, {"gathered": self._gather.target}
         self._sharp = self._composite("IN_FOCUS", "in_focus", points)
-        self._wide = self._composite("FAST", "half_wide", half, filtered=set(half))
+        self._wide = self._composite("FAST", "half_wide", half)
         both = {**points, **half}
-        self._mixed = self._composite("COMPLEX", "half_mixed", both, small, filtered=set(both))
+        self._mixed = self._composite("COMPLEX", "half_mixed", both, small, filtered=set(points))
 
     def render(self, pixel_aspect: PixelAspect) -> None:
         """Blur the image of the last eye."""
