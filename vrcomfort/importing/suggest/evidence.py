@@ -18,7 +18,7 @@ from typing import NamedTuple
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.heading_roles import Roles, is_personal, names_fact
+from vrcomfort.importing.suggest.heading_roles import OPINIONS, Roles, is_personal, names_fact
 from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, LabVocabulary, tokens
 from vrcomfort.importing.text_files import KEY
 from vrcomfort.questionnaire import plain
@@ -277,7 +277,7 @@ def _differs_within_people(context: Context, column: int) -> bool:
     words = tokens(table.headings[column])
     if {*words} & context.vocabulary.scale_fillers:
         return False  # a sum or a score
-    if len(words) >= FEWEST_OF_SENTENCE and {*words} & context.vocabulary.asking.sentences:
+    if len(words) >= FEWEST_OF_SENTENCE and OPINIONS & {*words}:
         return False  # a question of the lab's own
     return varies_within(table, column, context.participant)
 

@@ -85,12 +85,12 @@ def _own_label(text: str, vocabulary: LabVocabulary) -> list[str]:
 def _fact_word(text: str, vocabulary: LabVocabulary, *, most: int) -> list[str]:
     said = tokens(text)
     words = set(said)
-    if len(words) > most or (len(said) >= FEWEST_OF_SENTENCE and said[0] in _OPINIONS):
+    if len(words) > most or (len(said) >= FEWEST_OF_SENTENCE and said[0] in OPINIONS):
         return []
     return [fact for fact, known in vocabulary.fact_words.items() if words & known]
 
 
-_OPINIONS = frozenset(["how", "i", "wie", "ich"])
+OPINIONS = frozenset(["how", "i", "wie", "ich"])
 """Words with which questions begin that ask no fact: how comfortable was this condition?"""
 
 
