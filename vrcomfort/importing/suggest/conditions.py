@@ -23,7 +23,7 @@ from vrcomfort.questionnaire import plain
 from vrcomfort.settings import toml_value
 
 MOST_NAMED = 5
-_MOST_LEVELS, _FULL_OF = 6, 10
+_MOST_LEVELS, _FULL_OF = 6, 4
 """Levels of a factor between participants; people of whom one may lack a combination."""
 LONG_WORD, NEAR, RARER = 6, 0.85, 2
 """Letters in which a misspelling shows, how alike the two words are, and how much rarer one is."""
