@@ -3,6 +3,7 @@
 //
 // Input:  gl_VertexID, one for each tile; dilated (coc_tile_dilate.frag). BESIDE: also tiles beside one of
 //         that class, for what is read between its texels. OR_ABOVE: and of classes after it.
+//         IF_ANY: none, where no tile of the eye is of that class; most = the last class of each eye.
 // Output: the point (tile_points.glsl); tile = what may reach it.
 #define EYE eye
 #include "eyes.glsl"
@@ -10,6 +11,9 @@
 #include "tile_points.glsl"
 
 uniform eye_image dilated;
+#ifdef IF_ANY
+uniform eye_image most;
+#endif
 
 ivec2 tiles = size_of(dilated);
 int eye = eye_of_vertex(tiles);
@@ -35,5 +39,9 @@ void main() {
     draw_in_layer();
     ivec2 at = tile_of_vertex(tiles);
     tile = texel_of(dilated, at);
-    put_point(drawn(at), at, tiles);
+    bool wanted = true;
+#ifdef IF_ANY
+    wanted = texel_of(most, ivec2(0)).x >= float(IF_ANY);
+#endif
+    put_point(wanted && drawn(at), at, tiles);
 }

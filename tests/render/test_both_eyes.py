@@ -60,9 +60,9 @@ def frames(eyes):
         )  # fmt: skip
 
 
-def drawn(ctx, effects, seen_by, **settings):
+def drawn(ctx, effects, seen_by, size_px=SIZE, **settings):
     """Return all images of the second frame by eye and name."""
-    renderer, found = StereoRenderer(ctx, SIZE, **settings), {}
+    renderer, found = StereoRenderer(ctx, size_px, **settings), {}
     renderer.begin(still_life(), Condition.model_validate({"name": "c", **effects}))
 
     def keep(eye, images):
@@ -93,8 +93,16 @@ def test_each_eye_has_the_picture_that_it_has_alone(ctx, name):
     assert not np.array_equal(both["shown"][0], both["shown"][1])
 
 
+def test_near_things_of_one_eye_change_nothing_in_the_other(ctx):
+    """At this size something is behind near things in the left eye, and nothing in the right."""
+    odd = (37, 53)
+    both = drawn(ctx, EFFECTS["near"], (0, 1), odd)
+    for eye in (0, 1):
+        assert_same(both[eye], drawn(ctx, EFFECTS["near"], (eye, eye), odd, eyes=1)[0])
+
+
 @pytest.mark.parametrize("hidden", [(None, None), HIDDEN])
-@pytest.mark.parametrize("name", ["both", "half", "views"])
+@pytest.mark.parametrize("name", ["both", "half", "views", "field"])
 def test_drivers_without_layers_draw_one_eye_after_the_other(ctx, monkeypatch, name, hidden):
     at_once = drawn(ctx, EFFECTS[name], (0, 1), hidden=hidden)
     monkeypatch.setattr(gl, "eyes_at_once", lambda _: None)

@@ -10,6 +10,7 @@ all of it.
 from __future__ import annotations
 
 from math import floor
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.gpu import gl, passes, shaders
 from vrcomfort.gpu.conditional import ConditionalDraws
-from vrcomfort.gpu.fullscreen_pass import OVER, FullscreenPass, of_each
+from vrcomfort.gpu.fullscreen_pass import OVER, FullscreenPass, max_reduction, of_each
 from vrcomfort.gpu.passes import AnyTexture
 from vrcomfort.gpu.visible_area import DRAWN
 from vrcomfort.render.effects.depth_of_field.coc_passes import (
@@ -60,6 +61,13 @@ class NearThings:
         colour = coc.colour_and_coc
         self._tiles = self._tile_passes()
         self._classes = self._tiles[-1].target
+        # Draws are skipped for both eyes or for none: of which anything is behind, tiles are told.
+        self._most = (
+            max_reduction(ctx, self._classes, value="a", texel_px=(coc.tile_px, coc.tile_px))
+            if coc.eyes > 1
+            else None
+        )
+        self._of_eye = {} if self._most is None else {"most": self._most.target}
         self._if_any = ConditionalDraws(ctx, self._any_behind)
         self._if_more = ConditionalDraws(ctx, self._any_more)
         behind_depth = gl.eye_depth(ctx, coc.size_px, coc.eyes)
@@ -98,8 +106,8 @@ class NearThings:
         self._gather = self._gather_pass()
         self._over = coc.make_pass(
             "near_over",
-            {"near": self._gather.target, "dilated": self._classes},
-            defines={**of_class("NEAR", coc.tile_px, beside=0), "OR_ABOVE": 1},
+            {"near": self._gather.target, "dilated": self._classes, **self._of_eye},
+            defines={**of_class("NEAR", coc.tile_px, beside=0), **self._near()},
             target=blurred,
             blend=OVER,
             # What is blurred knows what is behind as far as its own discs and tiles come.
@@ -160,6 +168,8 @@ class NearThings:
         self._take.render()
 
     def _draw_over(self, pixel_aspect: PixelAspect) -> None:
+        if self._most is not None:
+            self._most.render()
         self._gather.render(pixel_aspect_of_eye=pixel_aspect)
         self._over.render()
 
@@ -262,6 +272,10 @@ class NearThings:
             )
         return found
 
+    def _near(self) -> dict[str, Any]:
+        """Return the defines of tiles that near discs come to, in eyes with anything behind."""
+        return {"OR_ABOVE": 1, **({"IF_ANY": "BEHIND"} if self._of_eye else {})}
+
     def _gather_pass(self) -> FullscreenPass:
         coc = self._coc
         names = "light", "light_2", "radius"
@@ -269,14 +283,14 @@ class NearThings:
         levels = dict(zip(names, images, strict=True))
         return coc.make_pass(
             "near_gather",
-            {**levels, "dilated": self._classes},
+            {**levels, "dilated": self._classes, **self._of_eye},
             texel_px=2,
             defines={
                 **coc.level_defines,
                 "NEAR_LEVELS": len(self._layers),
                 "EACH_NEAR_LEVEL(f)": each_level(1, len(self._layers) + 1),
                 **of_class("NEAR", coc.tile_px // 2, beside=1),
-                "OR_ABOVE": 1,
+                **self._near(),
             },
             reach_px={**dict.fromkeys(levels, coc.disc_px), "dilated": coc.tile_px},
             **on_tiles(self._classes),
