@@ -6,8 +6,7 @@
                                           ▲ focus of the frame before
 
 One focus distance serves both eyes; it never comes from an eye's depth buffer. A new rule is its
-settings (`vrcomfort.protocol.conditions.Focus`), a `FocusRule` in the list of `rules`, its shader
-and the shader's twin.
+settings (`vrcomfort.protocol.conditions.Focus`), a `FocusRule`, its shader and the shader's twin.
 """
 
 from __future__ import annotations
