@@ -315,3 +315,23 @@ def test_a_block_is_called_after_the_only_word_of_its_headings(tmp_path: Path) -
     rows = [[n, *(5 * ((n + k) % 20) for k in range(10))] for n in range(1, 9)]
     found = imported_from(table(tmp_path / "tlx.csv", [head, *rows]))
     assert found.conditions == ["questionnaire_1", "VR"]
+
+
+def test_a_word_that_tells_one_question_apart_from_others_is_no_condition(tmp_path: Path) -> None:
+    felt = [f"I felt {each}" for each in ("bored", "calm", "tired")]
+    scales = [f"{each} VAS (0-100)" for each in ("Fear", "Anger", "Sadness")]
+    rows = [
+        [
+            f"P{n}",
+            seen,
+            place,
+            *(1 + (n * k + place) % 5 for k in (1, 2, 3)),
+            *(7 * n + k * place for k in (1, 2, 3)),
+        ]
+        for n in range(1, 13)
+        for place, seen in enumerate(("hand", "scene")[:: 1 - 2 * (n % 2)], start=1)
+    ]
+    head = ["Participant", "Condition", "Condition Position", *felt, *scales]
+    found = imported_from(table(tmp_path / "answers.csv", [head, *rows]))
+    assert {key.condition for _, key in found.responses} == {"hand", "scene"}
+    assert {"i_felt_bored", "i_felt_calm", "i_felt_tired", "fear_vas"} <= {*own_items(found)}

@@ -90,7 +90,9 @@ class Conditions(FactDraft):
 
     def _several_conditions(self, columns: list[int]) -> None:
         names = ", ".join(repr(self.heading(c)) for c in columns)
-        within = [c for c in columns if varies_within(self._table, c, self._context.participant)]
+        who = self._context.participant
+        columns = [c for c in columns if not self._is_count(c)] or columns
+        within = [c for c in columns if varies_within(self._table, c, who)]
         between = [c for c in columns if 1 < len(texts(self._table, c)) <= _MOST_LEVELS]
         chosen = within or (between if self._levels(between) else columns[:1])
         if len(chosen) > 1:
@@ -171,14 +173,9 @@ class Conditions(FactDraft):
         return [column, *sorted(factors[1:])] if len(factors) > 1 else []
 
     def _are_crossed(self, factors: Sequence[int], who: int) -> bool:
-        """Return whether nearly everybody had each combination of levels equally often.
-
-        A count from 1 is a number of trials.
-        """
-        words = texts(self._table, factors[-1])
-        counted = {str(n) for n in range(1, 1 + len(words))} == {*words}
+        """Return whether nearly everybody had each combination of levels equally often."""
         cells = [cell for cell in self._cells(factors) if all(cell)]
-        if counted or not self._levels(factors):
+        if self._is_count(factors[-1]) or not self._levels(factors):
             return False
         met: dict[str, Counter[tuple[str, ...]]] = defaultdict(Counter)
         for row in self._table.rows:
@@ -186,6 +183,11 @@ class Conditions(FactDraft):
         often = [{count[cell] for cell in cells} for count in met.values()]
         whole = (len(each) == 1 and each != {0} for each in often)
         return sum(whole) * _FULL_OF >= len(met) * (_FULL_OF - 1)
+
+    def _is_count(self, column: int) -> bool:
+        """Return whether a column counts from 1, as numbers of trials do."""
+        words = texts(self._table, column)
+        return {str(n) for n in range(1, 1 + len(words))} == {*words}
 
     def _cells(self, columns: Sequence[int]) -> list[tuple[str, ...]]:
         """Return the different combinations of texts of columns."""

@@ -413,8 +413,8 @@ class OwnQuestions:
             for word, own in groups.items():
                 alike = [other for other in groups.values() if other.keys() == own.keys()]
                 rest = {w for text, _ in own for w in tokens(text)}
-                if len(alike) < 2 or word in asking or not rest & asking:
-                    continue
+                if min(len(alike), len(own)) < 2 or word in asking or not rest & asking:
+                    continue  # a single question told apart by a word is several questions
                 for (text, context), each in own.items():
                     new = (word, *context) if side == 0 else (*context, word)
                     questions[questions.index(each)] = replace(each, text=text, context=new)
