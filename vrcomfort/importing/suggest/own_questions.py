@@ -66,33 +66,35 @@ _CLOCK = frozenset(["t", "time", "zeit"])
 _ENDS_OF_CODE = re.compile(r"_(-?\d)_(\d{1,3})$")
 
 
-class Scale(NamedTuple):
+class AnswerRange(NamedTuple):
     """The ends of the scale of a column's answers, and the step between them."""
 
     low: int
     high: int
     step: float = 1.0
 
-    def __or__(self, other: Scale) -> Scale:
-        return Scale(min(self.low, other.low), max(self.high, other.high), min(self[2], other[2]))
+    def __or__(self, other: AnswerRange) -> AnswerRange:
+        return AnswerRange(
+            min(self.low, other.low), max(self.high, other.high), min(self[2], other[2])
+        )
 
     @property
-    def usual(self) -> Scale:
+    def usual(self) -> AnswerRange:
         """Return the narrowest usual scale with these answers."""
         fitting = (e for e in USUAL if e[0] <= self.low and self.high <= e[1])
-        return Scale(*next(fitting, (self.low, self.high)), self.step)
+        return AnswerRange(*next(fitting, (self.low, self.high)), self.step)
 
 
 @dataclass(frozen=True)
-class Question:
+class OwnQuestion:
     """A column that asks, with the words around its item, and the code that stands before it."""
 
     column: int
     text: str
     context: Context
     code: str
-    seen: Scale
-    said: Scale | None
+    seen: AnswerRange
+    said: AnswerRange | None
 
 
 class OwnQuestions:
@@ -162,7 +164,7 @@ class OwnQuestions:
         return bool(beside or {*words[place - 1 : place]} & (_CLOCK | self._vocabulary.units))
 
     @cached_property
-    def questions(self) -> list[Question]:
+    def questions(self) -> list[OwnQuestion]:
         """Return the questions, with the words of each that tell administrations apart."""
         rated = {c for course in self.courses for c in course.columns}
         columns = [c for c in self._scales if c not in rated and self._asks(c)]
@@ -182,7 +184,7 @@ class OwnQuestions:
         scale = declared(name, [(name, asked.text, asked.said or asked.seen.usual)])
         return [FoundRating(scale, asked.context, asked.column, time)]
 
-    def _in_runs(self, questions: list[Question]) -> list[Question]:
+    def _in_runs(self, questions: list[OwnQuestion]) -> list[OwnQuestion]:
         """Tell runs of questions apart that repeat in the same order, by their numbers."""
         bare = [_REPEATED.sub("", self._table.headings[each.column]) for each in questions]
         if len({*bare}) == len(bare):
@@ -336,17 +338,17 @@ class OwnQuestions:
         rows = [[row[c] for c in columns if row[c]] for row in self._table.rows]
         return all(len({*row}) == len(row) for row in rows)
 
-    def _ends(self, column: int) -> Scale | None:
+    def _ends(self, column: int) -> AnswerRange | None:
         """Return the scale whose ends a heading says, if all answers are on it."""
         text = f" {self._table.headings[column]} {self._table.labels[column]}"
         found = [match for pattern in _ENDS for match in pattern.finditer(text)]
         for match in found:
             low, high = int(match[1]), int(match[2])
             if _holds(low, high, self._scales[column]):
-                return Scale(low, high, self._scales[column].step)
+                return AnswerRange(low, high, self._scales[column].step)
         return None
 
-    def _question(self, column: int) -> Question:
+    def _question(self, column: int) -> OwnQuestion:
         """Return what a column asks, without the words that tell administrations apart."""
         heading, label = self._table.headings[column], self._table.labels[column]
         bracket = _BRACKET.search(label) or _BRACKET.search(heading)
@@ -367,7 +369,7 @@ class OwnQuestions:
         code = next((w for n, w in enumerate(words) if not self._tells(words, n)), "")
         return self._made(column, text.strip(" -–:?.[]"), context, code if heading else "")
 
-    def _short_question(self, column: int) -> Question:
+    def _short_question(self, column: int) -> OwnQuestion:
         """Return a question whose heading is all there is: words at its ends may be facts."""
         given = words_of(self._table.headings[column])
         words = [word.casefold() for word in given]
@@ -383,12 +385,12 @@ class OwnQuestions:
         code = words[start] if end - start > 1 and len(given) < _SENTENCE + len(context) else ""
         return self._made(column, text, context, code)
 
-    def _made(self, column: int, text: str, context: Context, code: str) -> Question:
+    def _made(self, column: int, text: str, context: Context, code: str) -> OwnQuestion:
         seen, said = self._scales[column], self._ends(column)
         if said is None and (match := _ENDS_OF_CODE.search(self._table.headings[column])):
             low, high = int(match[1]), int(match[2])
-            said = Scale(low, high, seen.step) if _holds(low, high, seen) else None
-        return Question(column, text, tuple(dict.fromkeys(context)), code, seen, said)
+            said = AnswerRange(low, high, seen.step) if _holds(low, high, seen) else None
+        return OwnQuestion(column, text, tuple(dict.fromkeys(context)), code, seen, said)
 
     def _tells(self, words: Sequence[str], place: int) -> bool:
         """Return whether a word tells administrations apart: a moment, or a word of others."""
@@ -400,10 +402,10 @@ class OwnQuestions:
         numbered = self._vocabulary.numbered
         return (word in numbered and after.isdecimal()) or (word.isdecimal() and before in numbered)
 
-    def _crossed(self, questions: list[Question]) -> list[Question]:
+    def _crossed(self, questions: list[OwnQuestion]) -> list[OwnQuestion]:
         """Take words for conditions that stand before, or behind, the same questions each."""
         for side in (0, -1):
-            groups: dict[str, dict[tuple[str, Context], Question]] = defaultdict(dict)
+            groups: dict[str, dict[tuple[str, Context], OwnQuestion]] = defaultdict(dict)
             for each in questions:
                 words = words_of(each.text)
                 if len(words) > 1 and not words[side].isdecimal():
@@ -428,7 +430,7 @@ def _is_whole(stem: Stem) -> bool:
 
 def scale_of(
     table: SourceTable, column: int, vocabulary: LabVocabulary, *, of_seven: bool = False
-) -> Scale | None:
+) -> AnswerRange | None:
     """Return the lowest and the highest answer of a column; None where it holds no answers."""
     counts = Counter(cell for cell in table.column(column) if not _is_missing(cell, vocabulary))
     read = _read(counts, table.reading.decimal or ".", vocabulary, of_seven=of_seven)
@@ -441,7 +443,7 @@ def scale_of(
     if not -100 <= low <= high <= 100:
         return None
     step = 1.0 if whole else 0.1 if all((10 * value).is_integer() for value in values) else 0.01
-    return Scale(floor(low), ceil(high), step)
+    return AnswerRange(floor(low), ceil(high), step)
 
 
 def _is_missing(cell: str, vocabulary: LabVocabulary) -> bool:
@@ -516,16 +518,16 @@ _SHOWN = 4
 """Questions that a doubt lists."""
 
 
-def _holds(low: int, high: int, seen: Scale) -> bool:
+def _holds(low: int, high: int, seen: AnswerRange) -> bool:
     return -100 <= low <= 1 < high <= 100 and low <= seen.low and seen.high <= high
 
 
-def own_instruments(questions: Sequence[Question]) -> list[Found]:
+def own_instruments(questions: Sequence[OwnQuestion]) -> list[Found]:
     """Return the lab's own questions as instruments: those that are asked together are one."""
     met: dict[str, set[Context]] = defaultdict(set)
     for each in questions:
         met[plain(each.text)].add(each.context)
-    groups: dict[tuple[str, frozenset[Context]], list[Question]] = defaultdict(list)
+    groups: dict[tuple[str, frozenset[Context]], list[OwnQuestion]] = defaultdict(list)
     codes = Counter(each.code for each in questions)
     contexts_of = {key: frozenset(found) for key, found in met.items()}
     for each in questions:
@@ -538,10 +540,10 @@ def own_instruments(questions: Sequence[Question]) -> list[Found]:
     return found
 
 
-def _blocks(name: str, group: Sequence[Question]) -> list[Found]:
+def _blocks(name: str, group: Sequence[OwnQuestion]) -> list[Found]:
     """Return one instrument's questions for each administration."""
     items: dict[str, str] = {}
-    scales: dict[str, Scale] = {}
+    scales: dict[str, AnswerRange] = {}
     taken: set[str] = {*TAKEN}
     for each in group:
         key = plain(each.text)
@@ -563,9 +565,9 @@ def _blocks(name: str, group: Sequence[Question]) -> list[Found]:
     return found
 
 
-def together(scales: Mapping[str, Scale]) -> dict[str, Scale]:
+def together(scales: Mapping[str, AnswerRange]) -> dict[str, AnswerRange]:
     """Return usual scales, one for questions of few steps, and one for those of many."""
-    found: dict[str, Scale] = {}
+    found: dict[str, AnswerRange] = {}
     for many in (False, True):
         alike = {key: s for key, s in scales.items() if many == (s.high > _MOST_STEPS)}
         if alike:
@@ -574,7 +576,7 @@ def together(scales: Mapping[str, Scale]) -> dict[str, Scale]:
     return found
 
 
-def declared(name: str, items: Sequence[tuple[str, str, Scale]]) -> Instrument:
+def declared(name: str, items: Sequence[tuple[str, str, AnswerRange]]) -> Instrument:
     """Return an instrument of these items: name, text and scale."""
     shared = Counter(scale for *_, scale in items).most_common(1)[0][0]
     short = name.replace("_", " ").capitalize()
@@ -589,7 +591,7 @@ def declared(name: str, items: Sequence[tuple[str, str, Scale]]) -> Instrument:
     return parse_instrument(draft.text())
 
 
-def _answers(scale: Scale) -> dict[str, float]:
+def _answers(scale: AnswerRange) -> dict[str, float]:
     return {"low": scale.low, "high": scale.high} | (
         {} if scale.step == 1 else {"step": scale.step}
     )

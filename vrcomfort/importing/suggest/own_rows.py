@@ -14,7 +14,7 @@ from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.long_tables import Long, response_column
 from vrcomfort.importing.suggest.own_questions import (
     FEWEST_ANSWERS,
-    Scale,
+    AnswerRange,
     are_of_seven,
     ask_about,
     declared,
@@ -58,7 +58,7 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
     for group, words in groups.items():
         rows = [row for row in table.rows if named is None or row[named] == group]
         said = _statements(table, item, words)
-        scales: dict[str, Scale] = {}
+        scales: dict[str, AnswerRange] = {}
         for text in words if len(words) <= _MOST_ITEMS else ():
             asked = replace(table, rows=tuple(row for row in rows if row[item] == text))
             scale = scale_of(asked, response, known.vocabulary, of_seven=seven)
