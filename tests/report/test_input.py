@@ -173,7 +173,7 @@ def test_misspelt_timepoints_of_a_plan_are_told(tmp_path):
         study.session(name, 1, 2, [("a", "room", 5), ("b", "room", 4)][::turn])
     plan = write_plan(tmp_path / "p.toml", 'baseline_timepoint = "bsaeline"\n')
     warning, *_ = build_report(study.folder, plan=plan, out=tmp_path / "o").warnings
-    assert warning.startswith("2 questionnaires at `baseline` are not used")
+    assert warning.startswith("2 questionnaires at `baseline` not used")
     plan = write_plan(tmp_path / "p.toml", 'exposure_timepoint = "after"\n')
     with pytest.raises(InputError, match="the data have baseline, post"):
         build_report(study.folder, plan=plan, out=tmp_path / "o")
