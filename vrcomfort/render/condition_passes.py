@@ -51,7 +51,8 @@ class EyeImages(NamedTuple):
 
     `pinhole` and `linear` are linear HDR light before and after the effects, `depth` is reverse-Z
     with `near_m`, `headset_depth` what a runtime is to get of it, `velocity` is px per frame,
-    `encoded` is the display's image. `previous` is where the eye counts as having been.
+    `encoded` is the display's image. `previous` is where the eye counts as having been. `gl.read`
+    returns the texels of any of them; moderngl's own `read` knows no layers of depth.
     """
 
     camera: EyeCamera

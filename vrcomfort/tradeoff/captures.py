@@ -118,7 +118,7 @@ def _capture_of(images: EyeImages, head_from_eye: Pose) -> Capture:
     if images.velocity is not None:
         halves = np.frombuffer(images.velocity.read(), np.float16)
         velocity = halves.reshape(height, width, 2).astype(np.float32)
-    depth = np.frombuffer(images.depth.read(), np.float32).reshape(height, width)
+    depth = np.frombuffer(gl.read(images.depth), np.float32).reshape(height, width)
     return Capture(
         images.camera,
         images.previous,

@@ -80,8 +80,8 @@ def test_the_runtime_gets_the_depth_that_was_drawn(
 
             def on_eye(eye: int, images: EyeImages) -> None:
                 headset.take_depth(eye, images.headset_depth, images.camera.near_m)
-                drawn.append(np.frombuffer(images.headset_depth.read(), np.float32))
-                own.append(np.frombuffer(images.depth.read(), np.float32))
+                drawn.append(np.frombuffer(gl.read(images.headset_depth), np.float32))
+                own.append(np.frombuffer(gl.read(images.depth), np.float32))
 
             renderer = StereoRenderer(
                 ctx, SIZE_PX, near_m=NEAR_M, on_eye=on_eye, headset_depth=mode

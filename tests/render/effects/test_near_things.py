@@ -11,6 +11,7 @@ from tests.render.effects.test_optics import evaluate
 from tests.support.render import at, glowing, mesh, scene, wall
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Pose, View
+from vrcomfort.gpu import gl
 from vrcomfort.gpu.passes import watched
 from vrcomfort.gpu.traffic import TrafficCounter
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
@@ -78,7 +79,7 @@ def drawn(ctx, content, wanted, frames=1, *, watch=True, size_px=SIZE_PX, fov=FO
 
     def keep(eye, images):
         if eye == 0:
-            depth = np.frombuffer(images.depth.read(), np.float32)
+            depth = np.frombuffer(gl.read(images.depth), np.float32)
             found.update(pinhole=read_rgb(images.pinhole), linear=read_rgb(images.linear))
             found["depth"] = depth.reshape(size_px[::-1])
 
