@@ -335,3 +335,24 @@ def test_a_word_that_tells_one_question_apart_from_others_is_no_condition(tmp_pa
     found = imported_from(table(tmp_path / "answers.csv", [head, *rows]))
     assert {key.condition for _, key in found.responses} == {"hand", "scene"}
     assert {"i_felt_bored", "i_felt_calm", "i_felt_tired", "fear_vas"} <= {*own_items(found)}
+
+
+def test_codes_before_questions_bring_in_the_others_behind_them(tmp_path: Path) -> None:
+    head = ["ID", "CTRL_move", "CTRL_natural", "CTRL_gesture", "PRE_realistic", "PRE_delay"]
+    head += ["PRE_natural", "CS_dizzy", "CS_nausea", "CS_trigger"]
+    rows = [
+        [f"A{n}", *(1 + (n * k) % (5 + 2 * (3 < k < 7)) for k in range(1, 10))] for n in range(1, 9)
+    ]
+    found = imported_from(table(tmp_path / "walking.csv", [head, *rows]))
+    assert {key.timepoint for _, key in found.responses} == {"post"}
+    assert {name: len(each.items) for name, each in found.instruments.items()} == {
+        "ctrl": 3, "pre": 3, "cs": 3,
+    }  # fmt: skip
+
+
+def test_a_moment_before_own_questions_stays_one_where_others_are_named(tmp_path: Path) -> None:
+    asked = ["fatigue", "comfort", "presence"]
+    head = ["ID", *(f"{when}_{each}" for when in ("pre", "post") for each in asked)]
+    rows = [[f"A{n}", *(1 + (n * k) % 5 for k in range(1, 7))] for n in range(1, 9)]
+    found = imported_from(table(tmp_path / "moments.csv", [head, *rows]))
+    assert {key.timepoint for _, key in found.responses} == {"baseline", "post"}

@@ -24,11 +24,8 @@ from vrcomfort.importing.suggest.items import (
     named_by_file,
 )
 from vrcomfort.importing.suggest.long_tables import Long, find_long
-from vrcomfort.importing.suggest.own_questions import (
-    OwnQuestions,
-    draft_own,
-    own_instruments,
-)
+from vrcomfort.importing.suggest.own_instruments import own_instruments
+from vrcomfort.importing.suggest.own_questions import OwnQuestions, draft_own
 from vrcomfort.importing.suggest.own_rows import draft_own_rows, own_rows
 from vrcomfort.importing.suggest.questionnaires import (
     Drafted,

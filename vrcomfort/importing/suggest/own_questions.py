@@ -10,12 +10,11 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, reduce
 from itertools import pairwise
 from math import ceil, floor
 from statistics import fmean
-from typing import NamedTuple
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
@@ -23,32 +22,31 @@ from vrcomfort.importing.suggest.codings import code_of, is_softened, missing_co
 from vrcomfort.importing.suggest.draft import OpenDoubt, Stake, TomlDraft
 from vrcomfort.importing.suggest.evidence import texts, varies_within
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
-from vrcomfort.importing.suggest.item_names import Named
 from vrcomfort.importing.suggest.items import Context, Found
+from vrcomfort.importing.suggest.own_instruments import (
+    FEWEST_OF_SERIES,
+    AnswerRange,
+    OwnQuestion,
+    declared,
+    name_of,
+)
 from vrcomfort.importing.suggest.questionnaires import Drafted
 from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating, rises, time_column
 from vrcomfort.importing.suggest.stems import Stem, shared_stems
 from vrcomfort.importing.suggest.vocabulary import (
     Known,
     LabVocabulary,
-    bare,
     tokens,
     words_of,
 )
-from vrcomfort.questionnaire import Instrument, parse_instrument, plain, shipped_instruments
+from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
 
 OWN = Stake("columns would be questions that are none, or have other ends of their scale", 60)
-USUAL = (
-    (0, 3), (1, 5), (0, 4), (-2, 2), (1, 7), (0, 6), (-3, 3), (1, 9), (0, 10), (1, 10), (-5, 5),
-    (0, 20), (0, 100), (-50, 50), (-100, 100),
-)  # fmt: skip
-"""Lowest and highest answers of scales, the narrowest first."""
-_FEWEST_STEPS, _MOST_STEPS, FEWEST_ANSWERS, _FEWEST_OF_SERIES = 2, 20, 4, 3
+_FEWEST_STEPS, FEWEST_ANSWERS = 2, 4
 _MOST_OF_RECORD = 7
 _SENTENCE = 4
 """Words of a heading that is a sentence."""
-_LONGEST_NAME = 40
 _BRACKET = re.compile(r"\[([^\[\]]*[^\W\d_]{2}[^\[\]]*)\]\s*$")
 """The statement of a grid of questions: ``Do you agree? [I felt present]``."""
 _ENDS = (
@@ -64,37 +62,6 @@ _OF_SEVEN = 7
 _FIRST_PERSON = frozenset(["i", "me", "my", "ich", "mich", "mir", "je", "yo"])
 _CLOCK = frozenset(["t", "time", "zeit"])
 _ENDS_OF_CODE = re.compile(r"_(-?\d)_(\d{1,3})$")
-
-
-class AnswerRange(NamedTuple):
-    """The ends of the scale of a column's answers, and the step between them."""
-
-    low: int
-    high: int
-    step: float = 1.0
-
-    def __or__(self, other: AnswerRange) -> AnswerRange:
-        return AnswerRange(
-            min(self.low, other.low), max(self.high, other.high), min(self[2], other[2])
-        )
-
-    @property
-    def usual(self) -> AnswerRange:
-        """Return the narrowest usual scale with these answers."""
-        fitting = (e for e in USUAL if e[0] <= self.low and self.high <= e[1])
-        return AnswerRange(*next(fitting, (self.low, self.high)), self.step)
-
-
-@dataclass(frozen=True)
-class OwnQuestion:
-    """A column that asks, with the words around its item, and the code that stands before it."""
-
-    column: int
-    text: str
-    context: Context
-    code: str
-    seen: AnswerRange
-    said: AnswerRange | None
 
 
 class OwnQuestions:
@@ -145,7 +112,7 @@ class OwnQuestions:
             context = tuple(word for word in said if word in self._apart)
             named = [w for w in said if w not in {"#", *context, *self._vocabulary.units, *_CLOCK}]
             asks = self._vocabulary.asking.words & {*named, *tokens(self._table.file.stem)}
-            if len(columns) >= _FEWEST_OF_SERIES and asks and [*columns] == sorted(columns):
+            if len(columns) >= FEWEST_OF_SERIES and asks and [*columns] == sorted(columns):
                 alike[" ".join(named) or "rating"].append((context, [*columns.values()]))
         names: set[str] = {*shipped_instruments(), *TAKEN}
         found = []
@@ -170,6 +137,7 @@ class OwnQuestions:
         columns = [c for c in self._scales if c not in rated and self._asks(c)]
         columns += self._in_their_records(columns, rated)
         columns += self._in_their_midst(sorted(columns), rated)
+        columns += self._of_their_family(columns, rated)
         columns = [c for c in columns if not self._is_made_of(c, columns)]
         return self._in_runs(self._crossed([*map(self._question, sorted(columns))]))
 
@@ -223,15 +191,46 @@ class OwnQuestions:
             between = [*range(left + 1, right)]
             scale = (self._scales[left] | self._scales[right]).usual
             fitting = (
-                c in open_
-                and self._scales[c].usual == scale
-                and not {*self._words(c)} & self._vocabulary.asking.others
-                and not self._is_no_answer(c)
+                c in open_ and self._scales[c].usual == scale and not self._is_other(c)
                 for c in between
             )
             if scale.high <= _MOST_OF_RECORD and all(fitting):
                 found += between
         return found
+
+    def _of_their_family(self, asking: Sequence[int], rated: set[int]) -> list[int]:
+        """Return columns behind a code that stands before questions, all on one short scale."""
+        open_ = {*self._roles.unknown} & {*self._scales} - rated - {*asking}
+        found: list[int] = []
+        for family in self._families.values():
+            widest = reduce(lambda one, other: one | other, (self._scales[c] for c in family))
+            if {*family} & {*asking} and widest.usual.high <= _MOST_OF_RECORD:
+                found += (c for c in family if c in open_ and not self._is_other(c))
+        return found
+
+    @cached_property
+    def _families(self) -> dict[str, list[int]]:
+        """Return the code before short headings → at least three columns: ``PRES_real``."""
+        found: dict[str, list[int]] = defaultdict(list)
+        for column in self._scales:
+            words = tokens(self._table.headings[column])
+            if 1 < len(words) < _SENTENCE:
+                found[words[0]].append(column)
+        return {code: each for code, each in found.items() if len(each) >= FEWEST_OF_SERIES}
+
+    def _is_code(self, word: str) -> bool:
+        """Return whether a moment's word is a code as others are: ``PRE_`` of presence."""
+        moments = self._vocabulary.timepoints.keys()
+        others = [code for code in self._families if code not in moments]
+        headings = (tokens(self._table.headings[c]) for c in self._scales)
+        said = {each for words in headings for each in words} & moments
+        return word in self._families and len(others) > 1 and said == {word}
+
+    def _is_other(self, column: int) -> bool:
+        """Return whether a column beside questions is something else by its heading or cells."""
+        return bool({*self._words(column)} & self._vocabulary.asking.others) or self._is_no_answer(
+            column
+        )
 
     def _record(self, column: int) -> str:
         return self._table.headings[column].rpartition(".")[0]
@@ -326,7 +325,7 @@ class OwnQuestions:
             no_codes = vocabulary.asking.others | vocabulary.measures | vocabulary.units
             no_codes |= {*vocabulary.numbered, *vocabulary.timepoints, *vocabulary.scale_fillers}
             alike = len(columns) * 5 >= len(group) * 4 and max(steps, default=99) <= 10
-            if not alike or len(columns) < _FEWEST_OF_SERIES or not {*code} - self._apart:
+            if not alike or len(columns) < FEWEST_OF_SERIES or not {*code} - self._apart:
                 continue
             if {*code} & no_codes or self._are_ranks(columns):
                 continue
@@ -395,8 +394,10 @@ class OwnQuestions:
     def _tells(self, words: Sequence[str], place: int) -> bool:
         """Return whether a word tells administrations apart: a moment, or a word of others."""
         word = words[place]
-        if word in self._apart or word in self._vocabulary.timepoints:
+        if word in self._apart:
             return True
+        if word in self._vocabulary.timepoints:
+            return not self._is_code(word)
         after = words[place + 1] if place + 1 < len(words) else ""
         before = words[place - 1] if place else ""
         numbered = self._vocabulary.numbered
@@ -520,94 +521,3 @@ _SHOWN = 4
 
 def _holds(low: int, high: int, seen: AnswerRange) -> bool:
     return -100 <= low <= 1 < high <= 100 and low <= seen.low and seen.high <= high
-
-
-def own_instruments(questions: Sequence[OwnQuestion]) -> list[Found]:
-    """Return the lab's own questions as instruments: those that are asked together are one."""
-    met: dict[str, set[Context]] = defaultdict(set)
-    for each in questions:
-        met[plain(each.text)].add(each.context)
-    groups: dict[tuple[str, frozenset[Context]], list[OwnQuestion]] = defaultdict(list)
-    codes = Counter(each.code for each in questions)
-    contexts_of = {key: frozenset(found) for key, found in met.items()}
-    for each in questions:
-        code = each.code if codes[each.code] >= _FEWEST_OF_SERIES and len(each.code) > 1 else ""
-        groups[code, contexts_of[plain(each.text)]].append(each)
-    found: list[Found] = []
-    names: set[str] = {*shipped_instruments(), *TAKEN}
-    for (code, _), group in groups.items():
-        found += _blocks(name_of(code or "own_questions", names), group)
-    return found
-
-
-def _blocks(name: str, group: Sequence[OwnQuestion]) -> list[Found]:
-    """Return one instrument's questions for each administration."""
-    items: dict[str, str] = {}
-    scales: dict[str, AnswerRange] = {}
-    taken: set[str] = {*TAKEN}
-    for each in group:
-        key = plain(each.text)
-        items.setdefault(key, "") or items.update({key: name_of(each.text, taken)})
-        scale = each.said or each.seen
-        scales[key] = scales[key] | scale if key in scales else scale
-    texts_of = {plain(each.text): each.text for each in reversed(group)}
-    said = {plain(each.text) for each in group if each.said}
-    scales |= together({key: scale for key, scale in scales.items() if key not in said})
-    instrument = declared(name, [(items[k], texts_of[k], scales[k]) for k in items])
-    found = []
-    for context in dict.fromkeys(each.context for each in group):
-        named = {
-            items[plain(e.text)]: Named(e.column, name, items[plain(e.text)], "name", (), ())
-            for e in group
-            if e.context == context
-        }
-        found.append(Found(instrument, context, named))
-    return found
-
-
-def together(scales: Mapping[str, AnswerRange]) -> dict[str, AnswerRange]:
-    """Return usual scales, one for questions of few steps, and one for those of many."""
-    found: dict[str, AnswerRange] = {}
-    for many in (False, True):
-        alike = {key: s for key, s in scales.items() if many == (s.high > _MOST_STEPS)}
-        if alike:
-            widest = reduce(lambda one, other: one | other, alike.values())
-            found |= dict.fromkeys(alike, widest.usual)
-    return found
-
-
-def declared(name: str, items: Sequence[tuple[str, str, AnswerRange]]) -> Instrument:
-    """Return an instrument of these items: name, text and scale."""
-    shared = Counter(scale for *_, scale in items).most_common(1)[0][0]
-    short = name.replace("_", " ").capitalize()
-    draft = TomlDraft({"name": name, "short": short, "title": f"{short}, as asked by the lab"})
-    draft.put("answers", _answers(shared))
-    draft.lists["items"] = [
-        TomlDraft(
-            {"name": item, "text": text} | ({} if scale == shared else {"answers": _answers(scale)})
-        )
-        for item, text, scale in items
-    ]
-    return parse_instrument(draft.text())
-
-
-def _answers(scale: AnswerRange) -> dict[str, float]:
-    return {"low": scale.low, "high": scale.high} | (
-        {} if scale.step == 1 else {"step": scale.step}
-    )
-
-
-def name_of(text: str, taken: set[str]) -> str:
-    """Return a name that is not taken yet, of the first words of a text; and take it."""
-    whole = "_".join(tokens(bare(text.casefold().replace("ß", "ss"))))
-    whole = re.sub(r"[^a-z0-9_]", "", whole).strip("_")
-    short = whole if len(whole) <= _LONGEST_NAME else whole[:_LONGEST_NAME].rpartition("_")[0]
-    short = short if short[:1].isalpha() else f"question_{short}".strip("_")
-    name = next(n for n in _numbered(short) if n not in taken)
-    taken.add(name)
-    return name
-
-
-def _numbered(name: str) -> Iterable[str]:
-    yield name
-    yield from (f"{name}_{number}" for number in range(2, 10_000))

@@ -12,16 +12,18 @@ from vrcomfort.importing.suggest.evidence import texts
 from vrcomfort.importing.suggest.heading_roles import Roles
 from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.long_tables import Long, response_column
-from vrcomfort.importing.suggest.own_questions import (
-    FEWEST_ANSWERS,
+from vrcomfort.importing.suggest.own_instruments import (
     AnswerRange,
-    are_of_seven,
-    ask_about,
     declared,
     name_of,
+    together,
+)
+from vrcomfort.importing.suggest.own_questions import (
+    FEWEST_ANSWERS,
+    are_of_seven,
+    ask_about,
     put_coding,
     scale_of,
-    together,
 )
 from vrcomfort.importing.suggest.questionnaires import Drafted
 from vrcomfort.importing.suggest.vocabulary import (

@@ -1,0 +1,147 @@
+"""Declares the lab's own questions as instruments: those that are asked together are one."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from typing import NamedTuple
+
+from vrcomfort.importing.suggest.draft import TomlDraft
+from vrcomfort.importing.suggest.item_names import Named
+from vrcomfort.importing.suggest.items import Context, Found
+from vrcomfort.importing.suggest.vocabulary import bare, tokens
+from vrcomfort.questionnaire import Instrument, parse_instrument, plain, shipped_instruments
+from vrcomfort.questionnaire.instrument_file import TAKEN
+
+USUAL = (
+    (0, 3), (1, 5), (0, 4), (-2, 2), (1, 7), (0, 6), (-3, 3), (1, 9), (0, 10), (1, 10), (-5, 5),
+    (0, 20), (0, 100), (-50, 50), (-100, 100),
+)  # fmt: skip
+"""Lowest and highest answers of scales, the narrowest first."""
+_MOST_STEPS, FEWEST_OF_SERIES = 20, 3
+_LONGEST_NAME = 40
+
+
+class AnswerRange(NamedTuple):
+    """The ends of the scale of a column's answers, and the step between them."""
+
+    low: int
+    high: int
+    step: float = 1.0
+
+    def __or__(self, other: AnswerRange) -> AnswerRange:
+        return AnswerRange(
+            min(self.low, other.low), max(self.high, other.high), min(self[2], other[2])
+        )
+
+    @property
+    def usual(self) -> AnswerRange:
+        """Return the narrowest usual scale with these answers."""
+        fitting = (e for e in USUAL if e[0] <= self.low and self.high <= e[1])
+        return AnswerRange(*next(fitting, (self.low, self.high)), self.step)
+
+
+@dataclass(frozen=True)
+class OwnQuestion:
+    """A column that asks, with the words around its item, and the code that stands before it."""
+
+    column: int
+    text: str
+    context: Context
+    code: str
+    seen: AnswerRange
+    said: AnswerRange | None
+
+
+def own_instruments(questions: Sequence[OwnQuestion]) -> list[Found]:
+    """Return the lab's own questions as instruments: those that are asked together are one."""
+    met: dict[str, set[Context]] = defaultdict(set)
+    for each in questions:
+        met[plain(each.text)].add(each.context)
+    groups: dict[tuple[str, frozenset[Context]], list[OwnQuestion]] = defaultdict(list)
+    codes = Counter(each.code for each in questions)
+    contexts_of = {key: frozenset(found) for key, found in met.items()}
+    for each in questions:
+        code = each.code if codes[each.code] >= FEWEST_OF_SERIES and len(each.code) > 1 else ""
+        groups[code, contexts_of[plain(each.text)]].append(each)
+    found: list[Found] = []
+    names: set[str] = {*shipped_instruments(), *TAKEN}
+    for (code, _), group in groups.items():
+        found += _blocks(name_of(code or "own_questions", names), group)
+    return found
+
+
+def _blocks(name: str, group: Sequence[OwnQuestion]) -> list[Found]:
+    """Return one instrument's questions for each administration."""
+    items: dict[str, str] = {}
+    scales: dict[str, AnswerRange] = {}
+    taken: set[str] = {*TAKEN}
+    for each in group:
+        key = plain(each.text)
+        items.setdefault(key, "") or items.update({key: name_of(each.text, taken)})
+        scale = each.said or each.seen
+        scales[key] = scales[key] | scale if key in scales else scale
+    texts_of = {plain(each.text): each.text for each in reversed(group)}
+    said = {plain(each.text) for each in group if each.said}
+    scales |= together({key: scale for key, scale in scales.items() if key not in said})
+    instrument = declared(name, [(items[k], texts_of[k], scales[k]) for k in items])
+    found = []
+    for context in dict.fromkeys(each.context for each in group):
+        named = {
+            items[plain(e.text)]: Named(e.column, name, items[plain(e.text)], "name", (), ())
+            for e in group
+            if e.context == context
+        }
+        found.append(Found(instrument, context, named))
+    return found
+
+
+def together(scales: Mapping[str, AnswerRange]) -> dict[str, AnswerRange]:
+    """Return usual scales, one for questions of few steps, and one for those of many."""
+    found: dict[str, AnswerRange] = {}
+    for many in (False, True):
+        alike = {key: s for key, s in scales.items() if many == (s.high > _MOST_STEPS)}
+        if alike:
+            widest = reduce(lambda one, other: one | other, alike.values())
+            found |= dict.fromkeys(alike, widest.usual)
+    return found
+
+
+def declared(name: str, items: Sequence[tuple[str, str, AnswerRange]]) -> Instrument:
+    """Return an instrument of these items: name, text and scale."""
+    shared = Counter(scale for *_, scale in items).most_common(1)[0][0]
+    short = name.replace("_", " ").capitalize()
+    draft = TomlDraft({"name": name, "short": short, "title": f"{short}, as asked by the lab"})
+    draft.put("answers", _answers(shared))
+    draft.lists["items"] = [
+        TomlDraft(
+            {"name": item, "text": text} | ({} if scale == shared else {"answers": _answers(scale)})
+        )
+        for item, text, scale in items
+    ]
+    return parse_instrument(draft.text())
+
+
+def _answers(scale: AnswerRange) -> dict[str, float]:
+    return {"low": scale.low, "high": scale.high} | (
+        {} if scale.step == 1 else {"step": scale.step}
+    )
+
+
+def name_of(text: str, taken: set[str]) -> str:
+    """Return a name that is not taken yet, of the first words of a text; and take it."""
+    whole = "_".join(tokens(bare(text.casefold().replace("ß", "ss"))))
+    whole = re.sub(r"[^a-z0-9_]", "", whole).strip("_")
+    short = whole if len(whole) <= _LONGEST_NAME else whole[:_LONGEST_NAME].rpartition("_")[0]
+    short = short if short[:1].isalpha() else f"question_{short}".strip("_")
+    name = next(n for n in _numbered(short) if n not in taken)
+    taken.add(name)
+    return name
+
+
+def _numbered(name: str) -> Iterable[str]:
+    yield name
+    yield from (f"{name}_{number}" for number in range(2, 10_000))
