@@ -124,7 +124,7 @@ class VisibleArea:
         self.clear()
 
     def margin(self, name: int) -> float:
-        """Return by how many tiles more than what is seen a texture is drawn; `ANYWHERE`: all."""
+        """Return the tiles beyond those seen in which a texture is drawn; `ANYWHERE`: all."""
         return self._margins.get(name, 0)
 
     def by_eye(self, image: PassImage, make: Callable[[list[Tiles]], Made]) -> Callable[[], Made]:
@@ -184,17 +184,14 @@ def limited_draw(
     def made(drawn_in: list[Tiles]) -> moderngl.VertexArray | None:
         places: NDArray[np.uint32] | NDArray[np.float32]
         if points is not None:
-            places = np.concatenate(_texels_in(drawn_in, points, texel_px))
+            columns, rows = points
+            texels = _texels_in(drawn_in, points, texel_px)
+            places = np.concatenate([e * columns * rows + each for e, each in enumerate(texels)])
         else:
-            places = np.concatenate(
-                [
-                    np.insert(corners(list(rectangles), image.size_px), 2, eye, axis=1)
-                    for eye, tiles in enumerate(drawn_in)
-                    for rectangles in [
-                        covering(~tiles if elsewhere else tiles, image.size_px, texel_px)
-                    ]
-                ]
-            )
+            wanted = [~tiles if elsewhere else tiles for tiles in drawn_in]
+            rectangles = [list(covering(each, image.size_px, texel_px)) for each in wanted]
+            flat = [corners(each, image.size_px) for each in rectangles]
+            places = np.concatenate([np.insert(c, 2, eye, axis=1) for eye, c in enumerate(flat)])
         if not len(places):
             return None
         buffer = gl.buffer(ctx, places.tobytes())
@@ -227,14 +224,11 @@ def texel_list(
     texel_px
         (width, height) in pixels of the eye's image.
     """
-    width, height = image.size_px
 
     def made(drawn_in: list[Tiles]) -> moderngl.Buffer:
         texels = _texels_in(drawn_in, image.size_px, texel_px)
         counts = np.array([len(each) for each in texels], np.uint32)
-        # The shader counts the texels of each eye from 0.
-        listed = np.concatenate(texels) % np.uint32(width * height)
-        return gl.buffer(ctx, np.concatenate([counts, listed]).tobytes())
+        return gl.buffer(ctx, np.concatenate([counts, *texels]).tobytes())
 
     return area.by_eye(image, made)
 
@@ -242,14 +236,9 @@ def texel_list(
 def _texels_in(
     drawn_in: list[Tiles], size_px: tuple[int, int], texel_px: tuple[int, int]
 ) -> list[NDArray[np.uint32]]:
-    """Return which texels of a texture touch each eye's tiles, counted row by row, eye by eye."""
-    width, height = size_px
-    return [
-        (np.flatnonzero(texels_of(tiles, size_px, texel_px)) + eye * width * height).astype(
-            np.uint32
-        )
-        for eye, tiles in enumerate(drawn_in)
-    ]
+    """Return the numbers, row by row, of a texture's texels that touch each eye's tiles."""
+    found = (np.flatnonzero(texels_of(tiles, size_px, texel_px)) for tiles in drawn_in)
+    return [each.astype(np.uint32) for each in found]
 
 
 def margins(declared: Iterable[Pass], pixel_aspect: float = 1.0) -> dict[int, float]:
