@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import random
 import re
-from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
 
 import pytest
 
-from tests.support.layouts import ENGLISH
+from tests.support.layouts import ENGLISH, write
 from tests.support.report import build_report
 from vrcomfort.errors import InputError
 from vrcomfort.importing import import_files, load_mapping, write_study
@@ -22,12 +20,6 @@ from vrcomfort.importing.suggest import Suggestion, suggest_mapping
 RANDOM = random.Random(9)  # noqa: S311
 MOVES, VIEWS = ("Teleport", "Joystick"), ("60", "110")
 LEVELS = {f"{m}_{v}": (m, v) for m in MOVES for v in VIEWS}
-
-
-def table(file: Path, rows: Sequence[Sequence[object]]) -> Path:
-    with file.open("w", newline="", encoding="utf-8") as out:
-        csv.writer(out).writerows(rows)
-    return file
 
 
 def ssq() -> list[int]:
@@ -52,7 +44,7 @@ def in_rows(move: str, view: str) -> list[list[object]]:
 def test_two_columns_are_factors_of_the_conditions_and_of_the_analysis(
     tmp_path: Path, move: str
 ) -> None:
-    file = table(tmp_path / "study.csv", in_rows(move, "Sichtfeld"))
+    file = write(tmp_path / "study.csv", in_rows(move, "Sichtfeld"))
     mapping = confirmed(suggest_mapping([file]), tmp_path)
     assert mapping.mapping.condition_levels == {
         name: {move: m, "Sichtfeld": v} for name, (m, v) in LEVELS.items()
@@ -70,7 +62,7 @@ def test_two_columns_are_factors_of_the_conditions_and_of_the_analysis(
 def test_conditions_in_headings_are_crossed(tmp_path: Path) -> None:
     head = ["id", *(f"{name}_{item}" for name in LEVELS for item in ENGLISH)]
     rows = [[f"P{n}", *(answer for _ in LEVELS for answer in ssq())] for n in range(1, 9)]
-    found = suggest_mapping([table(tmp_path / "wide.csv", [head, *rows])])
+    found = suggest_mapping([write(tmp_path / "wide.csv", [head, *rows])])
     assert confirmed(found, tmp_path).mapping.condition_levels == {
         name: {"Teleport/Joystick": m, "60/110": v} for name, (m, v) in LEVELS.items()
     }
@@ -80,7 +72,7 @@ def test_conditions_that_are_not_every_combination_have_no_factors(tmp_path: Pat
     names = ["Teleport_60", "Teleport_110", "Joystick_60"]
     head = ["id", *(f"{name}_{item}" for name in names for item in ENGLISH)]
     rows = [[f"P{n}", *(answer for _ in names for answer in ssq())] for n in range(1, 9)]
-    found = suggest_mapping([table(tmp_path / "wide.csv", [head, *rows])])
+    found = suggest_mapping([write(tmp_path / "wide.csv", [head, *rows])])
     assert "condition_levels" not in found.text
 
 
@@ -88,7 +80,7 @@ def test_a_factor_between_people_beside_one_within_is_their_group(tmp_path: Path
     rows = [
         [f"P{n}", MOVES[n % 2], view, *ssq()] for n in range(1, 13) for view in ("small", "large")
     ]
-    file = table(tmp_path / "x.csv", [["id", "Locomotion", "FOV", *ENGLISH], *rows])
+    file = write(tmp_path / "x.csv", [["id", "Locomotion", "FOV", *ENGLISH], *rows])
     found = suggest_mapping([file]).imported
     assert found is not None
     assert {*found.conditions} == {"small", "large"}
@@ -99,14 +91,14 @@ def test_a_factor_between_people_beside_one_within_is_their_group(tmp_path: Path
 
 def test_a_count_of_repetitions_is_no_factor(tmp_path: Path) -> None:
     rows = [[f"P{n}", m, k, *ssq()] for n in range(1, 9) for m in MOVES for k in (1, 2)]
-    file = table(tmp_path / "x.csv", [["id", "Locomotion", "Rep", *ENGLISH], *rows])
+    file = write(tmp_path / "x.csv", [["id", "Locomotion", "Rep", *ENGLISH], *rows])
     found = suggest_mapping([file]).imported
     assert found is not None
     assert {*found.conditions} == {*MOVES}
 
 
 def test_levels_of_a_condition_that_nobody_had_are_refused(tmp_path: Path) -> None:
-    file = table(tmp_path / "study.csv", in_rows("Locomotion", "FOV"))
+    file = write(tmp_path / "study.csv", in_rows("Locomotion", "FOV"))
     text = suggest_mapping([file]).text.replace("Teleport_60 =", "Teleport_06 =")
     (tmp_path / "map.toml").write_text(re.sub('answer = ""', 'answer = "y"', text), "utf-8")
     mapping = load_mapping(tmp_path / "map.toml").mapping
@@ -117,7 +109,7 @@ def test_levels_of_a_condition_that_nobody_had_are_refused(tmp_path: Path) -> No
 def test_three_crossed_columns_are_three_factors(tmp_path: Path) -> None:
     cells = list(product(MOVES, VIEWS, ("calm", "busy")))
     rows = [[f"P{n}", *cell, *ssq()] for n in range(1, 9) for cell in cells]
-    file = table(tmp_path / "x.csv", [["id", "Locomotion", "Sichtfeld", "Umfeld", *ENGLISH], *rows])
+    file = write(tmp_path / "x.csv", [["id", "Locomotion", "Sichtfeld", "Umfeld", *ENGLISH], *rows])
     levels = confirmed(suggest_mapping([file]), tmp_path).mapping.condition_levels
     assert {tuple(each) for each in levels.values()} == {("Locomotion", "Sichtfeld", "Umfeld")}
     assert {tuple(each.values()) for each in levels.values()} == {*cells}

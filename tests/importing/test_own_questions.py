@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import random
 import re
-from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
-from tests.support.layouts import ENGLISH
+from tests.support.layouts import ENGLISH, write
 from tests.support.report import build_report
 from vrcomfort.errors import InputError
 from vrcomfort.importing import import_files, load_mapping, write_study
@@ -21,12 +19,6 @@ from vrcomfort.importing.suggest import suggest_mapping
 RANDOM = random.Random(27)  # noqa: S311
 AGREE = ["Strongly disagree", "Disagree", "Neither agree nor disagree", "Agree", "Strongly agree"]
 Cells = dict[tuple[str, str, str], float]
-
-
-def table(file: Path, rows: Sequence[Sequence[object]]) -> Path:
-    with file.open("w", newline="", encoding="utf-8") as out:
-        csv.writer(out).writerows(rows)
-    return file
 
 
 def ssq() -> list[int]:
@@ -70,7 +62,7 @@ def test_statements_beside_a_questionnaire_are_reported_each_under_its_own_name(
         for n in range(1, 13)
         for k, condition in enumerate(("sharp", "blurred"), start=1)
     ]
-    file = table(tmp_path / "answers.csv", [head, *rows])
+    file = write(tmp_path / "answers.csv", [head, *rows])
     mapping = tmp_path / "map.toml"
     text = suggest_mapping([file]).text
     mapping.write_text(re.sub('answer = ""', 'answer = "yes"', text), encoding="utf-8")
@@ -100,7 +92,7 @@ def test_words_of_agreement_before_and_after_side_by_side(tmp_path: Path) -> Non
     head = ["id", *(f"{when}_{each}" for when in ("pre", "post") for each in (*ENGLISH, *asked))]
     given = {n: [RANDOM.choice(AGREE) for _ in range(4)] for n in range(1, 11)}
     rows = [[f"S{n}", *ssq(), *own[:2], *ssq(), *own[2:]] for n, own in given.items()]
-    found = imported_from(table(tmp_path / "study.csv", [head, *rows]))
+    found = imported_from(write(tmp_path / "study.csv", [head, *rows]))
     assert own_items(found) == {"presence": (1, 5), "wellbeing": (1, 5)}
     assert {(p, t): value for (p, _, t), value in answers(found, "wellbeing").items()} == {
         (f"S{n}", when): 1 + AGREE.index(own[place])
@@ -119,7 +111,7 @@ def test_questions_in_rows_stand_under_the_name_of_their_questionnaire(tmp_path:
             ]
             rows.append([f"P{n}", condition, "Comfort", "age", 20 + n])
     head = ["participant", "condition", "questionnaire", "item", "response"]
-    found = imported_from(table(tmp_path / "long.csv", [head, *rows]))
+    found = imported_from(write(tmp_path / "long.csv", [head, *rows]))
     assert own_items(found) == {"comfort_1": (1, 9), "comfort_2": (1, 9)}
     assert {name for name, _ in found.responses} == {"ssq", "comfort"}
 
@@ -136,7 +128,7 @@ def test_discomfort_in_a_column_for_each_minute_is_rated_during_exposure(tmp_pat
         for n in range(1, 9)
         for k, c in enumerate(("snap", "smooth"), start=1)
     ]
-    found = imported_from(table(tmp_path / "ratings.csv", [head, *rows]))
+    found = imported_from(write(tmp_path / "ratings.csv", [head, *rows]))
     assert len(found.ratings) == 8 * 2 * 5
     assert {rating.instrument for rating in found.ratings} == {"discomfort"}
     assert {rating.onset_s for rating in found.ratings} == {0, 120, 240, 360, 480}
@@ -157,7 +149,7 @@ def test_numbers_that_nobody_answered_are_no_questions_and_are_listed(tmp_path: 
         for n in range(1, 9)
         for k, c in enumerate(("a", "b"))
     ]
-    found = suggest_mapping([table(tmp_path / "x.csv", [head, *rows])])
+    found = suggest_mapping([write(tmp_path / "x.csv", [head, *rows])])
     assert found.imported is not None
     assert not found.imported.instruments
     ignored = found.text[found.text.index("ignore = ") :]
@@ -172,7 +164,7 @@ def test_levels_of_a_factor_and_means_of_questions_are_none(tmp_path: Path) -> N
         for c in ("a", "b")
         for level in (1, 2, 3)
     ]
-    found = imported_from(table(tmp_path / "x.csv", [head, *rows]))
+    found = imported_from(write(tmp_path / "x.csv", [head, *rows]))
     assert own_items(found) == {"comfort_1": (1, 7), "comfort_2": (1, 7)}
 
 
@@ -180,7 +172,7 @@ def test_one_questionnaire_in_two_files_is_declared_once_with_the_answers_of_bot
     tmp_path: Path,
 ) -> None:
     files = [
-        table(
+        write(
             tmp_path / f"{name}.csv",
             [["id", "How present did you feel?", note], *([n, low + n % 5, 7] for n in range(9))],
         )
@@ -232,7 +224,7 @@ def test_seven_degrees_of_agreement_in_words(tmp_path: Path) -> None:
     seven = [*AGREE[:2], "Somewhat disagree", AGREE[2], "Somewhat agree", *AGREE[3:]]
     rows = [[f"P{n}", c, seven[(n + k) % 7]] for n in range(9) for k, c in enumerate("ab")]
     head = ["participant", "condition", "I felt present in the scene"]
-    found = imported_from(table(tmp_path / "x.csv", [head, *rows]))
+    found = imported_from(write(tmp_path / "x.csv", [head, *rows]))
     assert own_items(found) == {"i_felt_present_in_the_scene": (1, 7)}
     assert answers(found, "i_felt_present_in_the_scene") == {
         (f"P{n}", c, "post"): 1 + (n + k) % 7 for n in range(9) for k, c in enumerate("ab")
@@ -248,7 +240,7 @@ def test_a_word_between_two_questions_on_their_scale_is_a_question_and_their_mea
         for k, display in enumerate(("a", "b"), start=1):
             given = [1 + (n + 2 * k) % 7, 1 + (n * k) % 7, 1 + (n + k) % 7]
             rows.append([f"P{n}", display, *given, round(sum(given) / 3, 3), n % 3])
-    found = imported_from(table(tmp_path / "x.csv", [head, *rows]))
+    found = imported_from(write(tmp_path / "x.csv", [head, *rows]))
     assert {*own_items(found)} == {"realism", "artifacts", "comfort"}
 
 
@@ -262,7 +254,7 @@ def test_questions_that_repeat_belong_to_the_conditions_beside_their_numbers(
          n % 5, "ba"[n % 2], *(1 + (n + k) % 5 for k in (3, 4, 5))]
         for n in range(1, 13)
     ]  # fmt: skip
-    found = imported_from(table(tmp_path / "x.csv", [head, *rows]))
+    found = imported_from(write(tmp_path / "x.csv", [head, *rows]))
     assert answers(found, "i_find_this_system_2") == {
         (str(n), c, "post"): 1 + (n + k) % 5
         for n in range(1, 13)
@@ -275,7 +267,7 @@ def test_discomfort_beside_rising_times_is_rated_during_exposure(tmp_path: Path)
         [p, c, t, t // 60 + p % 2] for p in range(1, 9) for c in "ab" for t in range(0, 300, 30)
     ]
     head = ["pid", "condition", "time_s", "discomfort"]
-    found = suggest_mapping([table(tmp_path / "x.csv", [head, *rows])])
+    found = suggest_mapping([write(tmp_path / "x.csv", [head, *rows])])
     assert found.imported is not None
     assert {r.instrument for r in found.imported.ratings} == {"discomfort"}
     assert len(found.imported.ratings) == len(rows)
@@ -300,7 +292,7 @@ def test_a_mark_in_one_of_several_columns_is_its_answer(tmp_path: Path, *, wide:
             for key, each in marks.items()
             for e, four in zip(ENGLISH, each, strict=True)
         ]
-    found = suggest_mapping([table(tmp_path / "x.csv", [*head, *rows])])
+    found = suggest_mapping([write(tmp_path / "x.csv", [*head, *rows])])
     assert found.imported is not None
     assert any("Is a mark in one of several columns" in doubt for doubt in found.doubts)
     assert {
@@ -313,7 +305,7 @@ def test_a_block_is_called_after_the_only_word_of_its_headings(tmp_path: Path) -
     asked = ["Mental Demand", "Physical Demand", "Temporal Demand", "Performance", "Effort"]
     head = ["ID", *asked, *(f"VR {each}" for each in asked)]
     rows = [[n, *(5 * ((n + k) % 20) for k in range(10))] for n in range(1, 9)]
-    found = imported_from(table(tmp_path / "tlx.csv", [head, *rows]))
+    found = imported_from(write(tmp_path / "tlx.csv", [head, *rows]))
     assert found.conditions == ["questionnaire_1", "VR"]
 
 
@@ -332,7 +324,7 @@ def test_a_word_that_tells_one_question_apart_from_others_is_no_condition(tmp_pa
         for place, seen in enumerate(("hand", "scene")[:: 1 - 2 * (n % 2)], start=1)
     ]
     head = ["Participant", "Condition", "Condition Position", *felt, *scales]
-    found = imported_from(table(tmp_path / "answers.csv", [head, *rows]))
+    found = imported_from(write(tmp_path / "answers.csv", [head, *rows]))
     assert {key.condition for _, key in found.responses} == {"hand", "scene"}
     assert {"i_felt_bored", "i_felt_calm", "i_felt_tired", "fear_vas"} <= {*own_items(found)}
 
@@ -343,7 +335,7 @@ def test_codes_before_questions_bring_in_the_others_behind_them(tmp_path: Path) 
     rows = [
         [f"A{n}", *(1 + (n * k) % (5 + 2 * (3 < k < 7)) for k in range(1, 10))] for n in range(1, 9)
     ]
-    found = imported_from(table(tmp_path / "walking.csv", [head, *rows]))
+    found = imported_from(write(tmp_path / "walking.csv", [head, *rows]))
     assert {key.timepoint for _, key in found.responses} == {"post"}
     assert {name: len(each.items) for name, each in found.instruments.items()} == {
         "ctrl": 3, "pre": 3, "cs": 3,
@@ -354,5 +346,5 @@ def test_a_moment_before_own_questions_stays_one_where_others_are_named(tmp_path
     asked = ["fatigue", "comfort", "presence"]
     head = ["ID", *(f"{when}_{each}" for when in ("pre", "post") for each in asked)]
     rows = [[f"A{n}", *(1 + (n * k) % 5 for k in range(1, 7))] for n in range(1, 9)]
-    found = imported_from(table(tmp_path / "moments.csv", [head, *rows]))
+    found = imported_from(write(tmp_path / "moments.csv", [head, *rows]))
     assert {key.timepoint for _, key in found.responses} == {"baseline", "post"}

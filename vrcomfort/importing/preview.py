@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 
 from vrcomfort.importing.rows import Administration, Imported
+from vrcomfort.plurals import counted
 
 FIRST = 8
 
@@ -52,9 +53,9 @@ def _counts(imported: Imported) -> list[str]:
         what[key] += 1
         what["items", *key] = max(what["items", *key], len(response.answers))
     lines = [
-        f"{key[0]}: {key[1]}, {key[2]}: {_count(len(found), 'participant')}, "
-        f"{_count(what[key], 'questionnaire')}, "
-        f"{_count(what['items', *key], 'score' if key[0] in imported.scores else 'item')}"
+        f"{key[0]}: {key[1]}, {key[2]}: {counted(len(found), 'participants')}, "
+        f"{counted(what[key], 'questionnaires')}, "
+        f"{counted(what['items', *key], 'scores' if key[0] in imported.scores else 'items')}"
         for key, found in who.items()
     ]
     rated = Counter((r.instrument, r.administration.condition) for r in imported.ratings)
@@ -66,14 +67,10 @@ def _counts(imported: Imported) -> list[str]:
         left = Counter(end.administration.condition for end in imported.ends if end.left)
         shown = ", ".join(f"{n} {name or '(no condition)'}" for name, n in left.items())
         lines.append(f"{len(imported.ends)} exposures with their length; left: {shown or 'none'}")
-    people = _count(len(imported.participants), "participant")
-    total = f"{people}, {_count(len(imported.conditions), 'condition')}"
+    people = counted(len(imported.participants), "participants")
+    total = f"{people}, {counted(len(imported.conditions), 'conditions')}"
     names = ", ".join(imported.covariates)
     return [total + (f"; known of participants: {names}" if names else ""), *lines]
-
-
-def _count(n: int, what: str) -> str:
-    return f"{n} {what}" if n == 1 else f"{n} {what}s"
 
 
 def _missing(imported: Imported) -> list[str]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from vrcomfort.csv_table import whole_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.importing.rows import alike
+from vrcomfort.plurals import counted
 from vrcomfort.records.apparatus import KEYS, differences
 from vrcomfort.records.names import natural
 from vrcomfort.report.decision_notices import decision_notices
@@ -84,7 +85,7 @@ def _shortened(study: StudyData) -> list[str]:
     if not lengths:
         return []
     sessions = sum(each in lengths for each in shown)
-    of_sessions = "1 session" if sessions == 1 else f"{sessions} sessions"
+    of_sessions = counted(sessions, "sessions")
     told = " and ".join(f"{each:g} s" for each in lengths)
     return [
         f"Exposures of {of_sessions} were shortened to {told} at most (--exposure-s): the times of "
@@ -285,10 +286,9 @@ def _screened(study: StudyData) -> list[str]:
         rows = [row for row in study.screening if row["rule"] == rule]
         stopped = {row["participant"] for row in rows if row["decision"] == "stop"}
         on = len({row["participant"] for row in rows} - stopped)
-        told = len(stopped) + on
-        people = "participant" if told == 1 else "participants"
+        told = counted(len(stopped) + on, "participants")
         found.append(
-            f"screening: {rule} in {told} {people}; the experimenter stopped {len(stopped)} and "
+            f"screening: {rule} in {told}; the experimenter stopped {len(stopped)} and "
             f"went on with {on}"
         )
     return found

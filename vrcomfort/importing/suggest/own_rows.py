@@ -25,7 +25,7 @@ from vrcomfort.importing.suggest.own_questions import (
     put_coding,
     scale_of,
 )
-from vrcomfort.importing.suggest.questionnaires import Drafted
+from vrcomfort.importing.suggest.questionnaires import Drafted, places_of_rows
 from vrcomfort.importing.suggest.vocabulary import (
     FEWEST_OF_SENTENCE,
     Known,
@@ -118,14 +118,7 @@ def draft_own_rows(
     table: SourceTable, long: Long, facts: Mapping[str, str], known: Known, _: Roles
 ) -> Drafted:
     """Draft the lab's own questions of a table that has a row for each answer."""
-    draft = TomlDraft({"instrument": long.instrument.name, **facts})
-    draft.put("item_column", table.headings[long.item_column])
-    draft.put("response_column", table.headings[long.response_column])
-    rows = [row for row in table.rows if row[long.item_column] in long.items.values()]
-    if long.instrument_column is not None:
-        column, text = long.instrument_column
-        draft.put("where", {table.headings[column]: text})
-        rows = [row for row in rows if row[column] == text]
+    draft, rows = places_of_rows(table, long, facts)
     cells = [row[long.response_column] for row in rows]
     put_coding(
         draft, long.instrument, dict.fromkeys(cells), table.reading.decimal or ".", known.vocabulary

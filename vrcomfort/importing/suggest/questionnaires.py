@@ -264,21 +264,29 @@ def _direction_doubts(block: Found, coding: Coding) -> dict[str, OpenDoubt]:
     }
 
 
-def draft_long(
-    table: SourceTable, long: Long, facts: Mapping[str, str], known: Known, _: Roles
-) -> Drafted:
-    """Draft a questionnaire of a table that has a row for each answer."""
+def places_of_rows(
+    table: SourceTable, long: Long, facts: Mapping[str, str]
+) -> tuple[TomlDraft, list[Sequence[str]]]:
+    """Draft the place of a questionnaire with a row for each answer; return its rows, too."""
     draft = TomlDraft({"instrument": long.instrument.name, **facts})
     draft.put("item_column", table.headings[long.item_column])
     draft.put("response_column", table.headings[long.response_column])
-    rows = list(table.rows)
+    words = set(long.items.values())
+    rows: list[Sequence[str]] = [row for row in table.rows if row[long.item_column] in words]
     if long.instrument_column is not None:
         column, text = long.instrument_column
         draft.put("where", {table.headings[column]: text})
         rows = [row for row in rows if row[column] == text]
-    words = set(long.items.values())
+    return draft, rows
+
+
+def draft_long(
+    table: SourceTable, long: Long, facts: Mapping[str, str], known: Known, _: Roles
+) -> Drafted:
+    """Draft a questionnaire of a table that has a row for each answer."""
+    draft, rows = places_of_rows(table, long, facts)
     columns = long.siblings or (long.response_column,)
-    cells = [row[c] for row in rows if row[long.item_column] in words for c in columns]
+    cells = [row[c] for row in rows for c in columns]
     coding = coding_of_texts(cells, long.instrument, table.reading.decimal or ".", known.vocabulary)
     _coded(draft, coding)
     named = {
