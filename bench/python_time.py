@@ -150,7 +150,7 @@ def _rows(
             "least": float(ratios[index].min()),
             "most": float(ratios[index].max()),
             "median ratio": float(np.median(loop_ms[index]) / np.median(loop_ms[0])),
-            "writing rows, median ms": float(np.median(recorder_ms[index])),
+            "writing rows, mean ms": float(np.mean(recorder_ms[index])),
             **worker.counts,
         }
 

@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 from pathlib import Path
+from queue import SimpleQueue
 
 import pytest
 
@@ -14,6 +15,7 @@ from tests.support.study import frame, read_rows
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Gaze
 from vrcomfort.records import EventRow, FrameRow, GazeRow, RatingRow, Recorder, TrialRow
+from vrcomfort.records.row_files import RowFiles
 
 TRIAL = TrialRow("P1", 1, 1, 1, 1, "a", "s", 0.0, 1.0, "completed", None, 1, 0, 9, 0)
 
@@ -82,6 +84,43 @@ def test_a_stuck_disk_stops_no_frame_and_what_is_left_out_is_told(tmp_path):
     assert last_s == pytest.approx(max({index / 10 for index in range(401)} - set(kept)))
     for name in ("ratings", "trials"):
         assert len(read_rows(recorder.folder / f"{name}.csv")) == 1
+
+
+@pytest.fixture
+def written(monkeypatch):
+    """How many rows were written at a time, while those of frames wait for others for long."""
+    sizes = SimpleQueue()
+    write = RowFiles.write
+
+    def counted(files, rows):
+        write(files, rows)
+        sizes.put(len(rows))
+
+    monkeypatch.setattr(RowFiles, "write", counted)
+    monkeypatch.setattr("vrcomfort.records.recorder.TOGETHER_S", 3600.0)
+    return sizes
+
+
+def test_rows_of_frames_are_written_together_before_a_row_that_somebody_waits_for(
+    tmp_path, written
+):
+    with Recorder(tmp_path, "P1", 1, durability="session_end") as recorder:
+        for index in range(5):
+            recorder.write(frame_row(index))
+        assert written.empty()
+        recorder.write(TRIAL)
+        assert seconds(recorder.folder) == [0.0, 0.1, 0.2, 0.3, 0.4]
+    assert sum(written.get() for _ in range(written.qsize())) == 6
+
+
+def test_rows_of_frames_wait_no_longer_when_half_of_those_that_may_wait_are_there(
+    tmp_path, written
+):
+    with Recorder(tmp_path, "P1", 1, durability="session_end", capacity=6) as recorder:
+        for index in range(4):
+            recorder.write(frame_row(index))
+        assert written.get() == 4
+        assert seconds(recorder.folder) == [0.0, 0.1, 0.2, 0.3]
 
 
 def full(recorder: Recorder, name: str) -> None:

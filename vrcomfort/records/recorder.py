@@ -25,12 +25,15 @@ from vrcomfort.stop_signals import uninterrupted_call
 
 CAPACITY = 4096
 """Rows that may wait: 45 s of frames at 90 Hz, about 15 MB."""
+TOGETHER_S = 0.1
+"""For so long rows of frames wait for those that follow."""
 
 
 class BackgroundWriter:
     """Writes rows in a thread of its own, so that a slow disk never holds up a frame.
 
-    They are written in the order in which they came, those that wait together.
+    They are written in the order in which they came, those that wait together. Rows of frames wait
+    for others, `TOGETHER_S` at most: waking the thread is dear, in its time and the frame's.
 
     Parameters
     ----------
@@ -45,8 +48,8 @@ class BackgroundWriter:
         self._files = files
         self._capacity = capacity
         self._rows: deque[Row] = deque()
-        self._news: SimpleQueue[None] = SimpleQueue()
-        """Wakes the thread: no lock of Python's holds up a frame."""
+        self._news: SimpleQueue[bool] = SimpleQueue()
+        """Wakes the thread, True: at once. No lock of Python's holds up a frame."""
         self._written = Condition()
         self._fault: Exception | None = None
         self._closing = False
@@ -55,15 +58,18 @@ class BackgroundWriter:
 
     def offer(self, row: Row) -> bool:
         """Take a row, or return False where too many wait; never waits."""
-        if len(self._rows) >= self._capacity:
+        waiting = len(self._rows)
+        if waiting >= self._capacity:
             return False
-        self.put(row)
+        self._rows.append(row)
+        if waiting in (0, self._capacity // 2):
+            self._news.put(waiting > 0)
         return True
 
     def put(self, *rows: Row) -> None:
         """Take rows, however many wait; never waits."""
         self._rows.extend(rows)
-        self._news.put(None)
+        self._news.put(True)
 
     def check(self) -> None:
         """Raise the error of `write`, if there was one."""
@@ -76,6 +82,7 @@ class BackgroundWriter:
 
     def finish(self) -> None:
         """Wait until every row has been written."""
+        self._news.put(True)
         with self._written:
             self._written.wait_for(lambda: not self._rows)
         self.check()
@@ -83,7 +90,7 @@ class BackgroundWriter:
     def close(self) -> None:
         """Write the waiting rows, end the thread, and raise the error of the files, if any."""
         self._closing = True
-        self._news.put(None)
+        self._news.put(True)
         self._thread.join()
         self.check()
 
@@ -105,11 +112,14 @@ class BackgroundWriter:
 
     def _next(self) -> Sequence[Row] | None:
         """Wait for rows, or until the files are due (then there are none); None at the end."""
-        due_in_s = self._files.due_in_s()
+        due_in_s, at_once = self._files.due_in_s(), False
+        together_s = TOGETHER_S if due_in_s is None else min(due_in_s, TOGETHER_S)
         with suppress(Empty):
-            self._news.get(timeout=due_in_s)
-            while not (self._rows or self._closing):  # the rows were written with those before
-                self._news.get(timeout=due_in_s)
+            while not (self._rows or self._closing):  # rows of the last news may be written
+                at_once = self._news.get(timeout=due_in_s)
+        with suppress(Empty):
+            while self._rows and not at_once:
+                at_once = self._news.get(timeout=together_s)
         if self._closing and not self._rows:
             return None
         # By index: rows may be added meanwhile, which an iteration over a deque does not survive.

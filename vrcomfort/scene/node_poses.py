@@ -130,7 +130,7 @@ def _generations(scene: Scene) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]
 
 def relative_rows(world_from_node: Array, nodes: NDArray[np.intp], origin_m: Array) -> Array:
     """Return (n, 3, 4) relative-from-node rows, subtracted in float64."""
-    rows = world_from_node[nodes, :3]
+    rows = world_from_node.take(nodes, axis=0)[:, :3]  # in less time than by indexing
     rows[:, :, 3] -= origin_m
     return np.asarray(rows)
 
