@@ -244,6 +244,38 @@ def test_a_word_between_two_questions_on_their_scale_is_a_question_and_their_mea
     assert {*own_items(found)} == {"realism", "artifacts", "comfort"}
 
 
+def test_words_of_agreement_are_answers_whatever_the_heading_asks(tmp_path: Path) -> None:
+    """A group in words is the condition, though a column before it has its word too."""
+    head = ["id", "support_group", "vr_exp", "group", "angry", "heart_efficacy", "plan"]
+    groups = ("control", "intervention")
+    rows = [
+        [n, 0, ("Some", "Limited")[n % 3 % 2], groups[n % 2], AGREE[n % 4], AGREE[n % 3], n % 2]
+        for n in range(1, 21)
+    ]
+    found = imported_from(write(tmp_path / "x.csv", [head, *rows]))
+    assert own_items(found) == {"angry": (1, 5), "heart_efficacy": (1, 5)}
+    assert answers(found, "heart_efficacy") == {
+        (str(n), groups[n % 2], "post"): 1 + n % 3 for n in range(1, 21)
+    }
+
+
+@pytest.mark.parametrize(
+    ("head", "asked"),
+    [
+        (["Realism", "Comfort", "Artifacts", "Colours"], 4),
+        (["Comfort", "Artifacts", "Colours", "Shape"], 1),
+        (["I felt at ease", "The lens meets all needs"], 2),
+    ],
+)
+def test_columns_beside_questions_on_their_scale_are_questions(
+    tmp_path: Path, head: list[str], asked: int
+) -> None:
+    """Two questions bring in what is beside them, one only a sentence."""
+    each = [[f"P{n}", *(1 + (n * k) % 7 for k in range(1, 1 + len(head))), n % 3] for n in range(9)]
+    found = imported_from(write(tmp_path / "x.csv", [["ID", *head, "Wins"], *each]))
+    assert len(own_items(found)) == asked
+
+
 def test_questions_that_repeat_belong_to_the_conditions_beside_their_numbers(
     tmp_path: Path,
 ) -> None:

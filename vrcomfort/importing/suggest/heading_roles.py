@@ -193,17 +193,20 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
             weight += _OWN_NAME
         if outer and merged[outer] > 1 and role not in {*FACTS, IGNORED}:
             role, weight = _heaviest((inner,), vocabulary)  # Hand tracking / SUS: no handedness
-        if not role or role in roles.covariates:
+        if not role:
             roles.unknown.append(column)
         elif role == IGNORED:
             roles.metadata.append(column)
-        elif role in FACTS:
-            weighed[role].append((-weight, column))
         else:
-            roles.covariates[role] = column
-    for fact, found in weighed.items():
-        roles.facts[fact] = [column for _, column in sorted(found)]
-        roles.alike[fact] = [c for weight, c in sorted(found) if weight == min(found)[0]]
+            weighed[role].append((-weight, column))
+    for role, found in weighed.items():
+        ordered = [column for _, column in sorted(found)]
+        if role in FACTS:
+            roles.facts[role] = ordered
+            roles.alike[role] = [c for weight, c in sorted(found) if weight == min(found)[0]]
+        else:
+            roles.covariates[role] = ordered[0]
+            roles.unknown = sorted([*roles.unknown, *ordered[1:]])
     return roles
 
 

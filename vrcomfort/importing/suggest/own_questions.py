@@ -47,6 +47,8 @@ _FEWEST_STEPS, FEWEST_ANSWERS = 2, 4
 _MOST_OF_RECORD = 7
 _SENTENCE = 4
 """Words of a heading that is a sentence."""
+_FEWEST_DEGREES = 3
+"""Different answers to a question that its place alone shows."""
 _BRACKET = re.compile(r"\[([^\[\]]*[^\W\d_]{2}[^\[\]]*)\]\s*$")
 """The statement of a grid of questions: ``Do you agree? [I felt present]``."""
 _ENDS = (
@@ -58,7 +60,7 @@ _REPEATED = re.compile(r" \(\d+\)$")
 _NUMBER_OF_ITEM = re.compile(r"(?<=[^\d])\d+$")
 _MOST_MEANT, _ROUNDED = 12, 0.051
 """Questions of a mean at most, and how far it may be rounded."""
-_OF_SEVEN = 7
+_OF_FIVE, _OF_SEVEN = 5, 7
 _FIRST_PERSON = frozenset(["i", "me", "my", "ich", "mich", "mir", "je", "yo"])
 _CLOCK = frozenset(["t", "time", "zeit"])
 _ENDS_OF_CODE = re.compile(r"_(-?\d)_(\d{1,3})$")
@@ -137,6 +139,7 @@ class OwnQuestions:
         columns = [c for c in self._scales if c not in rated and self._asks(c)]
         columns += self._in_their_records(columns, rated)
         columns += self._in_their_midst(sorted(columns), rated)
+        columns += self._beside_them(sorted(columns), rated)
         columns += self._of_their_family(columns, rated)
         columns = [c for c in columns if not self._is_made_of(c, columns)]
         return self._in_runs(self._crossed([*map(self._question, sorted(columns))]))
@@ -198,6 +201,29 @@ class OwnQuestions:
                 found += between
         return found
 
+    def _beside_them(self, asking: Sequence[int], rated: set[int]) -> list[int]:
+        """Return columns beside two questions, or a sentence beside one, on their short scale."""
+        open_ = {*self._roles.unknown} & {*self._scales} - rated
+        found: set[int] = set()
+        for step in (1, -1):
+            for place in asking[::step]:
+                asked = {*asking, *found}
+                scale, next_ = self._scales[place].usual, place + step
+                while next_ in open_ - asked and self._continues(next_, scale):
+                    several = next_ - 2 * step in asked or len(self._words(next_)) >= _SENTENCE
+                    if next_ - step not in asked or not several:
+                        break
+                    asked.add(next_)
+                    found.add(next_)
+                    next_ += step
+        return sorted(found)
+
+    def _continues(self, column: int, scale: AnswerRange) -> bool:
+        own = self._scales[column]
+        few = len(texts(self._table, column)) < _FEWEST_DEGREES
+        alike = own.usual == scale and scale.high <= _MOST_OF_RECORD and own.step == 1
+        return alike and not few and not self._is_other(column)
+
     def _of_their_family(self, asking: Sequence[int], rated: set[int]) -> list[int]:
         """Return columns behind a code that stands before questions, all on one short scale."""
         open_ = {*self._roles.unknown} & {*self._scales} - rated - {*asking}
@@ -246,21 +272,27 @@ class OwnQuestions:
         opinion = sentence or bool(own & vocabulary.asking.words)
         said = self._ends(column) is not None
         others = own & (vocabulary.asking.others | vocabulary.measures)
-        if others and not (sentence or said or {*words} & {"vas", "likert"}):
+        agreed = self._is_agreement(column)
+        if others and not (sentence or said or agreed or {*words} & {"vas", "likert"}):
             return False
         whole = self._scales[column].step == 1
-        asks = opinion or said or (whole and column in self._series)
-        free = column in self._roles.unknown or (
-            len(words) > _SENTENCE and opinion and self._is_free(column)
-        )
+        asks = opinion or said or agreed or (whole and column in self._series)
+        free = agreed or column in self._roles.unknown
+        free = free or (len(words) > _SENTENCE and opinion and self._is_free(column))
         return asks and free and not self._is_no_answer(column)
+
+    def _is_agreement(self, column: int) -> bool:
+        """Return whether cells are words of agreement, whatever the heading says."""
+        said = {self._vocabulary.agreement.get(plain(t)) for t in texts(self._table, column)}
+        return len(said - {None}) > 1
 
     def _is_no_answer(self, column: int) -> bool:
         """Return whether a column is a flag, a level, known of a person, or asks how often."""
         pairs = {a + b for a, b in pairwise(self._words(column))}
         phrase = bool(pairs & self._vocabulary.asking.others)  # how often, wie viele
         flag = self._scales[column].high < _FEWEST_STEPS
-        return flag or phrase or self._is_balanced(column) or self._is_of_person(column)
+        balanced = self._is_balanced(column) and not self._is_agreement(column)
+        return flag or phrase or balanced or self._is_of_person(column)
 
     def _is_of_person(self, column: int) -> bool:
         """Return whether a column says the same in all of a person's rows."""
@@ -440,6 +472,8 @@ def scale_of(
         return None
     values = [value for value in values if value not in missing_codes(values)]
     low, high = min(values), max(values)
+    if any(plain(text) in vocabulary.agreement for text in counts):
+        low, high = 1.0, float(_OF_SEVEN if of_seven else _OF_FIVE)
     whole = all(value.is_integer() for value in values)
     if not -100 <= low <= high <= 100:
         return None
