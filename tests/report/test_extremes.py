@@ -91,7 +91,7 @@ def test_very_few_people(tmp_path, n):
     results, page = report(file, tmp_path)
     test = results["tests"][0]
     if n == 1:
-        assert test["not_tested"] == "1 complete pairs: too few for a test"
+        assert test["not_tested"] == "1 complete pair: too few for a test"
         assert "too few for a test" in page
         assert "not_tested" in kinds(results)
     else:

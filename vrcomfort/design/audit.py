@@ -14,7 +14,7 @@ from math import lcm
 from vrcomfort.design.groups import margins
 from vrcomfort.design.orders import CombinedOrders
 from vrcomfort.design.pool import COUNTING_STATUSES, Design, Enrolment
-from vrcomfort.plurals import counted
+from vrcomfort.plurals import counted, counted_doing
 from vrcomfort.protocol import Sequence, Trial
 
 
@@ -118,22 +118,20 @@ def _remainder(design: Design, used: Counter[str], participants: int) -> str:
         return " ".join(_of_parts(each, names) for each in design.parts.values())
     if not pool:
         return "Each participant has a random order of their own, so no number has to divide."
-    people = counted(participants, "participants")
     each, left = divmod(participants, pool)
     if {used[sequence.name] for sequence in design.sequences} == {each}:
-        divide = "divides" if participants == 1 else "divide"
-        return f"{people} {divide} evenly: {each} for each of {counted(pool, 'sequences')}."
+        divide = counted_doing(participants, "participants", "divide")
+        return f"{divide} evenly: {each} for each of {counted(pool, 'sequences')}."
     if not left:
         return (
             f"{participants} participants would divide by {pool} sequences, but groups are filled "
             "by chance: some sequences have more people than others."
         )
-    lacking = "participant" if pool - left == 1 else "participants"
     more = [sequence.name for sequence in design.sequences if used[sequence.name] > each]
-    verb = "does" if participants == 1 else "do"
+    do = counted_doing(participants, "participants", "do")
     return (
-        f"{people} {verb} not divide by {pool} sequences: each has {each}, {_some(more)} one more, "
-        f"and {pool - left} further {lacking} would balance them."
+        f"{do} not divide by {pool} sequences: each has {each}, {_some(more)} one more, "
+        f"and {counted(pool - left, 'further participants')} would balance them."
     )
 
 

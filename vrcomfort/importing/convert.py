@@ -50,6 +50,7 @@ from vrcomfort.importing.rows import (
 from vrcomfort.importing.sections import sections
 from vrcomfort.importing.source import Grid, Reading, SourceTable
 from vrcomfort.importing.unmatched import texts_in, unmatched
+from vrcomfort.plurals import counted_doing
 from vrcomfort.questionnaire import Answer, Instrument, Scale, plain, shipped_instruments
 
 KnownInstruments = dict[str, Instrument]
@@ -424,18 +425,17 @@ class TableImport:
         if self._left_out:
             notes.append(f"{name}: {self._left_out} rows were left out, as the mapping says")
         if self._events:
-            what = "row has" if self._events == 1 else "rows have"
-            notes.append(f"{name}: {self._events} {what} no answer at all; none was made")
+            rows_have = counted_doing(self._events, "rows", "have")
+            notes.append(f"{name}: {rows_have} no answer at all; none was made")
         if short := sum(map(bool, self._behind.values())):
             what = "1 course of ratings ends" if short == 1 else f"{short} courses of ratings end"
             notes.append(f"{name}: {what} before the last column; blanks behind are no ratings")
         if self._again:
-            what = "row was" if len(self._again) == 1 else "rows were"
-            told = f"{len(self._again)} {what} counted once, not twice: {self._again[0]}"
-            notes.append(f"{name}: {told}")
+            rows_were = counted_doing(len(self._again), "rows", "were")
+            notes.append(f"{name}: {rows_were} counted once, not twice: {self._again[0]}")
         for timepoint, count in self._blank.items():
-            what = "questionnaire has" if count == 1 else "questionnaires have"
-            notes.append(f"{name}: {count} {what} no answer at all at {timepoint}; none was made")
+            have = counted_doing(count, "questionnaires", "have")
+            notes.append(f"{name}: {have} no answer at all at {timepoint}; none was made")
         for text, count in self._elsewhere.items():
             notes.append(
                 f"{name}: {count} rows with {text!r} are in no questionnaire of the mapping"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 import pandas as pd
 
+from vrcomfort.plurals import counted
 from vrcomfort.records.names import natural
 from vrcomfort.report.exposures import column_of, with_scores
 
@@ -204,8 +205,7 @@ def too_few(samples: Pairs | Groups) -> str | None:
     """Say why samples cannot be compared; None where they can."""
     if isinstance(samples, Pairs):
         n = len(samples.participants)
-        pairs = "complete pair" if n == 1 else "complete pairs"
-        return f"{n} {pairs}: too few for a test" if n < 2 else None
+        return f"{counted(n, 'complete pairs')}: too few for a test" if n < 2 else None
     if samples.in_both and min(samples.a.size, samples.b.size) < 2:
         return "the same people are on both sides: leave `between` away to compare pairs"
     if min(samples.a.size, samples.b.size) < 2:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from textwrap import fill
 from typing import TYPE_CHECKING
 
+from vrcomfort.plurals import counted_doing
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
@@ -47,10 +49,9 @@ def paper_text(
 def _flow(flow: Sequence[FlowStage]) -> Iterator[str]:
     """Yield a sentence on each stage."""
     for stage in flow:
-        verb = "was" if stage.n == 1 else "were"
-        people = "participant" if stage.n == 1 else "participants"
+        were = counted_doing(stage.n, "participants", "were")
         said = {"Completed": f"{stage.n} completed the study"}.get(
-            stage.stage, f"{stage.n} {people} {verb} {stage.stage.lower()}"
+            stage.stage, f"{were} {stage.stage.lower()}"
         )
         losses = "; ".join(f"{loss.n} {loss.reason}" for loss in stage.left)
         yield f"{said} (not in the next stage: {losses})." if losses else f"{said}."

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vrcomfort.plurals import counted
 from vrcomfort.questionnaire import never_zero
 from vrcomfort.recordings import GAP
 from vrcomfort.records.names import natural
@@ -126,7 +127,7 @@ def _gaps_in_ratings(study: StudyData) -> Iterator[str]:
         lengths = np.concatenate([each for _, each in gaps])
         known = study.instruments.get(instrument)
         yield (
-            f"{lengths.size} gap{'s' if lengths.size > 1 else ''} in the ratings"
+            f"{counted(lengths.size, 'gaps')} in the ratings"
             f"{f' of the {known.short}' if known else ''} of {some_of(people)}, up to "
             f"{number(float(lengths.max()), 0)} s where a rating comes every {number(usual, 0)} s, "
             "and none is recorded as missed: peaks and times to a rating may lie in them; areas "

@@ -17,6 +17,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
+from vrcomfort.plurals import counted
 from vrcomfort.tradeoff import results
 from vrcomfort.tradeoff.measure import SCATTER
 from vrcomfort.tradeoff.recommendation import Recommendation
@@ -119,8 +120,8 @@ def _lines(axes: Axes, rows: Sequence[Row]) -> None:
 
 def _decorate(axes: Axes, rows: Sequence[Row]) -> None:
     first = rows[0]
-    views = "view" if first["views"] == 1 else "views"
-    title = f"{results.title(results.key_of_row(first))} ({first['views']} {views})"
+    views = counted(first["views"], "views")
+    title = f"{results.title(results.key_of_row(first))} ({views})"
     axes.set_title(title, loc="left", fontsize=10, pad=24)
     _frame(axes, "cost: 1 + effect ÷ plain frame")
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
+from vrcomfort.plurals import counted
 from vrcomfort.tradeoff.costs import LONGEST_S, SLOW_S
 from vrcomfort.tradeoff.error_measures import REGIONS
 from vrcomfort.tradeoff.measure import SCATTER
@@ -138,7 +139,7 @@ def _places(scope: Row) -> str:
     poses, pose = scope["poses"], scope.get("pose")
     if pose is not None:
         return f"place {pose + 1} of {poses}"
-    return f"{poses} place{'s' if poses > 1 else ''}"
+    return counted(poses, "places")
 
 
 def _lenses(names: Sequence[str]) -> str:

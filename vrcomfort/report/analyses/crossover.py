@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from vrcomfort.errors import InputError
+from vrcomfort.plurals import counted
 from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import (
     MOST_NAMED,
@@ -139,8 +140,7 @@ def _csv(row: CrossoverRow) -> Iterator[Cells]:
 def _remarks(rows: Sequence[CrossoverRow], _: ReportContext) -> Iterator[Remark]:
     made = any(row.fit for row in rows)
     for reason, missing in by_reason(rows, lambda row: row.not_tested).items():
-        plural = "s" if len(missing) != 1 else ""
-        of = f" of {len(missing)} comparison{plural}" if made else ""
+        of = f" of {counted(len(missing), 'comparisons')}" if made else ""
         yield Remark(f"No crossover analysis{of}: {reason}.")
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
+from vrcomfort.plurals import counted
 from vrcomfort.report.canvas import (
     FAINT,
     GRID,
@@ -182,7 +183,7 @@ def _draw_condition(
     axes.plot(x, curves.mean[row], color=colour, lw=2.2)
     _mark(axes, shown, scale)
     people = len({e.participant for e in met})
-    count = f"{len(met)} exposure{'s' if len(met) != 1 else ''}"
+    count = counted(len(met), "exposures")
     who = f", {people} people" if people != len(met) else ""
     axes.set_title(f"{lines(words.condition(condition), 26)}\n{count}{who}", fontsize=8)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vrcomfort.plurals import counted
 from vrcomfort.report.analyses.contract import AnalysisData
 from vrcomfort.report.descriptives import Description, describe
 from vrcomfort.report.exposures import with_scores
@@ -227,7 +228,7 @@ def _without_ends(found: Estimate | None) -> Estimate | None:
 
 def _too_few(scored: Exposures, outcome: str, contrast: Compared, n: int) -> str:
     """Return the reason for having no test, and what to write instead."""
-    said = f"{n} complete pairs: too few for a test"
+    said = f"{counted(n, 'complete pairs')}: too few for a test"
     rows = [with_scores(side.rows(scored), outcome) for side in (contrast.a, contrast.b)]
     one, two = (set(table["participant"]) for table in rows)
     if one and two and one.isdisjoint(two):
