@@ -265,15 +265,25 @@ def test_words_of_agreement_are_answers_whatever_the_heading_asks(tmp_path: Path
         (["Realism", "Comfort", "Artifacts", "Colours"], 4),
         (["Comfort", "Artifacts", "Colours", "Shape"], 1),
         (["I felt at ease", "The lens meets all needs"], 2),
+        (["bad_good", "slow_fast", "dull_vivid", "odd_usual", "weak_strong"], 5),
+        (["bad_good", "slow_fast", "dull_vivid", "odd_usual"], 0),
+        (["1/2 The robot [It is loud]", "1/2 The robot [It is kind]"], 2),
     ],
 )
 def test_columns_beside_questions_on_their_scale_are_questions(
     tmp_path: Path, head: list[str], asked: int
 ) -> None:
-    """Two questions bring in what is beside them, one only a sentence."""
+    """Two questions bring in what is beside them, one only a sentence; a row of five needs none."""
     each = [[f"P{n}", *(1 + (n * k) % 7 for k in range(1, 1 + len(head))), n % 3] for n in range(9)]
-    found = imported_from(write(tmp_path / "x.csv", [["ID", *head, "Wins"], *each]))
-    assert len(own_items(found)) == asked
+    file = write(tmp_path / "x.csv", [["ID", *head, "Wins"], *each])
+    found = suggest_mapping([file]).imported
+    assert (0 if found is None else len(own_items(found))) == asked
+
+
+def test_a_setting_drawn_for_each_person_is_no_condition(tmp_path: Path) -> None:
+    rows = [[30 + 2 * n, n % 3, 40 + (7 * n) % 50] for n in range(30)]
+    file = write(tmp_path / "x.csv", [["fov", "locomotion", "immersion"], *rows])
+    assert imported_from(file).conditions == ["0", "1", "2"]
 
 
 def test_questions_that_repeat_belong_to_the_conditions_beside_their_numbers(

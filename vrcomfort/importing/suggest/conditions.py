@@ -15,6 +15,7 @@ from vrcomfort.importing.suggest.evidence import (
     MOST_CONDITIONS,
     WORDS_WITHIN_PEOPLE,
     candidates,
+    is_numeric,
     texts,
     varies_within,
 )
@@ -42,7 +43,7 @@ class Conditions(FactDraft):
 
     def _condition(self) -> None:
         columns = self._roles.facts.get("condition", [])
-        columns = [c for c in columns if texts(self._table, c)]
+        columns = [c for c in columns if texts(self._table, c) and not self._is_setting(c)]
         if "condition" in self._answers.said or "condition" in self._context.columns:
             self._passed_over([c for c in columns if c not in self._context.used])
             return
@@ -58,6 +59,12 @@ class Conditions(FactDraft):
             self._several_conditions(columns)
         else:
             self._guess_condition()
+
+    def _is_setting(self, column: int) -> bool:
+        """Return whether a column has many numbers, one a person: a field of view at random."""
+        table, who = self._table, self._context.participant
+        once = who is None or not varies_within(table, column, who)
+        return len(texts(table, column)) > MOST_CONDITIONS and is_numeric(table, column) and once
 
     def _not_used(self) -> list[int]:
         """Return columns before the answers whose words differ in people, about equally often."""

@@ -47,12 +47,12 @@ _FEWEST_STEPS, FEWEST_ANSWERS = 2, 4
 _MOST_OF_RECORD = 7
 _SENTENCE = 4
 """Words of a heading that is a sentence."""
-_FEWEST_DEGREES = 3
-"""Different answers to a question that its place alone shows."""
+_FEWEST_DEGREES, _FEWEST_OF_BLOCK = 3, 5
+"""Different answers to a question that its place alone shows, and how many of these are one."""
 _BRACKET = re.compile(r"\[([^\[\]]*[^\W\d_]{2}[^\[\]]*)\]\s*$")
 """The statement of a grid of questions: ``Do you agree? [I felt present]``."""
 _ENDS = (
-    re.compile(r"[(\[ ](-?\d{1,2})\s*(?:-|–|—|\.\.+|to|bis|/)\s*(\d{1,3})(?!\d)"),
+    re.compile(r"[(\[ ](-?\d{1,2})\s*(?:-|–|—|\.\.+|to|bis|a|à|/)\s*(\d{1,3})(?!\d)"),
     re.compile(r"(-?\d{1,2})\s*[=:(]\s*[^\d=:]{2,80}?(\d{1,3})\s*[=:(]"),
 )
 """The ends of a scale in a heading: ``(1-7)``, ``1 = not at all, 7 = very``."""
@@ -138,8 +138,7 @@ class OwnQuestions:
         rated = {c for course in self.courses for c in course.columns}
         columns = [c for c in self._scales if c not in rated and self._asks(c)]
         columns += self._in_their_records(columns, rated)
-        columns += self._in_their_midst(sorted(columns), rated)
-        columns += self._beside_them(sorted(columns), rated)
+        columns += self._in_their_runs(columns, rated)
         columns += self._of_their_family(columns, rated)
         columns = [c for c in columns if not self._is_made_of(c, columns)]
         return self._in_runs(self._crossed([*map(self._question, sorted(columns))]))
@@ -186,43 +185,42 @@ class OwnQuestions:
         }
         return sorted(c for c, scale in alike.items() if scale.usual.high <= _MOST_OF_RECORD)
 
-    def _in_their_midst(self, asking: Sequence[int], rated: set[int]) -> list[int]:
-        """Return columns between two questions which all are on the scale of these."""
+    def _in_their_runs(self, asking: Sequence[int], rated: set[int]) -> list[int]:
+        """Return columns in a run on one short scale that asks, by some of its columns or length.
+
+        Two of its columns ask; or one, and the others are sentences; or five stand there, with
+        both ends of their scale.
+        """
         open_ = {*self._roles.unknown} & {*self._scales} - rated
         found: list[int] = []
-        for left, right in pairwise(asking):
-            between = [*range(left + 1, right)]
-            scale = (self._scales[left] | self._scales[right]).usual
-            fitting = (
-                c in open_ and self._scales[c].usual == scale and not self._is_other(c)
-                for c in between
-            )
-            if scale.high <= _MOST_OF_RECORD and all(fitting):
-                found += between
+        for run in self._runs(open_ | {*asking}, {*asking}):
+            asked = [c for c in run if c in asking]
+            widest = reduce(lambda one, other: one | other, (self._scales[c] for c in run))
+            block = len(run) >= _FEWEST_OF_BLOCK and widest == widest.usual
+            sentences = all(len(self._words(c)) >= _SENTENCE for c in run)
+            if block or len(asked) > 1 or (asked and sentences):
+                found += (c for c in run if c not in asking)
         return found
 
-    def _beside_them(self, asking: Sequence[int], rated: set[int]) -> list[int]:
-        """Return columns beside two questions, or a sentence beside one, on their short scale."""
-        open_ = {*self._roles.unknown} & {*self._scales} - rated
-        found: set[int] = set()
-        for step in (1, -1):
-            for place in asking[::step]:
-                asked = {*asking, *found}
-                scale, next_ = self._scales[place].usual, place + step
-                while next_ in open_ - asked and self._continues(next_, scale):
-                    several = next_ - 2 * step in asked or len(self._words(next_)) >= _SENTENCE
-                    if next_ - step not in asked or not several:
-                        break
-                    asked.add(next_)
-                    found.add(next_)
-                    next_ += step
-        return sorted(found)
+    def _runs(self, columns: set[int], asking: set[int]) -> list[list[int]]:
+        """Return adjacent columns that are on a scale of few steps, from the same lowest answer."""
+        runs: list[list[int]] = [[]]
+        for column in sorted(c for c in columns if self._is_short(c, told=c in asking)):
+            last = runs[-1][-1:]
+            if last and (
+                last[0] + 1 < column
+                or self._scales[last[0]].usual.low != self._scales[column].usual.low
+            ):
+                runs.append([])
+            runs[-1].append(column)
+        return runs if runs[0] else []
 
-    def _continues(self, column: int, scale: AnswerRange) -> bool:
+    def _is_short(self, column: int, *, told: bool) -> bool:
         own = self._scales[column]
+        if own.usual.high > _MOST_OF_RECORD or own.step < 1:
+            return False
         few = len(texts(self._table, column)) < _FEWEST_DEGREES
-        alike = own.usual == scale and scale.high <= _MOST_OF_RECORD and own.step == 1
-        return alike and not few and not self._is_other(column)
+        return told or not (few or self._is_other(column))
 
     def _of_their_family(self, asking: Sequence[int], rated: set[int]) -> list[int]:
         """Return columns behind a code that stands before questions, all on one short scale."""
@@ -272,14 +270,24 @@ class OwnQuestions:
         opinion = sentence or bool(own & vocabulary.asking.words)
         said = self._ends(column) is not None
         others = own & (vocabulary.asking.others | vocabulary.measures)
-        agreed = self._is_agreement(column)
-        if others and not (sentence or said or agreed or {*words} & {"vas", "likert"}):
+        shown = self._is_agreement(column) or column in self._in_grids
+        if others and not (sentence or said or shown or {*words} & {"vas", "likert"}):
             return False
         whole = self._scales[column].step == 1
-        asks = opinion or said or agreed or (whole and column in self._series)
-        free = agreed or column in self._roles.unknown
+        asks = opinion or said or shown or (whole and column in self._series)
+        free = self._is_agreement(column) or column in self._roles.unknown
         free = free or (len(words) > _SENTENCE and opinion and self._is_free(column))
         return asks and free and not self._is_no_answer(column)
+
+    @cached_property
+    def _in_grids(self) -> set[int]:
+        """Return statements in brackets behind the same text: a grid of questions."""
+        grids: dict[str, set[int]] = defaultdict(set)
+        for column in self._scales:
+            heading = self._table.headings[column]
+            if match := _BRACKET.search(heading):
+                grids[heading[: match.start()].strip()].add(column)
+        return {c for stem, grid in grids.items() if stem and len(grid) > 1 for c in grid}
 
     def _is_agreement(self, column: int) -> bool:
         """Return whether cells are words of agreement, whatever the heading says."""
