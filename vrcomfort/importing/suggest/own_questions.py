@@ -20,7 +20,7 @@ from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.codings import code_of, is_softened, missing_codes
 from vrcomfort.importing.suggest.draft import OpenDoubt, Stake, TomlDraft
-from vrcomfort.importing.suggest.evidence import texts, varies_within
+from vrcomfort.importing.suggest.evidence import is_numeric, texts, varies_within
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
 from vrcomfort.importing.suggest.items import Context, Found
 from vrcomfort.importing.suggest.own_instruments import (
@@ -85,7 +85,10 @@ class OwnQuestions:
         self._apart = {word for context in contexts for word in context}
         self._headings = shared_stems(table.headings)
         self._labels = shared_stems(table.labels)
-        items = known.vocabulary.item_labels & {*map(plain, table.headings)}
+        items = any(
+            plain(heading) in known.vocabulary.item_labels and not is_numeric(table, column)
+            for column, heading in enumerate(table.headings)
+        )
         no_item = known.vocabulary.response_labels if items else frozenset()
         named = bool(table.reading.heading_rows or table.nested)
         cells = (cell for row in table.rows for cell in row)
@@ -226,9 +229,11 @@ class OwnQuestions:
         """Return columns behind a code that stands before questions, all on one short scale."""
         open_ = {*self._roles.unknown} & {*self._scales} - rated - {*asking}
         found: list[int] = []
-        for family in self._families.values():
+        for code, family in self._families.items():
             widest = reduce(lambda one, other: one | other, (self._scales[c] for c in family))
-            if {*family} & {*asking} and widest.usual.high <= _MOST_OF_RECORD:
+            if (
+                {*family} & {*asking} or code in self._vocabulary.item_fillers
+            ) and widest.usual.high <= _MOST_OF_RECORD:
                 found += (c for c in family if c in open_ and not self._is_other(c))
         return found
 
