@@ -159,10 +159,13 @@ def test_what_cannot_be_made_is_refused_in_a_sentence(run, study: Path, tmp_path
     for out, words in (
         (tmp_path / "full", "is there already"),
         (study / "in", "lies in the study"),
+        (tmp_path / "full" / "file" / "out", "file: a file of this name is in the way"),
+        (tmp_path / ("o" * 252), f"{'o' * 252}: this name is too long for the disk"),
     ):
         code, _, err = run("anonymise", study, "--out", out)
         assert (code, err.count("\n")) == (2, 1)
         assert words in err
+        assert ".part" not in err
     go(tmp_path)
     for line, more in ((2, " (and 1 more)"), (3, " (and 2 more)")):
         cell(tmp_path / "S" / "sub-P01" / "ses-1" / "trials.csv", line, "session", "2")

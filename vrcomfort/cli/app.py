@@ -25,6 +25,7 @@ FAULTS_OF_THE_MACHINE = {
     errno.EROFS: "the disk is read-only; choose another place",
     errno.EACCES: "no permission; ask for access, or choose another place",
     errno.ENOTDIR: "part of this path is a file, not a folder",
+    errno.EEXIST: "a file of this name is in the way; choose another place",
     errno.EISDIR: "this is a folder, a file was expected",
     errno.ENAMETOOLONG: "this name is too long for the disk; choose a shorter one",
     errno.ENOENT: "this file or folder does not exist",

@@ -62,6 +62,10 @@ def new_folder(study: Path, out: Path) -> Iterator[Path]:
     ------
     InputError
         If `out` is there already, or lies in the study.
+
+    Notes
+    -----
+    Errors name files by where they would have been in `out`.
     """
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise InputError("is there already; choose a new folder as --out", file=out)
@@ -74,6 +78,17 @@ def new_folder(study: Path, out: Path) -> Iterator[Path]:
         if out.exists():
             out.rmdir()
         draft.rename(out)
+    except InputError as error:
+        if error.file is None or not Path(error.file).is_relative_to(draft):
+            raise
+        file = out / Path(error.file).relative_to(draft)
+        raise InputError(
+            error.message, file=file, line=error.line, column=error.column, others=error.others
+        ) from error
+    except OSError as error:
+        if error.filename is not None and Path(error.filename).is_relative_to(draft):
+            error.filename = str(out / Path(error.filename).relative_to(draft))
+        raise
     finally:
         shutil.rmtree(draft, ignore_errors=True)
 
