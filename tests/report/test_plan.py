@@ -34,6 +34,7 @@ from vrcomfort.report.plan_files import find_plan, load_plan, read_plan, shipped
 from vrcomfort.report.results import analyse
 from vrcomfort.report.rows import as_json
 from vrcomfort.report.study_data import read_study
+from vrcomfort.report.words import p_value
 from vrcomfort.stats.multiplicity import holm
 from vrcomfort.stats.signed_rank import signed_rank
 
@@ -193,7 +194,12 @@ def test_crossed_factors_are_tested_by_their_effects(tmp_path):
     signs = {"blur": (1, 1, -1, -1), "streaks": (1, -1, 1, -1), "blur × streaks": (1, -1, -1, 1)}
     p_values = [ttest_1samp(wide @ np.array(signs[name]), 0).pvalue for name in effects]
     assert [each["p"] for each in effects.values()] == pytest.approx(p_values)
-    assert [each["p_holm"] for each in effects.values()] == pytest.approx(holm(p_values))
+    adjusted = [each["p_holm"] for each in effects.values()]
+    assert adjusted == pytest.approx(holm(p_values))
+    for name, p, other in zip(effects, p_values, adjusted, strict=True):
+        line = next(each for each in page.split("<tr>") if f"<td>{name}</td>" in each)
+        cells = re.findall(r">([^<]*|<.[^<]*)</td>", line)
+        assert cells[3:5] == [p_value(p), p_value(other)]
     pairs = {(test["a"], test["b"]) for test in results["tests"]}
     assert pairs == {("dof_off", "dof_on"), ("dof_off", "off_off"), ("dof_on", "off_on"),
                      ("off_off", "off_on")}  # fmt: skip

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +16,7 @@ from vrcomfort.records.names import natural
 from vrcomfort.report.analyses.contract import (
     ITALIC_P,
     MOST_NAMED,
+    P_HOLM,
     Analysis,
     AnalysisData,
     AnalysisSet,
@@ -324,12 +326,8 @@ def _missing(people: Sequence[str]) -> str:
     return f"; excluded for missing scores: {named}"
 
 
-def _effects(row: AnovaRow) -> list[AnovaEffect]:
-    return [each.test for each in row.fit.effects] if row.fit else []
-
-
 def _not_spherical(row: AnovaRow) -> list[AnovaEffect]:
-    return [effect for effect in _effects(row) if effect.sphericity]
+    return [each.test for each in row.fit.effects if each.test.sphericity] if row.fit else []
 
 
 def _ranked(row: AnovaRow) -> tuple[AnovaEffect, ...]:
@@ -343,14 +341,21 @@ def _outcome_of(
     return lambda row, _, report: report.words.outcome(row.outcome) if lines(row) else ""
 
 
-def _note(_: Sequence[AnovaRow], report: ReportContext) -> str:
+def _note(rows: Sequence[AnovaRow], report: ReportContext) -> str:
+    adjusted = any(each.p_holm is not None for row in rows if row.fit for each in row.fit.effects)
     return html(
-        "Type {} sums of squares. Effects with one degree of freedom need no sphericity "
+        "Type {} sums of squares. {}Effects with one degree of freedom need no sphericity "
         "correction. The 90 % intervals of η²<sub>p</sub> are in <code>tables/anova.csv</code> "
         "alone: they belong to the uncorrected <i>p</i> and assume normal scores; with heavy tails "
         "they cover the true value in as few as .79 of studies.",
         report.plan.sums_of_squares,
+        _OF_HOLM if adjusted else "",
     )
+
+
+_OF_HOLM = html(
+    "{} is of the family of tests, and of {} where sphericity is not assumed. ", P_HOLM, P_GG
+)
 
 
 def _note_without_corrections(rows: Sequence[AnovaRow], report: ReportContext) -> str:
@@ -387,18 +392,35 @@ _F = (
     _Column("df", lambda effect, _: f"{degrees(effect.df_effect)}, {degrees(effect.df_error)}"),
     _Column(ITALIC_P, lambda effect, _: p_value(effect.p)),
 )
-_TABLE: AnalysisTable[AnovaRow, AnovaEffect] = AnalysisTable(
+_ETA = (
+    _Column(
+        Markup("η²<sub>G</sub>"), lambda effect, _: fraction(effect.generalised_eta_squared, 3)
+    ),
+    _Column(Markup("η²<sub>p</sub>"), _eta(lambda eta: fraction(eta.estimate, 3))),
+)
+
+
+def _of_rows(columns: Iterable[_Column]) -> Iterator[TableColumn[AnovaEffectRow]]:
+    """Yield columns of effects as those of rows that have one each."""
+    for each in columns:
+        yield TableColumn(each.heading, partial(_cell_of_test, each.cell))
+
+
+def _cell_of_test(
+    cell: Callable[[AnovaEffect, Vocabulary], str], row: AnovaEffectRow, words: Vocabulary
+) -> str:
+    return cell(row.test, words)
+
+
+_TABLE: AnalysisTable[AnovaRow, AnovaEffectRow] = AnalysisTable(
     "anova",
     lambda _, report: f"Repeated-measures ANOVA of {report.words.scores}",
     (
-        _EFFECT,
-        *_F,
-        _Column(
-            Markup("η²<sub>G</sub>"), lambda effect, _: fraction(effect.generalised_eta_squared, 3)
-        ),
-        _Column(Markup("η²<sub>p</sub>"), _eta(lambda eta: fraction(eta.estimate, 3))),
+        *_of_rows((_EFFECT, *_F)),
+        TableColumn(P_HOLM, lambda row, _: p_value(row.p_holm)),
+        *_of_rows(_ETA),
     ),
-    lines=_effects,
+    lines=lambda row: row.fit.effects if row.fit else (),
     group=_title,
     note=_note_without_corrections,
     csv=_csv,
