@@ -268,6 +268,7 @@ def test_words_of_agreement_are_answers_whatever_the_heading_asks(tmp_path: Path
         (["bad_good", "slow_fast", "dull_vivid", "odd_usual", "weak_strong"], 5),
         (["bad_good", "slow_fast", "dull_vivid", "odd_usual"], 0),
         (["1/2 The robot [It is loud]", "1/2 The robot [It is kind]"], 2),
+        (["Q_near", "Q_far", "Q_text"], 3),
     ],
 )
 def test_columns_beside_questions_on_their_scale_are_questions(
@@ -278,6 +279,16 @@ def test_columns_beside_questions_on_their_scale_are_questions(
     file = write(tmp_path / "x.csv", [["ID", *head, "Wins"], *each])
     found = suggest_mapping([file]).imported
     assert (0 if found is None else len(own_items(found))) == asked
+
+
+def test_a_rating_beside_the_number_of_its_scale_is_an_answer(tmp_path: Path) -> None:
+    rows = [
+        [f"P{n}", 3 + 4 * (n % 2), c, (n + k) % 7 - 3] for n in range(9) for k, c in enumerate("ab")
+    ]
+    head = ["subject", "rating_type", "condition", "rating"]
+    found = imported_from(write(tmp_path / "x.csv", [head, *rows]))
+    assert own_items(found) == {"rating": (-3, 3)}
+    assert found.conditions == ["a", "b"]
 
 
 def test_a_setting_drawn_for_each_person_is_no_condition(tmp_path: Path) -> None:
