@@ -391,3 +391,35 @@ def test_which_of_two_items_weighs_more_is_no_condition(tmp_path: Path) -> None:
     rows += [[f"P{n}", ("Effort", "Frustration")[n % 2], *range(n, n + 6)] for n in range(12)]
     found = suggest_mapping([write(tmp_path / "nasa_tlx.csv", rows)])
     assert 'condition = { constant = "all" }' in found.text
+
+
+def test_rows_in_quotes_as_a_whole_have_people_sessions_and_spellings(tmp_path: Path) -> None:
+    """A remark in brackets names no person, and a condition in capitals is the same one."""
+    head = ["Time", "Session ID (of this participant)", "Participant ID (below)", "I felt calm"]
+    rows = [
+        ["10:00", name.upper() if n % 3 else name, f"vr-{n:02}", str(1 + (n + k) % 5)]
+        for n in range(1, 13)
+        for k, name in enumerate(("alice", "voyager"))
+    ]
+    lines = [",".join(f'""{cell}""' for cell in row) for row in (head, *rows)]
+    file = tmp_path / "during.csv"
+    file.write_text("".join(f'"{line}"\r\n' for line in lines), encoding="utf-8")
+    found = suggest_mapping([file]).imported
+    assert found is not None
+    assert found.conditions == ["ALICE", "VOYAGER"]
+    assert {key.participant for _, key in found.responses} == {f"vr-{n:02}" for n in range(1, 13)}
+
+
+def test_a_misspelt_heading_below_a_title_is_no_title(tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    sheet = book.worksheets[0]
+    for title, person in (("Glasses", "Participant"), ("Screen", "Partcipant")):
+        sheet.append([title])
+        sheet.append([person, *(f"question {k}" for k in range(1, 4))])
+        for n in range(1, 7):
+            sheet.append([n, *(1 + (n * k + len(title)) % 5 for k in range(2, 5))])
+        sheet.append([])
+    book.save(tmp_path / "study.xlsx")
+    text = suggest_mapping([tmp_path / "study.xlsx"]).text
+    assert "Sheet: Glasses" in text
+    assert 'participant = { column = "Partcipant" }' in text

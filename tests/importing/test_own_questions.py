@@ -269,6 +269,7 @@ def test_words_of_agreement_are_answers_whatever_the_heading_asks(tmp_path: Path
         (["bad_good", "slow_fast", "dull_vivid", "odd_usual"], 0),
         (["1/2 The robot [It is loud]", "1/2 The robot [It is kind]"], 2),
         (["Q_near", "Q_far", "Q_text"], 3),
+        (["column 1", "Comfort"], 1),
     ],
 )
 def test_columns_beside_questions_on_their_scale_are_questions(

@@ -39,7 +39,8 @@ def sections(grid: Grid) -> list[Grid]:
     headings = [[*map(plain, grid.rows[part.start])] for part in parts]
     if len(parts) > 1 and all(row[1:] == headings[0][1:] for row in headings):
         firsts = [grid.rows[part.start][0] for part in parts]
-        if len({*firsts}) == len(parts) and all(firsts):
+        told = len({part.title for part in parts} - {""}) == len(parts)
+        if not told and len({*firsts}) == len(parts) and all(firsts):
             rows = [*grid.rows]
             for part, first in zip(parts, firsts, strict=True):
                 part.title = first

@@ -44,7 +44,7 @@ def read_text_table(file: Path, reading: Reading) -> Grid:
     content = content_of(file)
     encoding = reading.encoding or encoding_of(content)
     text = decode(content, encoding, file)
-    separator, text = declared(text)
+    separator, text = declared(_unquoted(text))
     separator = reading.separator or separator or separator_of(text)
     rows = _rows(text, separator, file)
     decimal = reading.decimal or decimal_of(rows, separator)
@@ -161,6 +161,18 @@ def _is_windows_1252(content: bytes) -> bool:
     except UnicodeDecodeError:
         return False
     return True
+
+
+def _unquoted(text: str) -> str:
+    """Return rows that were quoted once more as a whole as they were before."""
+    lines = text.split("\n") if text.lstrip("\ufeff").startswith('"') else []
+    whole = [line.strip("\ufeff\r") for line in lines if line.strip()]
+    inner = [line[1:-1] for line in whole if len(line) > 1 and line[0] == line[-1] == '"']
+    again = len(inner) == len(whole) and all(
+        '""' in line and '"' not in line.replace('""', "") and any(s in line for s in SEPARATORS)
+        for line in inner
+    )
+    return "\n".join(line.replace('""', '"') for line in inner) if again and inner else text
 
 
 def declared(text: str) -> tuple[str | None, str]:

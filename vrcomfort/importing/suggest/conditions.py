@@ -23,7 +23,7 @@ from vrcomfort.importing.suggest.fact_draft import FactDraft
 from vrcomfort.questionnaire import plain
 from vrcomfort.settings import toml_value
 
-MOST_NAMED = 5
+MOST_NAMED, _MOST_SPELLINGS = 5, 60
 _MOST_LEVELS, _FULL_OF = 6, 4
 """Levels of a factor between participants; people of whom one may lack a combination."""
 LONG_WORD, NEAR, RARER = 6, 0.85, 2
@@ -307,9 +307,10 @@ class Conditions(FactDraft):
         few = len(counts) <= MOST_CONDITIONS
         pairs = [
             sorted(pair, key=lambda word: -counts[word])
-            for pair in (combinations(counts, 2) if few else ())
-            if _are_alike(counts, *pair)
+            for pair in (combinations(counts, 2) if len(counts) <= _MOST_SPELLINGS else ())
+            if (few and _are_alike(counts, *pair)) or plain(pair[0]) == plain(pair[1])
         ]
+        pairs.sort(key=lambda pair: counts[pair[0]])  # of three, the most usual one counts
         if pairs:
             shown = "; ".join(f"{usual!r} and {rare!r}" for usual, rare in pairs)
             one = {word: word for word in counts} | {rare: usual for usual, rare in pairs}

@@ -186,8 +186,8 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
         said = inner_names(table.headings[column]) if table.nested else ()
         if code := _CODE_AND_TEXT.fullmatch(table.headings[column]):
             said = (code[2],) if code[1] == "id" else (code[2], code[1])  # that of the response
-        without = _REMARK.sub("", table.headings[column])  # Proband (see the slip of paper)
-        said = (*said, table.headings[column], without, label, *label.split(" | "))
+        without = _REMARK.sub("", table.headings[column])  # Session (of this participant)
+        said = (*said, without, table.headings[column], label, *label.split(" | "))
         role, weight = _heaviest(said, vocabulary)
         if table.nested and _heaviest(said[:1], vocabulary)[0]:
             weight += _OWN_NAME

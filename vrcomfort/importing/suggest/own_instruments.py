@@ -18,7 +18,7 @@ from vrcomfort.questionnaire.instrument_file import TAKEN
 
 USUAL = (
     (0, 3), (1, 5), (0, 4), (-2, 2), (1, 7), (0, 6), (-3, 3), (1, 9), (0, 10), (1, 10), (-5, 5),
-    (0, 20), (0, 100), (-50, 50), (-100, 100),
+    (0, 20), (0, 100), (-50, 50), (-100, 100), (0, 150),
 )  # fmt: skip
 """Lowest and highest answers of scales, the narrowest first."""
 _MOST_STEPS, FEWEST_OF_SERIES = 20, 3

@@ -20,7 +20,7 @@ from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.codings import code_of, is_softened, missing_codes
 from vrcomfort.importing.suggest.draft import OpenDoubt, Stake, TomlDraft
-from vrcomfort.importing.suggest.evidence import is_numeric, texts, varies_within
+from vrcomfort.importing.suggest.evidence import is_identifier, is_numeric, texts, varies_within
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
 from vrcomfort.importing.suggest.items import Context, Found
 from vrcomfort.importing.suggest.own_instruments import (
@@ -97,6 +97,7 @@ class OwnQuestions:
             column: scale
             for column in (columns if named else ())
             if plain(table.headings[column]) not in no_item
+            if not table.headings[column].startswith("column ")
             if (scale := scale_of(table, column, known.vocabulary, of_seven=seven)) is not None
         }
 
@@ -206,14 +207,12 @@ class OwnQuestions:
         return found
 
     def _runs(self, columns: set[int], asking: set[int]) -> list[list[int]]:
-        """Return adjacent columns that are on a scale of few steps, from the same lowest answer."""
+        """Return adjacent columns whose answers are on one scale of few steps."""
         runs: list[list[int]] = [[]]
         for column in sorted(c for c in columns if self._is_short(c, told=c in asking)):
-            last = runs[-1][-1:]
-            if last and (
-                last[0] + 1 < column
-                or self._scales[last[0]].usual.low != self._scales[column].usual.low
-            ):
+            scales = (self._scales[c] for c in (*runs[-1], column))
+            short = reduce(lambda one, other: one | other, scales).usual.high <= _MOST_OF_RECORD
+            if runs[-1] and (runs[-1][-1] + 1 < column or not short):
                 runs.append([])
             runs[-1].append(column)
         return runs if runs[0] else []
@@ -257,9 +256,9 @@ class OwnQuestions:
 
     def _is_other(self, column: int) -> bool:
         """Return whether a column beside questions is something else by its heading or cells."""
-        return bool({*self._words(column)} & self._vocabulary.asking.others) or self._is_no_answer(
-            column
-        )
+        said = bool({*self._words(column)} & self._vocabulary.asking.others)
+        counts = is_identifier(self._table, column, self._vocabulary)
+        return said or counts or self._is_no_answer(column)
 
     def _record(self, column: int) -> str:
         return self._table.headings[column].rpartition(".")[0]
@@ -488,7 +487,7 @@ def scale_of(
     if any(plain(text) in vocabulary.agreement for text in counts):
         low, high = 1.0, float(_OF_SEVEN if of_seven else _OF_FIVE)
     whole = all(value.is_integer() for value in values)
-    if not -100 <= low <= high <= 100:
+    if not -100 <= low <= high <= 150:
         return None
     step = 1.0 if whole else 0.1 if all((10 * value).is_integer() for value in values) else 0.01
     return AnswerRange(floor(low), ceil(high), step)
