@@ -292,6 +292,33 @@ def test_a_rating_beside_the_number_of_its_scale_is_an_answer(tmp_path: Path) ->
     assert found.conditions == ["a", "b"]
 
 
+def test_moments_inside_headings_and_a_condition_beside_them(tmp_path: Path) -> None:
+    """Words before the same questions are no conditions where a column says the condition."""
+    head = [
+        "code",
+        "condition",
+        *(f"mood_{when}_{each}" for when in ("pre", "post") for each in "ab"),
+    ]
+    head += [f"{what}_{each}" for what in ("door", "shelf") for each in ("valence", "arousal")]
+    rows = [
+        [f"k{n:02}", "plain" if n % 2 else "rich", *(1 + (n + k * k) % 5 for k in range(1, 9))]
+        for n in range(1, 15)
+    ]
+    found = imported_from(write(tmp_path / "x.csv", [head, *rows]))
+    assert found.conditions == ["plain", "rich"]
+    assert {when for _, _, when in answers(found, "mood_a")} == {"baseline", "post"}
+    assert {*own_items(found)} >= {"door_valence", "shelf_valence"}
+
+
+def test_a_sum_beside_questions_does_not_widen_their_scale(tmp_path: Path) -> None:
+    rows = [[n % 2, *(1 + (n * k) % 5 for k in range(1, 5)), 8 + n % 9] for n in range(20)]
+    head = ["factor", "Q1", "Q2", "Q3", "Q4", "social_presence"]
+    found = imported_from(write(tmp_path / "x.csv", [head, *rows]))
+    assert own_items(found)["q_1"] == (1, 5)
+    assert own_items(found)["social_presence"] == (0, 20)
+    assert found.conditions == ["0", "1"]
+
+
 def test_a_setting_drawn_for_each_person_is_no_condition(tmp_path: Path) -> None:
     rows = [[30 + 2 * n, n % 3, 40 + (7 * n) % 50] for n in range(30)]
     file = write(tmp_path / "x.csv", [["fov", "locomotion", "immersion"], *rows])

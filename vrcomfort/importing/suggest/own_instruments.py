@@ -7,6 +7,8 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from itertools import pairwise
+from math import inf
 from typing import NamedTuple
 
 from vrcomfort.importing.suggest.draft import TomlDraft
@@ -21,7 +23,7 @@ USUAL = (
     (0, 20), (0, 100), (-50, 50), (-100, 100), (0, 150),
 )  # fmt: skip
 """Lowest and highest answers of scales, the narrowest first."""
-_MOST_STEPS, FEWEST_OF_SERIES = 20, 3
+_STEPS, FEWEST_OF_SERIES = (10, 20), 3
 _LONGEST_NAME = 40
 
 
@@ -100,10 +102,10 @@ def _blocks(name: str, group: Sequence[OwnQuestion]) -> list[Found]:
 
 
 def together(scales: Mapping[str, AnswerRange]) -> dict[str, AnswerRange]:
-    """Return usual scales, one for questions of few steps, and one for those of many."""
+    """Return usual scales, one for all questions of about as many steps."""
     found: dict[str, AnswerRange] = {}
-    for many in (False, True):
-        alike = {key: s for key, s in scales.items() if many == (s.high > _MOST_STEPS)}
+    for above, most in pairwise((-inf, *_STEPS, inf)):
+        alike = {key: s for key, s in scales.items() if above < s.high <= most}
         if alike:
             widest = reduce(lambda one, other: one | other, alike.values())
             found |= dict.fromkeys(alike, widest.usual)

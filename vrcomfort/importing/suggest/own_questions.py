@@ -421,12 +421,24 @@ class OwnQuestions:
             start += 1
         while end > start + 1 and self._tells(words, end - 1):
             end -= 1
-        context = (*words[:start], *words[end:])
-        text = " ".join(given[start:end])
+        inside = [n for n in range(start, end) if len(self._moments[_blank(words, n)]) > 1]
+        context = (*words[:start], *(words[n] for n in inside), *words[end:])
+        text = " ".join(given[n] for n in range(start, end) if n not in inside)
         if not context and len(given) >= _SENTENCE:
             text = self._table.headings[column]
         code = words[start] if end - start > 1 and len(given) < _SENTENCE + len(context) else ""
         return self._made(column, text, context, code)
+
+    @cached_property
+    def _moments(self) -> dict[tuple[str, ...], set[str]]:
+        """Return headings with a moment left out → the moments there: ``mood_pre_valence``."""
+        found: dict[tuple[str, ...], set[str]] = defaultdict(set)
+        for column in self._scales:
+            words = [word.casefold() for word in words_of(self._table.headings[column])]
+            for place, word in enumerate(words):
+                if word in self._vocabulary.timepoints:
+                    found[_blank(words, place)].add(self._vocabulary.timepoints[word])
+        return found
 
     def _made(self, column: int, text: str, context: Context, code: str) -> OwnQuestion:
         seen, said = self._scales[column], self._ends(column)
@@ -449,6 +461,8 @@ class OwnQuestions:
 
     def _crossed(self, questions: list[OwnQuestion]) -> list[OwnQuestion]:
         """Take words for conditions that stand before, or behind, the same questions each."""
+        if any(texts(self._table, c) for c in self._roles.facts.get("condition", ())):
+            return questions
         for side in (0, -1):
             groups: dict[str, dict[tuple[str, Context], OwnQuestion]] = defaultdict(dict)
             for each in questions:
@@ -466,6 +480,10 @@ class OwnQuestions:
                     new = (word, *context) if side == 0 else (*context, word)
                     questions[questions.index(each)] = replace(each, text=text, context=new)
         return questions
+
+
+def _blank(words: Sequence[str], place: int) -> tuple[str, ...]:
+    return (*words[:place], "", *words[place + 1 :])
 
 
 def _is_whole(stem: Stem) -> bool:
