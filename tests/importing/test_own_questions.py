@@ -83,6 +83,11 @@ def test_statements_beside_a_questionnaire_are_reported_each_under_its_own_name(
     results = json.loads((tmp_path / "report" / "results.json").read_text(encoding="utf-8"))
     outcomes = {row["outcome"] for row in results["tests"]}
     assert {"T", "own_questions.i_felt_present_in_the_scene"} <= outcomes
+    assert [(each["name"], each["size"]) for each in results["families"]] == [
+        ("total", 1),
+        ("subscales", 3),
+        ("own_questions", 2),
+    ]
     page = (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
     assert "I felt present in the scene" in page
 

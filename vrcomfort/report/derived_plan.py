@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import score_all
+from vrcomfort.questionnaire import score_all, shipped_instruments
 from vrcomfort.report.outcomes import Outcome, outcomes_of
 from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.study_data import conditions_in
@@ -207,10 +207,16 @@ def _contrasts(
 
 
 def _families(outcomes: tuple[Outcome, ...], analysis: str, of: str = "") -> Iterator[str]:
-    """Adjust totals and their subscales in separate families: both hold the same answers."""
-    totals = [each.name for each in outcomes if each.parts]
-    others = [each.name for each in outcomes if not each.parts]
-    named = {"total": totals, "subscales": others} if totals else {"scores": others}
+    """Adjust totals, subscales, and each instrument of the lab's own in separate families.
+
+    Totals and subscales hold the same answers; a lab's own questions ask for something else.
+    """
+    shipped = shipped_instruments()
+    rest = "subscales" if any(each.parts for each in outcomes) else "scores"
+    named: dict[str, list[str]] = {"total": [], rest: []}
+    for each in outcomes:
+        family = rest if each.instrument in shipped else each.instrument
+        named.setdefault("total" if each.parts else family, []).append(each.name)
     for name, members in named.items():
         if members:
             yield from ("", "[[families]]", f"name = {toml_value(name + of)}")
