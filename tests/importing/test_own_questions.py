@@ -275,6 +275,7 @@ def test_words_of_agreement_are_answers_whatever_the_heading_asks(tmp_path: Path
         (["1/2 The robot [It is loud]", "1/2 The robot [It is kind]"], 2),
         (["Q_near", "Q_far", "Q_text"], 3),
         (["column 1", "Comfort"], 1),
+        (["I felt sure", "It was easy to drive the whole distance", "I felt at ease"], 3),
     ],
 )
 def test_columns_beside_questions_on_their_scale_are_questions(
@@ -322,6 +323,23 @@ def test_a_sum_beside_questions_does_not_widen_their_scale(tmp_path: Path) -> No
     assert own_items(found)["q_1"] == (1, 5)
     assert own_items(found)["social_presence"] == (0, 20)
     assert found.conditions == ["0", "1"]
+
+
+def test_three_columns_of_a_questionnaire_beside_ranks_and_scores_of_items(tmp_path: Path) -> None:
+    """Columns of an order, several of them, rank something and are no sequence of conditions."""
+    head = ["id", "order_sound", "order_light", "order_colour", "there", "place", "vivid", "Sum A"]
+    rows = []
+    for n in range(1, 20):
+        order = [1 + (n + k) % 3 for k in range(3)]
+        given = [1 + (n * k) % 7 for k in (1, 2, 3)]
+        rows.append([n, *order, *given, round(sum(given) / 3, 2)])
+    found = imported_from(write(tmp_path / "presence_questionnaire.csv", [head, *rows]))
+    assert {*own_items(found)} == {"there", "place", "vivid"}
+    assert found.conditions == ["all"]
+    items = [f"Item{n}" for n in range(1, 7)]
+    rows = [[n, *(1 + (n + k * k) % 7 for k in range(6)), 1 + n % 6 + 0.25] for n in range(20)]
+    file = write(tmp_path / "imi.csv", [["UserID", *items, "Perceived enjoyment"], *rows])
+    assert len(own_items(imported_from(file))) == len(items)
 
 
 def test_a_setting_drawn_for_each_person_is_no_condition(tmp_path: Path) -> None:

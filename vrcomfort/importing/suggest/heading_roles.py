@@ -205,11 +205,14 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
             roles.facts[role] = ordered
             roles.alike[role] = [c for weight, c in sorted(found) if weight == min(found)[0]]
         else:
-            roles.covariates[role] = ordered[0]
-            roles.unknown = sorted([*roles.unknown, *ordered[1:]])
+            taken = 0 if role == "sequence" and len(ordered) > _MOST_ORDERS else 1  # order_colour
+            roles.covariates |= dict.fromkeys([role][:taken], ordered[0])
+            roles.unknown = sorted([*roles.unknown, *ordered[taken:]])
     return roles
 
 
+_MOST_ORDERS = 2
+"""More columns of orders than this rank something."""
 _OWN_NAME = 100
 """The name of a nested value counts more than that of a record around it."""
 _REMARK = re.compile(r"\s*\([^()]*\)$")

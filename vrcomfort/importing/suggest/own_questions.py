@@ -44,11 +44,13 @@ from vrcomfort.questionnaire.instrument_file import TAKEN
 
 OWN = Stake("columns would be questions that are none, or have other ends of their scale", 60)
 _FEWEST_STEPS, FEWEST_ANSWERS = 2, 4
-_MOST_OF_RECORD = 7
+_MOST_OF_SHORT = 7
 _SENTENCE = 4
 """Words of a heading that is a sentence."""
 _FEWEST_DEGREES, _FEWEST_OF_BLOCK = 3, 5
 """Different answers to a question that its place alone shows, and how many of these are one."""
+_NAMES = frozenset(["questionnaire", "questionnaires", "survey", "fragebogen", "umfrage", "likert"])
+"""Words in the names of files of answers."""
 _BRACKET = re.compile(r"\[([^\[\]]*[^\W\d_]{2}[^\[\]]*)\]\s*$")
 """The statement of a grid of questions: ``Do you agree? [I felt present]``."""
 _ENDS = (
@@ -141,7 +143,6 @@ class OwnQuestions:
         """Return the questions, with the words of each that tell administrations apart."""
         rated = {c for course in self.courses for c in course.columns}
         columns = [c for c in self._scales if c not in rated and self._asks(c)]
-        columns += self._in_their_records(columns, rated)
         columns += self._in_their_runs(columns, rated)
         columns += self._of_their_family(columns, rated)
         columns = [c for c in columns if not self._is_made_of(c, columns)]
@@ -178,29 +179,21 @@ class OwnQuestions:
             found.append(replace(each, text=asked, context=(str(run + 1),)))
         return found
 
-    def _in_their_records(self, asking: Sequence[int], rated: set[int]) -> list[int]:
-        """Return other values of JSON records with questions that are on the same scale."""
-        if not self._table.nested:
-            return []
-        records = {record: self._scales[c] for c in asking if (record := self._record(c))}
-        open_ = {*self._roles.unknown} & {*self._scales} - {*asking} - rated
-        alike = {
-            c: self._scales[c] | records[r] for c in open_ if (r := self._record(c)) in records
-        }
-        return sorted(c for c, scale in alike.items() if scale.usual.high <= _MOST_OF_RECORD)
-
     def _in_their_runs(self, asking: Sequence[int], rated: set[int]) -> list[int]:
         """Return columns in a run on one short scale that asks, by some of its columns or length.
 
-        Two of its columns ask; or one, and the others are sentences; or five stand there, with
-        both ends of their scale.
+        Two of its columns ask; or one, and the others are sentences; or five stand there, three
+        in a file that is called a questionnaire, with both ends of their scale.
         """
         open_ = {*self._roles.unknown} & {*self._scales} - rated
+        name = {*tokens(f"{self._table.file.stem} {self._table.sheet}")}
+        called = name & (_NAMES | self._vocabulary.asking.words)
+        fewest = FEWEST_OF_SERIES if called else _FEWEST_OF_BLOCK
         found: list[int] = []
         for run in self._runs(open_ | {*asking}, {*asking}):
             asked = [c for c in run if c in asking]
             widest = reduce(lambda one, other: one | other, (self._scales[c] for c in run))
-            block = len(run) >= _FEWEST_OF_BLOCK and widest == widest.usual
+            block = len(run) >= fewest and widest == widest.usual and not self._are_ranks(run)
             sentences = all(len(self._words(c)) >= _SENTENCE for c in run)
             if block or len(asked) > 1 or (asked and sentences):
                 found += (c for c in run if c not in asking)
@@ -211,7 +204,7 @@ class OwnQuestions:
         runs: list[list[int]] = [[]]
         for column in sorted(c for c in columns if self._is_short(c, told=c in asking)):
             scales = (self._scales[c] for c in (*runs[-1], column))
-            short = reduce(lambda one, other: one | other, scales).usual.high <= _MOST_OF_RECORD
+            short = reduce(lambda one, other: one | other, scales).usual.high <= _MOST_OF_SHORT
             if runs[-1] and (runs[-1][-1] + 1 < column or not short):
                 runs.append([])
             runs[-1].append(column)
@@ -219,7 +212,7 @@ class OwnQuestions:
 
     def _is_short(self, column: int, *, told: bool) -> bool:
         own = self._scales[column]
-        if own.usual.high > _MOST_OF_RECORD or own.step < 1:
+        if own.usual.high > _MOST_OF_SHORT or own.step < 1:
             return False
         few = len(texts(self._table, column)) < _FEWEST_DEGREES
         return told or not (few or self._is_other(column))
@@ -232,7 +225,7 @@ class OwnQuestions:
             widest = reduce(lambda one, other: one | other, (self._scales[c] for c in family))
             if (
                 {*family} & {*asking} or code in self._vocabulary.item_fillers
-            ) and widest.usual.high <= _MOST_OF_RECORD:
+            ) and widest.usual.high <= _MOST_OF_SHORT:
                 found += (c for c in family if c in open_ and not self._is_other(c))
         return found
 
@@ -256,12 +249,10 @@ class OwnQuestions:
 
     def _is_other(self, column: int) -> bool:
         """Return whether a column beside questions is something else by its heading or cells."""
-        said = bool({*self._words(column)} & self._vocabulary.asking.others)
+        words = self._words(column)
+        said = len(words) <= _SENTENCE and bool({*words} & self._vocabulary.asking.others)
         counts = is_identifier(self._table, column, self._vocabulary)
         return said or counts or self._is_no_answer(column)
-
-    def _record(self, column: int) -> str:
-        return self._table.headings[column].rpartition(".")[0]
 
     def _words(self, column: int) -> list[str]:
         return tokens(f"{self._table.headings[column]} {self._table.labels[column]}")
@@ -329,7 +320,10 @@ class OwnQuestions:
     def _is_made_of(self, column: int, columns: Sequence[int]) -> bool:
         """Return whether a mean or a total stands beside the questions that it is made of."""
         others = [c for c in sorted(columns) if c != column]
-        if self._scales[column].step < 1 and self._is_mean(column, others):
+        scale = self._scales[column]
+        whole = [c for c in others if self._scales[c].step == 1]
+        items = [c for c in whole if self._scales[c].usual[:2] == scale.usual[:2]]
+        if scale.step < 1 and (len(items) >= _FEWEST_OF_BLOCK or self._is_mean(column, whole)):
             return True
         fillers = self._vocabulary.scale_fillers | self._vocabulary.totals | {"mean", "avg"}
         given = tokens(self._table.headings[column])
@@ -338,9 +332,8 @@ class OwnQuestions:
         said = ({*tokens(self._table.headings[c])} for c in others)
         return bool(words & fillers) and any(own & each and not each & fillers for each in said)
 
-    def _is_mean(self, column: int, others: Sequence[int]) -> bool:
+    def _is_mean(self, column: int, whole: Sequence[int]) -> bool:
         """Return whether a column is the mean of a run of others, wherever these are answered."""
-        whole = [c for c in others if self._scales[c].step == 1]
         decimal = self._table.reading.decimal or "."
         values = {c: [number(t, decimal) for t in self._table.column(c)] for c in (column, *whole)}
         ends = range(2, 1 + len(whole))
