@@ -29,6 +29,10 @@ def test_williams_balances_position_and_what_follows_what(n):
     assert (np.diag(follows) == 0).all()
 
 
+def test_a_williams_square_has_the_same_orders_in_every_version():
+    assert williams(4) == [[0, 1, 3, 2], [1, 2, 0, 3], [2, 3, 1, 0], [3, 0, 2, 1]]
+
+
 @pytest.mark.parametrize("n", [3, 5])
 def test_an_odd_number_needs_two_squares(n):
     """By counting alone: no Latin square of n rows of a cyclic form balances carry-over."""

@@ -32,7 +32,7 @@ from vrcomfort.respondent import (
     Withdrew,
 )
 from vrcomfort.respondent.panel import PanelRespondent
-from vrcomfort.respondent.panel_layout import Act
+from vrcomfort.respondent.panel_layout import FOOT_TOP_PX, MARGIN_PX, SIZE_PX, Act
 from vrcomfort.respondent.panel_picture import TEXT, Painter, instruction_page
 from vrcomfort.session import NoPictures, StillHeadset
 from vrcomfort.session.instructor import instruction_faults
@@ -314,6 +314,10 @@ def test_the_panel_shows_the_picture_as_it_is_and_a_button_once_one_may_go_on():
     rows_, columns = np.nonzero(green)
     assert columns.min() + columns.max() + 1 == 1024  # in the middle
     assert (drawn[: rows_.min()] == np.array(TEXT)).all(axis=2).any()  # words above it
+    many = Painter().draw(instruction_page(InstructionContent("a", "i " * 600), ready=False), None)
+    _, columns = np.nonzero((many[:FOOT_TOP_PX] == np.array(TEXT)).all(axis=2))
+    assert MARGIN_PX <= columns.min() < MARGIN_PX + 20  # words have the width between the margins
+    assert SIZE_PX[0] - MARGIN_PX - 20 < columns.max() < SIZE_PX[0] - MARGIN_PX
     pages = []
     screen = ScriptedScreen([choose(Act.CONFIRM)])
     person = PanelRespondent(screen, watch=lambda page: (pages.append(page), screen.watch(page)))
@@ -442,3 +446,4 @@ def test_simulate_tells_instructions(tmp_path):
         size_px=(16, 16), exposure_s=None, frames=False,
     )  # fmt: skip
     assert len(events(tmp_path)) == 3
+    assert "sound welcome.wav, 1.5 of 1.5 s" in events(tmp_path)[0][1]

@@ -16,13 +16,16 @@ import pytest
 from tests.support.openxr_runtime import ScriptedRuntime, numbers
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.frame import Frame
-from vrcomfort.geometry import Pose, axis_angle
+from vrcomfort.geometry import Pose, Quad, axis_angle
 from vrcomfort.gpu import gl
 from vrcomfort.headset.base import Headset
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
+import xr
+
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
+from vrcomfort.headset.openxr.native import pose_from_xr
 
 pytestmark = pytest.mark.windows
 SIZE_PX = (16, 16)
@@ -87,7 +90,32 @@ def test_states_presence_and_pictures_follow_the_script(
     assert len({frame.period_ns for frame in frames}) == 1
     names = [name for name, _ in told]
     assert names.count("headset_off") == names.count("unfocused") == 1
-    assert "controller_lost" not in names
+    assert not {"controller_lost", "controller_found"} & {*names}
+
+
+def test_a_session_ends_when_it_is_asked_to_also_before_its_first_frame(
+    ctx: moderngl.Context, tmp_path: Path
+) -> None:
+    with headset(ctx, tmp_path) as made:
+        assert made.wake(10.0)
+    settings = OpenXrSettings(image_size_px=SIZE_PX, patience_s=2.0)
+    with ScriptedRuntime(tmp_path), OpenXrHeadset(ctx, settings) as made:
+        assert len(shown(ctx, made, 3)) == 3
+        made.request_exit()
+        assert len(shown(ctx, made, 100)) < 100
+
+
+def test_a_panel_that_is_moved_stands_elsewhere(ctx: moderngl.Context, tmp_path: Path) -> None:
+    with headset(ctx, tmp_path) as made:
+        panel = made.show_panel((8, 6), Quad(Pose(), (1.0, 0.75)))
+        panel.draw(np.zeros((6, 8, 4), np.uint8))
+        moved = Pose(np.array([0.5, 1.25, -2.0]), axis_angle([0.0, 1.0, 0.0], 0.5))
+        panel.move(Quad(moved, (1.0, 0.75)))
+        layer = panel.structure(xr.Space())
+        assert layer is not None
+        stands = pose_from_xr(layer.pose)
+    assert np.allclose(stands.position, moved.position)
+    assert np.allclose(stands.orientation, moved.orientation)
 
 
 def test_what_is_shown_comes_to_the_runtime_with_its_depth(
