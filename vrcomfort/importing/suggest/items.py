@@ -115,8 +115,9 @@ def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> lis
         taken = other.union(*(block.columns for block in found))
         blocks = [b for i in known.instruments for b in find(table, i, taken, known.vocabulary)]
         found += _best(table, blocks, known.instruments)
+    severe = [each for each in known.instruments if _is_of_severity(each)]
     if not found and not table.reading.heading_rows:
-        found = _runs(table, known) or _by_position(table, known, named or known.instruments)
+        found = _runs(table, known) or _by_position(table, known, named or severe)
     elif not found:
         people = {c for c in columns if is_identifier(table, c, known.vocabulary)}
         found = _by_position(table, known, named, other | people)
@@ -497,9 +498,14 @@ _FEWEST_UNNAMED = 8
 
 
 def _is_named(table: SourceTable, columns: Sequence[int], instrument: Instrument) -> bool:
-    """Return whether numbered columns name their instrument, or are too many for another."""
+    """Return whether numbered columns name their instrument, or are many on a scale of its own."""
     said = named_by_file(table, [instrument], *(table.headings[c] for c in columns))
-    return len(instrument.asked) >= _FEWEST_UNNAMED or bool(said)
+    return bool(said) or (len(instrument.asked) >= _FEWEST_UNNAMED and _is_of_severity(instrument))
+
+
+def _is_of_severity(instrument: Instrument) -> bool:
+    """Return whether an instrument asks from none to severe, as few questions of a lab's own do."""
+    return instrument.high - instrument.low == _STEPS
 
 
 def _fit(table: SourceTable, columns: Sequence[int], instrument: Instrument) -> bool:
@@ -565,7 +571,7 @@ def _runs(table: SourceTable, known: Known) -> list[Found]:
     length = Counter(map(len, blocks)).most_common(1)[0][0] if blocks else 0
     runs = [block for block in blocks if len(block) == length]
     said = named_by_file(table, known.instruments)
-    fits = [i for i in known.instruments if len(i.asked) >= length and i.high - i.low == _STEPS]
+    fits = [i for i in known.instruments if len(i.asked) >= length and _is_of_severity(i)]
     fits.sort(key=lambda each: (len(each.asked) != length, each.name not in said))
     if len(runs) < 2 or length < FEWEST or not fits:
         return []
