@@ -452,3 +452,83 @@ def test_a_moment_before_own_questions_stays_one_where_others_are_named(tmp_path
     rows = [[f"A{n}", *(1 + (n * k) % 5 for k in range(1, 7))] for n in range(1, 9)]
     found = imported_from(write(tmp_path / "moments.csv", [head, *rows]))
     assert {key.timepoint for _, key in found.responses} == {"baseline", "post"}
+
+
+@pytest.mark.parametrize("headings", [True, False])
+def test_fourteen_numbers_without_a_name_are_no_presence_questionnaire(
+    headings: bool, tmp_path: Path
+) -> None:
+    head = ["id", "setup", *(f"Q{n}" for n in range(1, 15))]
+    rows: list[list[object]] = [
+        [f"P{n}", ("hands", "pad")[n % 2], *(RANDOM.randint(1, 5) for _ in range(14))]
+        for n in range(1, 21)
+    ]
+    found = imported_from(write(tmp_path / "survey.csv", [head, *rows] if headings else rows))
+    assert {*own_items(found).values()} == {(1, 5)}
+    assert len(own_items(found)) == 14
+    assert "ipq" not in {name for name, _ in found.responses}
+
+
+def test_a_file_that_lacks_some_questions_is_of_the_same_instrument_and_of_its_condition(
+    tmp_path: Path,
+) -> None:
+    asked = [
+        "I liked this condition very much",
+        "I would show this condition to my friends",
+        "The exercise made me feel tired",
+    ]
+    often = "How often would you like this condition?"
+    files = [
+        write(
+            tmp_path / f"Condition {number}.csv",
+            [
+                ["Participant ID", *asked[:count], often],
+                *(
+                    [n, *(RANDOM.randint(1, 5) for _ in range(count)), ("Rarely", "Daily")[n % 2]]
+                    for n in range(1, 9)
+                ),
+            ],
+        )
+        for number, count in ((1, 3), (2, 3), (3, 2))
+    ]
+    found = imported_from(*files)
+    assert {name for name, _ in found.responses} == {"own_questions"}
+    assert {m.condition for _, m in found.responses} == {"1", "2", "3"}
+    assert not found.not_asked
+    tired = answers(found, "the_exercise_made_me_feel_tired")
+    assert {condition for _, condition, _ in tired} == {"1", "2"}
+
+
+def test_symptoms_of_a_record_are_asked_again_where_nobody_had_them(tmp_path: Path) -> None:
+    people = {
+        f"t{n}": {
+            where: {**dict(zip(ENGLISH, ssq(), strict=True)), "boredom": n % 3 * (where == "walk")}
+            for where in ("sit", "walk", "run")
+        }
+        for n in range(1, 13)
+    }
+    file = tmp_path / "answers.json"
+    file.write_text(json.dumps(people), encoding="utf-8")
+    found = imported_from(file)
+    assert {c for _, c, _ in answers(found, "boredom")} == {"sit", "walk", "run"}
+    assert len({name for name, _ in found.responses}) == 2
+
+
+@pytest.mark.parametrize(
+    "items",
+    [
+        ["GEQ_Imm1", "GEQ_Imm2", "GEQ_PosAff1", "GEQ_PosAff2", "GEQ_PosAff3"],
+        ["I felt content", "I felt good", "I felt nauseous", "I was interested in the task"],
+    ],
+)
+def test_questions_under_one_code_or_as_sentences_are_one_instrument(
+    items: list[str], tmp_path: Path
+) -> None:
+    rows: list[list[object]] = [
+        [f"P{n}", c, *(RANDOM.randint(1, 5) for _ in items)]
+        for n in range(1, 13)
+        for c in ("a", "b")
+    ]
+    found = imported_from(write(tmp_path / "games.csv", [["id", "Condition", *items], *rows]))
+    assert len({name for name, _ in found.responses}) == 1
+    assert len(own_items(found)) == len(items)

@@ -579,7 +579,16 @@ def _require_sheets(
 
 
 def _finish(imported: Imported) -> None:
-    """Add participants without covariates, and note ids that may be one person."""
+    """Add participants without covariates, and note ids that may be one person.
+
+    What one file asks was asked, though another lacks it.
+    """
+    asked = {(name, i) for (name, _), each in imported.responses.items() for i in each.answers}
+    lacking = {
+        name: tuple(item for item in items if (name, item) not in asked)
+        for name, items in imported.not_asked.items()
+    }
+    imported.not_asked = {name: items for name, items in lacking.items() if items}
     people = [administration.participant for _, administration in imported.responses]
     people += [rating.administration.participant for rating in imported.ratings]
     people += [end.administration.participant for end in imported.ends]

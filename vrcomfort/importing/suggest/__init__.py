@@ -27,7 +27,11 @@ from vrcomfort.importing.suggest.draft import (
     write_doubts,
 )
 from vrcomfort.importing.suggest.excluded_files import excluded_files
-from vrcomfort.importing.suggest.groups_of_files import say_baselines, say_groups
+from vrcomfort.importing.suggest.groups_of_files import (
+    say_baselines,
+    say_groups,
+    say_names_of_files,
+)
 from vrcomfort.importing.suggest.heading_roles import names_fact
 from vrcomfort.importing.suggest.joined_tables import joined
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
@@ -108,6 +112,7 @@ def suggest_mapping(
         groups.setdefault((table.headings, rows), []).append(table)
     drafts = joined([TableDraft(tables, known) for tables in groups.values()], known)
     useful = [d for d in drafts if d.gives and not is_sidecar(d.tables[0], read)] or drafts
+    say_names_of_files(useful)
     say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)
     say_baselines(useful)
     top = TomlDraft({"format_version": 1, "name": files[0].stem})
@@ -149,23 +154,26 @@ def suggest_mapping(
 
 
 def _declare(top: TomlDraft, drafts: Sequence[TableDraft]) -> None:
-    """Declare the lab's own questions; those of several tables together if they are the same."""
+    """Declare the lab's own questions; those of several tables together if they are the same.
+
+    A table may lack some of another's questions, where these have words.
+    """
     declared: dict[str, TomlDraft] = {}
-    items_of: dict[str, tuple[str, ...]] = {}
     for draft in drafts:
         for each in draft.own:
-            items = tuple(item.name for item in each.items)
-            names = (each.name, *(f"{each.name}_{n}" for n in range(2, 10_000)))
-            name = next(n for n in names if items_of.get(n, items) == items)
             said = tomllib.loads(each.text)
+            names = (each.name, *(f"{each.name}_{n}" for n in range(2, 10_000)))
+            name = next(n for n in names if n not in declared or _are_same(declared[n], said))
             if name != each.name:
                 draft.rename(each.name, name)
             if name in declared:
                 _widen(declared[name], said)
                 continue
-            items_of[name] = items
             found = declared[name] = TomlDraft({"name": name, **_without(said, "name", "items")})
             found.lists["items"] = [TomlDraft(item) for item in said["items"]]
+    for draft in drafts:
+        for name, whole in declared.items():
+            draft.lack(name, [str(item.values["name"]) for item in whole.lists["items"]])
     if not declared:
         return
     files = top.values.pop("instruments", None)
@@ -178,16 +186,28 @@ def _declare(top: TomlDraft, drafts: Sequence[TableDraft]) -> None:
         top.lists["instruments"] = [*declared.values()]
 
 
+def _are_same(declared: TomlDraft, said: Mapping[str, Any]) -> bool:
+    """Return whether the items are those of a declared instrument, or some, told by words."""
+    one = {item.values["name"] for item in declared.lists["items"]}
+    two = {item["name"] for item in said["items"]}
+    worded = not any(str(name)[-1].isdecimal() for name in one | two)
+    return one == two or (worded and len(one & two) > 1 and (one < two or two < one))
+
+
 def _widen(declared: TomlDraft, said: Mapping[str, Any]) -> None:
-    """Let the scales of a declared instrument have the answers of another table, too."""
-    pairs = zip([declared, *declared.lists["items"]], [said, *said["items"]], strict=True)
+    """Let a declared instrument have the answers, and the items, of another table, too."""
+    there = {item.values["name"]: item for item in declared.lists["items"]}
+    added = [TomlDraft(item) for item in said["items"] if item["name"] not in there]
+    pairs = [(declared, said), *((there.get(item["name"]), item) for item in said["items"])]
     for draft, other in pairs:
-        one, two = draft.values.get("answers"), other.get("answers") or said["answers"]
-        if isinstance(one, dict):
+        one = draft.values.get("answers") if draft else None
+        two = other.get("answers") or said["answers"]
+        if draft and isinstance(one, dict):
             draft.put(
                 "answers",
                 {**one, "low": min(one["low"], two["low"]), "high": max(one["high"], two["high"])},
             )
+    declared.lists["items"] += added
 
 
 def _without(said: Mapping[str, Any], *keys: str) -> dict[str, Any]:

@@ -274,11 +274,8 @@ def _differs_within_people(context: Context, column: int) -> bool:
         return False
     if column in context.derived or not few_texts(table, column) or measures(table, column):
         return False
-    words = tokens(table.headings[column])
-    if {*words} & context.vocabulary.scale_fillers:
+    if {*tokens(table.headings[column])} & context.vocabulary.scale_fillers:
         return False  # a sum or a score
-    if len(words) >= FEWEST_OF_SENTENCE and OPINIONS & {*words}:
-        return False  # a question of the lab's own
     return varies_within(table, column, context.participant)
 
 
@@ -486,6 +483,9 @@ def candidates(role: str, columns: Iterable[int], context: Context) -> list[Cand
     rows = sorted((each for each in CELLS if each.role == role), key=lambda each: -each.weight)
     found = []
     for column in dict.fromkeys(columns):
+        words = tokens(context.table.headings[column])
+        if role == "condition" and len(words) >= FEWEST_OF_SENTENCE and OPINIONS & {*words}:
+            continue  # a question of the lab's own
         heaviest = next((each for each in rows if each.test(context, column)), None)
         if heaviest is not None:
             found.append(Candidate(column, heaviest))

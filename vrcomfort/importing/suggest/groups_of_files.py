@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations
 
+from vrcomfort.importing.mapping import template_pattern
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.draft import CONDITIONS, OpenDoubt
 from vrcomfort.importing.suggest.evidence import MOST_CONDITIONS, few_texts, texts
@@ -14,6 +15,25 @@ from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 
 _FEWEST = 2
 """People of a group."""
+
+
+def say_names_of_files(drafts: Sequence[TableDraft]) -> None:
+    """Let the name of a file say its condition, where it is made as those of others are."""
+    templates = dict.fromkeys(
+        template
+        for draft in drafts
+        if isinstance(template := draft.draft.values.get("file_name"), str)
+        if "{condition}" in template and "/" not in template
+    )
+    for draft in drafts:
+        if draft.draft.values.get("condition") != _ALL or "file_name" in draft.draft.values:
+            continue
+        stems = [table.file.stem for table in draft.tables]
+        for template in templates:
+            if all(map(template_pattern(template).fullmatch, stems)):
+                draft.draft.put("file_name", template)
+                del draft.draft.values["condition"]
+                draft.doubts = [d for d in draft.doubts if not d.question.startswith(_ONE)]
 
 
 def say_groups(
@@ -53,7 +73,8 @@ def _groups_in(table: SourceTable, heading: str, vocabulary: LabVocabulary) -> d
     roles = roles_of(table, range(len(table.headings)), vocabulary)
     columns = [*roles.facts.get("condition", ()), *filter(None, [roles.covariates.get("group")])]
     columns = [c for c in columns if few_texts(table, c)]
-    if not columns or len({*people}) < len(people):
+    crossed = any({*texts(table, c)} == {*texts(table, columns[0])} for c in columns[1:])
+    if not columns or crossed or len({*people}) < len(people):
         return {}
     groups: dict[str, list[str]] = {}
     for person, text in zip(people, table.column(columns[0]), strict=True):

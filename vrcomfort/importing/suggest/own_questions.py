@@ -92,14 +92,14 @@ class OwnQuestions:
             for column, heading in enumerate(table.headings)
         )
         no_item = known.vocabulary.response_labels if items else frozenset()
-        named = bool(table.reading.heading_rows or table.nested)
+        self._has_headings = bool(table.reading.heading_rows or table.nested)
         cells = (cell for row in table.rows for cell in row)
         seven = are_of_seven(cells, known.vocabulary)
         self._scales = {
             column: scale
-            for column in (columns if named else ())
+            for column in columns
             if plain(table.headings[column]) not in no_item
-            if not table.headings[column].startswith("column ")
+            if not (self._has_headings and table.headings[column].startswith("column "))
             if (scale := scale_of(table, column, known.vocabulary, of_seven=seven)) is not None
         }
 
@@ -145,6 +145,7 @@ class OwnQuestions:
         columns = [c for c in self._scales if c not in rated and self._asks(c)]
         columns += self._in_their_runs(columns, rated)
         columns += self._of_their_family(columns, rated)
+        columns += self._asked_again(columns, rated)
         columns = [c for c in columns if not self._is_made_of(c, columns)]
         return self._in_runs(self._crossed([*map(self._question, sorted(columns))]))
 
@@ -228,6 +229,12 @@ class OwnQuestions:
             ) and widest.usual.high <= _MOST_OF_SHORT:
                 found += (c for c in family if c in open_ and not self._is_other(c))
         return found
+
+    def _asked_again(self, asking: Sequence[int], rated: set[int]) -> list[int]:
+        """Return other columns with the same question in another administration."""
+        asked = {plain(self._question(c).text) for c in asking}
+        open_ = {*self._roles.unknown} & {*self._scales} - rated - {*asking}
+        return [c for c in sorted(open_) if plain(self._question(c).text) in asked]
 
     @cached_property
     def _families(self) -> dict[str, list[int]]:
@@ -351,7 +358,7 @@ class OwnQuestions:
         """Return columns of numbered codes with answers of few steps: ``Q1`` … ``Q7``."""
         groups: dict[tuple[str, ...], list[tuple[int, int]]] = defaultdict(list)
         vocabulary = self._vocabulary
-        for column in self._roles.unknown:
+        for column in self._roles.unknown if self._has_headings else ():
             words = tokens(self._table.headings[column])
             if words and words[-1].isdecimal():
                 groups[tuple(words[:-1])].append((int(words[-1]), column))
@@ -419,7 +426,9 @@ class OwnQuestions:
         text = " ".join(given[n] for n in range(start, end) if n not in inside)
         if not context and len(given) >= _SENTENCE:
             text = self._table.headings[column]
-        code = words[start] if end - start > 1 and len(given) < _SENTENCE + len(context) else ""
+        short = sum(not word.isdecimal() for word in words) < _SENTENCE + len(context)
+        said = {*words} & self._vocabulary.asking.sentences  # I felt content
+        code = words[start] if end - start > 1 and short and not said else ""
         return self._made(column, text, context, code)
 
     @cached_property

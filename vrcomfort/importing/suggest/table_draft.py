@@ -150,6 +150,14 @@ class TableDraft(KeptRows):
             if each.values["instrument"] == instrument:
                 each.put("instrument", name)
 
+    def lack(self, instrument: str, items: Sequence[str]) -> None:
+        """Say which of an instrument's items were not asked here, but elsewhere."""
+        for each in self.draft.lists.get("questionnaires", ()):
+            there = each.tables["items"].values if "items" in each.tables else {}
+            lacking = [item for item in items if item not in there]
+            if each.values["instrument"] == instrument and there and lacking:
+                each.put("not_asked", lacking)
+
     @property
     def ignored(self) -> set[str]:
         """Return the headings of the columns that are not imported."""
