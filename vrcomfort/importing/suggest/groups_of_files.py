@@ -23,7 +23,7 @@ def say_names_of_files(drafts: Sequence[TableDraft]) -> None:
         template
         for draft in drafts
         if isinstance(template := draft.draft.values.get("file_name"), str)
-        if "{condition}" in template and "/" not in template
+        if "{condition}" in template.replace("{", " {").split()[1:] and "/" not in template
     )
     for draft in drafts:
         if draft.draft.values.get("condition") != _ALL or "file_name" in draft.draft.values:
