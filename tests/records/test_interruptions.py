@@ -65,6 +65,15 @@ def test_time_goes_on_after_everything_on_record(tmp_path: Path) -> None:
     assert [float(each) for each in began] == [400.0]
 
 
+def test_time_begins_at_zero_where_nothing_is_on_record(tmp_path: Path) -> None:
+    go(tmp_path, interrupt=(1, 0))
+    for file in folder(tmp_path).glob("*.csv"):
+        file.write_text(file.read_text().partition("\n")[0] + "\n")
+    go(tmp_path, resume=True)
+    began = [row["onset_s"] for row in rows(tmp_path, "events") if row["name"] == "session_resumed"]
+    assert [float(each) for each in began] == [0.0]
+
+
 @pytest.fixture(scope="module")
 def whole_bytes(tmp_path_factory: pytest.TempPathFactory) -> int:
     """Return how many bytes a whole session takes."""

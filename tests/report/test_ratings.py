@@ -72,12 +72,13 @@ def test_nobody_left(tmp_path):
 def test_everybody_left_at_once(tmp_path):
     study = RatedStudy()
     for person in range(5):
-        study.expose(f"P{person}", "a", [4, 9], ended_s=25.0, status="withdrawn")
+        study.expose(f"P{person}", "a", [4, 9], ended_s=25.0 + (person == 4), status="withdrawn")
     found = results_of(study, tmp_path, threshold=15)
     leaving = found["leaving"]
     assert (leaving["n"], leaving["came"]) == (5, 5)
     (curve,) = leaving["curves"]
     assert curve["median_s"] == 25
+    assert [each["time_s"] for each in curve["at"]] == [6.5, 13, 19.5, 26]
     assert curve["at"][-1]["survival"] == 0
     assert curve["at"][-1]["standard_error"] is None
     assert "one condition in one position" in leaving["cox"]["not_fitted"]

@@ -11,6 +11,7 @@ import pytest
 from tests.support.operator import ScriptedDesk, Wanted
 from tests.support.resume import go
 from tests.support.study import PROTOCOL, Scripted, tiny_protocol
+from vrcomfort.operator_interface import NoOperator
 from vrcomfort.protocol.timeline import PlannedStep
 from vrcomfort.session.operator_control import OperatorControl, SessionTime
 
@@ -193,3 +194,17 @@ def test_an_exposure_that_is_redone_is_expected_again(tmp_path: Path) -> None:
     desk = watched(tmp_path, script=[Wanted("exposure", "redo", after=40)])
     first, again = [left for kind, left in desk.left_s if kind == "exposure"][:2]
     assert again == pytest.approx(first)
+
+
+def test_a_step_says_how_much_of_it_is_done(tmp_path: Path) -> None:
+    heard = []
+
+    class Noting(OperatorControl):
+        def come(self, done: float, total: float) -> None:
+            heard.append((done, total))
+            super().come(done, total)
+
+    go(tmp_path, operators=Noting(NoOperator()))
+    timed = [(done, total) for done, total in heard if total > 0]
+    assert len({done for done, _ in timed}) > 2
+    assert all(0 <= done <= total for done, total in timed)

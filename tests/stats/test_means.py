@@ -61,3 +61,11 @@ def test_evidence_that_no_float_can_hold_is_infinite():
     assert found is not None
     assert found.t > 1000
     assert found.bayes_factor_10 == math.inf
+
+
+def test_many_values_are_resampled_a_few_at_a_time(monkeypatch):
+    values = np.random.default_rng(3).normal(size=201)
+    whole = mean_interval(values)
+    monkeypatch.setattr("vrcomfort.stats.means._BLOCK", 100)  # less than one resample
+    found = mean_interval(values)
+    assert (found.low, found.high) == pytest.approx((whole.low, whole.high))

@@ -116,6 +116,13 @@ def test_a_slanted_wall_does_not_tear():
     radius = np.where(np.arange(48) < 8, 12.0, 0.5 * (np.arange(48) - 8.0)) * np.ones((24, 1))
     found = ideal_scatter(flat(image, depth, radius), LENS[:256])
     assert not found[:, 10:, 0].any()
+    y, x = np.mgrid[:12, :12]  # slanted both ways, seen from one corner of the lens
+    wall = (x < 8) & (y < 8)
+    image = np.where(wall, 0.0, 1.0)[..., None] * np.ones(3)
+    slanted = flat(image, np.where(wall, 0.1, 0.001), np.where(wall, 0.5 * (x + y), 0.0))
+    found = ideal_scatter(slanted, [[0.7, 0.7, 0.0]])[..., 0]
+    assert not found[3, 8]
+    assert not found[7, 9]
 
 
 def test_longer_sample_lists_begin_with_shorter_ones():

@@ -17,6 +17,7 @@ from vrcomfort.optics.blur_kernels import POISSON_12, POISSON_15, pyramid_levels
 from vrcomfort.optics.circle_of_confusion import head_depth_slope
 from vrcomfort.protocol.conditions import DepthOfField, Kernel
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
+from vrcomfort.render.effects.depth_of_field.engine_kernels import disc_taps
 from vrcomfort.render.effects.effect import EffectInputs
 
 ENGINES = ("half_resolution_disc", "ring_gather", "separable_gaussian")
@@ -38,6 +39,11 @@ def twin(kernel, found, pixel_aspect):
         "mip_slices": lambda points: pyramid.mip(points, slices=True, **limit),
     }
     return made[kernel](found.points)
+
+
+def test_the_taps_of_the_disc_are_its_middle_and_three_rings():
+    away = np.round(np.linalg.norm(disc_taps(), axis=1) * 22).astype(int)
+    assert away.tolist() == [0, *7 * [8], *14 * [15], *21 * [22]]
 
 
 @pytest.fixture

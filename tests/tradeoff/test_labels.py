@@ -173,6 +173,15 @@ def test_a_place_is_found_in_a_crowd():
     assert figures.place([], np.zeros((0, 3)), crowd) == []
 
 
+def test_lines_that_cross_lines_and_boxes_are_found():
+    line = np.array([[[0.0, 0], [20, 20]]])
+    others = np.array([[[0.0, 20], [20, 0]], [[30.0, 0], [30, 90]], [[0.0, 10], [8, 20]]])
+    assert figures._cross(line, others).tolist() == [[True, False, False]]
+    ways = np.array([[[-50.0, 5], [50, 5]], [[-50.0, 50], [50, 50]], [[-50.0, 5], [-20, 5]]])
+    box = np.array([[0.0, 0, 10, 10]])
+    assert figures._hits(box, ways).tolist() == [[True, False, False]]
+
+
 def test_a_line_leads_from_the_rim_to_the_nearest_point():
     marker = np.array([10.0, 10, 3])
     line = figures.leader(np.array([30.0, 5, 50, 15]), marker)

@@ -56,6 +56,9 @@ def test_beside_what_is_sharp_a_blurred_background_has_a_far_edge():
     assert not found["near_rims"].any()
     assert columns(found["in_focus"]) == (0, 22)
     assert columns(found["one_surface"]) == (37, 59)
+    between = (np.arange(60) >= 20) & (np.arange(60) < 40) & np.ones((60, 1), dtype=bool)
+    found = regions(seen(np.where(between, FAR, NEAR), np.where(between, 5.0, 0.0)))
+    assert columns(found["far_edges"]) == (19 - 6, 40 + 6)
 
 
 def test_nothing_is_in_focus_where_a_front_reaches():

@@ -22,6 +22,7 @@ def sheet_of(height, width):
 
 def test_the_margin_is_pale_and_framed():
     image = sheet_of(200, 160)
+    assert image.shape[1] == 2 * 160 + 3 * files.GAP_PX  # of two pictures
     x, y = files.GAP_PX, files.GAP_PX + files.LABEL_PX
     picture = image[y : y + 200, x : x + 160]
     pale = round(255 * (1 - files.FADED))

@@ -626,7 +626,7 @@ def _instruments(
 def _of_the_items(found: CsvTable, known: Mapping[str, Instrument]) -> Instrument | None:
     """Return the instrument that rows without a name are of, by their items."""
     columns = {heading.lower(): place for place, heading in enumerate(found.header)}
-    if not found.rows or "item" not in columns:
+    if not found.rows:
         return None
     item, instrument = columns["item"], columns.get("instrument")
     items = {row[item] for row in found.rows if instrument is None or not row[instrument].strip()}
