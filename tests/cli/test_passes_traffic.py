@@ -6,8 +6,8 @@ import pytest
 
 from tests.support.gl_trace import traced
 from vrcomfort.cli import main
-from vrcomfort.gpu.passes import watched
-from vrcomfort.gpu.traffic import TrafficCounter
+from vrcomfort.gpu.passes import Pass, PassImage, watched
+from vrcomfort.gpu.traffic import DrawnPass, TrafficCounter, added_up
 from vrcomfort.protocol import load_protocol
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.load import load_scene
@@ -61,6 +61,16 @@ def test_the_table_says_how_it_was_counted(passes):
     assert "whole frame" in said
     assert "motion_blur" in said
     assert "reads each of its textures once" in " ".join(said.split())
+
+
+@pytest.mark.parametrize(
+    ("sizes", "runs"),
+    [([(9, 5), (5, 3), (2, 1), (1, 1)], 1), ([(9, 5), (9, 2)], 2), ([(1, 1), (1, 1)], 2)],
+)
+def test_draws_into_halves_of_an_image_are_one_chain(sizes, runs):
+    images = [PassImage(n, size, 4) for n, size in enumerate(sizes)]
+    drawn = [DrawnPass(Pass("halve", (), (image,)), 1, 1, 0) for image in images]
+    assert added_up(drawn).passes == runs
 
 
 @pytest.mark.parametrize("case", ["plain", "dof", "both"])

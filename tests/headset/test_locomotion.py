@@ -182,6 +182,12 @@ def test_a_stair_takes_its_height_from_the_way_across() -> None:
     assert feet_of(walker, HEAD) == pytest.approx([1.0 + walked - 0.54, 0.54, 0.5], abs=1e-9)
 
 
+def test_feet_on_a_step_between_two_floors_stay_where_they_are() -> None:
+    floors = Floors([box(0, -1, 2, 1, 0.54), box(2, -1, 4, 1, 0.72)])
+    for point in ([2.0, 0.6, 0.0], [2.0, 0.7, 0.5]):
+        assert floors.settle(np.array(point)) == pytest.approx(point)
+
+
 def test_a_trembling_head_climbs_stairs_too() -> None:
     walker = placed(HOUSE[:4])
     rng = np.random.default_rng(5)
