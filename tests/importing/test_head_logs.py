@@ -19,6 +19,7 @@ from vrcomfort.importing.head_logs import (
     parse_log_mapping,
     suggest_log_mapping,
 )
+from vrcomfort.importing.head_logs.columns import groups_of, positions
 from vrcomfort.traces.trace import Trace, read_trace
 
 Poses = tuple[NDArray[np.float64], Rotation]
@@ -338,3 +339,9 @@ def test_time_since_the_start_is_preferred_to_the_wall_clock(tmp_path: Path) -> 
     trace = suggest_log_mapping(file).trace
     assert trace is not None
     assert np.diff(trace.time_ns).tolist() == [11_200_000, 11_200_000]
+
+
+def test_columns_that_are_called_positions_are_the_likeliest() -> None:
+    named = [f"{stem}_{axis}" for stem in ("head", "head_position") for axis in "xyz"]
+    found = positions(groups_of(named))
+    assert found[0].columns == {axis: f"head_position_{axis}" for axis in "xyz"}

@@ -56,6 +56,11 @@ LAB: dict[str, tuple[str, Callable[[], str], str]] = {
         "a.json", lambda: json.dumps([{f"a{n}": n for n in range(20_000)}]), "20,000 columns"
     ),
     "20,000 columns": ("a.csv", lambda: ",".join("a" * 20_000) + "\n", "row 1 has 20,000 columns"),
+    "20,000 answers in a cell": (
+        "a.csv",
+        lambda: "a;response\n1;" + json.dumps({f"a{n}": n for n in range(20_000)}) + "\n",
+        "the answers in its cells has 20,002 columns",
+    ),
     "blank rows": ("a.csv", lambda: "a,b\n" + "\n" * 300_000, "more than 1,000,000 cells"),
     "a long text": ("a.csv", lambda: f"a,b\n1,{'x' * 1_500_000}\n", "field larger than"),
 }  # fmt: skip
