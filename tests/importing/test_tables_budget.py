@@ -56,9 +56,12 @@ LAB: dict[str, tuple[str, Callable[[], str], str]] = {
         "a.json", lambda: json.dumps([{f"a{n}": n for n in range(20_000)}]), "20,000 columns"
     ),
     "20,000 columns": ("a.csv", lambda: ",".join("a" * 20_000) + "\n", "row 1 has 20,000 columns"),
-    "20,000 answers in a cell": (
+    "20,000 answers in cells": (
         "a.csv",
-        lambda: "a;response\n1;" + json.dumps({f"a{n}": n for n in range(20_000)}) + "\n",
+        lambda: "a,response\n" + "".join(
+            f"1,{json.dumps({f'a{row}_{n}': n for n in range(4000)})}\n".replace('"', '""')
+            .replace(",", ',"', 1).replace("\n", '"\n') for row in range(5)
+        ),
         "the answers in its cells has 20,002 columns",
     ),
     "blank rows": ("a.csv", lambda: "a,b\n" + "\n" * 300_000, "more than 1,000,000 cells"),
