@@ -581,11 +581,16 @@ def _require_sheets(
 def _finish(imported: Imported) -> None:
     """Add participants without covariates, and note ids that may be one person.
 
-    What one file asks was asked, though another lacks it.
+    Where each question is an outcome by itself, what one file asks was asked.
     """
     asked = {(name, i) for (name, _), each in imported.responses.items() for i in each.answers}
+    alone = {
+        name
+        for name, each in imported.instruments.items()
+        if all(len(scale.terms) == 1 for scale in each.scales)
+    }
     lacking = {
-        name: tuple(item for item in items if (name, item) not in asked)
+        name: tuple(each for each in items if name not in alone or (name, each) not in asked)
         for name, items in imported.not_asked.items()
     }
     imported.not_asked = {name: items for name, items in lacking.items() if items}

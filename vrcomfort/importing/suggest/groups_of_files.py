@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from itertools import combinations
 
@@ -13,17 +14,21 @@ from vrcomfort.importing.suggest.heading_roles import roles_of
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 
+_AFTER_A_WORD = re.compile(r"[^{]*\w[^{]*\{condition\}")
 _FEWEST = 2
 """People of a group."""
 
 
 def say_names_of_files(drafts: Sequence[TableDraft]) -> None:
-    """Let the name of a file say its condition, where it is made as those of others are."""
+    """Let the name of a file say its condition, where it is made as those of others are.
+
+    A word stands before the condition: others may have any name.
+    """
     templates = dict.fromkeys(
         template
         for draft in drafts
         if isinstance(template := draft.draft.values.get("file_name"), str)
-        if "{condition}" in template.replace("{", " {").split()[1:] and "/" not in template
+        if _AFTER_A_WORD.match(template) and "/" not in template
     )
     for draft in drafts:
         if draft.draft.values.get("condition") != _ALL or "file_name" in draft.draft.values:
