@@ -499,6 +499,26 @@ def test_a_file_that_lacks_some_questions_is_of_the_same_instrument_and_of_its_c
     assert {condition for _, condition, _ in tired} == {"1", "2"}
 
 
+def test_names_of_files_that_are_conditions_alone_say_none_of_another_file(tmp_path: Path) -> None:
+    asked = ["I felt tired", "I felt present", "I felt in control"]
+    files = [
+        write(
+            tmp_path / f"{name}.csv",
+            [
+                ["Participant", *asked],
+                *([f"{name[0]}{n}", *(RANDOM.randint(1, 5) for _ in asked)] for n in range(1, 7)),
+            ],
+        )
+        for name in ("VR", "Desktop")
+    ]
+    drawn = [*(f"V{n}" for n in range(1, 7)), *(f"D{n}" for n in range(1, 7))]
+    rows = [[who, RANDOM.randint(0, 40) * 2.5] for who in drawn]
+    files.append(write(tmp_path / "SUS.csv", [["Participant", "Score_SUS"], *rows]))
+    found = imported_from(*files)
+    assert {m.condition for _, m in found.responses} >= {"VR", "Desktop"}
+    assert not any(m.condition == "SUS" for _, m in found.responses)
+
+
 def test_symptoms_of_a_record_are_asked_again_where_nobody_had_them(tmp_path: Path) -> None:
     people = {
         f"t{n}": {

@@ -50,7 +50,7 @@ class Rectangle(NamedTuple):
 
 
 class HasTargets(Protocol):
-    """What draws into textures."""
+    """A pass that draws into textures."""
 
     def clear(self, value: float, depth: float) -> None:
         """Fill them with a value, and depth with another."""

@@ -428,8 +428,10 @@ class TableImport:
             rows_have = counted_doing(self._events, "rows", "have")
             notes.append(f"{name}: {rows_have} no answer at all; none was made")
         if short := sum(map(bool, self._behind.values())):
-            what = "1 course of ratings ends" if short == 1 else f"{short} courses of ratings end"
-            notes.append(f"{name}: {what} before the last column; blanks behind are no ratings")
+            courses_end = counted_doing(short, "courses of ratings", "end")
+            notes.append(
+                f"{name}: {courses_end} before the last column; blanks behind are no ratings"
+            )
         if self._again:
             rows_were = counted_doing(len(self._again), "rows", "were")
             notes.append(f"{name}: {rows_were} counted once, not twice: {self._again[0]}")

@@ -297,7 +297,7 @@ def _screened(study: StudyData) -> list[str]:
 def _ended_early(study: StudyData) -> list[str]:
     """Say how many exposures and sessions ended before their time, while the study went on."""
     parts = [
-        f"{each.n} {each.ends}{'s' if each.n > 1 else ''} by {_BY[each.by]}"
+        f"{counted(each.n, f'{each.ends}s')} by {_BY[each.by]}"
         for each in early_endings(study)
         if each.ends != "study" and each.by in _BY
     ]

@@ -290,7 +290,7 @@ _FEWEST_ALIKE = 24
 def _ignored_sheets(
     top: TomlDraft, drafts: list[TableDraft], useful: list[TableDraft], excluded: Sequence[Path]
 ) -> list[OpenDoubt]:
-    """List sheets and files in which no answers were found, and ask; and files of nobody."""
+    """List sheets and files without answers or people, and ask about them."""
     if excluded:
         top.put("ignore_files", [pattern_of(file.name) for file in excluded])
     doubts = []

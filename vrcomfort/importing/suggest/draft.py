@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from vrcomfort.plurals import counted
 from vrcomfort.settings import toml_key, toml_value
 
 _EDITED = {"item_order"}
@@ -159,7 +160,7 @@ def _joined(doubts: Iterable[OpenDoubt]) -> list[OpenDoubt]:
         groups.setdefault(doubt.like or doubt.question, []).append(doubt)
     found = []
     for first, *more in groups.values():
-        blocks = f"{len(more)} more block{'s' if len(more) > 1 else ''} like it"
+        blocks = f"{counted(len(more), 'more blocks')} like it"
         asked = f"{first.question} (And {blocks}.)" if more and first.like else first.question
         found.append(first._replace(question=asked))
     return found

@@ -183,7 +183,7 @@ def _with_weights(found: Sequence[Found]) -> list[Found]:
 def _with_letters(
     table: SourceTable, found: Sequence[Found], other: Set[int], vocabulary: LabVocabulary
 ) -> list[Found]:
-    """Find items whose letter stands beside the others: ``P``, ``E`` and ``F`` behind ``MD``."""
+    """Find items coded by a letter beside the others: ``P``, ``E`` and ``F`` behind ``MD``."""
     taken = {c for block in found for c in block.columns} | other
     filled = []
     for block in found:

@@ -382,7 +382,7 @@ class OwnQuestions:
         return all(len({*row}) == len(row) for row in rows)
 
     def _ends(self, column: int) -> AnswerRange | None:
-        """Return the scale whose ends a heading says, if all answers are on it."""
+        """Return the scale between the ends in a heading, if all answers are on it."""
         text = f" {self._table.headings[column]} {self._table.labels[column]}"
         found = [match for pattern in _ENDS for match in pattern.finditer(text)]
         for match in found:

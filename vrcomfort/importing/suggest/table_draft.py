@@ -321,7 +321,7 @@ class TableDraft(KeptRows):
         return [{"timepoint": "baseline" if name is None else "post"} for name in names]
 
     def _in_order(self, facts: list[dict[str, str]]) -> set[str]:
-        """Let a column that gives the conditions in their order say them; return what it says."""
+        """Take conditions from a column that lists them in order; return the facts it says."""
         if self._beside:
             return {"condition"}
         roles = self._roles
