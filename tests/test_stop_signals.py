@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 
 import pytest
@@ -98,6 +99,22 @@ def test_a_signal_is_heard_where_the_block_waits_for_something():
     with pytest.raises(KeyboardInterrupt):
         show()
     assert done == [0, "whole", 1, "whole", "closed"]
+
+
+def test_a_signal_that_comes_while_something_is_deleted_is_heard_after_it():
+    class Deleted:
+        def __del__(self):
+            control_c()
+
+    def frames():
+        Deleted()
+        while True:
+            yield "a frame"
+
+    hook = sys.unraisablehook
+    with pytest.raises(KeyboardInterrupt), uninterrupted():
+        list(interruptible(frames()))
+    assert sys.unraisablehook is hook
 
 
 def test_an_error_in_the_block_does_not_hide_control_c():

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import _thread
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -22,6 +24,8 @@ TOGETHER_S = 1.0
 """SIGTERM and SIGHUP that come so close together are those of one shutdown: one wish, and files are
 closed meanwhile."""
 
+_AGAIN_S = 0.05
+"""After so long a dropped signal is sent again, when Python has left what dropped it."""
 _AT_ONCE = 3
 """The signal that is heard wherever it comes: nobody is kept waiting by a disk that hangs."""
 
@@ -36,6 +40,7 @@ class _Signals:
         self.depth = 1
         """Of blocks that no signal interrupts."""
         self._count = 0
+        self._number: int = signal.SIGINT
         self._last_s = -TOGETHER_S
         self._waiting: Callable[[], object] | None = None
         found = {number: signal.getsignal(number) for number in SIGNALS}
@@ -63,6 +68,11 @@ class _Signals:
         if not self.depth:
             self.raise_waiting()
 
+    def forget(self) -> int:
+        """Take the next signal for the first; return the last one."""
+        self._count = 0
+        return self._number
+
     def raise_waiting(self) -> None:
         """Hear the signal that came in a block."""
         heard, self._waiting = self._waiting, None
@@ -73,7 +83,7 @@ class _Signals:
         now_s = time.monotonic()
         if number != signal.SIGINT and now_s - self._last_s < TOGETHER_S:
             return
-        self._last_s = now_s
+        self._number, self._last_s = number, now_s
         self._count += 1
         if self._count == 1 and self.depth:
             self._waiting = lambda: self._handlers[number](number, frame)
@@ -125,10 +135,39 @@ def _hearing() -> Iterator[None]:
     try:
         _signals = ours
         ours.listen()
-        yield
+        with none_dropped(ours.forget):
+            yield
     finally:
         _signals = None
         ours.close()
+
+
+@contextmanager
+def none_dropped(last: Callable[[], int]) -> Iterator[None]:
+    """Send the last signal again where Python has dropped its `KeyboardInterrupt`.
+
+    It drops what is raised in `__del__` and in callbacks from C, and such an end would never come.
+    """
+
+    def hear(dropped: sys.UnraisableHookArgs) -> None:
+        if not issubclass(dropped.exc_type, KeyboardInterrupt):
+            others(dropped)
+            return
+        _thread.start_new_thread(_send_again, (last(),))  # unlike `Thread`, waits for nothing
+
+    others, sys.unraisablehook = sys.unraisablehook, hear
+    try:
+        yield
+    finally:
+        sys.unraisablehook = others
+
+
+def _send_again(number: int) -> None:
+    time.sleep(_AGAIN_S if number == signal.SIGINT else TOGETHER_S)
+    if sys.platform == "win32":
+        signal.raise_signal(number)
+    else:  # also out of a call that waits
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
 
 
 @contextmanager

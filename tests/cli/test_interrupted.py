@@ -21,6 +21,7 @@ from typer.testing import CliRunner
 
 from tests.support.signals import hear_all
 from tests.support.waiting import WAIT_S, wait_for
+from vrcomfort.cli import stopping
 from vrcomfort.cli.options import typed_words
 
 SENTENCE = "error: stopped; what was already written stays\n"
@@ -132,6 +133,22 @@ def test_ctrl_c_in_a_session_is_answered_after_the_session(tmp_path: Path):
     assert code == 130
     assert "aborted (stopped by the operator)" in out
     assert err.endswith(f"note: the same command goes on where this was stopped\n{SENTENCE}")
+
+
+@pytest.mark.slow
+def test_a_shutdown_that_comes_while_something_is_deleted_is_heard_after_it():
+    class Deleted:
+        def __del__(self):
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    def run():
+        Deleted()
+        while True:
+            pass
+
+    with pytest.raises(KeyboardInterrupt), stopping.heard():
+        run()
+    assert stopping.exit_code() == 128 + signal.SIGTERM
 
 
 @pytest.mark.slow

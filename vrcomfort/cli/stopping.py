@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from vrcomfort.stop_signals import SIGNALS, TOGETHER_S
+from vrcomfort.stop_signals import SIGNALS, TOGETHER_S, none_dropped
 
 _last: tuple[int, float] = signal.SIGINT, -TOGETHER_S
 """The signal that came last, and when."""
@@ -24,7 +24,8 @@ def heard() -> Iterator[None]:
     meant = [number for number in SIGNALS if _is_default(number)]
     before = {number: signal.signal(number, _interrupt) for number in meant}
     try:
-        yield
+        with none_dropped(lambda: _last[0]):
+            yield
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
