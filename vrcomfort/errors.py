@@ -76,6 +76,12 @@ class InputError(ValueError):
         told = f"{message} ({len(others)} more {problems} in this file)" if others else message
         super().__init__(f"{', '.join(place)}: {told}" if place else told)
 
+    def in_file(self, file: str | Path) -> InputError:
+        """Return this error with another file for its place."""
+        return InputError(
+            self.message, file=file, line=self.line, column=self.column, others=self.others
+        )
+
     @property
     def alone(self) -> InputError:
         """Return this error without the others."""

@@ -76,9 +76,7 @@ def score_answers(
                 lambda sentence: note(sentence.replace(str(file), file.name)),
             )  # fmt: skip
         except InputError as error:
-            raise InputError(
-                error.message, file=file.name, line=error.line, column=error.column
-            ) from None
+            raise error.in_file(file.name) from None
     return _frame(rows)
 
 

@@ -81,10 +81,7 @@ def new_folder(study: Path, out: Path) -> Iterator[Path]:
     except InputError as error:
         if error.file is None or not Path(error.file).is_relative_to(draft):
             raise
-        file = out / Path(error.file).relative_to(draft)
-        raise InputError(
-            error.message, file=file, line=error.line, column=error.column, others=error.others
-        ) from error
+        raise error.in_file(out / Path(error.file).relative_to(draft)) from error
     except OSError as error:
         if error.filename is not None and Path(error.filename).is_relative_to(draft):
             error.filename = str(out / Path(error.filename).relative_to(draft))

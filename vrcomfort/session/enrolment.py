@@ -169,8 +169,7 @@ class InterruptedSessions:
                 if (memory := manifest.get("memory")) is not None:
                     respondent.recall(memory)
             except InputError as error:
-                file = self._folders[number] / "manifest.json"
-                raise InputError(error.message, file=file) from error
+                raise error.in_file(self._folders[number] / "manifest.json") from error
 
     def repair_session(self, sequence: Sequence) -> dict[int, Interrupted]:
         """Mend the files; return session → how far it came."""
