@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -126,6 +127,12 @@ class SourceTable:
     def column(self, index: int) -> list[str]:
         """Return the cells of a column."""
         return [row[index] for row in self.rows]
+
+    @cached_property
+    def texts(self) -> tuple[tuple[str, ...], ...]:
+        """Return the different texts of each column, in the order of the file, without blanks."""
+        columns = map(self.column, range(len(self.headings)))
+        return tuple(tuple(text for text in dict.fromkeys(cells) if text) for cells in columns)
 
     def meaning(self, index: int, text: str) -> str:
         """Return what a text of a column is said to mean, or the text itself."""

@@ -494,7 +494,7 @@ def candidates(role: str, columns: Iterable[int], context: Context) -> list[Cand
 
 def texts(table: SourceTable, column: int) -> list[str]:
     """Return the different texts of a column, in the order of the file, without blanks."""
-    return [text for text in dict.fromkeys(table.column(column)) if text]
+    return [*table.texts[column]]
 
 
 def values_of(table: SourceTable, column: int) -> list[float]:

@@ -51,6 +51,14 @@ def named_item(
 
     A name that is there wins over one that is nearly there, and that over an abbreviation.
     """
+    found = _named(heading, label, instrument, vocabulary)
+    return Named(column, instrument.name, *found) if found else None
+
+
+@lru_cache(maxsize=16384)  # each search for questionnaires looks at the same headings
+def _named(
+    heading: str, label: str, instrument: Instrument, vocabulary: LabVocabulary
+) -> tuple[str, How, tuple[str, ...], tuple[str, ...]] | None:
     for how, _, find in NAMES:
         for text, other in ((heading, label), (label, heading)):
             words = tokens(text)
@@ -58,8 +66,7 @@ def named_item(
             if found is not None:
                 start, end, item = found
                 more = tokens(other) if text is label else []
-                before = (*more, *words[:start])
-                return Named(column, instrument.name, item, how, before, tuple(words[end:]))
+                return item, how, (*more, *words[:start]), tuple(words[end:])
     return None
 
 

@@ -71,6 +71,7 @@ class Long(FoundAnswers):
 def find_long(table: SourceTable, columns: Sequence[int], known: Known) -> list[Long]:
     """Return the questionnaires of a long table; none where it is not one."""
     found: list[Long] = []
+    naming = {each: _naming_columns(table, each) for each in known.instruments}
     for column in columns:
         words = texts(table, column)
         # Fewer items make no questionnaire; more texts are ids, longer ones interviews.
@@ -80,14 +81,15 @@ def find_long(table: SourceTable, columns: Sequence[int], known: Known) -> list[
         response = response_column(table, column, known.vocabulary)
         responses = [response] if response is not None else _response_columns(table, column, known)
         for instrument in known.instruments:
-            named = _named_in_rows(table, column, words, instrument, known)
+            where = next((each for each in naming[instrument] if each[0] != column), None)
+            named = _named_in_rows(table, column, words, instrument, known, where)
             if named is not None:
                 items, hows = named
                 own = responses[:1] or _answered_beside(table, column, items, instrument, known)
                 others = [word for word in words if word not in items.values()]
-                wheres = _instrument_texts(table, instrument, column)
-                for where, context in wheres if own else ():
-                    long = Long(instrument, context, column, own[0], items, hows, others, where)
+                places = _instrument_texts(table, instrument, column, where)
+                for place, context in places if own else ():
+                    long = Long(instrument, context, column, own[0], items, hows, others, place)
                     found.append(long)
         if found and response is None and responses:
             return _for_each_column(table, _best_long(found)[0], responses)
@@ -240,6 +242,7 @@ def _named_in_rows(
     words: list[str],
     instrument: Instrument,
     known: Known,
+    where: tuple[int, str] | None,
 ) -> tuple[dict[str, str], dict[str, How]] | None:
     items: dict[str, str] = {}
     hows: dict[str, How] = {}
@@ -253,7 +256,6 @@ def _named_in_rows(
     sure = sum(how == "name" for how in hows.values())
     if sure >= min(4, len(instrument.asked)) and len(instrument.asked) > 1:
         return items, hows
-    where = _instrument_column(table, instrument, column)
     if where is not None:
         # Beside its name, most of the few texts are items: a short form.
         own = {row[column] for row in table.rows if row[where[0]] == where[1]}
@@ -355,7 +357,7 @@ _MOST_WORDS = 2
 
 
 def _instrument_texts(
-    table: SourceTable, instrument: Instrument, item_column: int
+    table: SourceTable, instrument: Instrument, item_column: int, named: tuple[int, str] | None
 ) -> list[tuple[tuple[int, str] | None, tuple[str, ...]]]:
     """Return where the questionnaire is named, and the words there: each moment may have its own.
 
@@ -371,22 +373,17 @@ def _instrument_texts(
         ]
         if 1 < len(asked) <= _MOST_MOMENTS and len(said) <= _MOST_EVENTS:
             return [((column, text), tuple(tokens(text))) for text in asked]
-    return [(_instrument_column(table, instrument, item_column), ())]
+    return [(named, ())]
 
 
 _MOST_MOMENTS, _MOST_EVENTS = 12, 100
 
 
-def _instrument_column(
-    table: SourceTable, instrument: Instrument, item_column: int
-) -> tuple[int, str] | None:
-    for column in range(len(table.headings)):
-        if column != item_column:
-            words = texts(table, column)
-            naming = [w for w in words if _names(w, instrument)] if len(words) <= 8 else []
-            if len(naming) == 1:  # two would be of two moments
-                return column, naming[0]
-    return None
+def _naming_columns(table: SourceTable, instrument: Instrument) -> list[tuple[int, str]]:
+    """Return the columns in which one text names the questionnaire: two would be of two moments."""
+    few = ((column, words) for column, words in enumerate(table.texts) if len(words) <= 8)
+    naming = ((column, [w for w in words if _names(w, instrument)]) for column, words in few)
+    return [(column, words[0]) for column, words in naming if len(words) == 1]
 
 
 def _names(text: str, instrument: Instrument) -> bool:

@@ -9,7 +9,7 @@ import re
 import unicodedata
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -52,7 +52,12 @@ class WeighedSentence(NamedTuple):
 
 def tokens(heading: str) -> list[str]:
     """Return the words and numbers of a heading in small letters; ``preSSQ8`` is three."""
-    return [word.casefold() for word in words_of(heading)]
+    return [*_tokens(heading)]
+
+
+@lru_cache(maxsize=4096)  # each questionnaire is looked for in the same headings
+def _tokens(heading: str) -> tuple[str, ...]:
+    return tuple(word.casefold() for word in words_of(heading))
 
 
 def words_of(heading: str) -> list[str]:
@@ -334,6 +339,7 @@ class LabVocabulary:
         self._items: Mapping[str, _Words] = merged["items"]
         self._spellings: dict[Instrument, dict[str, str]] = {}
         self._sentences: dict[Instrument, tuple[WeighedSentence, ...]] = {}
+        self._all_initials: dict[Instrument, dict[str, str]] = {}
 
     def spellings(self, instrument: Instrument) -> Mapping[str, str]:
         """Return spelling → item; the instrument's own spellings win."""
@@ -365,19 +371,21 @@ class LabVocabulary:
             )
         return self._sentences[instrument]
 
-    def initials(self, instrument: Instrument) -> dict[str, str]:
+    def initials(self, instrument: Instrument) -> Mapping[str, str]:
         """Return ``gd``, ``deo``, ``n`` … → item, where no two items share them."""
-        found: dict[str, set[str]] = {}
-        for item in instrument.asked:
-            words = item.name.split("_")
-            short = {"".join(word[0] for word in words)}
-            short.add("".join(word[0] for word in words if word != "of"))
-            if len(words) == 1:
-                short |= {item.name[:length] for length in (2, 3, 4)}
-            for each in short:
-                found.setdefault(each, set()).add(item.name)
-        known = {each: names.pop() for each, names in found.items() if len(names) == 1}
-        return {**known, **self.listed_initials(instrument)}
+        if instrument not in self._all_initials:
+            found: dict[str, set[str]] = {}
+            for item in instrument.asked:
+                words = item.name.split("_")
+                short = {"".join(word[0] for word in words)}
+                short.add("".join(word[0] for word in words if word != "of"))
+                if len(words) == 1:
+                    short |= {item.name[:length] for length in (2, 3, 4)}
+                for each in short:
+                    found.setdefault(each, set()).add(item.name)
+            known = {each: names.pop() for each, names in found.items() if len(names) == 1}
+            self._all_initials[instrument] = {**known, **self.listed_initials(instrument)}
+        return self._all_initials[instrument]
 
     def listed_initials(self, instrument: Instrument) -> Mapping[str, str]:
         """Return initials → item, those of the vocabulary files alone: no others count so much."""
