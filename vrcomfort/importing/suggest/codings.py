@@ -377,6 +377,14 @@ def missing_codes(values: Iterable[float]) -> list[int]:
 _FAR = 10
 
 
+def missing_texts(cells: Iterable[str], vocabulary: LabVocabulary) -> list[str]:
+    """Return the texts of a column of facts that say nothing: words for it, and codes below 0."""
+    words = dict.fromkeys(cells)
+    below = [text for text in words if re.fullmatch(r"-\d+", text)]
+    codes = below if len(below) == 1 and int(below[0]) in _CODES and int(below[0]) < -_FAR else []
+    return [text for text in words if text.casefold() in vocabulary.missing or text in codes]
+
+
 def _in_two_languages(text: str, said: dict[str, int]) -> int | None:
     """Return the answer of ``None / Inexistente``: what one of its parts says, if none differs."""
     found = {said[plain(part)] for part in re.split(r"[/|]", text) if plain(part) in said}

@@ -10,6 +10,7 @@ from math import prod
 
 from vrcomfort.importing.suggest.draft import CONDITIONS, ORDER, SAME_CONDITION, TIMEPOINTS
 from vrcomfort.importing.suggest.evidence import (
+    BALANCED_WORDS,
     COUNTS_EXPOSURES,
     GROUPS_PEOPLE,
     MOST_CONDITIONS,
@@ -26,6 +27,7 @@ from vrcomfort.settings import toml_value
 MOST_NAMED, _MOST_SPELLINGS = 5, 60
 _MOST_LEVELS, _FULL_OF = 6, 4
 """Levels of a factor between participants; people of whom one may lack a combination."""
+_WORDS = (BALANCED_WORDS, WORDS_WITHIN_PEOPLE)
 LONG_WORD, NEAR, RARER = 6, 0.85, 2
 """Letters in which a misspelling shows, how alike the two words are, and how much rarer one is."""
 
@@ -70,7 +72,7 @@ class Conditions(FactDraft):
         """Return columns before the answers whose words differ in people, about equally often."""
         front = [c for c in self._roles.unknown if c < min(self._answers.taken, default=0)]
         found = candidates("condition", front, self._context)
-        words = [each.column for each in found if each.evidence is WORDS_WITHIN_PEOPLE]
+        words = [each.column for each in found if each.evidence in _WORDS]
         counts = {c: Counter(filter(None, self._table.column(c))).values() for c in words}
         return [column for column, each in counts.items() if max(each) <= 2 * min(each)]
 
@@ -143,10 +145,11 @@ class Conditions(FactDraft):
     def _guess_condition(self) -> None:
         """Take the column with the heaviest evidence for the condition, and ask."""
         context = self._context
-        decided = [c for columns in context.columns.values() for c in columns]
-        decided += context.covariates.values()
+        decided = context.sources
         columns = (*self._roles.unknown, *self._roles.facts["scene"], *decided)
         found = candidates("condition", columns, context)
+        if "scene" in context.columns:  # what was shown to each person is numbered, besides
+            found = [each for each in found if each.evidence is not COUNTS_EXPOSURES]
         if not found:
             self.found.draft.put("condition", {"constant": "all"})
             question = "No column says the condition: was there but one?"

@@ -72,6 +72,12 @@ class Context:
     symptoms: bool = True
     judged: Sequence[tuple[int, str | None]] = ()
 
+    @property
+    def sources(self) -> list[int]:
+        """Return the columns of facts and of covariates, as decided so far."""
+        facts = (column for columns in self.columns.values() for column in columns)
+        return sorted({*facts, *self.covariates.values()})
+
 
 class CellEvidence(NamedTuple):
     """A test of a column's cells, the role it speaks for, and the doubt it leaves."""
@@ -268,7 +274,7 @@ def _runs_of_ratings(context: Context, column: int) -> bool:
 
 
 def _differs_within_people(context: Context, column: int) -> bool:
-    """Return whether a column has few texts, which differ within participants as conditions do."""
+    """Return whether a column has few texts, of which most participants have several."""
     table, open_ = context.table, {*context.roles.unknown, *context.roles.facts["scene"]}
     if context.participant is None or column not in open_ - context.used:
         return False
@@ -276,7 +282,27 @@ def _differs_within_people(context: Context, column: int) -> bool:
         return False
     if {*tokens(table.headings[column])} & context.vocabulary.scale_fillers:
         return False  # a sum or a score
-    return varies_within(table, column, context.participant)
+    people = _counts_of_people(table, column, context.participant)
+    return 2 * sum(len(counts) > 1 for counts in people) > len(people)
+
+
+def _counts_of_people(table: SourceTable, column: int, participant: int) -> list[Counter[str]]:
+    """Return how often each participant of several rows has each text."""
+    people: dict[str, Counter[str]] = defaultdict(Counter)
+    for row in table.rows:
+        if row[column]:
+            people[row[participant]][row[column]] += 1
+    return [counts for counts in people.values() if counts.total() > 1]
+
+
+def is_balanced(table: SourceTable, column: int, participant: int | None) -> bool:
+    """Return whether most participants have each text of a column, or as many, equally often."""
+    if participant is None:
+        return False
+    people = _counts_of_people(table, column, participant)
+    usual = Counter(len(counts) for counts in people).most_common(1)
+    even = [len(c) == usual[0][0] > 1 and max(c.values()) == min(c.values()) for c in people]
+    return sum(even) * 4 >= len(even) * 3 > 0
 
 
 def _words_within_people(context: Context, column: int) -> bool:
@@ -288,6 +314,17 @@ def _words_within_people(context: Context, column: int) -> bool:
         for other in context.roles.unknown
         if other != column and not _says_yes_or_no(context, other)
     )
+
+
+def _balanced_words(context: Context, column: int) -> bool:
+    who = context.participant
+    return _words_within_people(context, column) and is_balanced(context.table, column, who)
+
+
+def _balanced_numbers(context: Context, column: int) -> bool:
+    """Return whether numbers are those of conditions: others are counted or measured."""
+    numbers = _differs_within_people(context, column) and is_numeric(context.table, column)
+    return numbers and is_balanced(context.table, column, context.participant)
 
 
 def _says_yes_or_no(context: Context, column: int) -> bool:
@@ -398,6 +435,10 @@ BASELINE_AMONG_CONDITIONS = CellEvidence(
 OTHER_TIMEPOINTS = CellEvidence(
     "timepoint", "a few other texts under its heading", 10, _other_texts_under_timepoint
 )
+BALANCED_WORDS = CellEvidence(
+    "condition", "few words, of which nearly every participant has each", 45, _balanced_words,
+    "Is {heading!r} the condition?", "it is",
+)  # fmt: skip
 WORDS_WITHIN_PEOPLE = CellEvidence(
     "condition", "few words that differ within participants", 40, _words_within_people,
     "Is {heading!r} the condition?", "it is",
@@ -451,13 +492,15 @@ CELLS: tuple[CellEvidence, ...] = (
         "trial", "texts beside ratings that differ within participants", 10, _runs_of_ratings,
         "Does {heading!r} tell exposures apart?", "it does",
     ),
+    BALANCED_WORDS,
     WORDS_WITHIN_PEOPLE,
     CellEvidence(
         "condition", "two to four words under a heading for scenes", 35, _few_scenes,
         "Is {heading!r} the condition?", "it is: no other column says one",
     ),
     CellEvidence(
-        "condition", "few texts that differ within participants", 30, _differs_within_people,
+        "condition", "few numbers, of which nearly every participant has each", 30,
+        _balanced_numbers,
         "Is {heading!r} the condition?", "it is",
     ),
     COUNTS_EXPOSURES,
@@ -514,10 +557,40 @@ def varies_within(table: SourceTable, column: int, participant: int | None) -> b
     return any(len(each) > 1 for each in found.values())
 
 
+def is_shown_in_turn(table: SourceTable, column: int, participant: int) -> bool:
+    """Return whether nearly all people have several of a few words, as of conditions."""
+    people: dict[str, set[str]] = defaultdict(set)
+    for row in table.rows:
+        if row[column]:
+            people[row[participant]].add(row[column])
+    several = sum(len(words) > 1 for words in people.values())
+    words = few_texts(table, column) and not is_numeric(table, column)
+    return words and several * 5 >= len(people) * 4 > 0
+
+
 def few_texts(table: SourceTable, column: int, most: int = MOST_CONDITIONS) -> bool:
     """Return whether a column has few different texts, each of them more than once."""
     found = texts(table, column)
     return 2 <= len(found) <= most and len(table.rows) >= 2 * len(found)
+
+
+def tells_stimuli(context: Context, column: int) -> bool:
+    """Return whether a column names many things that were shown: others to each, and in common."""
+    table, who = context.table, context.participant
+    if who is None or not context.one_row_each or is_numeric(table, column):
+        return False
+    words = texts(table, column)
+    if len(words) <= MOST_CONDITIONS or measures(table, column):
+        return False
+    if {*tokens(table.headings[column])} & context.vocabulary.fact_words["condition"]:
+        return False
+    seen: dict[str, set[str]] = defaultdict(set)
+    for row in table.rows:
+        seen[row[column]].add(row[who])
+    shared = sum(len(seen[word]) > 1 for word in words)
+    people = _counts_of_people(table, column, who)
+    once = sum(max(counts.values()) == 1 for counts in people)
+    return shared * 5 >= len(words) * 4 and once * 2 > len(people)
 
 
 def is_numeric(table: SourceTable, column: int) -> bool:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 from vrcomfort.importing.suggest.codes import codes_in
 from vrcomfort.importing.suggest.conditions import Conditions
 from vrcomfort.importing.suggest.draft import (
+    CONDITIONS,
     CURIOUS,
     NAMES_OF_FILES,
     ORDER,
@@ -16,6 +18,7 @@ from vrcomfort.importing.suggest.draft import (
     TIMEPOINTS,
 )
 from vrcomfort.importing.suggest.evidence import (
+    BALANCED_WORDS,
     BASELINE_AMONG_CONDITIONS,
     CODES_IN_ROWS,
     FIRST_COLUMNS,
@@ -23,19 +26,28 @@ from vrcomfort.importing.suggest.evidence import (
     RECURRING_NAMES,
     Context,
     candidates,
-    few_texts,
     is_numeric,
+    is_shown_in_turn,
     measures,
     says_no_person,
+    tells_stimuli,
     texts,
     varies_within,
 )
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts, FactDraft
 from vrcomfort.importing.suggest.names_of_files import names_with_folders, parts_of_names
+from vrcomfort.importing.suggest.shared_codes import (
+    are_others,
+    constants_of,
+    place_of,
+    with_places,
+)
 from vrcomfort.importing.suggest.vocabulary import tokens
 
 _GUESSED_TIMEPOINTS = (BASELINE_AMONG_CONDITIONS, OTHER_TIMEPOINTS)
 _FEWEST_ROWS = 3
+_LACKS = 10
+"""A column that is blank in more than one of so many rows lacks some."""
 _MOMENTS_AFTER = 2
 
 
@@ -58,19 +70,23 @@ class _Facts(FactDraft):
         self._measures_under_labels()
         self._codes()
         self._participant_column()
+        self._people_of_places()
         self._order()
         self._names_of_files()
+        self._numbered_anew()
         self._participant()
         if context.time is not None:
             context.used.add(context.time)
         for fact in ("session", "period", "block", "trial"):
             self._plain_fact(fact)
+        self._lacking_conditions()
+        self._stimuli()
         if self._condition_is_named() or not answers.answered:
             self._plain_fact("scene")
         self._timepoint()
         self._covariates()
         if answers.answered:
-            Conditions(answers, self.found, self._named).draft()
+            Conditions(self._answers, self.found, self._named).draft()
             if "scene" not in self._context.columns:
                 self._plain_fact("scene")
         for column in self._varying:
@@ -92,6 +108,40 @@ class _Facts(FactDraft):
         columns = self._roles.facts.get("condition", [])
         named = "condition" in self._answers.said or "condition" in self._named
         return named or any(texts(self._table, column) for column in columns)
+
+    def _lacking_conditions(self) -> None:
+        """Take columns that lack rows for no conditions, where another lacks none; and ask."""
+        named = self._roles.facts["condition"]
+        others = (*self._roles.unknown, *self._roles.facts["scene"])
+        found = candidates("condition", others, self._context)
+        whole = [
+            each.column
+            for each in found
+            if each.evidence is BALANCED_WORDS and not self._lacks_rows(each.column)
+        ]
+        if not whole or not named or not all(map(self._lacks_rows, named)):
+            return
+        self._roles.facts["condition"] = []
+        self._roles.unknown += named
+        names = ", ".join(repr(self.heading(column)) for column in named)
+        assumed = f"it is not: {self.heading(whole[0])!r}, which lacks none, is"
+        self.doubt(f"{names} lacks rows: is it not the condition?", assumed, CONDITIONS)
+
+    def _lacks_rows(self, column: int) -> bool:
+        return self._table.column(column).count("") * _LACKS > len(self._table.rows)
+
+    def _stimuli(self) -> None:
+        """Take a column of many things that were shown for the scene, and ask."""
+        facts = self._roles.facts
+        if facts["scene"] or "scene" in self._answers.said or not self._answers.answered:
+            return
+        columns = [*facts["condition"], *self._roles.unknown]
+        for column in [c for c in columns if tells_stimuli(self._context, c)][:1]:
+            self._roles.forget(column)
+            self.use("scene", column)
+            count = len(texts(self._table, column))
+            question = f"Does {self.heading(column)!r} say which of {count} things was shown?"
+            self.doubt(question, "it does: each is a scene, and no condition", CONDITIONS)
 
     def _times_under_other_headings(self) -> None:
         """Take texts such as ``Pre-exposure`` for timepoints, though they stand under Session."""
@@ -242,8 +292,6 @@ class _Facts(FactDraft):
                 for f, t in parts.texts.items()
             )
             self.doubt(f"Do the names of the {what} ({shown}) say this?", said, NAMES_OF_FILES)
-            if "condition" in parts.texts and "participant" not in parts.texts:
-                self._numbered_anew(what)
 
     def _moments_of_files(self) -> bool:
         """Return whether a column says the moment of each file: names of files say no more."""
@@ -266,32 +314,43 @@ class _Facts(FactDraft):
             [min(p) for p in people.values()] if all(len(p) == 1 for p in people.values()) else []
         )
 
-    def _numbered_anew(self, what: str) -> None:
-        """Ask whether people who are counted from 1 in each sheet or file are the same ones."""
-        column = self._context.participant
-        if column is None:
+    def _people_of_places(self) -> None:
+        """Let a code and its place be the person, where several people have one code; and ask."""
+        people = self._context.participant
+        if people is None or "participant" in self._context.columns:
             return
-        people = [{*table.column(column)} - {""} for table in self._answers.tables]
-        counted = all(each == {str(n + 1) for n in range(len(each))} for each in people)
-        if counted and len(people) > 1 and all(len(each) > 1 for each in people):
-            question = f"People are counted from 1 in each of the {what}: are they the same people?"
-            other = "they are; else write `apart = true` into `participant`"
-            if len({len(each) for each in people}) > 1 or self._are_others(column):
-                self.use("participant", column, apart=True)
-                other = "they are not, as their number, or age or the like, differs"
-            self.doubt(question, other, PEOPLE)
+        place = place_of(self._table, people, self._roles, self._answers.taken)
+        if place is None:
+            return
+        tables = [with_places(table, people, place) for table in self._answers.tables]
+        self._answers = replace(self._answers, tables=tables)
+        self._table = self._context.table = with_places(self._table, people, place)
+        self._context.columns["participant"] = (people,)
+        self._context.used.add(people)
+        names = [self.heading(place), self.heading(people)]
+        self.found.draft.put("participant", {"columns": names})
+        question = f"Is a code in {names[1]!r} another person in each {names[0]!r}?"
+        self.doubt(question, "it is: codes are counted anew, or age or the like differs", PEOPLE)
 
-    def _are_others(self, column: int) -> bool:
-        """Return whether most numbers have other covariates in another file or sheet."""
-        columns = [c for n, c in self._roles.covariates.items() if n not in {"sequence", "group"}]
-        known: dict[str, list[tuple[str, ...]]] = {}
-        for table in self._answers.tables:
-            own = {row[column]: tuple(row[c] for c in columns) for row in table.rows}
-            for who, said in own.items():
-                known.setdefault(who, []).append(said)
-        several = [each for who, each in known.items() if who and len(each) > 1]
-        different = sum(len({*each}) > 1 for each in several)
-        return bool(several) and different * 2 > len(several)
+    def _numbered_anew(self) -> None:
+        """Ask whether people who have the same codes in several sheets or files are the same."""
+        column, tables = self._context.participant, self._answers.tables
+        if column is None or len(tables) < 2 or "participant" in self._context.columns:
+            return
+        people = [{*table.column(column)} - {""} for table in tables]
+        counted = all(each == {str(n + 1) for n in range(len(each))} for each in people)
+        counted = counted and all(len(each) > 1 for each in people)
+        groups = "condition" in self._named and "participant" not in self._named
+        others = are_others(tables, column, constants_of(self._table, column, self._roles))
+        if not others and not (counted and groups):
+            return
+        what = "sheets" if len({table.file for table in tables}) < len(tables) else "files"
+        question = f"People have the same codes in several {what}: are they the same people?"
+        other = "they are; else write `apart = true` into `participant`"
+        if others or len({len(each) for each in people}) > 1:
+            self.use("participant", column, apart=True)
+            other = "they are not, as their number, or age or the like, differs"
+        self.doubt(question, other, PEOPLE)
 
     def _participant(self) -> None:
         column = self._context.participant
@@ -312,7 +371,9 @@ class _Facts(FactDraft):
                     self._roles.unknown.remove(column)
         if column is not None:
             self._context.participant = column
-            self.use("participant", column)
+            self._people_of_places()
+            if "participant" not in self._context.columns:
+                self.use("participant", column)
             return
         if not self._context.one_row_each:
             person = self._table.file.name.removesuffix(self._table.file.suffix)
@@ -454,16 +515,6 @@ class _Facts(FactDraft):
         question = f"Is {before} in {self.heading(column)!r} before exposure, of no condition?"
         self.doubt(question, "it is; the others are conditions, asked after exposure", TIMEPOINTS)
 
-    def _is_shown_in_turn(self, column: int) -> bool:
-        """Return whether nearly all people have several of a few words, as of conditions."""
-        people: dict[str, set[str]] = {}
-        for row in self._table.rows:
-            if self._context.participant is not None and row[column]:
-                people.setdefault(row[self._context.participant], set()).add(row[column])
-        several = sum(len(words) > 1 for words in people.values())
-        words = few_texts(self._table, column) and not is_numeric(self._table, column)
-        return words and several * 5 >= len(people) * 4 > 0
-
     def _covariates(self) -> None:
         who = self._context.participant
         if who is None and "participant" in self._named:
@@ -474,7 +525,7 @@ class _Facts(FactDraft):
             if who is None or not varies_within(self._table, column, who):
                 self._context.covariates[name] = column
                 self._context.used.add(column)
-            elif self._is_shown_in_turn(column):
+            elif is_shown_in_turn(self._table, column, who):
                 self._roles.unknown.append(column)  # glasses, of which each person wears two
                 del self._roles.covariates[name]
             else:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence, Set
 from dataclasses import replace
 from itertools import pairwise
 
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.answer_columns import LAYOUTS, LONG, AnswerColumns
+from vrcomfort.importing.suggest.codings import missing_texts
 from vrcomfort.importing.suggest.draft import CONDITIONS, PEOPLE, ROWS, OpenDoubt, TomlDraft
 from vrcomfort.importing.suggest.evidence import FIRST_COLUMNS
 from vrcomfort.importing.suggest.heading_roles import roles_of
@@ -44,6 +45,8 @@ class KeptRows:
         self.doubts: list[OpenDoubt] = []
         self._left_out = defaultdict(list, self._total_rows())
         """Column → texts of rows that are left out."""
+        self._missing: dict[int, list[str]] = {}
+        """Column beside the answers → texts that say nothing."""
         self._trial_runs = self._trial_run_columns()
         self._fill_down()
         self._said_once()
@@ -157,6 +160,25 @@ class KeptRows:
         if rows:
             self.table = replace(self.table, rows=rows)
             self._left_out[named[0]].append("")
+
+    def _without_missing(self, answers: Set[int]) -> SourceTable:
+        """Return the table with blanks for words such as n/a in the columns beside the answers."""
+        for column in {*range(len(self.table.headings))} - answers:
+            if found := missing_texts(self.table.column(column), self._vocabulary):
+                self._missing[column] = found
+        if not self._missing:
+            return self.table
+        rows = (
+            tuple("" if text in self._missing.get(c, ()) else text for c, text in enumerate(row))
+            for row in self.table.rows
+        )
+        return replace(self.table, rows=tuple(rows))
+
+    def _say_missing(self, columns: Iterable[int]) -> None:
+        """Say which texts of columns stand for nothing."""
+        words = [text for column in columns for text in self._missing.get(column, ())]
+        if words:
+            self.draft.put("missing", list(dict.fromkeys(words)))
 
     def _keep_items(self, long: Sequence[Long]) -> None:
         """Take rows of other questions out of a long table: their facts are no answers' facts."""

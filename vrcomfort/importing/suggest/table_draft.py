@@ -247,6 +247,7 @@ class TableDraft(KeptRows):
         self._questionnaires()
         self._score_tables()
         self._covariates(exposures)
+        self._say_missing(exposures.context.sources)
         self._ignore(exposures)
         self.gives = bool(
             self.draft.lists or self._leaving or self.draft.values.get("participants")
@@ -394,8 +395,9 @@ class TableDraft(KeptRows):
         time = next((r.time for r in self._answers[RATINGS] if r.time is not None), None)
         own = {each.name for each in self._answers.own}
         single = not self._answers[LONG] and not any(each.where for each in self._answers[SCORES])
+        people = self._roles.facts["participant"]
         return Context(
-            self.table,
+            self._without_missing({*self._answers.taken, *people}),
             self._vocabulary,
             self._roles,
             one_row_each=single,

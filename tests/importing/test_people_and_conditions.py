@@ -1,0 +1,151 @@
+"""Who a person is, and which column is the condition: told by the structure of a table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.support.layouts import write
+from vrcomfort.importing.rows import Imported
+from vrcomfort.importing.suggest import Suggestion, suggest_mapping
+
+ITEMS = ("nausea", "headache", "fatigue", "eyestrain", "sweating", "vertigo")
+Row = list[object]
+
+
+def answers(*seed: int) -> list[object]:
+    return [(sum(seed) * 7 + k * (k + 3)) % 4 for k in range(len(ITEMS))]
+
+
+def of(found: Suggestion) -> Imported:
+    assert found.imported is not None, found.doubts
+    return found.imported
+
+
+def conditions_of(found: Suggestion) -> dict[str, set[str]]:
+    """Return participant → conditions."""
+    told: dict[str, set[str]] = {}
+    for _, each in of(found).responses:
+        told.setdefault(each.participant, set()).add(each.condition)
+    return told
+
+
+def two_labs() -> list[Row]:
+    rows: list[Row] = [["lab name", "pid", "video", "age", "gender", "used VR before", *ITEMS]]
+    for lab in range(2):
+        for n in range(1 + 4 * lab, 17 + 4 * lab):
+            person = [20 + (n * 5 + lab * 9) % 23, "fm"[(n + lab) % 2], ["ja", "nein"][n % 2]]
+            videos = [f"clip{(n * 3 + lab + k * 5) % 15}.mp4" for k in range(3)]
+            rows += [
+                [f"Lab{lab + 1}", n, video, *person, *answers(n, k)]
+                for k, video in enumerate(videos)
+            ]
+    return rows
+
+
+def test_a_code_of_two_labs_is_two_people_and_many_videos_are_scenes(tmp_path: Path) -> None:
+    found = suggest_mapping([write(tmp_path / "ssq.csv", two_labs())])
+    told = conditions_of(found)
+    assert len(told) == 32
+    assert "Lab1_16" in told
+    assert "Lab2_16" in told
+    assert {*of(found).conditions} == {"all"}
+    assert len({each.scene for _, each in of(found).responses}) == 15
+    asked = " ".join(found.doubts)
+    assert "Is a code in 'pid' another person in each 'lab name'?" in asked
+    assert "Does 'video' say which of 15 things was shown?" in asked
+
+
+def test_a_code_whose_person_has_one_age_is_one_person_in_both_conditions(tmp_path: Path) -> None:
+    rows = [["display", "id", "age", "gender", *ITEMS]]
+    rows += [
+        [display, n, 20 + n % 7, "fm"[n % 2], *answers(n, k)]
+        for k, display in enumerate(("VR", "screen"))
+        for n in range(1, 11)
+    ]
+    told = conditions_of(suggest_mapping([write(tmp_path / "ssq.csv", rows)]))
+    assert told == {str(n): {"VR", "screen"} for n in range(1, 11)}
+
+
+@pytest.mark.parametrize("differ", [True, False])
+def test_codes_of_two_files_are_other_people_if_their_ages_differ(
+    tmp_path: Path, *, differ: bool
+) -> None:
+    files = [
+        write(
+            tmp_path / f"study_{name}.csv",
+            [
+                ["id", "age", *ITEMS],
+                *([f"P{n}", 20 + n % 7 + 9 * k * differ, *answers(n, k)] for n in range(1, 9)),
+            ],
+        )
+        for k, name in enumerate(("vignette", "control"))
+    ]
+    found = suggest_mapping(files)
+    assert len(conditions_of(found)) == (16 if differ else 8)
+    assert any("are they the same people?" in each for each in found.doubts) == differ
+
+
+def test_people_counted_anew_in_each_group_below_the_other_are_others(tmp_path: Path) -> None:
+    rows: list[Row] = [["group", "id", *ITEMS]]
+    rows += [
+        [group, n, *answers(n, k)]
+        for k, group in enumerate(("control", "vignette"))
+        for n in range(1, 9 + k)
+    ]
+    found = suggest_mapping([write(tmp_path / "ssq.csv", rows)])
+    told = conditions_of(found)
+    assert told == {
+        f"{group}_{n}": {group}
+        for k, group in enumerate(("control", "vignette"))
+        for n in range(1, 9 + k)
+    }
+
+
+@pytest.mark.parametrize("missing", ["fehlend", "n/a", "-99", "keine Angabe"])
+def test_a_word_for_missing_is_no_condition_and_who_lacks_rows_is_none(
+    missing: str, tmp_path: Path
+) -> None:
+    rows: list[Row] = [["Code", "Game", "Version", *ITEMS]]
+    for n in range(1, 13):
+        versions = {"maze": 1 + n % 2, "coaster": 2 - n % 2, "room": missing}
+        rows += [
+            [f"AB{n:02d}", game, version, *answers(n, k)]
+            for k, (game, version) in enumerate(versions.items())
+        ]
+    rows[5][1] = missing
+    found = suggest_mapping([write(tmp_path / "ssq.csv", rows)])
+    assert {*of(found).conditions} - {""} == {"maze", "coaster", "room"}
+    assert any("'Version' lacks rows: is it not the condition?" in each for each in found.doubts)
+
+
+def test_numbers_that_all_have_equally_often_are_conditions_and_counts_are_none(
+    tmp_path: Path,
+) -> None:
+    def table(*, gain: bool) -> Path:
+        rows: list[Row] = [["id", "errors", *(["gain"] if gain else []), *ITEMS]]
+        rows += [
+            [
+                f"P{n}",
+                (n * n + k * k * 3) % 4,
+                *([10 * (1 + (n + k) % 3)] if gain else []),
+                *answers(n, k),
+            ]
+            for n in range(1, 13)
+            for k in range(3)
+        ]
+        return write(tmp_path / f"ssq_{gain}.csv", rows)
+
+    assert {*of(suggest_mapping([table(gain=True)])).conditions} == {"10", "20", "30"}
+    assert {*of(suggest_mapping([table(gain=False)])).conditions} == {"all"}
+
+
+def test_a_flag_that_differs_in_few_people_is_no_condition(tmp_path: Path) -> None:
+    rows: list[Row] = [["id", "wore it", *ITEMS]]
+    rows += [
+        [f"P{n}", "late" if n + k == 3 else "in time", *answers(n, k)]
+        for n in range(1, 10)
+        for k in range(2)
+    ]
+    assert {*of(suggest_mapping([write(tmp_path / "ssq.csv", rows)])).conditions} == {"all"}
