@@ -301,32 +301,34 @@ def hidden_pixels(hidden: HiddenArea, fov: Fov, size_px: tuple[int, int]) -> NDA
     left, right, up, down = fov.tangents
     scale = np.array([width / (right - left), height / (up - down)])
     points = (hidden.vertices.astype(np.float64) - [left, down]) * scale
-    corners = points[hidden.triangles]  # (m, 3, 2), px
-    rows: Array = np.arange(height, dtype=np.float64) + 0.5
+    which, row = _rows_of(points[hidden.triangles], height)
+    spans = _spans(points[hidden.triangles[which]], row.astype(np.float64) + 0.5)
+    first, last = np.clip(np.ceil(np.stack(spans) - 0.5), 0, width).astype(np.intp)
     steps = np.zeros((height, width + 1), dtype=np.int32)
-    for triangle in corners:
-        low, high = triangle[:, 1].min(), triangle[:, 1].max()
-        first, last = np.searchsorted(rows, [low, high])
-        if first == last:
-            continue
-        starts, ends = _spans(triangle, rows[first:last])
-        x = np.clip(np.ceil(np.stack([starts, ends]) - 0.5), 0, width).astype(np.intp)
-        at = np.arange(first, last)
-        steps[at, x[0]] += 1
-        steps[at, x[1]] -= 1
+    np.add.at(steps, (row, first), 1)
+    np.add.at(steps, (row, last), -1)
     return np.asarray(np.cumsum(steps, axis=1)[:, :width] > 0)
 
 
-def _spans(triangle: Array, rows: Array) -> tuple[Array, Array]:
-    """Return where a triangle begins and ends in rows that all go through it."""
-    starts, ends = np.full(len(rows), np.inf), np.full(len(rows), -np.inf)
-    for a, b in zip(triangle, np.roll(triangle, -1, axis=0), strict=True):
-        if a[1] == b[1]:
-            continue
-        along = (rows - a[1]) / (b[1] - a[1])
-        x = np.where((along >= 0) & (along <= 1), a[0] + along * (b[0] - a[0]), np.nan)
-        starts, ends = np.fmin(starts, x), np.fmax(ends, x)
-    return starts, np.maximum(ends, starts)
+def _rows_of(triangles: Array, height: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return (n,) triangles and (n,) rows of pixels, whose middles go through them."""
+    y = triangles[..., 1]
+    ends = np.clip(np.ceil(np.stack([y.min(axis=1), y.max(axis=1)]) - 0.5), 0, height)
+    first, last = np.nan_to_num(ends).astype(np.intp)  # what is no number is nowhere
+    counts = last - first
+    which = np.repeat(np.arange(len(triangles)), counts)
+    return which, np.arange(len(which)) + np.repeat(last - np.cumsum(counts), counts)
+
+
+def _spans(triangles: Array, rows: Array) -> tuple[Array, Array]:
+    """Return (n,) where (n, 3, 2) triangles begin and end in (n,) rows that go through them."""
+    x, y = np.moveaxis(triangles, -1, 0)
+    to_x, to_y = (np.roll(each, -1, axis=1) for each in (x, y))
+    with np.errstate(divide="ignore", invalid="ignore"):  # along the row
+        along = (rows[:, None] - y) / (to_y - y)
+        at = np.where((along >= 0) & (along <= 1), x + along * (to_x - x), np.nan)
+    starts = np.fmin.reduce(at, axis=1, initial=np.inf)
+    return starts, np.maximum(np.fmax.reduce(at, axis=1, initial=-np.inf), starts)
 
 
 def widened(tiles: Tiles, margin: float) -> Tiles:
