@@ -13,8 +13,10 @@ from collections.abc import Callable, Hashable
 from typing import Any
 
 import moderngl
-from _moderngl import StorageBlock, Uniform, UniformBlock, resolve_includes
+from _moderngl import StorageBlock, Uniform, UniformBlock
 from moderngl import InvalidObject
+
+from vrcomfort.gpu.shaders import includes_of
 
 
 class KeptPrograms:
@@ -57,7 +59,9 @@ class KeptPrograms:
         return lend
 
     def _with_includes(self, given: Any) -> Hashable:
-        return resolve_includes(self._ctx(), given) if isinstance(given, str) else repr(given)
+        if not isinstance(given, str):
+            return repr(given)
+        return given, *(self._ctx().includes[name] for name in includes_of(given))
 
 
 class _Lent:

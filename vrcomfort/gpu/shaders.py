@@ -134,11 +134,19 @@ def _included(name: str) -> str:
 
 
 def _with_chosen(text: str, chosen: Chosen) -> str:
+    if not chosen:
+        return text
     return _INCLUDE.sub(lambda line: f'#include "{chosen.get(line[1], line[1])}"', text)
 
 
+@cache
+def includes_of(text: str) -> tuple[str, ...]:
+    """Return the names of the files that a text includes."""
+    return tuple(_INCLUDE.findall(text))
+
+
 def _register_includes(ctx: moderngl.Context, text: str) -> None:
-    for name in _INCLUDE.findall(text):
+    for name in includes_of(text):
         ctx.includes[name] = _included(name)
 
 
