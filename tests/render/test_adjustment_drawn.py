@@ -92,7 +92,7 @@ def looks():
 
 def pictures(ctx, built_for, shown):
     renderer = StereoRenderer(ctx, SIZE)
-    renderer.begin(still_life(), built_for)
+    renderer.build(still_life(), built_for)
     if shown is not built_for:
         renderer.adjust(shown)
     found = []

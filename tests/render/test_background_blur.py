@@ -30,7 +30,7 @@ def blurred(*foreground, level=2.0, **more):
 def pictures(ctx, content, condition, samples=1):
     """Return the (h, w, 3) colours and (h, w) depths of both eyes before effects."""
     renderer = StereoRenderer(ctx, SIZE, samples=samples)
-    renderer.begin(content, condition)
+    renderer.build(content, condition)
     found = []
 
     def keep(_, images):

@@ -63,7 +63,7 @@ def frames(eyes):
 def drawn(ctx, effects, seen_by, size_px=SIZE, **settings):
     """Return all images of the second frame by eye and name."""
     renderer, found = StereoRenderer(ctx, size_px, **settings), {}
-    renderer.begin(still_life(), Condition.model_validate({"name": "c", **effects}))
+    renderer.build(still_life(), Condition.model_validate({"name": "c", **effects}))
 
     def keep(eye, images):
         found[eye] = {

@@ -52,7 +52,7 @@ def standing(index: int, yaw_rad: float = 0.0, **settings) -> FrameAt:
 def shown(ctx, content, condition, frames):
     """Return the last frame's two images."""
     renderer = StereoRenderer(ctx, SIZE)
-    renderer.begin(content, condition)
+    renderer.build(content, condition)
     for frame in frames:
         result = renderer.render(frame, frame.index / 90)
     return [read_rgb8(eye) for eye in result.eyes]

@@ -74,7 +74,7 @@ def reads_of_undrawn(ctx, condition, size=LARGE):
     """Return by pass how many texels it reads in a frame that were to be drawn and were not."""
     with shaders.counting_reads(undrawn=True):
         renderer = StereoRenderer(ctx, size, hidden=HIDDEN[:1], eyes=1)
-        renderer.begin(still_life(), condition)
+        renderer.build(still_life(), condition)
     renderer.render(standing(0), 0.0)
     renderer.area.clear(shaders.UNDRAWN, shaders.UNDRAWN_DEPTH)
     with passes.watched(counter := TrafficCounter(ctx)):

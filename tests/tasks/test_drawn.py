@@ -32,7 +32,7 @@ def shown(ctx, condition, steps):
     """Draw frames, with the ball of each step; return the last images' red, and the focus."""
     markers = Markers(room(), [(0.9, 0.05, 0.05)])
     renderer = StereoRenderer(ctx, SIZE)
-    renderer.begin(markers.scene, condition)
+    renderer.build(markers.scene, condition)
     for index, ball in enumerate(steps):
         markers.place([ball])
         result = renderer.render(standing(index), index / 90)

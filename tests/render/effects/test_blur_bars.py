@@ -66,9 +66,9 @@ def textured(seed=3):
 
 def shares(radius_px, pixel_aspect=1.0):
     """Return the part of a disc that lies on each pixel around it, (15, 15)."""
-    steps = np.arange(-7.5, 7.5, 1 / 40) + 1 / 80
+    steps = np.arange(-7.5, 7.5, 1 / 20) + 1 / 40
     inside = np.hypot(steps[:, None] / pixel_aspect, steps) <= radius_px
-    weights = inside.reshape(15, 40, 15, 40).mean(axis=(1, 3))
+    weights = inside.reshape(15, 20, 15, 20).mean(axis=(1, 3))
     return weights / weights.sum()
 
 

@@ -30,6 +30,9 @@ SIZE_PX = (640, 800)
 FOV = Fov.symmetric(vertical_rad=1.6, aspect=0.8)
 CLIP_FROM_VIEW = clip_from_view(FOV, 0.02)
 
+few = settings(max_examples=25)
+"""Enough for laws that hold everywhere, to the last digit."""
+
 coordinate = st.floats(-50, 50)
 position = st.tuples(coordinate, st.floats(-3, 3), coordinate).map(np.array)
 axis = position.filter(lambda v: np.linalg.norm(v) > 0.1)
@@ -78,6 +81,7 @@ def eyes(mode, world_from_stage, heads, head_from_eye, previous_world_from_stage
     return world_from_stage @ heads[1] @ head_from_eye, previous
 
 
+@few
 @given(pose, pose, turn, eye, depth_m)
 def test_head_rotation_is_cancelled_at_every_depth(avatar, head, rotation, head_from_eye, distance):
     before = Pose(head.position, quaternion_multiply(rotation, head.orientation))
@@ -87,6 +91,7 @@ def test_head_rotation_is_cancelled_at_every_depth(avatar, head, rotation, head_
         assert np.all(velocity(now, previous, distance, dtype) == 0)
 
 
+@few
 @given(pose, pose, position, turn, eye)
 def test_rotation_cancelled_keeps_translation(avatar, head, step, rotation, head_from_eye):
     step = step / 100
@@ -98,6 +103,7 @@ def test_rotation_cancelled_keeps_translation(avatar, head, step, rotation, head
     np.testing.assert_array_equal(now.orientation, previous.orientation)
 
 
+@few
 @given(pose, position, st.floats(0.3, 1000), eye)
 def test_translation_is_the_projected_difference(head, step, distance, head_from_eye):
     """Float32 on the GPU stays within max(0.01 px, 1e-5 |v|) of float64."""
@@ -110,6 +116,7 @@ def test_translation_is_the_projected_difference(head, step, distance, head_from
 
 
 @pytest.mark.slow
+@few
 @given(pose, pose, pose, pose, eye)
 def test_head_cancelled_keeps_locomotion_only(avatar, avatar_before, head, head_before, offset):
     now, previous = eyes("head_cancelled", avatar, (head_before, head), offset, avatar_before)
@@ -118,6 +125,7 @@ def test_head_cancelled_keeps_locomotion_only(avatar, avatar_before, head, head_
         assert previous == now
 
 
+@few
 @given(pose, pose, eye, position)
 def test_a_head_locked_point_never_moves(avatar, head, offset, point):
     """In head space both eyes are the same eye, so its velocity is zero under any motion."""
@@ -143,6 +151,7 @@ def test_the_per_eye_form_leaves_the_lever_arm():
     assert np.all(velocity(*eyes("rotation_cancelled", Pose(), heads, left), 0.5) == 0)
 
 
+@few
 @given(pose, pose, pose, pose, eye)
 def test_objects_only_ignores_every_camera(avatar, avatar_before, head, head_before, offset):
     now, previous = eyes("objects_only", avatar, (head_before, head), offset, avatar_before)
@@ -160,6 +169,7 @@ def nodded(head, neck, rotation):
     return Pose(place, turned.orientation)
 
 
+@few
 @given(pose, pose, turn, eye, depth_m, necks)
 def test_head_rotation_about_the_neck_is_cancelled_at_every_depth(
     avatar, head, rotation, head_from_eye, distance, neck
@@ -169,6 +179,7 @@ def test_head_rotation_about_the_neck_is_cancelled_at_every_depth(
     assert np.linalg.norm(velocity(now, previous, distance, np.float32)) <= 1e-3
 
 
+@few
 @given(pose, pose, position, turn, eye, necks)
 def test_a_neck_that_moves_blurs_as_far_as_it_moves(
     avatar, head, step, rotation, head_from_eye, neck
@@ -213,7 +224,7 @@ virtual_turn_rad = st.floats(0.01, np.pi / 2)
 
 
 @pytest.mark.parametrize("mode", MODES)
-@settings(max_examples=25)
+@few
 @given(avatar=upright, head=pose, head_from_eye=eye, angle=virtual_turn_rad, distance=depth_m)
 def test_virtual_turning_is_cancelled_in_every_mode(
     mode, avatar, head, head_from_eye, angle, distance
@@ -227,7 +238,7 @@ def test_virtual_turning_is_cancelled_in_every_mode(
 
 
 @pytest.mark.parametrize("mode", MODES)
-@settings(max_examples=25)
+@few
 @given(avatar=upright, heads=st.tuples(pose, pose), offset=eye, step=position)
 def test_cancelled_turning_keeps_all_other_motion(mode, avatar, heads, offset, step):
     """Walking without a turn, and whatever the mode keeps of the head."""
@@ -237,7 +248,7 @@ def test_cancelled_turning_keeps_all_other_motion(mode, avatar, heads, offset, s
 
 
 @pytest.mark.parametrize("mode", MODES)
-@settings(max_examples=25)
+@few
 @given(avatar=upright, head=pose, head_from_eye=eye, angle=virtual_turn_rad)
 def test_virtual_turning_is_kept_in_every_mode(mode, avatar, head, head_from_eye, angle):
     before = turned_by(avatar, angle, head)
@@ -280,6 +291,7 @@ def counted_hands(carried, stages, heads, hands):
 
 
 @pytest.mark.slow
+@few
 @given(st.tuples(upright, upright), st.tuples(pose, pose), eye)
 def test_a_hand_that_goes_with_the_head_has_moved_in_the_world_alone(stages, heads, head_from_hand):
     hands = [(head @ head_from_hand, None) for head in heads]
@@ -292,6 +304,7 @@ def test_a_hand_that_goes_with_the_head_has_moved_in_the_world_alone(stages, hea
     assert before.right is None
 
 
+@few
 @given(upright, pose, st.tuples(pose, pose))
 def test_before_a_resting_head_both_ways_of_counting_a_hand_agree(stage, head, places):
     hands = [(None, place) for place in places]
@@ -302,6 +315,7 @@ def test_before_a_resting_head_both_ways_of_counting_a_hand_agree(stage, head, p
 
 
 @pytest.mark.parametrize("carried", ["with_head", "in_world"])
+@few
 @given(stage=upright, heads=st.tuples(pose, pose), hand=pose)
 def test_a_hand_that_rests_or_was_not_known_has_not_moved(carried, stage, heads, hand):
     rest = counted_hands(carried, (stage, stage), (heads[1], heads[1]), [(hand, None)] * 2)
@@ -310,6 +324,7 @@ def test_a_hand_that_rests_or_was_not_known_has_not_moved(carried, stage, heads,
     assert found[0] == found[1]
 
 
+@few
 @given(upright, upright, pose)
 def test_a_stage_turned_like_another_leaves_the_head_in_its_place(stage, other, head):
     found = turned_like(stage, other, head)
@@ -320,6 +335,7 @@ def test_a_stage_turned_like_another_leaves_the_head_in_its_place(stage, other, 
     assert turned_like(stage, stage, head) == stage
 
 
+@few
 @given(turn, turn, eye, st.integers(-1, 1), st.floats(0.05, 100))
 def test_a_runtimes_rounded_positions_leave_hundredths_of_a_pixel(
     orientation, rotation, offset, ulps, distance
@@ -335,6 +351,7 @@ def test_a_runtimes_rounded_positions_leave_hundredths_of_a_pixel(
     assert np.linalg.norm(found) <= 0.06 * 0.05 / distance + 1e-4
 
 
+@few
 @given(pose, pose)
 def test_extrapolation_passes_through_both_poses(now, before):
     for frames, expected in ((0.0, now), (-1.0, before)):

@@ -80,12 +80,10 @@ def test_a_sharp_foreground_does_not_leak(ctx, samples):
     np.testing.assert_array_equal(blurred[bar], rgb[bar])
 
 
-@pytest.mark.parametrize("near_is_left", [True, False])
-@pytest.mark.parametrize("radius_px", [1.5, 3.0, 6.4, 12.0])
 @pytest.mark.parametrize(
-    ("samples", "rms"),
-    [(16, 0.04), (36, 0.03), (128, 0.02)],
+    ("near_is_left", "radius_px"), [(True, 1.5), (False, 3.0), (True, 6.4), (False, 12.0)]
 )
+@pytest.mark.parametrize(("samples", "rms"), [(16, 0.04), (36, 0.03), (128, 0.02)])
 def test_a_blurred_foreground_is_the_disc_integral_at_its_edge(
     ctx, near_is_left, radius_px, samples, rms
 ):
@@ -232,14 +230,12 @@ def test_depth_runs_along_the_heads_axis_in_canted_eyes(ctx, rng):
     assert np.any(depth_of_field(ctx, rgb, distance, 2.0, fov=fov, **settings) != rgb)
 
 
-SIZES = [(1, 1), (7, 5), (33, 17), (67, 35)]
+SIZES = [(1, 1, "linear"), (7, 5, "dioptre"), (33, 17, "linear"), (67, 35, "dioptre")]
 
 
-@pytest.mark.parametrize("size_px", SIZES)
-@pytest.mark.parametrize("law", ["linear", "dioptre"])
+@pytest.mark.parametrize(("width", "height", "law"), SIZES)
 @pytest.mark.parametrize("samples", SAMPLES)
-def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px, law, samples):
-    width, height = size_px
+def test_extremes_stay_finite_and_within_their_range(ctx, rng, width, height, law, samples):
     settings = {
         "law": law,
         "samples": samples,
@@ -250,8 +246,8 @@ def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px, law, sam
     rgb = np.exp2(rng.uniform(-20, 15.99, (height, width, 3)))
     rgb[rng.random((height, width)) < 0.2] = 65504
     rgb[rng.random((height, width)) < 0.2] = 0
-    lens = Lens(ctx, size_px, **settings)
-    for near_m in (0.001, 0.02, 1.0):
+    lens = Lens(ctx, (width, height), **settings)
+    for near_m in (0.001, 1.0):
         far = np.exp(rng.uniform(np.log(near_m), np.log(3e4), (height, width)))
         for distance in (np.inf, near_m, np.where(far > 10, np.inf, far), far):
             for focus_m in (0.05, 1.0, 3e4, np.inf, np.nan):

@@ -71,7 +71,7 @@ def two_frames(step_m, turn_rad):
 def last_images(ctx, scene, condition, size_px, frames):
     """Return (sharp, blurred) of both eyes of the last frame."""
     renderer = StereoRenderer(ctx, size_px)
-    renderer.begin(scene, condition)
+    renderer.build(scene, condition)
     found = []
     for frame in frames:
         found.clear()

@@ -67,7 +67,7 @@ def test_whole_frames(ctx, cases):
         condition = next(every)
         size_px, near_m = SIZES[number % len(SIZES)], float(rng.choice(NEAREST_M))
         renderer = StereoRenderer(ctx, size_px, near_m=near_m, samples=4)
-        renderer.begin(scene(rng), condition)
+        renderer.build(scene(rng), condition)
         samples = []
         # Without an eye tracker, some settings refuse to go on.
         centre = condition.gaze_centre

@@ -191,7 +191,7 @@ def drawn(ctx):
 
     def draw(gazes, **settings):
         renderer = StereoRenderer(ctx, (48, 48), samples=2)
-        renderer.begin(still_life(), Condition(name="c", **EVERYTHING, **settings))
+        renderer.build(still_life(), Condition(name="c", **EVERYTHING, **settings))
         images, centres = [], []
         for index, gaze in enumerate(gazes):
             rendered = renderer.render(shown(index, gaze), 0.0)

@@ -226,7 +226,7 @@ def test_the_reference_blurs_as_much_as_the_law_says(ctx, name):
     camera = eye()
     truth = Reference(ctx, content, condition, size_px)
     pinhole = Reference(ctx, content, Condition(name="p"), size_px)
-    blurred = truth.render(camera, 0.0, None, focus_m=0.1, samples=256).image[..., 0]
+    blurred = truth.render(camera, 0.0, None, focus_m=0.1, samples=64).image[..., 0]
     sharp = pinhole.render(camera, 0.0, None, focus_m=0.1, samples=1).image[..., 0]
     x = np.arange(160) - 79.5
 

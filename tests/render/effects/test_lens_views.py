@@ -51,7 +51,7 @@ def drawn(ctx, scene, condition, frames, size_px=SIZE_PX):
     """Return the last frame's left eye: pinhole and result, (h, w, 3) each."""
     found = []
     renderer = StereoRenderer(ctx, size_px)
-    renderer.begin(scene, condition)
+    renderer.build(scene, condition)
     for frame in frames:
         renderer.render(
             frame,
@@ -105,7 +105,7 @@ def test_what_is_in_focus_moves_as_without_views(ctx, order):
 def test_the_limit_is_told_of_what_it_limits(ctx, views, radii):
     """The sky, focused at 0.2 m: 5 dioptres of 8 px. 0.97 of that in each of four views."""
     renderer = StereoRenderer(ctx, SIZE_PX, eyes=1)
-    renderer.begin(half_plane(2.0), condition(views, focus=Focus(method="fixed", fixed_m=0.2)))
+    renderer.build(half_plane(2.0), condition(views, focus=Focus(method="fixed", fixed_m=0.2)))
     rendered = renderer.render(standing(), 0.0)
     (told,) = renderer.clamps()
     assert radii in told
@@ -159,7 +159,7 @@ def test_views_cost_two_textures_and_the_plan_says_so(ctx, count_objects, monkey
     for views in (1, 4, 256):
         before = count_objects()["Texture"]
         renderer = StereoRenderer(ctx, SIZE_PX)
-        renderer.begin(scene, condition(views, over_blur=0.5 if views > 4 else 1.0))
+        renderer.build(scene, condition(views, over_blur=0.5 if views > 4 else 1.0))
         counts.append(count_objects()["Texture"] - before)
         del renderer
     one, four, many = counts
@@ -220,7 +220,7 @@ def test_the_dial_turns_towards_the_reference(ctx):
     def image(views):
         blur = condition(views, focus=focus)
         renderer = StereoRenderer(ctx, size_px, eyes=1)
-        renderer.begin(scene, blur)
+        renderer.build(scene, blur)
         found = []
         renderer.render(
             frame, 0.0, lambda eye, im: eye or found.append((im.camera, read_rgb(im.linear)))

@@ -95,22 +95,17 @@ def _lit_by_lamp(ctx, at, radius_px, samples, bar=slice(0)):
 
 @pytest.mark.parametrize("samples", [16, 36, 96])
 @pytest.mark.parametrize("radius_px", [9.0, 17.4, 28.0])
-def test_a_lamp_keeps_its_light_and_its_disc_is_cut_nowhere(ctx, samples, radius_px):
+def test_a_lamp_keeps_its_light_and_its_disc_is_round_and_cut_nowhere(ctx, samples, radius_px):
     """With something in focus beside it, its disc lies in tiles of two classes."""
-    for at in LAMP_AT:
-        alone = _lit_by_lamp(ctx, at, radius_px, samples)
-        assert alone.sum() / (np.pi * radius_px**2) == pytest.approx(1, abs=0.01)
-        bar = slice(int(100 - 1.25 * radius_px) - 14, int(100 - 1.25 * radius_px) - 6)
-        assert np.abs(_lit_by_lamp(ctx, at, radius_px, samples, bar) - alone).max() < 0.2
-
-
-@pytest.mark.parametrize("samples", [36, 96])
-@pytest.mark.parametrize("radius_px", [9.0, 17.4, 28.0])
-def test_a_lamp_s_disc_is_as_wide_in_every_direction(ctx, samples, radius_px):
     y, x = np.mgrid[:160, :400] + 0.5
     for at in LAMP_AT:
         disc = _lit_by_lamp(ctx, at, radius_px, samples)
-        disc = disc / disc.sum()
+        assert disc.sum() / (np.pi * radius_px**2) == pytest.approx(1, abs=0.01)
+        bar = slice(int(100 - 1.25 * radius_px) - 14, int(100 - 1.25 * radius_px) - 6)
+        assert np.abs(_lit_by_lamp(ctx, at, radius_px, samples, bar) - disc).max() < 0.2
+        if samples == 16:
+            continue  # too few for a round one
+        disc /= disc.sum()
         x_off, y_off = x - (disc * x).sum(), y - (disc * y).sum()
         directions = x_off, y_off, (x_off + y_off) / np.sqrt(2), (x_off - y_off) / np.sqrt(2)
         widths = [2 * np.sqrt((disc * away**2).sum()) / radius_px for away in directions]

@@ -59,10 +59,14 @@ def assert_swept(found, shape, velocity):
     assert found[outside].sum() == pytest.approx(alpha[outside].sum(), rel=0.03, abs=1e-3)
 
 
-@pytest.mark.parametrize("back_px", [0.0, 19.0, 21.0, 40.0])
 @pytest.mark.parametrize(
-    ("front_way", "back_way"),
-    [(UP, SIDEWAYS), (SIDEWAYS, UP), (DIAGONAL, OTHER_DIAGONAL), (UP, DIAGONAL)],
+    ("front_way", "back_way", "back_px"),
+    [
+        *((UP, SIDEWAYS, back_px) for back_px in (0.0, 19.0, 21.0, 40.0)),
+        *((SIDEWAYS, UP, back_px) for back_px in (19.0, 40.0)),
+        *((DIAGONAL, OTHER_DIAGONAL, back_px) for back_px in (21.0, 40.0)),
+        *((UP, DIAGONAL, back_px) for back_px in (19.0, 21.0)),
+    ],
 )
 @pytest.mark.parametrize("shape", FRONTS)
 def test_a_front_sweeps_over_what_goes_another_way(ctx, shape, front_way, back_way, back_px):

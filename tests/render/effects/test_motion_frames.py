@@ -62,7 +62,7 @@ def ball():
 def last_eyes(ctx, content, condition, frames):
     """Return (sharp, blurred, velocity) of both eyes in the last frame."""
     renderer, found = StereoRenderer(ctx, SIZE), []
-    renderer.begin(content, condition)
+    renderer.build(content, condition)
 
     def keep(_, images):
         velocity = images.velocity and np.frombuffer(images.velocity.read(), "f2")
@@ -113,7 +113,7 @@ def primitives_drawn(ctx, count_primitives):
 
     def drawn(content, condition, frames):
         renderer = StereoRenderer(ctx, SIZE)
-        renderer.begin(content, condition)
+        renderer.build(content, condition)
         for frame in frames[:-1]:
             renderer.render(frame, frame.index / 90)
         last = frames[-1]

@@ -118,7 +118,7 @@ def test_a_session_sharpens_after_each_cut_in_both_eyes(ctx):
     shown = {}
     for name, settings in (("plain", None), ("blurred", blur)):
         renderer = StereoRenderer(ctx, SIZE)
-        renderer.begin(still_life(), Condition(name=name, relocation_blur=settings))
+        renderer.build(still_life(), Condition(name=name, relocation_blur=settings))
         shown[name] = [
             [read_rgb8(eye).astype(int) for eye in renderer.render(frame, 0.0).eyes]
             for frame in frames

@@ -121,7 +121,7 @@ def test_a_turning_head_loses_the_border_of_the_scene_and_nothing_of_its_middle(
     eyes = {}
     for name, vignette in (("plain", None), ("restricted", restricted)):
         renderer = StereoRenderer(ctx, SIZE)
-        renderer.begin(still_life(), Condition(name=name, vignette=vignette))
+        renderer.build(still_life(), Condition(name=name, vignette=vignette))
         for frame in (standing(0), standing(1, 0.1)):
             rendered = renderer.render(frame, 0.0)
         eyes[name] = [

@@ -270,7 +270,7 @@ def test_what_is_looked_at_is_sharp_and_the_wall_ahead_only_in_a_plane(ctx, alon
     blur = DepthOfField(law="eye", pupil_mm=20.0, max_radius_percent=5, distance_along=along)
     focus = Focus(method="gaze", law="instant")
     renderer = StereoRenderer(ctx, (640, 64), samples=4)
-    renderer.begin(content, Condition(name="gaze", focus=focus, depth_of_field=blur))
+    renderer.build(content, Condition(name="gaze", focus=focus, depth_of_field=blur))
     changes = []
 
     def keep(index, eye):

@@ -49,7 +49,7 @@ def test_the_renderer_goes_by_the_time_of_the_scene(ctx):
     size_px = (32, 32)
     content = scene([at(0, 0, -4, mesh=(0,))], [wall(20.0)], [glowing((1.0, 1.0, 1.0))])
     renderer = StereoRenderer(ctx, size_px)
-    renderer.begin(content, CONDITION)
+    renderer.build(content, CONDITION)
     left, right = default_fovs(size_px)
     views = (View(Pose(), left), View(Pose(), right))
     for index, time_s in enumerate((0.5, 2.5, 3.5)):
