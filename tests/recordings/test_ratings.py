@@ -10,22 +10,29 @@ import pytest
 from tests.support.rated import RatedStudy
 from tests.support.report import build_report
 from vrcomfort.errors import InputError
-from vrcomfort.recordings import pack_study, read_ratings
+from vrcomfort.recordings import pack, pack_study, ratings, read_ratings
 from vrcomfort.recordings.ratings import KEYS_OF_RATINGS, _as_text
 from vrcomfort.records.recording import LONG_BYTES, Memory, Recording
 
 HEADER = "participant,session,trial,condition,onset_s,latency_s,instrument,response,missed,resumed"
-RATINGS = 4000
+RATINGS = 100
 
 
-def rows(*, shuffled=False):
-    """Return rows of ten exposures, 40,000 in all, as labs write them."""
+@pytest.fixture
+def sooner(monkeypatch):
+    """A file is long at a fortieth of what makes it so."""
+    for module in (pack, ratings):
+        monkeypatch.setattr(module, "LONG_BYTES", LONG_BYTES // 40)
+
+
+def rows(*, shuffled=False, ratings_each=RATINGS):
+    """Return rows of ten exposures, as labs write them."""
     random = np.random.default_rng(7)
     missed = {0: ("", "1"), 1: ("NA", "0"), 2: ("n/a", "")}
     found = []
     for exposure in range(10):
         who, trial = f"P{exposure // 2}", exposure % 2 + 1
-        for place in range(RATINGS):
+        for place in range(ratings_each):
             said, code = missed.get(place % 50, (f"{random.uniform(0, 20):.3f}", "0"))
             where = f"{who},pre,{trial},{'ab'[trial - 1]}"
             found.append(f"{where},{100 + place / 2}, ,fms,{said},{code},0")
@@ -38,7 +45,7 @@ def write(folder, lines):
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "ratings.csv"
     file.write_text("\n".join([HEADER, *lines, ""]), "utf-8")
-    assert file.stat().st_size > LONG_BYTES
+    assert file.stat().st_size > ratings.LONG_BYTES
     return file
 
 
@@ -50,6 +57,7 @@ def content(series):
 
 
 @pytest.mark.parametrize("shuffled", [False, True])
+@pytest.mark.usefixtures("sooner")
 def test_text_csv_and_parquet_are_the_same(tmp_path, shuffled):
     file = write(tmp_path, rows(shuffled=shuffled))
     text, out_of_core = _as_text(file), read_ratings([file])
@@ -75,6 +83,7 @@ def test_text_csv_and_parquet_are_the_same(tmp_path, shuffled):
         (",fms,", ",fms,1_0", "column response: '1_0"),
     ],
 )
+@pytest.mark.usefixtures("sooner")
 def test_a_wrong_cell_of_a_long_file_has_its_place(tmp_path, old, new, where):
     lines = rows()
     at = next(i for i, line in enumerate(lines) if i > 5 and old in line and ",0,0" in line)
@@ -89,7 +98,7 @@ def test_a_wrong_cell_of_a_long_file_has_its_place(tmp_path, old, new, where):
 
 
 def test_a_half_written_last_row_is_told_and_left_out(tmp_path):
-    file = write(tmp_path, rows())
+    file = write(tmp_path, rows(ratings_each=4000))
     whole = sum(each.response.size for each in read_ratings([file]).series)
     with file.open("a", encoding="utf-8") as stream:
         stream.write("P9,pre,1,a,77")
@@ -98,6 +107,7 @@ def test_a_half_written_last_row_is_told_and_left_out(tmp_path):
     assert "half-written" in found.notes[0]
 
 
+@pytest.mark.usefixtures("sooner")
 def test_a_parquet_of_another_csv_is_told_and_not_read(tmp_path):
     file = write(tmp_path, rows())
     list(pack_study(tmp_path, Memory()))

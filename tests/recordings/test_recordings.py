@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -198,9 +199,9 @@ def test_a_recording_of_the_first_schema_has_blanks_where_nothing_was_recorded(t
 
 
 @pytest.mark.parametrize("how", ["longer", "same size", "older form", "damaged"])
-def test_a_parquet_that_is_not_of_its_csv_is_told_and_not_read(tmp_path, how):
-    file = session(tmp_path, frames(60))
-    packed(tmp_path)
+def test_a_parquet_that_is_not_of_its_csv_is_told_and_not_read(whole, tmp_path, how):
+    shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
+    file = tmp_path / "frames.csv"
     text = file.read_text()
     if how == "longer":
         file.write_text(text.replace("focused", "visible", 1) + "\n")
@@ -230,6 +231,15 @@ def test_a_copied_study_keeps_its_parquet(tmp_path):
     assert Recording.find(file).parquet is not None
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Return a folder with a session that has been packed, to be copied."""
+    folder = tmp_path_factory.mktemp("whole")
+    session(folder, frames(60))
+    packed(folder)
+    return folder
+
+
 def spoilt(file, line: int, column: str, cell: str) -> None:
     lines = file.read_text().splitlines()
     cells = lines[line - 1].split(",")
@@ -251,9 +261,9 @@ def spoilt(file, line: int, column: str, cell: str) -> None:
         ("dropped", "", "blank"),
     ],
 )
-def test_what_is_damaged_is_refused_with_its_place(tmp_path, column, cell, what):
-    file = session(tmp_path, frames(60))
-    packed(tmp_path)
+def test_what_is_damaged_is_refused_with_its_place(whole, tmp_path, column, cell, what):
+    shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
+    file = tmp_path / "frames.csv"
     old = file.with_suffix(".parquet").read_bytes()
     spoilt(file, 41, column, cell)
     with pytest.raises(InputError, match=what) as refusal:
