@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -131,10 +132,12 @@ def test_a_ray_from_behind_or_beside_misses() -> None:
 def test_no_question_of_a_shipped_instrument_reaches_into_its_answers(
     instrument: Instrument,
 ) -> None:
+    @cache
+    def drawn(question: str, answers: Answers) -> np.ndarray:
+        return Painter().draw(Page("", question, question_cells(answers, first=True)), None)
+
     for item in instrument.asked:
-        cells = question_cells(item.answers, first=True)
-        with_question = Painter().draw(Page("", item.text, cells), None)
-        without = Painter().draw(Page("", "", cells), None)
+        with_question, without = drawn(item.text, item.answers), drawn("", item.answers)
         changed = np.flatnonzero((with_question != without).any(axis=(1, 2)))
         assert changed.size
         assert changed.max() < ANSWER_TOP_PX

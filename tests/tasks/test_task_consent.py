@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+import io
 import json
-import os
-import pty
 import shutil
 import subprocess
 import sys
@@ -13,9 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.places import ROOT
 from tests.support.tasks import PROTOCOL, with_own_tasks
-from tests.support.waiting import SESSION_S
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol, task_code_of
 from vrcomfort.tasks import read_task_code
@@ -65,10 +62,6 @@ OWN_MODULES = {"helper", "later", "counting", "counting.deep"}
 Run = Callable[..., tuple[int, str, str]]
 
 
-PROGRAM = "from vrcomfort.cli import main; main()"
-"""As `python -c` runs it, modules are looked for in the present folder first."""
-
-
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """Return the folder of a protocol whose code leaves a file wherever it runs."""
@@ -90,7 +83,7 @@ def home(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def here(folder: Path, home: Path, monkeypatch: pytest.MonkeyPatch, run: Run) -> Iterator[Run]:
-    """Return what runs a command in this process, as `vrcomfort` in one of its own."""
+    """Return what runs a command with modules looked for in the protocol's folder first."""
     for name in ("XDG_CONFIG_HOME", "APPDATA"):
         monkeypatch.setenv(name, str(home))
     monkeypatch.chdir(folder)
@@ -101,36 +94,6 @@ def here(folder: Path, home: Path, monkeypatch: pytest.MonkeyPatch, run: Run) ->
     yield run
     for name in OWN_MODULES - known:
         sys.modules.pop(name, None)
-
-
-def vrcomfort(
-    folder: Path, home: Path, *words: str, typed: int | None = None
-) -> subprocess.CompletedProcess[str]:
-    """Run a command in a process of its own that looks for modules in the protocol's folder.
-
-    Parameters
-    ----------
-    typed
-        The end of a terminal; without one, nothing can be typed.
-    """
-    root = str(ROOT)
-    return subprocess.run(
-        [sys.executable, "-c", PROGRAM, *words],
-        cwd=folder,
-        env={
-            **os.environ,
-            "XDG_CONFIG_HOME": str(home),
-            "APPDATA": str(home),
-            "PYTHONPATH": root,
-            "PYTHONDONTWRITEBYTECODE": "1",
-        },
-        stdin=subprocess.DEVNULL if typed is None else typed,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE if typed is None else typed,
-        text=True,
-        check=False,
-        timeout=SESSION_S,
-    )
 
 
 def files(*folders: Path) -> set[Path]:
@@ -149,37 +112,32 @@ def refused_hash(code: int, err: str) -> str:
     return err.rpartition("--trust ")[2].strip()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    "command",
-    [
-        ("check", "study.toml", "--no-draw"),
-        pytest.param(("check", "study.toml"), marks=pytest.mark.slow),
-        pytest.param(("passes", "study.toml", "--size", "64x64"), marks=pytest.mark.slow),
-    ],
+    "command", [("check", "study.toml"), ("passes", "study.toml", "--size", "64x64")]
 )
-def test_a_command_that_reads_a_protocol_runs_and_writes_nothing(folder, home, command):
+def test_a_command_that_reads_a_protocol_runs_and_writes_nothing(folder, home, here, command):
     before = files(folder)
-    done = vrcomfort(folder, home, *command)
-    assert done.returncode == 0, done.stderr
+    code, _, err = here(*command)
+    assert code == 0, err
     assert files(folder, home / "vrcomfort") == before
 
 
 @pytest.mark.slow
-def test_a_preflight_runs_no_code_and_writes_one_file(folder, home):
+def test_a_preflight_runs_no_code_and_writes_one_file(folder, here):
     quick = ("--headset", "playback", "--size", "32x32", "--seconds", "0.2")
     before = files(folder)
-    done = vrcomfort(folder, home, "preflight", "study.toml", "--out", "data", *quick)
-    assert done.returncode == 0, done.stderr
+    code, _, err = here("preflight", "study.toml", "--out", "data", *quick)
+    assert code == 0, err
     assert files(folder) - before == {folder / "data", folder / "data" / "preflight.json"}
 
 
 @pytest.mark.parametrize("command", [SIMULATE, RUN])
-def test_without_a_consent_nothing_runs_and_nothing_is_written(folder, home, command):
+def test_without_a_consent_nothing_runs_and_nothing_is_written(folder, home, here, command):
     before = files(folder)
-    done = vrcomfort(folder, home, *command)
-    code = task_code_of(load_protocol(folder / "study.toml"))
-    assert refused_hash(done.returncode, done.stderr) == code.sha256
-    assert all(name in done.stderr for name in IMPORTED)
+    code, _, err = here(*command)
+    assert refused_hash(code, err) == task_code_of(load_protocol(folder / "study.toml")).sha256
+    assert all(name in err for name in IMPORTED)
     assert files(folder, home / "vrcomfort") == before
 
 
@@ -210,17 +168,22 @@ def test_a_consent_is_kept_until_an_imported_file_changes(folder, here):
     assert not (folder / "more").exists()
 
 
-@pytest.mark.parametrize(("typed", "code"), [("n\n", 2), ("y\n", 0)])
-def test_at_a_terminal_the_files_are_shown_and_the_consent_is_typed(folder, home, typed, code):
-    ours, theirs = pty.openpty()
-    try:
-        os.write(ours, typed.encode())
-        done = vrcomfort(folder, home, *SIMULATE, typed=theirs)
-        said = os.read(ours, 100_000).decode()
-    finally:
-        os.close(ours)
-        os.close(theirs)
-    assert done.returncode == code, said
+class Terminal(io.StringIO):
+    """What somebody types, or what stands on their screen."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize(("typed", "expected"), [("n\n", 2), ("y\n", 0)])
+def test_at_a_terminal_the_files_are_shown_and_the_consent_is_typed(
+    folder, home, here, monkeypatch, typed, expected
+):
+    monkeypatch.setattr(sys, "stdin", Terminal(typed))
+    monkeypatch.setattr(sys, "stderr", screen := Terminal())
+    code, _, _ = here(*SIMULATE)
+    said = screen.getvalue()
+    assert code == expected, said
     assert all(name in said for name in IMPORTED)
     assert (folder / "ran").exists() == (code == 0) == any(home.rglob("*.json"))
 
