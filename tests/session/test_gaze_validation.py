@@ -180,7 +180,7 @@ ABOVE = PROTOCOL.replace("error_deg = 0.0", "error_deg = 20.0")
 
 
 def test_a_session_ends_where_the_error_stays_above_the_limit(tmp_path):
-    outcome = do(tmp_path, ABOVE)
+    outcome = do(tmp_path, ABOVE, headset=Slow)
     assert "limit is 1.5 degrees" in outcome.note
     found = [(row["attempt"], row["good"]) for row in rows(tmp_path) if not row["point"]]
     assert found == [("1", "0"), ("2", "0")]
@@ -193,11 +193,11 @@ def test_a_session_ends_where_the_error_stays_above_the_limit(tmp_path):
 
 def test_an_error_may_only_be_noted(tmp_path):
     text = ABOVE.replace("[gaze_validation]", '[gaze_validation]\nabove = "note"\nattempts = 1')
-    assert do(tmp_path, text).status == "completed"
+    assert do(tmp_path, text, headset=Slow).status == "completed"
     assert len(rows(tmp_path, "trials.csv")) == 2
 
 
-class Tracked(Ahead):
+class Tracked(Slow):
     """A tracker that sees the eyes straight ahead, whatever they look at."""
 
     def frames(self):
@@ -216,7 +216,7 @@ def test_a_gaze_that_does_not_follow_is_as_far_off_as_the_points_are(tmp_path):
 
 def test_a_headset_without_eye_tracker_is_told_and_the_session_goes_on(tmp_path):
     text = PROTOCOL.replace("[simulation.eyes]\nerror_deg = 0.0", "")
-    assert do(tmp_path, text).status == "completed"
+    assert do(tmp_path, text, headset=Slow).status == "completed"
     events = [row["name"] for row in rows(tmp_path, "events.csv")]
     assert events.count("gaze_not_validated") == 2
     assert not (tmp_path / "S/sub-P01/ses-1/gaze_validation.csv").exists()
