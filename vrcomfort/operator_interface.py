@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 
-from vrcomfort.frame import Frame, RenderResult
-from vrcomfort.protocol.timeline import StepKind
+if TYPE_CHECKING:  # the console's server starts, and starts again, in a moment
+    from vrcomfort.frame import Frame, RenderResult
+    from vrcomfort.protocol.timeline import StepKind
 
 _ALWAYS = {"note", "abort", "withdraw", "withdraw_surely", "withdraw_not"}
 _TIMED = _ALWAYS | {"pause", "go_on", "skip", "recentre"}

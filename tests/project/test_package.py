@@ -146,6 +146,7 @@ def test_every_shader_compiles_from_an_installed_wheel(wheel: Path, tmp_path: Pa
         ("vrcomfort.cli", ("moderngl", "xr", "pingouin", "matplotlib")),
         ("vrcomfort.report", ("moderngl", "xr")),
         ("vrcomfort.session.run", ("duckdb", "pandas")),
+        ("vrcomfort.console.server", ("numpy", "pydantic")),
     ],
 )
 def test_importing_loads_only_what_is_needed(module: str, forbidden: tuple[str, ...]) -> None:

@@ -6,10 +6,9 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from vrcomfort.console.process import ServerProcess
-from vrcomfort.frame import FocusSample, Frame, RenderResult
 from vrcomfort.operator_interface import (
     ALLOWED,
     Command,
@@ -18,6 +17,9 @@ from vrcomfort.operator_interface import (
     SessionProgress,
     TrialSoFar,
 )
+
+if TYPE_CHECKING:
+    from vrcomfort.frame import FocusSample, Frame, RenderResult
 
 # Five states a second are read as moving, and a page on a busy machine keeps up with two pictures.
 STATE_EVERY_S = 0.2
