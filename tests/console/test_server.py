@@ -33,17 +33,6 @@ def console():
         yield found
 
 
-def test_the_server_is_of_another_session_of_the_system_and_ends_with_its_block():
-    """Ctrl-C is for the session that records."""
-    with served() as console:
-        pid = console.server.pid
-        if os.name == "posix":
-            assert os.getsid(pid) == pid
-    if os.name == "posix":
-        with pytest.raises(ProcessLookupError):
-            os.kill(pid, 0)
-
-
 @pytest.mark.smoke
 def test_a_token_works_once_and_becomes_a_cookie_that_scripts_and_other_sites_never_get(console):
     token, known = console.token(), len(console.addresses)
@@ -270,14 +259,21 @@ def test_a_new_server_hears_first_who_may_come_in_whatever_is_shown_meanwhile(mo
         assert len(console.sentences) == 1
 
 
-def test_all_pages_get_to_know_how_the_session_ended():
+def test_the_server_tells_all_pages_how_the_session_ended_and_ends_with_its_block():
+    """It is of another session of the system: Ctrl-C is for the session that records."""
     with served() as console, ExitStack() as open_pages:
+        pid = console.server.pid
+        if os.name == "posix":
+            assert os.getsid(pid) == pid
         cookie = console.cookie()
         pages = [open_pages.enter_context(console.page(cookie)) for _ in range(20)]
         console.server.show({"kind": "state", "mark": "ended", "fill": "x" * 100_000})
         console.server.close()
         for page in pages:
             page.hear(lambda page: page.states and page.states[-1]["mark"] == "ended")
+    if os.name == "posix":
+        with pytest.raises(ProcessLookupError):
+            os.kill(pid, 0)
 
 
 @pytest.mark.slow

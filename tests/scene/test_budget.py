@@ -164,8 +164,8 @@ HEAVY = {
     many_draws: "1100000 primitives to draw",
     many_items: "parts",
 }
-LARGE = {one_picture_often, strided}
-"""Those whose files take a second to be made, which is done once, for their memory."""
+LARGE = {one_picture_often, strided, many_items}
+"""Those whose files take a second to be made or read, which is done once, for their memory."""
 
 
 @pytest.mark.parametrize(

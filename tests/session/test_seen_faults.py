@@ -20,7 +20,7 @@ from vrcomfort.report.study_data import read_study, trial_s
 from vrcomfort.seen_time import LIMITED, SEEN, UNSEEN, SeenState, SeenTime
 
 PERIOD_NS = 100_000_000
-PEOPLE = 12
+PEOPLE = 8
 """With two exposures each."""
 FAULTS = (
     "not drawn", "untracked", "off", "hidden", "no frames", "menu", "frozen", "half rate",
