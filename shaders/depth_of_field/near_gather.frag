@@ -63,6 +63,14 @@ float texels_of(float radius_px, float texel_px) {
     return grid_radius_px(disc_texels(sqrt(max(radius_px * radius_px - ENLARGED_PX2, 0.0)), texel_px));
 }
 
+// Of a light's disc. Where it is brighter than white, its rim shows from where it begins, not from where it is half:
+// so much narrower, it is white as far as it should be.
+float texels_of_light(vec4 light, float radius_px, float texel_px) {
+    float texels = texels_of(radius_px, texel_px);
+    float white = max(max(light.r, light.g), light.b) / (PI * texels * texels);
+    return texels - 0.5 * RIM_PX * max(0.5 - inversesqrt(6.0 * max(white, 1e-3)), 0.0);
+}
+
 // Whether a level draws a disc that p wants.
 float own_part_on(int level, vec4 of, float radius_px) {
     return of.a > 0.0 ? part_on(level, -radius_px) : 0.0;
@@ -74,7 +82,8 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
     float widest = level < LEVELS - 1 ? min(tile.r, widest_on(level)) : tile.r;
     bool comes = level == 1 ? tile.g < widest_on(1) || LEVELS == 2 : coarser_part(level - 1, tile.r) > 0.0;
     comes = comes && (level == LEVELS - 1 || tile.g < widest_on(level));
-    float own_texels = texels_of(-own_radius, texel_px), behind_texels = texels_of(-radius_behind, texel_px);
+    float own_texels = texels_of_light(p, -own_radius, texel_px);
+    float behind_texels = texels_of_light(p_behind, -radius_behind, texel_px);
     float most = max(max(own_part > 0.0 ? own_texels : 0.0, behind_part > 0.0 ? behind_texels : 0.0),
                      comes ? texels_of(widest, texel_px) : 0.0);
     float reach = most + 0.5 * RIM_PX;
@@ -104,7 +113,7 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
                 // Of what q hides: far behind it, what is known; close behind it goes on as beside it.
                 float far_before = is_nearer * farther(q_px, own_px);
                 float beside = nearer(radius_behind, q_px), far_beside = beside * farther(q_px, radius_behind);
-                vec4 comes_here = apart(q_px) * part_on(level, -q_px) * disc_share(away, texels_of(-q_px, texel_px)) * q;
+                vec4 comes_here = apart(q_px) * part_on(level, -q_px) * disc_share(away, texels_of_light(q, -q_px, texel_px)) * q;
                 over += comes_here;
                 over_nearer += is_nearer * comes_here;
                 float last_px = p_behind.a > 0.0 ? radius_behind : own_px;
@@ -120,7 +129,7 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
                     vec4 front = texel_of(light_of, by);
                     float front_px = front.a > 0.0 ? texel_of(radius_of, by).r / front.a : 0.0;
                     vec4 comes_2 = (1.0 - front.a * nearer(q2_px, front_px)) * apart(q2_px) * part_on(level, -q2_px)
-                                 * disc_share(away, texels_of(-q2_px, texel_px)) * q2;
+                                 * disc_share(away, texels_of_light(q2, -q2_px, texel_px)) * q2;
                     over_behind += comes_2;
                     over_farther += farther(last_px, q2_px) * comes_2;
                     float visible = min(1.0 - q.a, q2.a) / q2.a;

@@ -52,6 +52,21 @@ void read(int i, ivec2 at) {
 #endif
 }
 
+bool is_nearer(int k, float between) {
+    return k % 2 == 0 && radius_of(k) <= between;
+}
+
+// Radius times coverage of what a texel has as one surface. Of two of pixels the larger's: their mean, which is none's,
+// would seem to slant to both (near_gather.frag).
+float radius_in(vec2 sum, vec2 foremost) {
+#ifdef FROM_PIXELS
+    vec2 larger = 2.0 * foremost.y >= sum.y ? foremost : sum - foremost;
+    return larger.x * sum.y / max(larger.y, 1e-4);
+#else
+    return sum.x;
+#endif
+}
+
 void main() {
 #ifdef FROM_PIXELS
     ivec2 last = size_of(finer) - 1;
@@ -68,19 +83,25 @@ void main() {
     }
     // Which are one surface, gather as one.
     float between = farthest - nearest > 2.0 * margin_px(nearest) ? 0.5 * (nearest + farthest) : 0.0;
+    vec2 foremost = vec2(nearest, 0.0);
+    for (int k = 0; k < 8; ++k)
+        foremost.y = is_nearer(k, between) ? foremost.y : min(foremost.y, radius_of(k));
     vec4 found[2] = vec4[2](vec4(0.0), vec4(0.0));
-    vec2 found_radius = vec2(0.0);
+    vec2 sums[2] = vec2[2](vec2(0.0), vec2(0.0));          // radius and coverage, of all
+    vec2 sums_foremost[2] = vec2[2](vec2(0.0), vec2(0.0)); // and of the foremost surface
     for (int i = 0; i < 4; ++i) {
         vec2 covered = vec2(0.0);
         for (int k = 2 * i; k < 2 * i + 2; ++k) {
-            int which = k % 2 == 0 && radius_of(k) <= between ? 0 : 1;
+            int which = is_nearer(k, between) ? 0 : 1;
             float part = lights[k].a > 0.0 ? 0.25 * min(1.0, max(1.0 - covered[which], 0.0) / lights[k].a) : 0.0;
             covered[which] += lights[k].a;
             found[which] += part * lights[k];
-            found_radius[which] += part * radii[k];
+            vec2 sum = part * vec2(radii[k], lights[k].a);
+            sums[which] += sum;
+            sums_foremost[which] += radius_of(k) - foremost[which] < 2.0 * margin_px(foremost[which]) ? sum : vec2(0.0);
         }
     }
     nearer_light = found[0];
     farther_light = found[1];
-    radius_of_both = found_radius;
+    radius_of_both = vec2(radius_in(sums[0], sums_foremost[0]), radius_in(sums[1], sums_foremost[1]));
 }

@@ -145,6 +145,28 @@ def test_nothing_shines_through_a_near_board_behind_a_near_bar(in_three_ways):
     assert rms(ours - true) < 1.1 * rms(alone - true)
 
 
+@pytest.mark.parametrize("samples", [16, 96])
+@pytest.mark.parametrize("slope", [0.25, 1 / 3, 0.4])
+def test_nothing_shines_through_where_two_near_boards_overlap(ctx, samples, slope):
+    """They have one colour, and fill the image: so does their blur. Behind them is a bright wall.
+
+    Radii are 12.2, 9 and 2.2 px. Where texels have parts of both boards, none is a slanted surface.
+    """
+    px_m = 1 / 2.4 / (SIZE_PX[0] / 2)
+    left, right = (((0.4 + slope * x) * px_m, x * px_m) for x in (-90.0, 90.0))
+    edge = [(x, y, -1 / 2.4) for y, x in (left, right)]
+    nearer_board = mesh([*edge, *((x, -1.0, z) for x, _, z in reversed(edge))], [0, 1, 2, 0, 2, 3])
+    nodes = [
+        at(0, 0, 0, mesh=(0,)),
+        at(0, 0, -1 / 1.906, mesh=(1,)),
+        at(0, 0, -1 / 0.844, mesh=(2,)),
+    ]
+    shine = [glowing((light,) * 3, double_sided=True) for light in (0.2, 40.0)]
+    content = scene(nodes, [nearer_board, wall(3, 0), wall(6, 1)], shine)
+    found = drawn(ctx, content, condition(samples=samples), watch=False)[0]["linear"]
+    np.testing.assert_allclose(found, 0.2, atol=0.02)
+
+
 def test_no_second_outline_stands_inside_a_blurred_bar(in_three_ways):
     """The contrast of rows behind it goes on as through a lens where the bar itself begins."""
     ours, alone, true = (
@@ -284,3 +306,13 @@ def test_a_near_lamp_s_disc_is_as_wide_as_the_lens_makes_it(ctx, radius_px, samp
     true = disc_of_lamp(radius_px)
     for light in (1.0, true.max() / 2):
         assert radius_px_of(lit, light) == pytest.approx(radius_px_of(true, light), abs=0.3)
+
+
+@pytest.mark.parametrize("samples", [16, 36, 96])
+@pytest.mark.parametrize("radius_px", [6.7, 9.0, 12.0])
+def test_a_near_lamp_is_white_as_far_as_through_the_lens(ctx, radius_px, samples):
+    """However coarse the level is on which its disc is summed."""
+    content, wanted = near_lamp(radius_px, samples)
+    lit = drawn(ctx, content, wanted, watch=False)[0]["linear"][..., 0]
+    true = disc_of_lamp(radius_px)
+    assert radius_px_of(lit, 1.0) == pytest.approx(radius_px_of(true, 1.0), abs=0.2)
