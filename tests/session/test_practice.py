@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from types import SimpleNamespace
 
 import numpy as np
@@ -64,9 +65,16 @@ def told(tmp_path):
     return [tuple(row[each] for each in columns) for row in rows(tmp_path)]
 
 
-def test_a_block_is_repeated_until_it_has_been_shown_often_enough(tmp_path):
-    practise(tmp_path, HARD)
-    assert told(tmp_path) == [
+@pytest.fixture(scope="module")
+def practised(tmp_path_factory):
+    """Return the folder of a study with a session that nobody changes."""
+    folder = tmp_path_factory.mktemp("practised")
+    practise(folder, HARD)
+    return folder
+
+
+def test_a_block_is_repeated_until_it_has_been_shown_often_enough(practised):
+    assert told(practised) == [
         (str(n), number, condition, "completed", met, over, "0")
         for n in (1, 2, 3)
         for number, condition, met, over in (
@@ -75,12 +83,12 @@ def test_a_block_is_repeated_until_it_has_been_shown_often_enough(tmp_path):
         )
     ]
     assert all(
-        float(row["end_s"]) - float(row["start_s"]) == pytest.approx(5.0) for row in rows(tmp_path)
+        float(row["end_s"]) - float(row["start_s"]) == pytest.approx(5.0) for row in rows(practised)
     )
-    assert {row["task"] for row in rows(tmp_path)} == {"shoot"}
-    (event,) = [row for row in rows(tmp_path, "events") if row["name"] == "practice_not_met"]
+    assert {row["task"] for row in rows(practised)} == {"shoot"}
+    (event,) = [row for row in rows(practised, "events") if row["name"] == "practice_not_met"]
     assert event["detail"] == "practice warm_up was not good enough in 3 repetitions"
-    assert [row["status"] for row in rows(tmp_path, "trials")] == ["completed", "completed"]
+    assert [row["status"] for row in rows(practised, "trials")] == ["completed", "completed"]
 
 
 def test_whoever_is_good_enough_goes_on_at_once(tmp_path):
@@ -90,19 +98,16 @@ def test_whoever_is_good_enough_goes_on_at_once(tmp_path):
     assert 1 <= hits <= sum(int(row["targets"]) for row in rows(tmp_path))
 
 
-def test_practice_changes_nothing_of_the_study(tmp_path):
+def test_practice_changes_nothing_of_the_study(practised, tmp_path):
     practise(tmp_path, "")
     plain = rows(tmp_path, "questionnaires"), rows(tmp_path, "tasks")
-    (tmp_path / "again").mkdir()
-    practise(tmp_path / "again", HARD)
-    again = rows(tmp_path / "again", "questionnaires"), rows(tmp_path / "again", "tasks")
+    again = rows(practised, "questionnaires"), rows(practised, "tasks")
     assert [r["response"] for r in plain[0]] == [r["response"] for r in again[0]]
     what = ("trial", "kind", "number", "reaction_s", "hit")
     assert [[r[c] for c in what] for r in plain[1]] == [[r[c] for c in what] for r in again[1]]
-    assert {row["trial"] for row in rows(tmp_path / "again", "tasks")} == {"1", "2"}
-    read = read_study(tmp_path / "again/S")
-    assert len(read.trials) == 2
-    assert not verify_study(tmp_path / "again/S").faults
+    assert {row["trial"] for row in rows(practised, "tasks")} == {"1", "2"}
+    assert len(read_study(practised / "S").trials) == 2
+    assert not verify_study(practised / "S").faults
 
 
 class Watching(SimulatedRespondent):
@@ -211,8 +216,8 @@ def test_practice_that_is_over_is_not_shown_again(tmp_path):
         ("P01,1,", "P02,1,", "participant is P02, and this folder is of P01"),
     ],
 )
-def test_verify_finds_rows_of_practice_that_cannot_be(tmp_path, old, new, says):
-    practise(tmp_path, HARD)
+def test_verify_finds_rows_of_practice_that_cannot_be(practised, tmp_path, old, new, says):
+    shutil.copytree(practised, tmp_path, dirs_exist_ok=True)
     file = tmp_path / "S/sub-P01/ses-1/practice.csv"
     text = file.read_text(encoding="utf-8")
     assert old in text

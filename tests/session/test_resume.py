@@ -25,8 +25,21 @@ from vrcomfort.traces.trace import read_trace
 FILES = ("trials", "timing", "questionnaires", "ratings", "frames", "events")
 
 
+@pytest.fixture(scope="module")
+def once(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("interrupted")
+    assert go(folder, interrupt=(2, 30)).status == "aborted"
+    return folder
+
+
+@pytest.fixture
+def interrupted(once, tmp_path):
+    """The session was interrupted in the second exposure, in its 30th frame."""
+    shutil.copytree(once, tmp_path, dirs_exist_ok=True)
+
+
+@pytest.mark.usefixtures("interrupted")
 def test_an_interrupted_session_goes_on_at_the_next_exposure(tmp_path):
-    assert go(tmp_path, interrupt=(2, 30)).status == "aborted"
     before = {name: len(rows(tmp_path, name)) for name in FILES}
     end_s = float(rows(tmp_path, "trials")[-1]["end_s"])
     assert go(tmp_path, resume=True).sessions == (1,)
@@ -52,8 +65,8 @@ def test_an_interrupted_session_goes_on_at_the_next_exposure(tmp_path):
     assert float(again["asked_s"]) == end_s
 
 
+@pytest.mark.usefixtures("interrupted")
 def test_a_continued_session_is_one_trace_and_keeps_the_facts_of_all_runs(tmp_path):
-    go(tmp_path, interrupt=(2, 30))
     go(tmp_path, interrupt=(1, 20), resume=True)
     assert go(tmp_path, resume=True).status == "enrolled"
     assert [row[1:4] for row in attempts(tmp_path)] == [
@@ -74,8 +87,8 @@ def test_a_continued_session_is_one_trace_and_keeps_the_facts_of_all_runs(tmp_pa
     assert (content["status"], content["memory"], content["under_way"]) == ("completed", None, None)
 
 
+@pytest.mark.usefixtures("interrupted")
 def test_an_unfinished_session_is_refused_with_the_way_out(tmp_path):
-    go(tmp_path, interrupt=(2, 30))
     for sessions in ([1], None):
         with pytest.raises(InputError, match=r"session 1 of P01 was interrupted.*run --resume"):
             go(tmp_path, sessions=sessions)
@@ -178,8 +191,8 @@ def test_a_killed_program_loses_nothing_but_its_last_rows(tmp_path):
 
 
 @pytest.mark.parametrize("tail", [b"98.5,12345", b"1,2,3\n", b"\xc3", b'"'])
+@pytest.mark.usefixtures("interrupted")
 def test_a_half_written_row_is_told_and_kept_beside(tmp_path, tail):
-    go(tmp_path, interrupt=(2, 30))
     file = folder(tmp_path) / "frames.csv"
     whole = file.read_bytes()
     file.write_bytes(whole + tail)
@@ -201,8 +214,8 @@ def test_files_that_were_not_even_begun_are_begun(tmp_path):
     assert len(rows(tmp_path, "timing")) == 2
 
 
+@pytest.mark.usefixtures("interrupted")
 def test_a_row_broken_in_the_middle_is_left_to_people(tmp_path):
-    go(tmp_path, interrupt=(2, 30))
     file = folder(tmp_path) / "events.csv"
     lines = file.read_bytes().splitlines(keepends=True)
     broken = b"".join([*lines[:2], b"1,2\n", *lines[3:]])
@@ -290,8 +303,8 @@ def test_a_session_that_recorded_nothing_is_begun_again(tmp_path):
         go(tmp_path)
 
 
+@pytest.mark.usefixtures("interrupted")
 def test_a_number_that_is_none_is_left_to_people(tmp_path):
-    go(tmp_path, interrupt=(2, 30))
     file = folder(tmp_path) / "trials.csv"
     file.write_text(file.read_text().replace("P01,1,1,1,1,", "P01,1,1,1,one,"))
     with pytest.raises(InputError, match="'one' is not a number; mend it first") as caught:
@@ -299,8 +312,8 @@ def test_a_number_that_is_none_is_left_to_people(tmp_path):
     assert (caught.value.file, caught.value.line, caught.value.column) == (file, 2, "trial")
 
 
+@pytest.mark.usefixtures("interrupted")
 def test_a_damaged_manifest_is_left_to_people(tmp_path):
-    go(tmp_path, interrupt=(2, 30))
     file = folder(tmp_path) / "manifest.json"
     file.write_text('{"status": "aborted"}')
     with pytest.raises(InputError, match="this manifest is damaged; restore it") as caught:
