@@ -111,6 +111,6 @@ def test_during_an_exposure_the_collector_leaves_alone_what_is_there(tmp_path: P
                 yield frame
 
     gc.unfreeze()
-    go(tmp_path, Scripted(), headset=Counts)
+    go(tmp_path, Scripted(), headset=Counts, sessions=[1])
     assert min(frozen) > 1000
     assert gc.get_freeze_count() == 0
