@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from fractions import Fraction
+from functools import lru_cache
 
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Answer, Instrument, Scale, shipped_instruments
@@ -63,6 +64,7 @@ class Outcome:
         return added * whole / counted if counted else None
 
 
+@lru_cache(maxsize=256)  # a report asks for those of every instrument, again and again
 def outcomes_of(instrument: Instrument) -> tuple[Outcome, ...]:
     """Return the scores of an instrument, the primary one first."""
     names = {scale.name: _name(instrument, scale) for scale in instrument.scales}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cache
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
@@ -252,6 +253,12 @@ class Results:
         return replace(self, sections=found, labels=labels, quality=quality)
 
 
+@cache
+def _software() -> dict[str, str]:
+    """Look the versions up: once, for that reads the files of many packages."""
+    return {"vrcomfort": __version__, **{name: version(name) for name in SOFTWARE}}
+
+
 def analyse(study: StudyData, plan: Plan) -> tuple[Results, Exposures]:
     """Make every analysis of a plan, but those with a section of their own.
 
@@ -271,7 +278,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[Results, Exposures]:
     results = Results(
         without_primary=scored.without_primary or None,
         schema=SCHEMA,
-        software={"vrcomfort": __version__, **{name: version(name) for name in SOFTWARE}},
+        software=dict(_software()),
         study=ReportedStudy(study.title, study.protocol),
         plan=plan,
         deviations=deviations(data, made.rows, labels),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import Field, fields, is_dataclass, replace
+from functools import cache
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 if TYPE_CHECKING:
@@ -21,6 +22,8 @@ INLINE = {"inline": True}
 
 def as_json(value: object) -> Any:
     """Return dataclasses as objects, tuples as lists; all else as it is."""
+    if value is None or isinstance(value, str | int | float):  # most are
+        return value
     if is_dataclass(value) and not isinstance(value, type):
         found: dict[str, Any] = {}
         for each, inner in _fields(value):
@@ -49,6 +52,8 @@ def rounded(value: Value) -> Value:
 def _rounded(value: object) -> object:
     if isinstance(value, float):
         return float(f"{value:.12g}") if math.isfinite(value) else None
+    if value is None or isinstance(value, str | int):
+        return value
     if is_dataclass(value) and not isinstance(value, type):
         changed: dict[str, Any] = {
             each.name: tuple(map(_rounded, inner)) if type(inner) is tuple else _rounded(inner)
@@ -63,7 +68,10 @@ def _rounded(value: object) -> object:
 
 
 def _fields(row: DataclassInstance) -> list[tuple[Field[Any], object]]:
-    return [(each, getattr(row, each.name)) for each in fields(row)]
+    return [(each, getattr(row, each.name)) for each in _declared(type(row))]
+
+
+_declared = cache(fields)
 
 
 def cells(row: object, without: tuple[str, ...] = ()) -> dict[str, object]:
