@@ -185,7 +185,7 @@ TURNING = [
 
 def turned_deg(path, seconds):
     """Return how far a path turns, added up over small steps."""
-    fine = np.linspace(0.0, seconds, 500 * seconds + 1)
+    fine = np.linspace(0.0, seconds, 100 * seconds + 1)
     headings = [path.pose(t).matrix()[:3, :3] @ np.array([0, 0, -1]) for t in fine]
     yaws_rad = np.unwrap([np.arctan2(-x, -z) for x, _, z in headings])
     return np.degrees(yaws_rad[-1] - yaws_rad[0])

@@ -108,7 +108,7 @@ def test_time_can_jump_from_one_event_to_the_next():
     more = {"hit_chance": 0.5, "opponents": 2, "own_life_hits": 4}
     stepped, jumped = (settings(**more).start(around(3)) for _ in range(2))
     slow, fast = [], []
-    for time_s in np.arange(0.0, 60.0, 0.001).tolist():
+    for time_s in np.arange(0.0, 60.0, 0.01).tolist():
         slow += stepped.step(TaskFrame(time_s, Pose()))
     time_s = 0.0
     while (time_s := jumped.next_s()) < 60.0:
