@@ -433,7 +433,7 @@ def test_raised_digits_in_headings_are_letters(tmp_path: Path) -> None:
 
 
 def test_raw_sums_stand_beside_a_weighted_total(tmp_path: Path) -> None:
-    """N, O and D are raw sums, TS is weighted, before and after; physiology is nobody's score."""
+    """N, O and D are raw sums, TS is weighted, before and after; physiology is none of these."""
     head = ["n", "o", "d", "TS", "n_p", "o_p", "d_p", "TS_p", "OverallHR", "OverallGSR", "Dig"]
     rows: list[list[object]] = [[*head]]
     for k in range(12):
@@ -446,7 +446,7 @@ def test_raw_sums_stand_beside_a_weighted_total(tmp_path: Path) -> None:
     kept = {(name, m.timepoint): [*r.answers.values()] for (name, m), r in found.responses.items()}
     assert {key for key, _ in kept.items()} == {
         (name, when) for name in ("ssq_raw_sums", "ssq_scores") for when in ("baseline", "post")
-    }
+    } | {("own_measures", "post")}
     assert kept["ssq_raw_sums", "post"] == [11 % 5 + 2, 77 % 6 + 1, 33 % 4 + 1]
     assert kept["ssq_scores", "baseline"] == [round(3.74 * (11 % 5 + 77 % 6 + 33 % 4), 2)]
 

@@ -139,7 +139,7 @@ def test_discomfort_in_a_column_for_each_minute_is_rated_during_exposure(tmp_pat
     assert {rating.onset_s for rating in found.ratings} == {0, 120, 240, 360, 480}
 
 
-def test_numbers_that_nobody_answered_are_no_questions_and_are_listed(tmp_path: Path) -> None:
+def test_numbers_that_nobody_answered_are_measurements_and_are_asked_about(tmp_path: Path) -> None:
     head = ["id", "condition", "Timestamp", *ENGLISH, "mean HR", "errors", "Completion time (s)"]
     head += ["How many years have you played?", "score", *(f"collisions_{n}" for n in (1, 2, 3))]
     rows = [
@@ -156,9 +156,12 @@ def test_numbers_that_nobody_answered_are_no_questions_and_are_listed(tmp_path: 
     ]
     found = suggest_mapping([write(tmp_path / "x.csv", [head, *rows])])
     assert found.imported is not None
-    assert not found.imported.instruments
-    ignored = found.text[found.text.index("ignore = ") :]
-    assert all(f'"{name}"' in ignored for name in ("mean HR", "errors", "score", "collisions_1"))
+    assert {*found.imported.instruments} == {"own_measures", "own_questions", "collisions"}
+    told = " ".join(found.doubts)
+    assert "No rule knows 'mean HR' (71 to 79), 'errors' (0 to 4), 'Completion time (s)'" in told
+    assert "are these measurements of the lab's own? Assumed: they are, as they stand" in told
+    assert answers(found.imported, "mean_hr")["3", "b", "post"] == 74
+    assert 'ignore = ["Timestamp"]' in found.text
 
 
 def test_levels_of_a_factor_and_means_of_questions_are_none(tmp_path: Path) -> None:
@@ -258,7 +261,7 @@ def test_words_of_agreement_are_answers_whatever_the_heading_asks(tmp_path: Path
         for n in range(1, 21)
     ]
     found = imported_from(write(tmp_path / "x.csv", [head, *rows]))
-    assert own_items(found) == {"angry": (1, 5), "heart_efficacy": (1, 5)}
+    assert own_items(found) == {"angry": (1, 5), "heart_efficacy": (1, 5), "plan": (0, 1)}
     assert answers(found, "heart_efficacy") == {
         (str(n), groups[n % 2], "post"): 1 + n % 3 for n in range(1, 21)
     }
@@ -281,11 +284,18 @@ def test_words_of_agreement_are_answers_whatever_the_heading_asks(tmp_path: Path
 def test_columns_beside_questions_on_their_scale_are_questions(
     tmp_path: Path, head: list[str], asked: int
 ) -> None:
-    """Two questions bring in what is beside them, one only a sentence; a row of five needs none."""
+    """Two questions bring in what is beside them, one only a sentence; a row of five needs none.
+
+    No rule knows the others, and a doubt of their own asks about them.
+    """
     each = [[f"P{n}", *(1 + (n * k) % 7 for k in range(1, 1 + len(head))), n % 3] for n in range(9)]
     file = write(tmp_path / "x.csv", [["ID", *head, "Wins"], *each])
-    found = suggest_mapping([file]).imported
-    assert (0 if found is None else len(own_items(found))) == asked
+    found = suggest_mapping([file])
+    assert found.imported is not None
+    whole = len([name for name in head if name != "column 1"]) + 1
+    assert len(own_items(found.imported)) == whole
+    left = re.search(r"No rule knows (.*?): are these questions", found.text)
+    assert (left[1].count("(") if left else 0) == whole - asked
 
 
 def test_a_rating_beside_the_number_of_its_scale_is_an_answer(tmp_path: Path) -> None:
@@ -334,12 +344,13 @@ def test_three_columns_of_a_questionnaire_beside_ranks_and_scores_of_items(tmp_p
         given = [1 + (n * k) % 7 for k in (1, 2, 3)]
         rows.append([n, *order, *given, round(sum(given) / 3, 2)])
     found = imported_from(write(tmp_path / "presence_questionnaire.csv", [head, *rows]))
-    assert {*own_items(found)} == {"there", "place", "vivid"}
+    ranks = {"order_sound", "order_light", "order_colour"}
+    assert {*own_items(found)} == {"there", "place", "vivid"} | ranks
     assert found.conditions == ["all"]
     items = [f"Item{n}" for n in range(1, 7)]
     rows = [[n, *(1 + (n + k * k) % 7 for k in range(6)), 1 + n % 6 + 0.25] for n in range(20)]
     file = write(tmp_path / "imi.csv", [["UserID", *items, "Perceived enjoyment"], *rows])
-    assert len(own_items(imported_from(file))) == len(items)
+    assert len(own_items(imported_from(file))) == len(items) + 1
 
 
 def test_a_setting_drawn_for_each_person_is_no_condition(tmp_path: Path) -> None:

@@ -555,4 +555,5 @@ def test_what_was_measured_in_a_file_called_tlx_is_no_task_load(tmp_path: Path) 
     rows = [[person, 20.5 + n, 5.5 + n, 30 + n] for n, person in enumerate(PEOPLE)]
     heading = ["Participant", "Task duration", "Distance", "Clicks"]
     found = suggested_for(tmp_path / "tlx_results.csv", [heading, *rows])
-    assert found.imported is None
+    assert found.imported is not None
+    assert {name for name, _ in found.imported.responses} == {"own_measures"}

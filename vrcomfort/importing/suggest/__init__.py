@@ -34,6 +34,7 @@ from vrcomfort.importing.suggest.groups_of_files import (
 )
 from vrcomfort.importing.suggest.heading_roles import names_fact
 from vrcomfort.importing.suggest.joined_tables import joined
+from vrcomfort.importing.suggest.left_over_drafts import with_left_over
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
 from vrcomfort.importing.suggest.same_people import say_same_people
 from vrcomfort.importing.suggest.table_draft import TableDraft
@@ -100,7 +101,21 @@ def suggest_mapping(
     InputError
         If a file cannot be read, or a vocabulary is wrong; with line and column.
     """
-    own = own or {}
+    taken = _suggested(files, own or {}, vocabularies, left_over=True)
+    if taken.imported is not None:
+        return taken
+    without = _suggested(files, own or {}, vocabularies, left_over=False)
+    return taken if without.imported is None else without
+
+
+def _suggested(
+    files: Sequence[Path],
+    own: Mapping[str, Instrument],
+    vocabularies: Sequence[Path],
+    *,
+    left_over: bool,
+) -> Suggestion:
+    """Write a mapping, with or without the columns that no rule knows."""
     words = LabVocabulary([*map(read_vocabulary, vocabularies)]) if vocabularies else None
     known = Known((*own.values(), *usual_instruments()), words or shipped_vocabulary())
     read = with_codebooks([table for file in files for table in _tables(file, known)])
@@ -111,6 +126,8 @@ def suggest_mapping(
         rows = None if table.reading.sections else table.reading.heading_rows
         groups.setdefault((table.headings, rows), []).append(table)
     drafts = joined([TableDraft(tables, known) for tables in groups.values()], known)
+    if left_over:
+        drafts = [with_left_over(draft, known, alone=len(drafts) == 1) for draft in drafts]
     useful = [d for d in drafts if d.gives and not is_sidecar(d.tables[0], read)] or drafts
     say_names_of_files(useful)
     say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)

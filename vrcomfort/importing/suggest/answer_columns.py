@@ -24,7 +24,7 @@ from vrcomfort.importing.suggest.items import (
     named_by_file,
 )
 from vrcomfort.importing.suggest.long_tables import Long, find_long
-from vrcomfort.importing.suggest.own_instruments import own_instruments
+from vrcomfort.importing.suggest.own_instruments import Reading, own_instruments
 from vrcomfort.importing.suggest.own_questions import OwnQuestions, draft_own
 from vrcomfort.importing.suggest.own_rows import draft_own_rows, own_rows
 from vrcomfort.importing.suggest.questionnaires import (
@@ -85,10 +85,19 @@ LAYOUTS: tuple[Layout[Any], ...] = (LONG, BLOCKS, RATINGS, COURSES, SCORES, OWN)
 
 
 class AnswerColumns:
-    """The answers of a table, by their layouts."""
+    """The answers of a table, by their layouts.
 
-    def __init__(self, table: SourceTable, known: Known) -> None:
+    Parameters
+    ----------
+    left
+        Column that nothing else knows → what it is taken for.
+    """
+
+    def __init__(
+        self, table: SourceTable, known: Known, left: Mapping[int, Reading] | None = None
+    ) -> None:
         self._found: dict[Layout[Any], list[Any]] = {}
+        self._left = left or {}
         self._known = {each.name for each in known.instruments}
         self.taken: set[int] = set()
         """Columns of answers."""
@@ -105,14 +114,14 @@ class AnswerColumns:
         roles = [known.vocabulary.roles.get(plain(heading)) for heading in table.headings]
         meta = {c for c, role in enumerate(roles) if role == IGNORED}
         for layout in sorted(LAYOUTS, key=lambda each: -each.weight):
-            left = [c for c in range(len(table.headings)) if c not in self.taken | meta]
+            free = [c for c in range(len(table.headings)) if c not in self.taken | meta]
             closed = layout.whole and any(
                 each.whole and found for each, found in self._found.items()
             )
             if layout.find is None:
-                self._found[layout] = self._own(table, left, known)
+                self._found[layout] = self._own(table, free, known)
             else:
-                self._found[layout] = [] if closed else layout.find(table, left, known)
+                self._found[layout] = [] if closed else layout.find(table, free, known)
             if layout is BLOCKS:
                 self._found[layout], self.products = without_products(table, self._found[layout])
                 weights = [each for each in self._found[layout] if are_weights(table, each)]
@@ -143,7 +152,7 @@ class AnswerColumns:
             if not any(may_answer(table, column, b.instrument, known.vocabulary) for b in sums)
         ]
         contexts = [each.context for found in self._found.values() for each in found]
-        found = OwnQuestions(table, columns, known, contexts)
+        found = OwnQuestions(table, columns, known, contexts, self._left)
         self._found[COURSES] += found.courses
         self._found[RATINGS] += found.rated
         self.taken.update(c for each in (*found.courses, *found.rated) for c in each.columns)

@@ -531,12 +531,12 @@ class _Facts(FactDraft):
             else:
                 self._varying.append(column)
         for column, _ in candidates("covariate", self._roles.unknown, self._context):
-            word, there = _word(self.heading(column)), self._context.covariates
+            word, there = covariate_name(self.heading(column)), self._context.covariates
             names = (word, *(f"{word}_{n}" for n in range(2, len(there) + 3)))
             there[next(name for name in names if name not in there)] = column
             self._context.used.add(column)
 
 
-def _word(heading: str) -> str:
+def covariate_name(heading: str) -> str:
     """Return a name for a column of participants.csv."""
     return "_".join("".join(c if c.isalnum() else " " for c in heading.casefold()).split()) or "x"

@@ -19,7 +19,11 @@ from vrcomfort.importing.suggest.vocabulary import (
 )
 from vrcomfort.questionnaire import Instrument, plain
 
-How = Literal["name", "wording", "near", "abbreviation", "initials", "number", "order", "position"]
+How = Literal[
+    "name", "wording", "near", "abbreviation", "initials", "number", "order", "position", "left",
+    "measure",
+]  # fmt: skip
+"""The last two: nothing else knows the column, which is taken for a rating, or a measurement."""
 
 _LONGEST = 40
 # Of SequenceMatcher: one wrong letter in a word of seven passes, two in one of thirteen.

@@ -12,7 +12,7 @@ from math import inf
 from typing import NamedTuple
 
 from vrcomfort.importing.suggest.draft import TomlDraft
-from vrcomfort.importing.suggest.item_names import Named
+from vrcomfort.importing.suggest.item_names import How, Named
 from vrcomfort.importing.suggest.items import Context, Found
 from vrcomfort.importing.suggest.vocabulary import bare, tokens
 from vrcomfort.questionnaire import Instrument, parse_instrument, plain, shipped_instruments
@@ -46,9 +46,22 @@ class AnswerRange(NamedTuple):
         return AnswerRange(*next(fitting, (self.low, self.high)), self.step)
 
 
+class Reading(NamedTuple):
+    """What a column that nothing knows is taken for: a rating, or a measurement as it stands."""
+
+    scale: AnswerRange
+    measured: bool
+
+
 @dataclass(frozen=True)
 class OwnQuestion:
-    """A column that asks, with the words around its item, and the code that stands before it."""
+    """A column that asks, with the words around its item, and the code that stands before it.
+
+    Parameters
+    ----------
+    how
+        By what it was found: its name, or as nothing else knows it.
+    """
 
     column: int
     text: str
@@ -56,6 +69,7 @@ class OwnQuestion:
     code: str
     seen: AnswerRange
     said: AnswerRange | None
+    how: How = "name"
 
 
 def own_instruments(questions: Sequence[OwnQuestion]) -> list[Found]:
@@ -63,16 +77,17 @@ def own_instruments(questions: Sequence[OwnQuestion]) -> list[Found]:
     met: dict[str, set[Context]] = defaultdict(set)
     for each in questions:
         met[plain(each.text)].add(each.context)
-    groups: dict[tuple[str, frozenset[Context]], list[OwnQuestion]] = defaultdict(list)
+    groups: dict[tuple[str, str, frozenset[Context]], list[OwnQuestion]] = defaultdict(list)
     codes = Counter(each.code for each in questions)
     contexts_of = {key: frozenset(found) for key, found in met.items()}
     for each in questions:
         code = each.code if codes[each.code] >= FEWEST_OF_SERIES and len(each.code) > 1 else ""
-        groups[code, contexts_of[plain(each.text)]].append(each)
+        kind = "own_measures" if each.how == "measure" else "own_questions"
+        groups[kind, code, contexts_of[plain(each.text)]].append(each)
     found: list[Found] = []
     names: set[str] = {*shipped_instruments(), *TAKEN}
-    for (code, _), group in groups.items():
-        found += _blocks(name_of(code or "own_questions", names), group)
+    for (kind, code, _), group in groups.items():
+        found += _blocks(name_of(code or kind, names), group)
     return found
 
 
@@ -88,12 +103,18 @@ def _blocks(name: str, group: Sequence[OwnQuestion]) -> list[Found]:
         scales[key] = scales[key] | scale if key in scales else scale
     texts_of = {plain(each.text): each.text for each in reversed(group)}
     said = {plain(each.text) for each in group if each.said}
-    scales |= together({key: scale for key, scale in scales.items() if key not in said})
+    known = {plain(each.text) for each in group if each.how == "name"}
+    kinds: dict[int | None, dict[str, AnswerRange]] = defaultdict(dict)
+    for key in (key for key in scales if key not in said):
+        # Of those that no rule knows, counts from 0 widen no scale from 1.
+        kinds[None if key in known else scales[key].usual.low][key] = scales[key]
+    for kind in kinds.values():
+        scales |= together(kind)
     instrument = declared(name, [(items[k], texts_of[k], scales[k]) for k in items])
     found = []
     for context in dict.fromkeys(each.context for each in group):
         named = {
-            items[plain(e.text)]: Named(e.column, name, items[plain(e.text)], "name", (), ())
+            items[plain(e.text)]: Named(e.column, name, items[plain(e.text)], e.how, (), ())
             for e in group
             if e.context == context
         }

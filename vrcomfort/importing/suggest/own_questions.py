@@ -13,20 +13,26 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, reduce
 from itertools import pairwise
-from math import ceil, floor
 from statistics import fmean
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.codings import code_of, is_softened, missing_codes
+from vrcomfort.importing.suggest.answer_scales import (
+    FEWEST_ANSWERS,
+    are_of_seven,
+    put_coding,
+    scale_of,
+)
 from vrcomfort.importing.suggest.draft import OpenDoubt, Stake, TomlDraft
 from vrcomfort.importing.suggest.evidence import is_identifier, is_numeric, texts, varies_within
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
+from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.items import Context, Found
 from vrcomfort.importing.suggest.own_instruments import (
     FEWEST_OF_SERIES,
     AnswerRange,
     OwnQuestion,
+    Reading,
     declared,
     name_of,
 )
@@ -35,7 +41,6 @@ from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating, rises,
 from vrcomfort.importing.suggest.stems import Stem, shared_stems
 from vrcomfort.importing.suggest.vocabulary import (
     Known,
-    LabVocabulary,
     tokens,
     words_of,
 )
@@ -43,7 +48,7 @@ from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
 
 OWN = Stake("columns would be questions that are none, or have other ends of their scale", 60)
-_FEWEST_STEPS, FEWEST_ANSWERS = 2, 4
+_FEWEST_STEPS = 2
 _MOST_OF_SHORT = 7
 _SENTENCE = 4
 """Words of a heading that is a sentence."""
@@ -62,7 +67,6 @@ _REPEATED = re.compile(r" \(\d+\)$")
 _NUMBER_OF_ITEM = re.compile(r"(?<=[^\d])\d+$")
 _MOST_MEANT, _ROUNDED = 12, 0.051
 """Questions of a mean at most, and how far it may be rounded."""
-_OF_FIVE, _OF_SEVEN = 5, 7
 _FIRST_PERSON = frozenset(["i", "me", "my", "ich", "mich", "mir", "je", "yo"])
 _CLOCK = frozenset(["t", "time", "zeit"])
 _ENDS_OF_CODE = re.compile(r"_(-?\d)_(\d{1,3})$")
@@ -75,12 +79,20 @@ class OwnQuestions:
     ----------
     contexts
         The words that tell the administrations of known instruments apart.
+    left
+        Column that nothing else knows → what it is taken for.
     """
 
     def __init__(
-        self, table: SourceTable, columns: Sequence[int], known: Known, contexts: Iterable[Context]
+        self,
+        table: SourceTable,
+        columns: Sequence[int],
+        known: Known,
+        contexts: Iterable[Context],
+        left: Mapping[int, Reading],
     ) -> None:
         self._table = table
+        self._left = left
         self._columns, self._known = columns, known
         self._vocabulary = known.vocabulary
         self._roles = roles_of(table, columns, known.vocabulary)
@@ -102,6 +114,8 @@ class OwnQuestions:
             if not (self._has_headings and table.headings[column].startswith("column "))
             if (scale := scale_of(table, column, known.vocabulary, of_seven=seven)) is not None
         }
+
+        self._scales |= {c: each.scale for c, each in left.items() if not each.measured}
 
     @cached_property
     def courses(self) -> list[FoundCourse]:
@@ -147,18 +161,30 @@ class OwnQuestions:
         columns += self._of_their_family(columns, rated)
         columns += self._asked_again(columns, rated)
         columns = [c for c in columns if not self._is_made_of(c, columns)]
+        if len(columns) != 1 or self._times is None:  # else it is a rating during exposure
+            columns += self._left_over(columns, rated)
         return self._in_runs(self._crossed([*map(self._question, sorted(columns))]))
+
+    def _left_over(self, asking: Sequence[int], rated: set[int]) -> list[int]:
+        """Return the columns that nothing knows, but for means of questions beside them."""
+        open_ = [c for c in self._left if c not in rated and c not in asking]
+        return [c for c in open_ if not self._is_made_of(c, [*asking, *open_])]
+
+    @cached_property
+    def _times(self) -> int | None:
+        """Return the column of the times of ratings, if they rise."""
+        time = time_column(self._table, self._columns, self._known)
+        return time if time is not None and rises(self._table, time) else None
 
     @cached_property
     def rated(self) -> list[FoundRating]:
         """Return the only question as a rating during exposure, if a column has its times."""
-        time = time_column(self._table, self._columns, self._known)
-        if len(self.questions) != 1 or time is None or not rises(self._table, time):
+        if len(self.questions) != 1 or self._times is None:
             return []
         (asked,) = self.questions
         name = name_of(asked.text, {*shipped_instruments(), *TAKEN})
         scale = declared(name, [(name, asked.text, asked.said or asked.seen.usual)])
-        return [FoundRating(scale, asked.context, asked.column, time)]
+        return [FoundRating(scale, asked.context, asked.column, self._times)]
 
     def _in_runs(self, questions: list[OwnQuestion]) -> list[OwnQuestion]:
         """Tell runs of questions apart that repeat in the same order, by their numbers."""
@@ -327,10 +353,12 @@ class OwnQuestions:
     def _is_made_of(self, column: int, columns: Sequence[int]) -> bool:
         """Return whether a mean or a total stands beside the questions that it is made of."""
         others = [c for c in sorted(columns) if c != column]
-        scale = self._scales[column]
-        whole = [c for c in others if self._scales[c].step == 1]
+        left = self._left.get(column)
+        scale = left.scale if left is not None else self._scales[column]
+        whole = [c for c in others if c in self._scales and self._scales[c].step == 1]
         items = [c for c in whole if self._scales[c].usual[:2] == scale.usual[:2]]
-        if scale.step < 1 and (len(items) >= _FEWEST_OF_BLOCK or self._is_mean(column, whole)):
+        among = left is None and len(items) >= _FEWEST_OF_BLOCK
+        if scale.step < 1 and (among or self._is_mean(column, whole)):
             return True
         fillers = self._vocabulary.scale_fillers | self._vocabulary.totals | {"mean", "avg"}
         given = tokens(self._table.headings[column])
@@ -435,7 +463,7 @@ class OwnQuestions:
     def _moments(self) -> dict[tuple[str, ...], set[str]]:
         """Return headings with a moment left out → the moments there: ``mood_pre_valence``."""
         found: dict[tuple[str, ...], set[str]] = defaultdict(set)
-        for column in self._scales:
+        for column in (*self._scales, *self._left):
             words = [word.casefold() for word in words_of(self._table.headings[column])]
             for place, word in enumerate(words):
                 if word in self._vocabulary.timepoints:
@@ -443,11 +471,14 @@ class OwnQuestions:
         return found
 
     def _made(self, column: int, text: str, context: Context, code: str) -> OwnQuestion:
-        seen, said = self._scales[column], self._ends(column)
+        left = self._left.get(column)
+        seen = self._scales[column] if left is None else left.scale
+        said = seen if left is not None and left.measured else self._ends(column)
         if said is None and (match := _ENDS_OF_CODE.search(self._table.headings[column])):
             low, high = int(match[1]), int(match[2])
             said = AnswerRange(low, high, seen.step) if _holds(low, high, seen) else None
-        return OwnQuestion(column, text, tuple(dict.fromkeys(context)), code, seen, said)
+        how: How = "name" if left is None else "measure" if left.measured else "left"
+        return OwnQuestion(column, text, tuple(dict.fromkeys(context)), code, seen, said, how)
 
     def _tells(self, words: Sequence[str], place: int) -> bool:
         """Return whether a word tells administrations apart: a moment, or a word of others."""
@@ -473,6 +504,8 @@ class OwnQuestions:
                     others = words[1:] if side == 0 else words[:-1]
                     groups[words[side].casefold()][" ".join(others), each.context] = each
             asking = self._vocabulary.asking.words | self._vocabulary.asking.sentences
+            if any(each.how == "measure" for each in questions):
+                asking |= self._vocabulary.asking.others | self._vocabulary.measures
             for word, own in groups.items():
                 alike = [other for other in groups.values() if other.keys() == own.keys()]
                 rest = {w for text, _ in own for w in tokens(text)}
@@ -493,50 +526,6 @@ def _is_whole(stem: Stem) -> bool:
     return len(tokens(stem.rest)) > 1 and not stem.stem.rstrip()[-1:].isalnum() and bool(stem.stem)
 
 
-def scale_of(
-    table: SourceTable, column: int, vocabulary: LabVocabulary, *, of_seven: bool = False
-) -> AnswerRange | None:
-    """Return the lowest and the highest answer of a column; None where it holds no answers."""
-    counts = Counter(cell for cell in table.column(column) if not _is_missing(cell, vocabulary))
-    read = _read(counts, table.reading.decimal or ".", vocabulary, of_seven=of_seven)
-    values = [value for value in read.values() if value is not None]
-    if sum(counts.values()) < FEWEST_ANSWERS or len(values) < len(read):
-        return None
-    values = [value for value in values if value not in missing_codes(values)]
-    low, high = min(values), max(values)
-    if any(plain(text) in vocabulary.agreement for text in counts):
-        low, high = 1.0, float(_OF_SEVEN if of_seven else _OF_FIVE)
-    whole = all(value.is_integer() for value in values)
-    if not -100 <= low <= high <= 150:
-        return None
-    step = 1.0 if whole else 0.1 if all((10 * value).is_integer() for value in values) else 0.01
-    return AnswerRange(floor(low), ceil(high), step)
-
-
-def _is_missing(cell: str, vocabulary: LabVocabulary) -> bool:
-    return not cell or (cell.casefold() in vocabulary.missing and plain(cell) != "none")
-
-
-def are_of_seven(cells: Iterable[str], vocabulary: LabVocabulary) -> bool:
-    """Return whether cells have plain and softened agreement."""
-    agree = {text for text in {*cells} if vocabulary.agreement.get(plain(text)) in {1, 3}}
-    return len({is_softened(text) for text in agree}) > 1
-
-
-def _read(
-    cells: Iterable[str], decimal: str, vocabulary: LabVocabulary, *, of_seven: bool
-) -> dict[str, float | None]:
-    """Return text → the answer that it is, as a number or in words; None where it is none."""
-    found: dict[str, float | None] = {text: number(text, decimal) for text in cells}
-    words = [text for text, value in found.items() if value is None]
-    alike = len({text[:1] for text in words if text[1:].isdecimal()}) < 2  # not a1, b1
-    if alike:
-        found |= {text: code_of(text, vocabulary, of_seven=of_seven) for text in words}
-    if len({found[text] for text in words}) < len({*map(plain, words)}):
-        return dict.fromkeys(found)  # two words of one degree
-    return {text: None if value is None else float(value) for text, value in found.items()}
-
-
 def draft_own(
     table: SourceTable, found: Found, facts: Mapping[str, str], known: Known, _: Roles
 ) -> Drafted:
@@ -546,28 +535,31 @@ def draft_own(
     put_coding(draft, found.instrument, cells, table.reading.decimal or ".", known.vocabulary)
     headings = {item: table.headings[named.column] for item, named in found.items.items()}
     draft.tables["items"] = TomlDraft(dict(headings))
-    return draft, [ask_about(found.instrument, [*headings.values()])]
+    known_ones = [headings[item] for item, named in found.items.items() if named.how == "name"]
+    asked = [ask_about(found.instrument, known_ones)] if known_ones else []
+    return draft, [*asked, *_ask_of_left(found, headings)]
 
 
-def put_coding(
-    draft: TomlDraft,
-    instrument: Instrument,
-    cells: Iterable[str],
-    decimal: str,
-    vocabulary: LabVocabulary,
-) -> None:
-    """Write what answers in words mean, and which texts are missing answers."""
-    blank = [text for text in cells if text and _is_missing(text, vocabulary)]
-    seven = max(item.answers.high for item in instrument.items) == _OF_SEVEN
-    given = [text for text in cells if text and text not in blank]
-    read = _read(given, decimal, vocabulary, of_seven=seven)
-    codes = missing_codes([value for value in read.values() if value is not None])
-    blank += [text for text, value in read.items() if value in codes]
-    words = {t: int(v) for t, v in read.items() if v is not None and number(t, decimal) is None}
-    if words:
-        draft.put("answers", dict(sorted(words.items(), key=lambda each: each[1])))
-    if blank:
-        draft.put("missing", list(dict.fromkeys(blank)))
+def _ask_of_left(found: Found, headings: Mapping[str, str]) -> list[OpenDoubt]:
+    """Return the question whether columns that no rule knows are what they are taken for."""
+    answers = {item.name: item.answers for item in found.instrument.items}
+    doubts = []
+    for how, (what, taken) in _TAKEN_FOR.items():
+        left = [item for item, named in found.items.items() if named.how == how]
+        shown = [f"{headings[i]!r} ({answers[i].low} to {answers[i].high})" for i in left[:_MOST]]
+        shown += [f"{len(left) - _MOST} more"] if left[_MOST:] else []
+        if left:
+            question = f"No rule knows {', '.join(shown)}: are these {what} of the lab's own?"
+            like = f"left {found.instrument.name} {how}"
+            doubts.append(OpenDoubt(question, f"they are, {taken}, each an outcome", *LEFT, like))
+    return doubts
+
+
+LEFT = Stake("columns would be outcomes that are none", 58)
+_TAKEN_FOR: Mapping[How, tuple[str, str]] = {
+    "left": ("questions or ratings", "on the narrowest usual scale of all answers"),
+    "measure": ("measurements", "as they stand"),
+}
 
 
 def ask_about(instrument: Instrument, headings: Sequence[str]) -> OpenDoubt:
@@ -581,8 +573,8 @@ def ask_about(instrument: Instrument, headings: Sequence[str]) -> OpenDoubt:
     return OpenDoubt(question, assumed, *OWN, f"own {instrument.name}")
 
 
-_SHOWN = 4
-"""Questions that a doubt lists."""
+_SHOWN, _MOST = 4, 8
+"""Questions that a doubt lists, and columns that no rule knows."""
 
 
 def _holds(low: int, high: int, seen: AnswerRange) -> bool:

@@ -7,6 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.answer_scales import (
+    FEWEST_ANSWERS,
+    are_of_seven,
+    put_coding,
+    scale_of,
+)
 from vrcomfort.importing.suggest.draft import TomlDraft
 from vrcomfort.importing.suggest.evidence import texts
 from vrcomfort.importing.suggest.heading_roles import Roles
@@ -18,13 +24,7 @@ from vrcomfort.importing.suggest.own_instruments import (
     name_of,
     together,
 )
-from vrcomfort.importing.suggest.own_questions import (
-    FEWEST_ANSWERS,
-    are_of_seven,
-    ask_about,
-    put_coding,
-    scale_of,
-)
+from vrcomfort.importing.suggest.own_questions import ask_about
 from vrcomfort.importing.suggest.questionnaires import Drafted, places_of_rows
 from vrcomfort.importing.suggest.vocabulary import (
     FEWEST_OF_SENTENCE,

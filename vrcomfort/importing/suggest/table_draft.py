@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from math import prod
 from typing import Any
 
@@ -48,13 +48,15 @@ from vrcomfort.importing.suggest.draft import (
 )
 from vrcomfort.importing.suggest.evidence import Context, texts
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
-from vrcomfort.importing.suggest.facts import draft_facts
+from vrcomfort.importing.suggest.facts import covariate_name, draft_facts
 from vrcomfort.importing.suggest.heading_facts import heading_facts, template_of
 from vrcomfort.importing.suggest.heading_roles import PERSON_CODE, is_personal, roles_of
 from vrcomfort.importing.suggest.items import Found, FoundAnswers
 from vrcomfort.importing.suggest.kept_rows import KeptRows
 from vrcomfort.importing.suggest.leaving import find_leaving
-from vrcomfort.importing.suggest.own_questions import ask_about
+from vrcomfort.importing.suggest.left_over import ask_to_leave_out, left_over
+from vrcomfort.importing.suggest.own_instruments import Reading
+from vrcomfort.importing.suggest.own_questions import LEFT, ask_about
 from vrcomfort.importing.suggest.questionnaires import (
     answers_of_block,
     leftovers,
@@ -65,7 +67,7 @@ from vrcomfort.importing.suggest.scores import (
     by_kind,
     rise_from_first,
 )
-from vrcomfort.importing.suggest.vocabulary import Known, words_of
+from vrcomfort.importing.suggest.vocabulary import Known, tokens, words_of
 from vrcomfort.questionnaire import Instrument
 
 _OF_WHAT_WAS_USED = frozenset(["ipq", "nasa_tlx", "sus"])
@@ -97,11 +99,30 @@ class TableDraft(KeptRows):
         The tables; the first one's reading is written down.
     known
         Instruments that may be meant, and the words of other labs' files.
+    left
+        Column that nothing else knows → what it is taken for.
+    of_person
+        Columns that nothing else knows, and of which each person has one value.
+    answered
+        Whether there are answers, though none are known yet.
     """
 
-    def __init__(self, tables: Sequence[SourceTable], known: Known) -> None:
+    def __init__(
+        self,
+        tables: Sequence[SourceTable],
+        known: Known,
+        left: Mapping[int, Reading] | None = None,
+        *,
+        of_person: Collection[int] = (),
+        answered: bool = False,
+    ) -> None:
         super().__init__(tables, known.vocabulary)
         self._known = known
+        self._answered_otherwise = answered
+        self.left: dict[int, Reading] = {}
+        """Column that nothing in this draft knows → what it may be taken for."""
+        self.people: int | None = None
+        """The column of the participants, if its heading says so."""
         self.labels: dict[str, str] = {}
         """Condition that headings say → how they write it."""
         self.levels: dict[str, dict[str, str]] = {}
@@ -109,13 +130,14 @@ class TableDraft(KeptRows):
         self.gives = False
         """Whether there is anything to import."""
         self._files()
-        self._answers = AnswerColumns(self.table, known)
+        self._answers = AnswerColumns(self.table, known, left)
         self._keep_answered(self._answers)
         others = [c for c in range(len(self.table.headings)) if c not in self._answers.taken]
         self._leaving = find_leaving(self.table, others, known)
-        left = self._leaving.columns if self._leaving else {}
-        others = [column for column in others if column not in left]
+        times = self._leaving.columns if self._leaving else {}
+        others = [column for column in others if column not in times]
         self._roles = roles_of(self.table, others, self._vocabulary)
+        self._say_of_people(of_person)
         for column in self._trial_runs:
             if column not in self._roles.facts.get("participant", ()):
                 self._roles.forget(column)
@@ -248,6 +270,11 @@ class TableDraft(KeptRows):
         self._score_tables()
         self._covariates(exposures)
         self._say_missing(exposures.context.sources)
+        who = exposures.context.participant
+        self.people = who if who in self._roles.facts["participant"] else None
+        if not self._answers[LONG]:
+            self.left, why = left_over(exposures.context, self._unread())
+            self.doubts += ask_to_leave_out(self.table, why)
         self._ignore(exposures)
         self.gives = bool(
             self.draft.lists or self._leaving or self.draft.values.get("participants")
@@ -419,7 +446,7 @@ class TableDraft(KeptRows):
     def _found_answers(self, said: set[str]) -> AnswersFound:
         keys = [column for long in self._answers[LONG][:1] for column in long.row_keys]
         keys += [each.where[0] for each in self._answers[SCORES][:1] if each.where is not None]
-        answered = bool(self._answers) or self._leaving is not None
+        answered = bool(self._answers) or self._leaving is not None or self._answered_otherwise
         return AnswersFound(self.tables, said, self._answers.taken, keys, answered)
 
     def _draft_leaving(self) -> None:
@@ -501,6 +528,8 @@ class TableDraft(KeptRows):
         leading = self._answers.leading or OWN
         pairs = zip(self._answers[leading], self._facts.get(leading, ()), strict=False)
         same = {frozenset(each.context): facts for each, facts in pairs}
+        if len(same) > 1 and same.get(frozenset(), {}).get("timepoint") == "baseline":
+            same[frozenset()] = {}  # what says no moment was not asked before by that
         said = [same.get(frozenset(each.context)) for each in found]
         if None not in said:
             return [dict(facts or {}) for facts in said]
@@ -660,6 +689,65 @@ class TableDraft(KeptRows):
         code, person = next(iter(again.items()))
         question = f"Is {code!r} participant {person!r} at another time?"
         self.doubts.append(OpenDoubt(question, "it is; exposures are numbered", *SAME_PERSON))
+
+    @property
+    def known(self) -> bool:
+        """Return whether there are answers, or times of leaving."""
+        return bool(self._answers) or self._leaving is not None
+
+    @property
+    def has_conditions(self) -> bool:
+        """Return whether rows, headings or names of files say conditions."""
+        said = any("condition" in each for facts in self._facts.values() for each in facts)
+        names = (
+            self.draft.values.get(key, "") for key in ("file_name", "file_pattern", "sheet_name")
+        )
+        return said or "condition" in self.draft.values or any("condition" in str(n) for n in names)
+
+    def once_a_person(self) -> list[int]:
+        """Return the columns taken for own questions of no condition, where headings say those."""
+        facts = self._facts_of(OWN)
+        leading = self._facts.get(self._answers.leading or OWN, facts)
+        if not any("condition" in each for each in (*leading, *facts)):
+            return []
+        pairs = zip(self._answers[OWN], facts, strict=True)
+        return [
+            named.column
+            for block, said in pairs
+            for named in block.items.values()
+            if named.how in {"left", "measure"} and "condition" not in said
+        ]
+
+    def _say_of_people(self, columns: Collection[int]) -> None:
+        """Take columns that nothing else knows for facts of people, and ask."""
+        names = self.table.headings
+        for column in columns:
+            self._roles.forget(column)
+            name = covariate_name(names[column])
+            there = self._roles.covariates
+            there[name if name not in there else f"{name}_{column + 1}"] = column
+        if columns:
+            shown = ", ".join(repr(names[column]) for column in columns)
+            question = (
+                f"No rule knows {shown}, said once of each person: are these facts of people?"
+            )
+            self.doubts.append(OpenDoubt(question, "they are, for participants.csv", *LEFT))
+
+    def _unread(self) -> list[int]:
+        """Return the columns that nothing was said of, but for those that no analysis needs."""
+        measured = [
+            column
+            for column in self._roles.metadata
+            if {*tokens(self.table.headings[column])} & self._vocabulary.measures
+        ]
+        sums = self._vocabulary.totals | self._vocabulary.scale_fillers
+        return [
+            column
+            for column in (*self._roles.unknown, *measured)
+            if column not in self._made and column not in self._left_out
+            if not sum_of(self.table, column, self._answers[BLOCKS], self._known)
+            if not (self._answers.products and {*tokens(self.table.headings[column])} & sums)
+        ]
 
     def _ignore(self, exposures: DraftedFacts) -> None:
         """List every column that nothing was said of, with the reason."""

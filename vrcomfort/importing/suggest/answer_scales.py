@@ -1,0 +1,95 @@
+"""Reads the answers of columns, as numbers or in words, and the scale that they are on."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from math import ceil, floor
+
+from vrcomfort.importing.answers import number
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.codings import code_of, is_softened, missing_codes
+from vrcomfort.importing.suggest.draft import TomlDraft
+from vrcomfort.importing.suggest.own_instruments import AnswerRange
+from vrcomfort.importing.suggest.vocabulary import LabVocabulary
+from vrcomfort.questionnaire import Instrument, plain
+
+FEWEST_ANSWERS = 4
+_OF_FIVE, _OF_SEVEN = 5, 7
+
+
+def scale_of(
+    table: SourceTable, column: int, vocabulary: LabVocabulary, *, of_seven: bool = False
+) -> AnswerRange | None:
+    """Return the lowest and the highest answer of a column; None where it holds no answers."""
+    counts = Counter(cell for cell in table.column(column) if not is_missing(cell, vocabulary))
+    read = _read(counts, table.reading.decimal or ".", vocabulary, of_seven=of_seven)
+    values = [value for value in read.values() if value is not None]
+    if sum(counts.values()) < FEWEST_ANSWERS or len(values) < len(read):
+        return None
+    values = [value for value in values if value not in missing_codes(values)]
+    low, high = min(values), max(values)
+    if any(plain(text) in vocabulary.agreement for text in counts) and not _are_degrees(
+        counts, vocabulary
+    ):
+        low, high = 1.0, float(_OF_SEVEN if of_seven else _OF_FIVE)
+    whole = all(value.is_integer() for value in values)
+    if not -100 <= low <= high <= 150:
+        return None
+    step = 1.0 if whole else 0.1 if all((10 * value).is_integer() for value in values) else 0.01
+    return AnswerRange(floor(low), ceil(high), step)
+
+
+def is_missing(cell: str, vocabulary: LabVocabulary) -> bool:
+    """Return whether a cell says that there is no answer."""
+    return not cell or (cell.casefold() in vocabulary.missing and plain(cell) != "none")
+
+
+def are_of_seven(cells: Iterable[str], vocabulary: LabVocabulary) -> bool:
+    """Return whether cells have plain and softened agreement."""
+    agree = {text for text in {*cells} if vocabulary.agreement.get(plain(text)) in {1, 3}}
+    return len({is_softened(text) for text in agree}) > 1
+
+
+def _read(
+    cells: Iterable[str], decimal: str, vocabulary: LabVocabulary, *, of_seven: bool
+) -> dict[str, float | None]:
+    """Return text → the answer that it is, as a number or in words; None where it is none."""
+    found: dict[str, float | None] = {text: number(text, decimal) for text in cells}
+    words = [text for text, value in found.items() if value is None]
+    alike = len({text[:1] for text in words if text[1:].isdecimal()}) < 2  # not a1, b1
+    if alike and _are_degrees(words, vocabulary):
+        found |= {text: vocabulary.degree(text) for text in words}
+    elif alike:
+        found |= {text: code_of(text, vocabulary, of_seven=of_seven) for text in words}
+    if len({found[text] for text in words}) < len({*map(plain, words)}):
+        return dict.fromkeys(found)  # two words of one degree
+    return {text: None if value is None else float(value) for text, value in found.items()}
+
+
+def _are_degrees(words: Iterable[str], vocabulary: LabVocabulary) -> bool:
+    """Return whether words say how often, how likely or how much, and not all of them agree."""
+    words = [*words]
+    agreed = all(plain(text) in vocabulary.agreement for text in words)
+    return not agreed and all(vocabulary.degree(text) is not None for text in words)
+
+
+def put_coding(
+    draft: TomlDraft,
+    instrument: Instrument,
+    cells: Iterable[str],
+    decimal: str,
+    vocabulary: LabVocabulary,
+) -> None:
+    """Write what answers in words mean, and which texts are missing answers."""
+    blank = [text for text in cells if text and is_missing(text, vocabulary)]
+    seven = max(item.answers.high for item in instrument.items) == _OF_SEVEN
+    given = [text for text in cells if text and text not in blank]
+    read = _read(given, decimal, vocabulary, of_seven=seven)
+    codes = missing_codes([value for value in read.values() if value is not None])
+    blank += [text for text, value in read.items() if value in codes]
+    words = {t: int(v) for t, v in read.items() if v is not None and number(t, decimal) is None}
+    if words:
+        draft.put("answers", dict(sorted(words.items(), key=lambda each: each[1])))
+    if blank:
+        draft.put("missing", list(dict.fromkeys(blank)))

@@ -1,0 +1,140 @@
+"""Reads the columns that nothing else knows: none that holds numbers is dropped unasked.
+
+A rule for each lab's questions would never end. So what is left over once people, conditions,
+moments, items, scores and facts of people are found is taken for what most labs mean by it:
+a rating on a usual scale, or a measurement as it stands. One doubt asks about all of a kind.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from math import ceil, floor
+from typing import NamedTuple
+
+from vrcomfort.importing.answers import number
+from vrcomfort.importing.made_instruments import MOST, MOST_DECIMALS
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.answer_scales import FEWEST_ANSWERS, is_missing, scale_of
+from vrcomfort.importing.suggest.codings import missing_codes
+from vrcomfort.importing.suggest.draft import CURIOUS, OpenDoubt
+from vrcomfort.importing.suggest.evidence import Context, is_identifier, is_numeric, texts
+from vrcomfort.importing.suggest.own_instruments import USUAL, AnswerRange, Reading
+from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
+from vrcomfort.questionnaire import plain
+
+_MOST_OF_RATING, _FEWEST, _SHOWN = 100, 2, 8
+_MOST_ROWS = 200
+"""Rows of a person at most: more are a log of the exposure."""
+
+
+class LeftOver(NamedTuple):
+    """What columns are taken for that have no role, and why others are left out."""
+
+    taken: dict[int, Reading]
+    reasons: dict[int, str]
+
+
+def left_over(context: Context, columns: Iterable[int]) -> LeftOver:
+    """Return what the columns of numbers are taken for that have no role."""
+    table, found = context.table, LeftOver({}, {})
+    for column in sorted({*columns} - context.used):
+        if _numbers_rows(context, column):
+            continue
+        reason = _reason(context, column)
+        reading = reading_of(table, column, context.vocabulary)
+        if reading is not None and not reason:
+            found.taken[column] = reading
+        elif is_numeric(table, column):
+            found.reasons[column] = reason or "a number that is too large, or too few of them"
+    return found
+
+
+def _reason(context: Context, column: int) -> str:
+    """Return why a column of numbers is left out; nothing where it is not."""
+    table, who = context.table, context.participant
+    people = len(texts(table, who)) if who is not None else len(table.rows)
+    if context.time is not None or len(table.rows) > _MOST_ROWS * people:
+        return "rows are moments of an exposure"
+    if len(texts(table, column)) < _FEWEST:
+        return "the same number in all rows"
+    if _is_of_design(context, column):
+        return "each person has the same numbers, as levels and counts of trials are"
+    return ""
+
+
+def _numbers_rows(context: Context, column: int) -> bool:
+    """Return whether a column has no heading, or tells people or rows apart."""
+    table = context.table
+    nameless = bool(table.reading.heading_rows) and table.headings[column].startswith("column ")
+    each = len({*table.column(column)}) == len(table.rows)
+    return nameless or (each and is_identifier(table, column, context.vocabulary))
+
+
+def _is_of_design(context: Context, column: int) -> bool:
+    """Return whether nearly all people have the same numbers, as levels and counts of trials."""
+    who, people = context.participant, defaultdict[str, Counter[str]](Counter)
+    for row in context.table.rows if who is not None else ():
+        if row[column]:
+            people[row[who or 0]][row[column]] += 1
+    sets = Counter(frozenset(each.items()) for each in people.values())
+    usual, count = max(sets.items(), key=lambda each: each[1], default=(frozenset(), 0))
+    return len(usual) > 1 and len(people) > 2 and count * 4 >= 3 * len(people)
+
+
+def reading_of(table: SourceTable, column: int, vocabulary: LabVocabulary) -> Reading | None:
+    """Return what a column of numbers, or of words with an order, is taken for."""
+    given = texts(table, column)
+    words = [text for text in given if not is_missing(text, vocabulary)]
+    numbers = {text: number(text, table.reading.decimal or ".") for text in words}
+    if len(words) < _FEWEST:
+        return None
+    values = [value for value in numbers.values() if value is not None]
+    scale = scale_of(table, column, vocabulary)
+    if not values:
+        said = all(_has_order(text, vocabulary) for text in words)
+        return Reading(scale, measured=False) if said and scale is not None else None
+    if len(values) < len(words):
+        return None
+    heading = {*tokens(table.headings[column])}
+    measure = heading & (vocabulary.asking.others | vocabulary.measures | vocabulary.units)
+    halves = all(float(2 * value).is_integer() for value in values)
+    flag = {*values} <= {0.0, 1.0}
+    usual = scale is not None and scale.usual[:2] in USUAL and scale.usual.high <= _MOST_OF_RATING
+    if scale is not None and usual and halves and not measure and not flag:
+        return Reading(scale, measured=False)
+    return _measured(table, column, values)
+
+
+def _has_order(text: str, vocabulary: LabVocabulary) -> bool:
+    return plain(text) in vocabulary.agreement or vocabulary.degree(text) is not None
+
+
+def _measured(table: SourceTable, column: int, values: Sequence[float]) -> Reading | None:
+    """Return the range of measurements, in steps that tell all of them apart."""
+    codes = missing_codes(values)
+    values = [value for value in values if value not in codes]
+    filled = sum(map(bool, table.column(column)))
+    if filled < FEWEST_ANSWERS or not values or max(map(abs, values)) > MOST:
+        return None
+    exact = [Fraction(str(value)) for value in values]
+    digits = next(
+        (n for n in range(MOST_DECIMALS) if all((v * 10**n).denominator == 1 for v in exact)),
+        MOST_DECIMALS,
+    )
+    low, high = floor(min(values)), ceil(max(values))
+    step = 1.0 if digits == 0 else float(Fraction(1, 10**digits))
+    return Reading(AnswerRange(low, max(high, low + 1), step), measured=True)
+
+
+def ask_to_leave_out(table: SourceTable, reasons: Mapping[int, str]) -> list[OpenDoubt]:
+    """Return the questions whether columns of numbers without a place may be left out."""
+    doubts = []
+    for reason in dict.fromkeys(reasons.values()):
+        own = [table.headings[column] for column, why in reasons.items() if why == reason]
+        shown = ", ".join(map(repr, own[:_SHOWN]))
+        shown += f" and {len(own) - _SHOWN} more" if own[_SHOWN:] else ""
+        question = f"May {shown} be left out ({reason})?"
+        doubts.append(OpenDoubt(question, "yes: they stand under ignore", *CURIOUS))
+    return doubts
