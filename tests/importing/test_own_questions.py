@@ -18,6 +18,7 @@ from vrcomfort.importing.suggest import suggest_mapping
 
 RANDOM = random.Random(27)  # noqa: S311
 AGREE = ["Strongly disagree", "Disagree", "Neither agree nor disagree", "Agree", "Strongly agree"]
+LIKELY = ["Very unlikely", "Unlikely", "Neutral", "Likely", "Very likely"]
 Cells = dict[tuple[str, str, str], float]
 
 
@@ -563,3 +564,57 @@ def test_questions_under_one_code_or_as_sentences_are_one_instrument(
     found = imported_from(write(tmp_path / "games.csv", [["id", "Condition", *items], *rows]))
     assert len({name for name, _ in found.responses}) == 1
     assert len(own_items(found)) == len(items)
+
+
+def test_a_column_that_no_rule_knows_is_left_out_by_one_line(tmp_path: Path) -> None:
+    rows = [
+        [f"P{n}", c, (3 * n + k) % 9, 20 + n * 1.25 + k, LIKELY[(n + 2 * k) % 5]]
+        for n in range(1, 13)
+        for k, c in enumerate("ab")
+    ]
+    file = write(tmp_path / "x.csv", [["ID", "lens", "glare", "secs", "buy again"], *rows])
+    text = suggest_mapping([file]).text
+    assert "'secs' (21 to 36): are these measurements" in text
+    mapping = tmp_path / "map.toml"
+    mapping.write_text(text.replace('answer = ""', 'answer = "yes"'), encoding="utf-8")
+    found = import_files([file], load_mapping(mapping).mapping)
+    assert own_items(found) == {"glare": (0, 10), "secs": (21, 36), "buy_again": (0, 4)}
+    assert answers(found, "secs")["P3", "b", "post"] == 24.75
+    assert answers(found, "buy_again")["P1", "a", "post"] == 1
+    line = 'participant = { column = "ID" }\n'
+    edited = mapping.read_text(encoding="utf-8").replace(line, f'{line}ignore = ["secs"]\n')
+    mapping.write_text(edited, encoding="utf-8")
+    without = import_files([file], load_mapping(mapping).mapping)
+    assert {item for each in without.responses.values() for item in each.answers} == {
+        "glare",
+        "buy_again",
+    }
+
+
+def test_levels_and_numbers_of_rows_are_left_out_and_asked_about(tmp_path: Path) -> None:
+    rows = [
+        [f"P{n}", c, trial, (n * trial) % 8, 1690479000 + n * trial]
+        for n in range(1, 9)
+        for c in "ab"
+        for trial in (1, 2, 3)
+    ]
+    file = write(tmp_path / "x.csv", [["ID", "display", "repeat", "misses", "unix"], *rows])
+    found = suggest_mapping([file])
+    assert found.imported is not None
+    assert own_items(found.imported) == {"misses": (0, 7)}
+    assert "May 'repeat' be left out (each person has the same numbers" in found.text
+    assert 'ignore = ["repeat", "unix"]' in found.text
+
+
+def test_what_is_said_once_beside_conditions_in_headings_is_a_fact_of_people(
+    tmp_path: Path,
+) -> None:
+    head = ["ID", *(f"{lens}_{item}" for lens in ("near", "far") for item in ENGLISH), "span_cm"]
+    rows = [[f"P{n}", *ssq(), *ssq(), 160 + (7 * n) % 23] for n in range(1, 10)]
+    found = suggest_mapping([write(tmp_path / "x.csv", [head, *rows])])
+    assert found.imported is not None
+    assert found.imported.participants["P2"]["span_cm"] == "174"
+    assert (
+        "No rule knows 'span_cm', said once of each person: are these facts of people?"
+        in found.text
+    )

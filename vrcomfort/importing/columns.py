@@ -21,7 +21,7 @@ from vrcomfort.importing.mapping import (
     texts_of,
 )
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.questionnaire import Instrument, plain
+from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
 from vrcomfort.settings import did_you_mean
 
 
@@ -86,7 +86,8 @@ class Columns:
             self.index(column, "leave_out"): texts_of(texts)
             for column, texts in mapping.leave_out.items()
         }
-        self.blocks = [b for each in mapping.questionnaires for b in self._blocks(each)]
+        asked = [each for q in mapping.questionnaires if (each := self._without_ignored(q))]
+        self.blocks = [b for each in asked for b in self._blocks(each)]
         self.left_at = self._left_at(mapping.left_at)
         self.scores = [block for each in mapping.scores for block in self._blocks(each)]
         self._suspicious = {
@@ -95,6 +96,15 @@ class Columns:
             for item, heading in self._passed_over(block).items()
         }
         self._ignore()
+
+    def _without_ignored(self, source: Questionnaire) -> Questionnaire | None:
+        """Return a lab's own questions without those of ignored columns; None if none is left."""
+        if source.instrument in shipped_instruments():
+            return source
+        lost = [item for item, text in source.items.items() if text in self._mapping.ignore]
+        items = {item: text for item, text in source.items.items() if item not in lost}
+        said = {"items": items, "not_asked": (*source.not_asked, *lost)}
+        return source.model_copy(update=said) if items else None if lost else source
 
     @property
     def of_answers(self) -> tuple[int, ...]:

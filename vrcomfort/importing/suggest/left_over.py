@@ -25,6 +25,8 @@ from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 
 _MOST_OF_RATING, _FEWEST, _SHOWN = 100, 2, 8
+_DEGREES = AnswerRange(0, 4)
+"""From never to always, or from very unlikely to very likely."""
 _MOST_ROWS = 200
 """Rows of a person at most: more are a log of the exposure."""
 
@@ -94,7 +96,9 @@ def reading_of(table: SourceTable, column: int, vocabulary: LabVocabulary) -> Re
     scale = scale_of(table, column, vocabulary)
     if not values:
         said = all(_has_order(text, vocabulary) for text in words)
-        return Reading(scale, measured=False) if said and scale is not None else None
+        if not said or scale is None:
+            return None
+        return Reading(scale if scale.high > _DEGREES.high else scale | _DEGREES, measured=False)
     if len(values) < len(words):
         return None
     heading = {*tokens(table.headings[column])}

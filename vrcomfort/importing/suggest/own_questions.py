@@ -473,7 +473,8 @@ class OwnQuestions:
     def _made(self, column: int, text: str, context: Context, code: str) -> OwnQuestion:
         left = self._left.get(column)
         seen = self._scales[column] if left is None else left.scale
-        said = seen if left is not None and left.measured else self._ends(column)
+        alone = left is not None and (left.measured or not is_numeric(self._table, column))
+        said = seen if alone else self._ends(column)
         if said is None and (match := _ENDS_OF_CODE.search(self._table.headings[column])):
             low, high = int(match[1]), int(match[2])
             said = AnswerRange(low, high, seen.step) if _holds(low, high, seen) else None
