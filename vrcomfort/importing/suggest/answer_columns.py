@@ -24,7 +24,7 @@ from vrcomfort.importing.suggest.items import (
     named_by_file,
 )
 from vrcomfort.importing.suggest.long_tables import Long, find_long
-from vrcomfort.importing.suggest.own_instruments import Reading, own_instruments
+from vrcomfort.importing.suggest.own_instruments import TakenFor, own_instruments
 from vrcomfort.importing.suggest.own_questions import OwnQuestions, draft_own
 from vrcomfort.importing.suggest.own_rows import draft_own_rows, own_rows
 from vrcomfort.importing.suggest.questionnaires import (
@@ -94,7 +94,7 @@ class AnswerColumns:
     """
 
     def __init__(
-        self, table: SourceTable, known: Known, left: Mapping[int, Reading] | None = None
+        self, table: SourceTable, known: Known, left: Mapping[int, TakenFor] | None = None
     ) -> None:
         self._found: dict[Layout[Any], list[Any]] = {}
         self._left = left or {}

@@ -88,6 +88,8 @@ def put_coding(
     read = _read(given, decimal, vocabulary, of_seven=seven)
     codes = missing_codes([value for value in read.values() if value is not None])
     blank += [text for text, value in read.items() if value in codes]
+    if any(value is not None for value in read.values()):  # remarks among numbers
+        blank += [text for text, value in read.items() if value is None]
     words = {t: int(v) for t, v in read.items() if v is not None and number(t, decimal) is None}
     if words:
         draft.put("answers", dict(sorted(words.items(), key=lambda each: each[1])))

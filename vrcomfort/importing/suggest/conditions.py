@@ -254,9 +254,12 @@ class Conditions(FactDraft):
 
     def _repetitions(self) -> None:
         """Draft a count of exposures where a participant has a condition at a timepoint twice."""
-        if "trial" in self._context.columns:
-            return
-        if runs := candidates("trial", self._roles.unknown, self._context):
+        runs = (
+            []
+            if "trial" in self._context.columns
+            else candidates("trial", self._roles.unknown, self._context)
+        )
+        if runs:
             self.use("trial", runs[0].column, count=True)
             self.doubt_of(runs[0])
         if self._context.participant is None or self._context.time is not None:
@@ -291,6 +294,9 @@ class Conditions(FactDraft):
 
     def _count_exposures(self, again: Mapping[str, Sequence[str]]) -> None:
         """Draft a count of exposures, and ask; `again`: participants with several → equal rows."""
+        for column in self._context.columns.get("trial", ()):  # which does not tell them apart
+            self._context.used.discard(column)
+            self._roles.metadata.append(column)
         self.found.draft.put("trial", {"count": True}, "exposures in the order of the rows")
         people = ", ".join([*again][:MOST_NAMED])
         more = f" and {len(again) - MOST_NAMED} more" if len(again) > MOST_NAMED else ""

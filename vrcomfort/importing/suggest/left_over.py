@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from math import ceil, floor
 from typing import NamedTuple
@@ -18,15 +19,19 @@ from vrcomfort.importing.made_instruments import MOST, MOST_DECIMALS
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.answer_scales import FEWEST_ANSWERS, is_missing, scale_of
 from vrcomfort.importing.suggest.codings import missing_codes
-from vrcomfort.importing.suggest.draft import CURIOUS, OpenDoubt
+from vrcomfort.importing.suggest.draft import CODING, CURIOUS, OpenDoubt, Stake
 from vrcomfort.importing.suggest.evidence import Context, is_identifier, is_numeric, texts
-from vrcomfort.importing.suggest.own_instruments import USUAL, AnswerRange, Reading
+from vrcomfort.importing.suggest.item_names import How
+from vrcomfort.importing.suggest.items import Found
+from vrcomfort.importing.suggest.own_instruments import USUAL, AnswerRange, TakenFor
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 
 _MOST_OF_RATING, _FEWEST, _SHOWN = 100, 2, 8
 _DEGREES = AnswerRange(0, 4)
 """From never to always, or from very unlikely to very likely."""
+_STRAY = 20
+"""One in so many cells of a column of numbers may be a remark in place of one."""
 _MOST_ROWS = 200
 """Rows of a person at most: more are a log of the exposure."""
 
@@ -34,7 +39,7 @@ _MOST_ROWS = 200
 class LeftOver(NamedTuple):
     """What columns are taken for that have no role, and why others are left out."""
 
-    taken: dict[int, Reading]
+    taken: dict[int, TakenFor]
     reasons: dict[int, str]
 
 
@@ -85,7 +90,7 @@ def _is_of_design(context: Context, column: int) -> bool:
     return len(usual) > 1 and len(people) > 2 and count * 4 >= 3 * len(people)
 
 
-def reading_of(table: SourceTable, column: int, vocabulary: LabVocabulary) -> Reading | None:
+def reading_of(table: SourceTable, column: int, vocabulary: LabVocabulary) -> TakenFor | None:
     """Return what a column of numbers, or of words with an order, is taken for."""
     given = texts(table, column)
     words = [text for text in given if not is_missing(text, vocabulary)]
@@ -98,16 +103,18 @@ def reading_of(table: SourceTable, column: int, vocabulary: LabVocabulary) -> Re
         said = all(_has_order(text, vocabulary) for text in words)
         if not said or scale is None:
             return None
-        return Reading(scale if scale.high > _DEGREES.high else scale | _DEGREES, measured=False)
+        return TakenFor(scale if scale.high > _DEGREES.high else scale | _DEGREES, measured=False)
     if len(values) < len(words):
-        return None
+        rows = tuple(r for r in table.rows if numbers.get(r[column]) is not None or not r[column])
+        few = (len(table.rows) - len(rows)) * _STRAY <= len(table.rows)
+        return reading_of(replace(table, rows=rows), column, vocabulary) if few else None
     heading = {*tokens(table.headings[column])}
     measure = heading & (vocabulary.asking.others | vocabulary.measures | vocabulary.units)
     halves = all(float(2 * value).is_integer() for value in values)
     flag = {*values} <= {0.0, 1.0}
     usual = scale is not None and scale.usual[:2] in USUAL and scale.usual.high <= _MOST_OF_RATING
     if scale is not None and usual and halves and not measure and not flag:
-        return Reading(scale, measured=False)
+        return TakenFor(scale, measured=False)
     return _measured(table, column, values)
 
 
@@ -115,7 +122,7 @@ def _has_order(text: str, vocabulary: LabVocabulary) -> bool:
     return plain(text) in vocabulary.agreement or vocabulary.degree(text) is not None
 
 
-def _measured(table: SourceTable, column: int, values: Sequence[float]) -> Reading | None:
+def _measured(table: SourceTable, column: int, values: Sequence[float]) -> TakenFor | None:
     """Return the range of measurements, in steps that tell all of them apart."""
     codes = missing_codes(values)
     values = [value for value in values if value not in codes]
@@ -129,7 +136,7 @@ def _measured(table: SourceTable, column: int, values: Sequence[float]) -> Readi
     )
     low, high = floor(min(values)), ceil(max(values))
     step = 1.0 if digits == 0 else float(Fraction(1, 10**digits))
-    return Reading(AnswerRange(low, max(high, low + 1), step), measured=True)
+    return TakenFor(AnswerRange(low, max(high, low + 1), step), measured=True)
 
 
 def ask_to_leave_out(table: SourceTable, reasons: Mapping[int, str]) -> list[OpenDoubt]:
@@ -142,3 +149,30 @@ def ask_to_leave_out(table: SourceTable, reasons: Mapping[int, str]) -> list[Ope
         question = f"May {shown} be left out ({reason})?"
         doubts.append(OpenDoubt(question, "yes: they stand under ignore", *CURIOUS))
     return doubts
+
+
+def ask_of_left(
+    found: Found, headings: Mapping[str, str], remarks: Sequence[str]
+) -> list[OpenDoubt]:
+    """Return the question whether columns that no rule knows are what they are taken for."""
+    answers = {item.name: item.answers for item in found.instrument.items}
+    doubts = []
+    if remarks:
+        question = f"Do {', '.join(map(repr, remarks))} among numbers stand for no answer?"
+        doubts.append(OpenDoubt(question, "they do, as `missing` has them", *CODING))
+    for how, (what, taken) in _TAKEN_FOR.items():
+        left = [item for item, named in found.items.items() if named.how == how]
+        shown = [f"{headings[i]!r} ({answers[i].low} to {answers[i].high})" for i in left[:_SHOWN]]
+        shown += [f"{len(left) - _SHOWN} more"] if left[_SHOWN:] else []
+        if left:
+            question = f"No rule knows {', '.join(shown)}: are these {what} of the lab's own?"
+            like = f"left {found.instrument.name} {how}"
+            doubts.append(OpenDoubt(question, f"they are, {taken}, each an outcome", *LEFT, like))
+    return doubts
+
+
+LEFT = Stake("columns would be outcomes that are none", 58)
+_TAKEN_FOR: Mapping[How, tuple[str, str]] = {
+    "left": ("questions or ratings", "on the narrowest usual scale of all answers"),
+    "measure": ("measurements", "as they stand"),
+}

@@ -17,11 +17,12 @@ def with_left_over(draft: TableDraft, known: Known, *, alone: bool) -> TableDraf
     """
     left, found = draft.left, draft
     if not draft.known:
-        if draft.people is None or not left:
+        if not left or (draft.people is None and not alone):
             return draft
         found = TableDraft(draft.tables, known, answered=True)  # which may have conditions
         left = found.left
-        once = len(texts(draft.table, draft.people)) == len(draft.table.rows)
+        who = draft.people
+        once = who is not None and len(texts(draft.table, who)) == len(draft.table.rows)
         if once and not alone and not found.has_conditions:
             return TableDraft(draft.tables, known, of_person=left)
     if not left:

@@ -46,7 +46,7 @@ class AnswerRange(NamedTuple):
         return AnswerRange(*next(fitting, (self.low, self.high)), self.step)
 
 
-class Reading(NamedTuple):
+class TakenFor(NamedTuple):
     """What a column that nothing knows is taken for: a rating, or a measurement as it stands."""
 
     scale: AnswerRange

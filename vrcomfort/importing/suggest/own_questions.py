@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, reduce
 from itertools import pairwise
@@ -20,19 +20,22 @@ from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.answer_scales import (
     FEWEST_ANSWERS,
     are_of_seven,
+    is_missing,
     put_coding,
     scale_of,
 )
+from vrcomfort.importing.suggest.block_conditions import numbered_conditions
 from vrcomfort.importing.suggest.draft import OpenDoubt, Stake, TomlDraft
 from vrcomfort.importing.suggest.evidence import is_identifier, is_numeric, texts, varies_within
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
 from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.items import Context, Found
+from vrcomfort.importing.suggest.left_over import ask_of_left
 from vrcomfort.importing.suggest.own_instruments import (
     FEWEST_OF_SERIES,
     AnswerRange,
     OwnQuestion,
-    Reading,
+    TakenFor,
     declared,
     name_of,
 )
@@ -89,7 +92,7 @@ class OwnQuestions:
         columns: Sequence[int],
         known: Known,
         contexts: Iterable[Context],
-        left: Mapping[int, Reading],
+        left: Mapping[int, TakenFor],
     ) -> None:
         self._table = table
         self._left = left
@@ -364,7 +367,8 @@ class OwnQuestions:
         given = tokens(self._table.headings[column])
         words = {*given} if len(given) < _SENTENCE else set()
         own = {word for word in words - fillers - self._apart if not word.isdecimal()}
-        said = ({*tokens(self._table.headings[c])} for c in others)
+        asked = [c for c in others if left is None or c not in self._left]
+        said = ({*tokens(self._table.headings[c])} for c in asked)
         return bool(words & fillers) and any(own & each and not each & fillers for each in said)
 
     def _is_mean(self, column: int, whole: Sequence[int]) -> bool:
@@ -495,26 +499,34 @@ class OwnQuestions:
 
     def _crossed(self, questions: list[OwnQuestion]) -> list[OwnQuestion]:
         """Take words for conditions that stand before, or behind, the same questions each."""
-        if any(texts(self._table, c) for c in self._roles.facts.get("condition", ())):
+        there = [c for c in self._roles.facts.get("condition", ()) if texts(self._table, c)]
+        if there and not numbered_conditions(self._table, self._vocabulary):
             return questions
-        for side in (0, -1):
-            groups: dict[str, dict[tuple[str, Context], OwnQuestion]] = defaultdict(dict)
+        asking = self._vocabulary.asking.words | self._vocabulary.asking.sentences
+        if any(each.how == "measure" for each in questions):
+            asking |= self._vocabulary.asking.others | self._vocabulary.measures
+        for start, end in ((0, 1), (-1, None), (0, 2), (-2, None)):
+            groups: dict[Context, dict[tuple[str, Context], OwnQuestion]] = defaultdict(dict)
             for each in questions:
                 words = words_of(each.text)
-                if len(words) > 1 and not words[side].isdecimal():
-                    others = words[1:] if side == 0 else words[:-1]
-                    groups[words[side].casefold()][" ".join(others), each.context] = each
-            asking = self._vocabulary.asking.words | self._vocabulary.asking.sentences
-            if any(each.how == "measure" for each in questions):
-                asking |= self._vocabulary.asking.others | self._vocabulary.measures
-            for word, own in groups.items():
+                said = tuple(word.casefold() for word in words[start:end])
+                others = words[:start] if end is None else words[end:]
+                if others and [word.isdecimal() for word in said] in ([False], [False, True]):
+                    groups[said][" ".join(others), each.context] = each
+            for said, own in groups.items():
                 alike = [other for other in groups.values() if other.keys() == own.keys()]
                 rest = {w for text, _ in own for w in tokens(text)}
-                if min(len(alike), len(own)) < 2 or word in asking or not rest & asking:
+                asks = rest & asking or (
+                    len(said) > 1 and all(e.how != "name" for e in own.values())
+                )
+                names = {*said} & (asking | self._vocabulary.item_fillers)
+                if min(len(alike), len(own)) < 2 or names or not asks:
                     continue  # a single question told apart by a word is several questions
                 for (text, context), each in own.items():
-                    new = (word, *context) if side == 0 else (*context, word)
-                    questions[questions.index(each)] = replace(each, text=text, context=new)
+                    new = (*said, *context) if start == 0 else (*context, *said)
+                    code = "" if each.code in said else each.code
+                    new_one = replace(each, text=text, context=new, code=code)
+                    questions[questions.index(each)] = new_one
         return questions
 
 
@@ -536,36 +548,21 @@ def draft_own(
     put_coding(draft, found.instrument, cells, table.reading.decimal or ".", known.vocabulary)
     headings = {item: table.headings[named.column] for item, named in found.items.items()}
     draft.tables["items"] = TomlDraft(dict(headings))
-    known_ones = [headings[item] for item, named in found.items.items() if named.how == "name"]
-    asked = [ask_about(found.instrument, known_ones)] if known_ones else []
-    return draft, [*asked, *_ask_of_left(found, headings)]
+    ruled = {item: headings[item] for item, each in found.items.items() if each.how == "name"}
+    asked = [ask_about(found.instrument, [*ruled.values()], ruled)] if ruled else []
+    missing = draft.values.get("missing")
+    said = missing if isinstance(missing, list) else []
+    remarks = [text for text in said if number(text, ".") is None]
+    remarks = [text for text in remarks if not is_missing(text, known.vocabulary)]
+    return draft, [*asked, *ask_of_left(found, headings, remarks)]
 
 
-def _ask_of_left(found: Found, headings: Mapping[str, str]) -> list[OpenDoubt]:
-    """Return the question whether columns that no rule knows are what they are taken for."""
-    answers = {item.name: item.answers for item in found.instrument.items}
-    doubts = []
-    for how, (what, taken) in _TAKEN_FOR.items():
-        left = [item for item, named in found.items.items() if named.how == how]
-        shown = [f"{headings[i]!r} ({answers[i].low} to {answers[i].high})" for i in left[:_MOST]]
-        shown += [f"{len(left) - _MOST} more"] if left[_MOST:] else []
-        if left:
-            question = f"No rule knows {', '.join(shown)}: are these {what} of the lab's own?"
-            like = f"left {found.instrument.name} {how}"
-            doubts.append(OpenDoubt(question, f"they are, {taken}, each an outcome", *LEFT, like))
-    return doubts
-
-
-LEFT = Stake("columns would be outcomes that are none", 58)
-_TAKEN_FOR: Mapping[How, tuple[str, str]] = {
-    "left": ("questions or ratings", "on the narrowest usual scale of all answers"),
-    "measure": ("measurements", "as they stand"),
-}
-
-
-def ask_about(instrument: Instrument, headings: Sequence[str]) -> OpenDoubt:
-    """Return the question whether these are the lab's own, on this scale."""
-    answers = {(item.answers.low, item.answers.high) for item in instrument.items}
+def ask_about(
+    instrument: Instrument, headings: Sequence[str], among: Collection[str] = ()
+) -> OpenDoubt:
+    """Return the question whether these are the lab's own, on this scale: all items, or some."""
+    items = [item for item in instrument.items if not among or item.name in among]
+    answers = {(item.answers.low, item.answers.high) for item in items}
     shown = ", ".join(map(repr, headings[:_SHOWN]))
     shown += f" and {len(headings) - _SHOWN} more" if headings[_SHOWN:] else ""
     ends = " or ".join(f"{low} to {high}" for low, high in sorted(answers))
@@ -574,8 +571,8 @@ def ask_about(instrument: Instrument, headings: Sequence[str]) -> OpenDoubt:
     return OpenDoubt(question, assumed, *OWN, f"own {instrument.name}")
 
 
-_SHOWN, _MOST = 4, 8
-"""Questions that a doubt lists, and columns that no rule knows."""
+_SHOWN = 4
+"""Questions that a doubt lists."""
 
 
 def _holds(low: int, high: int, seen: AnswerRange) -> bool:

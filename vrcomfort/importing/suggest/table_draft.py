@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from itertools import pairwise
 from math import prod
 from typing import Any
 
@@ -54,9 +55,9 @@ from vrcomfort.importing.suggest.heading_roles import PERSON_CODE, is_personal, 
 from vrcomfort.importing.suggest.items import Found, FoundAnswers
 from vrcomfort.importing.suggest.kept_rows import KeptRows
 from vrcomfort.importing.suggest.leaving import find_leaving
-from vrcomfort.importing.suggest.left_over import ask_to_leave_out, left_over
-from vrcomfort.importing.suggest.own_instruments import Reading
-from vrcomfort.importing.suggest.own_questions import LEFT, ask_about
+from vrcomfort.importing.suggest.left_over import LEFT, ask_to_leave_out, left_over
+from vrcomfort.importing.suggest.own_instruments import TakenFor
+from vrcomfort.importing.suggest.own_questions import ask_about
 from vrcomfort.importing.suggest.questionnaires import (
     answers_of_block,
     leftovers,
@@ -111,7 +112,7 @@ class TableDraft(KeptRows):
         self,
         tables: Sequence[SourceTable],
         known: Known,
-        left: Mapping[int, Reading] | None = None,
+        left: Mapping[int, TakenFor] | None = None,
         *,
         of_person: Collection[int] = (),
         answered: bool = False,
@@ -119,7 +120,7 @@ class TableDraft(KeptRows):
         super().__init__(tables, known.vocabulary)
         self._known = known
         self._answered_otherwise = answered
-        self.left: dict[int, Reading] = {}
+        self.left: dict[int, TakenFor] = {}
         """Column that nothing in this draft knows → what it may be taken for."""
         self.people: int | None = None
         """The column of the participants, if its heading says so."""
@@ -328,7 +329,7 @@ class TableDraft(KeptRows):
 
     def _facts_by_number(self, leading: Layout[Any] | None) -> list[dict[str, str]]:
         """Return the facts of answers whose numbers are those of conditions: ``Condition_1``."""
-        if leading not in {BLOCKS, RATINGS} or leading is None:
+        if leading not in {BLOCKS, RATINGS, OWN} or leading is None:
             return []
         numbers = [number_in_words(each.context) for each in self._answers[leading]]
         columns = fitting(numbers, numbered_conditions(self.table, self._vocabulary))
@@ -341,7 +342,7 @@ class TableDraft(KeptRows):
         for column in columns:
             if column is not None:
                 self._roles.forget(column)
-        shown = ", ".join(repr(name) for name in names if name is not None)
+        shown = ", ".join(repr(name) for name in dict.fromkeys(names) if name is not None)
         first = "they do"
         if None in names:
             first = f"{first}; the first answers, which have none, are before exposure"
@@ -705,18 +706,28 @@ class TableDraft(KeptRows):
         return said or "condition" in self.draft.values or any("condition" in str(n) for n in names)
 
     def once_a_person(self) -> list[int]:
-        """Return the columns taken for own questions of no condition, where headings say those."""
+        """Return the columns of facts of people among those taken for own questions.
+
+        They are of no condition, where headings say conditions, or ask for a habit.
+        """
         facts = self._facts_of(OWN)
         leading = self._facts.get(self._answers.leading or OWN, facts)
-        if not any("condition" in each for each in (*leading, *facts)):
-            return []
+        said = any("condition" in each for each in (*leading, *facts))
         pairs = zip(self._answers[OWN], facts, strict=True)
-        return [
-            named.column
-            for block, said in pairs
+        left = [
+            (named.column, "condition" in own)
+            for block, own in pairs
             for named in block.items.values()
-            if named.how in {"left", "measure"} and "condition" not in said
+            if named.how in {"left", "measure"}
         ]
+        return [c for c, has in left if not has and (said or self._asks_how_often(c))]
+
+    def _asks_how_often(self, column: int) -> bool:
+        """Return whether a question asks for a habit of a person, who has one row."""
+        who = [] if self.people is None else texts(self.table, self.people)
+        words = tokens(self.table.headings[column])
+        habit = {a + b for a, b in pairwise(words)} & self._vocabulary.asking.others
+        return bool(habit) and len(who) == len(self.table.rows)
 
     def _say_of_people(self, columns: Collection[int]) -> None:
         """Take columns that nothing else knows for facts of people, and ask."""
