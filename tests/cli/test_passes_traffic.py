@@ -73,7 +73,7 @@ def test_draws_into_halves_of_an_image_are_one_chain(sizes, runs):
     assert added_up(drawn).passes == runs
 
 
-@pytest.mark.parametrize("case", ["plain", "dof", "both"])
+@pytest.mark.parametrize("case", ["plain", "both"])
 def test_the_bytes_of_a_whole_frame_are_those_that_opengl_tells(ctx, case):
     """Within 5 %, with every texture, target and sample asked of OpenGL at each call."""
     condition = load_protocol("smoke").condition(case)

@@ -44,9 +44,11 @@ ratings = { instrument = "fms", every_s = 0.15, timeout_s = 0.1 }
 
 def preflight(run: Run, folder: Path, script: str, *more: str) -> tuple[int, dict[str, Any]]:
     """Return the exit code, and what the file has; findings by their part."""
+    protocol = folder / "short.toml"
+    protocol.write_text(ONE_EXPOSURE, "utf-8")
     with ScriptedRuntime(folder / "runtime", HEADSET + script):
         code, _, err = run(
-            "preflight", "smoke", "--out", folder / "S", "--seconds", "0.1", "-q", *more
+            "preflight", protocol, "--out", folder / "S", "--seconds", "0.1", "-q", *more
         )
     assert "Traceback" not in err
     content = json.loads((folder / "S" / FILE).read_text())

@@ -41,14 +41,18 @@ def in_rows(move: str, view: str) -> list[list[object]]:
 
 
 @pytest.mark.parametrize("move", ["Locomotion", "Bewegung"])
-def test_two_columns_are_factors_of_the_conditions_and_of_the_analysis(
-    tmp_path: Path, move: str
-) -> None:
-    file = write(tmp_path / "study.csv", in_rows(move, "Sichtfeld"))
-    mapping = confirmed(suggest_mapping([file]), tmp_path)
+def test_two_columns_are_factors_of_the_conditions(tmp_path: Path, move: str) -> None:
+    mapping = confirmed(
+        suggest_mapping([write(tmp_path / "study.csv", in_rows(move, "Sichtfeld"))]), tmp_path
+    )
     assert mapping.mapping.condition_levels == {
         name: {move: m, "Sichtfeld": v} for name, (m, v) in LEVELS.items()
     }
+
+
+def test_factors_of_conditions_are_those_of_the_analysis(tmp_path: Path) -> None:
+    file = write(tmp_path / "study.csv", in_rows("Bewegung", "Sichtfeld"))
+    mapping = confirmed(suggest_mapping([file]), tmp_path)
     imported = import_files([file], mapping.mapping)
     assert {*imported.conditions} == {*LEVELS}
     study, out = tmp_path / "study", tmp_path / "report"
@@ -56,7 +60,7 @@ def test_two_columns_are_factors_of_the_conditions_and_of_the_analysis(
     build_report(study, out=out)
     results = json.loads((out / "results.json").read_text(encoding="utf-8"))
     effects = [each["effect"] for each in results["anova"][0]["effects"]]
-    assert effects == [move, "Sichtfeld", f"{move} × Sichtfeld"]
+    assert effects == ["Bewegung", "Sichtfeld", "Bewegung × Sichtfeld"]
 
 
 def test_conditions_in_headings_are_crossed(tmp_path: Path) -> None:

@@ -12,13 +12,17 @@ RAW = ROOT / "tests" / "data" / "import" / "two_displays.csv"
 BRIEF = ("--quiet", "--figures", "none")
 
 
+@pytest.fixture(scope="module")
+def mapping():
+    return suggest_mapping([RAW]).text.replace('answer = ""', 'answer = "yes"')
+
+
 @pytest.fixture
-def plan(tmp_path):
+def plan(tmp_path, mapping):
     """A plan, its mapping, and the files in a folder beside them."""
     (tmp_path / "raw").mkdir()
     shutil.copy(RAW, tmp_path / "raw" / RAW.name)
-    text = suggest_mapping([RAW]).text.replace('answer = ""', 'answer = "yes"')
-    (tmp_path / "map.toml").write_text(text, "utf-8")
+    (tmp_path / "map.toml").write_text(mapping, "utf-8")
     file = tmp_path / "plan.toml"
     head = 'name = "p"\ntitle = "P"\noutcomes = ["T"]\n'
     file.write_text(f'{head}[data]\nfiles = ["raw/*.csv"]\nmapping = "map.toml"\n', "utf-8")
