@@ -12,7 +12,6 @@ from click.testing import Result
 from typer.testing import CliRunner
 
 from tests.support.report import build_report
-from tests.support.study import smoke_with
 from vrcomfort.api.playback import PlaybackSetup
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
@@ -21,6 +20,19 @@ from vrcomfort.frame import STIMULUS_VERSION
 from vrcomfort.protocol import load_protocol
 from vrcomfort.records.apparatus import differences, differences_in, require_stimulus
 
+PLAIN = """
+name = "plain"
+title = "Two conditions that need no pass of their own"
+exposure_s = 0.2
+break_s = 0.0
+scenes = ["temple"]
+conditions = [{ name = "a" }, { name = "b" }]
+order = { rule = "williams" }
+questionnaires = [
+  { timepoint = "baseline", when = "session_start" },
+  { timepoint = "post", when = "after_trial" },
+]
+"""
 FIRST = {
     "participant": "P01",
     "session": 1,
@@ -67,14 +79,14 @@ Run = Callable[..., Result]
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a protocol and a study of one participant."""
     folder = tmp_path_factory.mktemp("recorded")
-    smoke_with(folder, 0.4)
+    (folder / "plain.toml").write_text(PLAIN, "utf-8")
     assert "sessions differ" not in run_in(folder)("P01", "32x40", "10").stderr
     return folder
 
 
 def run_in(folder: Path) -> Run:
     def run(participant: str, size: str, rate: str, *more: str) -> Result:
-        words = ["run", str(folder / "smoke.toml"), "--participant", participant, "-q", *more]
+        words = ["run", str(folder / "plain.toml"), "--participant", participant, "-q", *more]
         words += ["--out", str(folder / "S"), "--respondent", "simulated"]
         words += ["--size", size, "--refresh-hz", rate]
         done = CliRunner().invoke(app, words, catch_exceptions=False)
