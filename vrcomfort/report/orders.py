@@ -145,19 +145,19 @@ def one_order(
 
 def _first_of(table: pd.DataFrame, a: str, b: str, participants: Collection[str]) -> list[int]:
     """Return 1 for each participant with a first, −1 with b, 0 for neither; of those with both."""
-    part = table[table["participant"].isin(participants) & (table["position"] > 0)]
-    part = part.sort_values(
-        ["session", "position"],
-        key=lambda column: column.map(natural) if column.name == "session" else column,
-    )
-    part = part.assign(place=part.groupby("participant").cumcount())
-    part = part[part["condition"].isin([a, b])]
-    places = part.groupby(["participant", "condition"])["place"].agg(["min", "mean"]).unstack()  # noqa: PD010
-    if not {a, b} <= set(part["condition"]):
-        return []
-    places = places.dropna()
-    ahead = (places["min", a] < places["min", b]) * 2 - 1
-    return list(ahead.where(places["mean", a] != places["mean", b], 0).astype(int))
+    met, people = defaultdict(list), {*participants}
+    columns = ("session", "position", "participant", "condition")
+    cells = zip(*(table[name] for name in columns), strict=True)
+    rows = [row for row in cells if row[1] > 0 and row[2] in people]
+    for *_, who, condition in sorted(rows, key=lambda row: (natural(row[0]), row[1])):
+        met[who].append(condition)
+    found = []
+    for run in met.values():
+        one, two = ([place for place, name in enumerate(run) if name == each] for each in (a, b))
+        if one and two:
+            even = sum(one) * len(two) == sum(two) * len(one)
+            found.append(0 if even else 1 if one[0] < two[0] else -1)
+    return found
 
 
 def in_words(order: OneOrder, name: Callable[[str], str]) -> str:
