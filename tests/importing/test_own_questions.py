@@ -616,3 +616,37 @@ def test_what_is_said_once_beside_conditions_in_headings_is_a_fact_of_people(
         "No rule knows 'span_cm', said once of each person: are these facts of people?"
         in found.text
     )
+
+
+def test_measurements_of_each_condition_stand_side_by_side(tmp_path: Path) -> None:
+    head = ["ID", "Walk Time", "Fly Time", "Walk Score", "Fly Score"]
+    given = {n: [20 + n * 1.5, 31 - n * 0.25, n % 8, (3 * n) % 8] for n in range(1, 13)}
+    file = write(tmp_path / "x.csv", [head, *([f"P{n}", *each] for n, each in given.items())])
+    found = imported_from(file)
+    assert found.conditions == ["Walk", "Fly"]
+    assert answers(found, "time")["P4", "Fly", "post"] == 30
+    assert answers(found, "score_2")["P5", "Walk", "post"] == 5
+
+
+def test_what_is_asked_of_each_numbered_condition_belongs_to_the_word_beside_it(
+    tmp_path: Path,
+) -> None:
+    head = [f"Treatment{n}{asked}" for n in (1, 2) for asked in ("", "WaitMin", "ExitLikelihood")]
+    rows = []
+    for n in range(1, 13):
+        first, second = ("with", "without")[:: 1 if n % 2 else -1]
+        likely = LIKELY[n % 5], LIKELY[(2 * n) % 5]
+        rows.append([f"P{n}", first, 2 + n % 7, likely[0], second, 1.5 + n % 5, likely[1]])
+    found = imported_from(write(tmp_path / "x.csv", [["Participant ID", *head], *rows]))
+    assert {*found.conditions} == {"with", "without"}
+    assert answers(found, "wait_min")["P2", "with", "post"] == 3.5
+    assert answers(found, "exit_likelihood")["P3", "with", "post"] == 3
+
+
+def test_a_remark_among_numbers_is_no_answer(tmp_path: Path) -> None:
+    rows = [[f"P{n}", c, (n + k) % 6] for n in range(1, 13) for k, c in enumerate("ab")]
+    rows[5][2] = "2 or 3"
+    found = suggest_mapping([write(tmp_path / "x.csv", [["ID", "lens", "glare"], *rows])])
+    assert found.imported is not None
+    assert "Do '2 or 3' among numbers stand for no answer?" in found.text
+    assert len(answers(found.imported, "glare")) == len(rows) - 1
