@@ -271,24 +271,21 @@ def test_words_of_agreement_are_answers_whatever_the_heading_asks(tmp_path: Path
 @pytest.mark.parametrize(
     ("head", "asked"),
     [
-        (["Realism", "Comfort", "Artifacts", "Colours"], 4),
+        (["Realism", "Comfort", "Artifacts", "Colours"], 2),
         (["Comfort", "Artifacts", "Colours", "Shape"], 1),
-        (["I felt at ease", "The lens meets all needs"], 2),
-        (["bad_good", "slow_fast", "dull_vivid", "odd_usual", "weak_strong"], 5),
+        (["I felt at ease", "The lens meets all needs"], 1),
+        (["bad_good", "slow_fast", "dull_vivid", "odd_usual", "weak_strong"], 0),
         (["bad_good", "slow_fast", "dull_vivid", "odd_usual"], 0),
         (["1/2 The robot [It is loud]", "1/2 The robot [It is kind]"], 2),
-        (["Q_near", "Q_far", "Q_text"], 3),
+        (["Q_near", "Q_far", "Q_text"], 0),
         (["column 1", "Comfort"], 1),
         (["I felt sure", "It was easy to drive the whole distance", "I felt at ease"], 3),
     ],
 )
-def test_columns_beside_questions_on_their_scale_are_questions(
+def test_columns_beside_questions_are_asked_about(
     tmp_path: Path, head: list[str], asked: int
 ) -> None:
-    """Two questions bring in what is beside them, one only a sentence; a row of five needs none.
-
-    No rule knows the others, and a doubt of their own asks about them.
-    """
+    """No rule knows those that ask nothing: a doubt of their own asks about them."""
     each = [[f"P{n}", *(1 + (n * k) % 7 for k in range(1, 1 + len(head))), n % 3] for n in range(9)]
     file = write(tmp_path / "x.csv", [["ID", *head, "Wins"], *each])
     found = suggest_mapping([file])
@@ -650,3 +647,14 @@ def test_a_remark_among_numbers_is_no_answer(tmp_path: Path) -> None:
     assert found.imported is not None
     assert "Do '2 or 3' among numbers stand for no answer?" in found.text
     assert len(answers(found.imported, "glare")) == len(rows) - 1
+
+
+def test_means_over_conditions_are_no_condition_of_measurements(tmp_path: Path) -> None:
+    head = [f"{when} {what}" for when in ("Sea", "Lake", "Overall") for what in ("HR", "Speed")]
+    rows = []
+    for n in range(1, 13):
+        sea, lake = (70 + n % 5, 1.5 + n % 4), (80 + n % 7, 2.25 + n % 3)
+        rows.append([n, *sea, *lake, *((a + b) / 2 for a, b in zip(sea, lake, strict=True))])
+    found = imported_from(write(tmp_path / "x.csv", [["ID", *head], *rows]))
+    assert [each for each in found.conditions if each] == ["Sea", "Lake"]
+    assert answers(found, "speed")["3", "Lake", "post"] == 2.25

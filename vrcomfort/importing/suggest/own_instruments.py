@@ -105,9 +105,13 @@ def _blocks(name: str, group: Sequence[OwnQuestion]) -> list[Found]:
     said = {plain(each.text) for each in group if each.said}
     known = {plain(each.text) for each in group if each.how == "name"}
     kinds: dict[int | None, dict[str, AnswerRange]] = defaultdict(dict)
+    ruled = [scales[key] for key in scales if key in known - said]
+    whole = reduce(lambda one, other: one | other, ruled).usual if ruled else None
     for key in (key for key in scales if key not in said):
-        # Of those that no rule knows, counts from 0 widen no scale from 1.
-        kinds[None if key in known else scales[key].usual.low][key] = scales[key]
+        # Those that no rule knows widen no scale of others, and counts from 0 none from 1.
+        low, high = scales[key].usual.low, scales[key].high
+        within = whole is not None and whole.low == low and high <= whole.high
+        kinds[None if key in known or within else low][key] = scales[key]
     for kind in kinds.values():
         scales |= together(kind)
     instrument = declared(name, [(items[k], texts_of[k], scales[k]) for k in items])

@@ -2,7 +2,7 @@
 
 A column is one if its cells are answers on one scale, and its heading asks for an opinion: by a
 word (`questions` in the vocabulary), as a sentence, by the ends of its scale, or as one of a row of
-numbered codes. Others are left out, and listed as such.
+numbered codes. What asks nothing is taken for what `left_over` says.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from vrcomfort.importing.suggest.answer_scales import (
 )
 from vrcomfort.importing.suggest.block_conditions import numbered_conditions
 from vrcomfort.importing.suggest.draft import OpenDoubt, Stake, TomlDraft
-from vrcomfort.importing.suggest.evidence import is_identifier, is_numeric, texts, varies_within
+from vrcomfort.importing.suggest.evidence import is_numeric, texts, varies_within
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
 from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.items import Context, Found
@@ -52,13 +52,12 @@ from vrcomfort.questionnaire.instrument_file import TAKEN
 
 OWN = Stake("columns would be questions that are none, or have other ends of their scale", 60)
 _FEWEST_STEPS = 2
-_MOST_OF_SHORT = 7
+_MEANS = frozenset(["overall", "total", "mean", "average", "avg"])
+"""Words before means over conditions."""
 _SENTENCE = 4
 """Words of a heading that is a sentence."""
-_FEWEST_DEGREES, _FEWEST_OF_BLOCK = 3, 5
-"""Different answers to a question that its place alone shows, and how many of these are one."""
-_NAMES = frozenset(["questionnaire", "questionnaires", "survey", "fragebogen", "umfrage", "likert"])
-"""Words in the names of files of answers."""
+_FEWEST_OF_BLOCK = 5
+"""Questions on the scale of a number with decimals, which is then their mean."""
 _BRACKET = re.compile(r"\[([^\[\]]*[^\W\d_]{2}[^\[\]]*)\]\s*$")
 """The statement of a grid of questions: ``Do you agree? [I felt present]``."""
 _ENDS = (
@@ -160,8 +159,6 @@ class OwnQuestions:
         """Return the questions, with the words of each that tell administrations apart."""
         rated = {c for course in self.courses for c in course.columns}
         columns = [c for c in self._scales if c not in rated and self._asks(c)]
-        columns += self._in_their_runs(columns, rated)
-        columns += self._of_their_family(columns, rated)
         columns += self._asked_again(columns, rated)
         columns = [c for c in columns if not self._is_made_of(c, columns)]
         if len(columns) != 1 or self._times is None:  # else it is a rating during exposure
@@ -209,56 +206,6 @@ class OwnQuestions:
             found.append(replace(each, text=asked, context=(str(run + 1),)))
         return found
 
-    def _in_their_runs(self, asking: Sequence[int], rated: set[int]) -> list[int]:
-        """Return columns in a run on one short scale that asks, by some of its columns or length.
-
-        Two of its columns ask; or one, and the others are sentences; or five stand there, three
-        in a file that is called a questionnaire, with both ends of their scale.
-        """
-        open_ = {*self._roles.unknown} & {*self._scales} - rated
-        name = {*tokens(f"{self._table.file.stem} {self._table.sheet}")}
-        called = name & (_NAMES | self._vocabulary.asking.words)
-        fewest = FEWEST_OF_SERIES if called else _FEWEST_OF_BLOCK
-        found: list[int] = []
-        for run in self._runs(open_ | {*asking}, {*asking}):
-            asked = [c for c in run if c in asking]
-            widest = reduce(lambda one, other: one | other, (self._scales[c] for c in run))
-            block = len(run) >= fewest and widest == widest.usual and not self._are_ranks(run)
-            sentences = all(len(self._words(c)) >= _SENTENCE for c in run)
-            if block or len(asked) > 1 or (asked and sentences):
-                found += (c for c in run if c not in asking)
-        return found
-
-    def _runs(self, columns: set[int], asking: set[int]) -> list[list[int]]:
-        """Return adjacent columns whose answers are on one scale of few steps."""
-        runs: list[list[int]] = [[]]
-        for column in sorted(c for c in columns if self._is_short(c, told=c in asking)):
-            scales = (self._scales[c] for c in (*runs[-1], column))
-            short = reduce(lambda one, other: one | other, scales).usual.high <= _MOST_OF_SHORT
-            if runs[-1] and (runs[-1][-1] + 1 < column or not short):
-                runs.append([])
-            runs[-1].append(column)
-        return runs if runs[0] else []
-
-    def _is_short(self, column: int, *, told: bool) -> bool:
-        own = self._scales[column]
-        if own.usual.high > _MOST_OF_SHORT or own.step < 1:
-            return False
-        few = len(texts(self._table, column)) < _FEWEST_DEGREES
-        return told or not (few or self._is_other(column))
-
-    def _of_their_family(self, asking: Sequence[int], rated: set[int]) -> list[int]:
-        """Return columns behind a code that stands before questions, all on one short scale."""
-        open_ = {*self._roles.unknown} & {*self._scales} - rated - {*asking}
-        found: list[int] = []
-        for code, family in self._families.items():
-            widest = reduce(lambda one, other: one | other, (self._scales[c] for c in family))
-            if (
-                {*family} & {*asking} or code in self._vocabulary.item_fillers
-            ) and widest.usual.high <= _MOST_OF_SHORT:
-                found += (c for c in family if c in open_ and not self._is_other(c))
-        return found
-
     def _asked_again(self, asking: Sequence[int], rated: set[int]) -> list[int]:
         """Return other columns with the same question in another administration."""
         asked = {plain(self._question(c).text) for c in asking}
@@ -282,13 +229,6 @@ class OwnQuestions:
         headings = (tokens(self._table.headings[c]) for c in self._scales)
         said = {each for words in headings for each in words} & moments
         return word in self._families and len(others) > 1 and said == {word}
-
-    def _is_other(self, column: int) -> bool:
-        """Return whether a column beside questions is something else by its heading or cells."""
-        words = self._words(column)
-        said = len(words) <= _SENTENCE and bool({*words} & self._vocabulary.asking.others)
-        counts = is_identifier(self._table, column, self._vocabulary)
-        return said or counts or self._is_no_answer(column)
 
     def _words(self, column: int) -> list[str]:
         return tokens(f"{self._table.headings[column]} {self._table.labels[column]}")
@@ -519,7 +459,7 @@ class OwnQuestions:
                 asks = rest & asking or (
                     len(said) > 1 and all(e.how != "name" for e in own.values())
                 )
-                names = {*said} & (asking | self._vocabulary.item_fillers)
+                names = {*said} & (asking | self._vocabulary.item_fillers | _MEANS)
                 if min(len(alike), len(own)) < 2 or names or not asks:
                     continue  # a single question told apart by a word is several questions
                 for (text, context), each in own.items():

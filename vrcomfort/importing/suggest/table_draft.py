@@ -712,7 +712,7 @@ class TableDraft(KeptRows):
         """
         facts = self._facts_of(OWN)
         leading = self._facts.get(self._answers.leading or OWN, facts)
-        said = any("condition" in each for each in (*leading, *facts))
+        said = any("condition" in each for each in leading)
         pairs = zip(self._answers[OWN], facts, strict=True)
         left = [
             (named.column, "condition" in own)
