@@ -658,3 +658,18 @@ def test_means_over_conditions_are_no_condition_of_measurements(tmp_path: Path) 
     found = imported_from(write(tmp_path / "x.csv", [["ID", *head], *rows]))
     assert [each for each in found.conditions if each] == ["Sea", "Lake"]
     assert answers(found, "speed")["3", "Lake", "post"] == 2.25
+
+
+def test_columns_that_no_rule_knows_refuse_no_file(tmp_path: Path) -> None:
+    """Two files give a person another number at one moment."""
+    people = range(1, 13)
+    files = [
+        write(
+            tmp_path / "ssq.csv", [["ID", *ENGLISH, "secs"], *([n, *ssq(), n % 7] for n in people)]
+        ),
+        write(tmp_path / "fun.csv", [["ID", "fun", "secs"], *([n, n % 5, n % 3] for n in people)]),
+    ]
+    found = suggest_mapping(files)
+    assert found.imported is not None
+    assert own_items(found.imported) == {"fun": (0, 4)}
+    assert "May 'secs' be left out (with such columns as outcomes the import refuses" in found.text

@@ -34,6 +34,7 @@ from vrcomfort.importing.suggest.groups_of_files import (
 )
 from vrcomfort.importing.suggest.heading_roles import names_fact
 from vrcomfort.importing.suggest.joined_tables import joined
+from vrcomfort.importing.suggest.left_over import ask_to_leave_out
 from vrcomfort.importing.suggest.left_over_drafts import with_left_over
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
 from vrcomfort.importing.suggest.same_people import say_same_people
@@ -54,6 +55,7 @@ _TOP = (
 )
 
 
+_REFUSED_WITH = "with such columns as outcomes the import refuses the files"
 _REFUSAL = "As it stands, the import refuses the files; mend this:"
 
 
@@ -157,6 +159,8 @@ def _suggested(
         top.tables["condition_levels"] = TomlDraft(dict(levels))
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
     doubts += [*ignored, *left_out, *_unanswered(drafts, known)]
+    for draft in () if left_over else useful:
+        doubts += ask_to_leave_out(draft.table, dict.fromkeys(draft.left, _REFUSED_WITH))
     if refusal:
         doubts.append(OpenDoubt(_REFUSAL, refusal, *REFUSED))
     asked = write_doubts(top, doubts)
