@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -149,3 +150,76 @@ def test_a_flag_that_differs_in_few_people_is_no_condition(tmp_path: Path) -> No
         for k in range(2)
     ]
     assert {*of(suggest_mapping([write(tmp_path / "ssq.csv", rows)])).conditions} == {"all"}
+
+
+def test_files_called_by_words_with_several_people_each_say_the_condition(tmp_path: Path) -> None:
+    files = [
+        write(
+            tmp_path / f"Post study - {name}.csv",
+            [
+                ["Q1", "Q2", *ITEMS],
+                ["What is your name?", "Comments", *ITEMS],
+                *([n, f"fine {n}", *answers(n, k)] for n in range(1, 8)),
+            ],
+        )
+        for k, name in enumerate(("NC", "NM", "SY"))
+    ]
+    told = conditions_of(suggest_mapping(files))
+    assert told == {str(n): {"NC", "NM", "SY"} for n in range(1, 8)}
+
+
+@pytest.mark.parametrize(("names", "people"), [(("a", "b"), 12), (("pre", "post"), 6)])
+def test_rows_of_two_files_are_other_people_but_for_those_before_and_after(
+    names: tuple[str, str], people: int, tmp_path: Path
+) -> None:
+    files = [
+        write(tmp_path / f"ssq_{name}.csv", [[*ITEMS], *(answers(n, k) for n in range(6))])
+        for k, name in enumerate(names)
+    ]
+    assert len(conditions_of(suggest_mapping(files))) == people
+
+
+def test_the_only_column_beside_the_answers_of_people_in_rows_says_their_group(
+    tmp_path: Path,
+) -> None:
+    rows: list[Row] = [[*ITEMS, "music"]]
+    rows += [[*answers(n), ["yes", "no"][n % 2]] for n in range(13)]
+    assert {*of(suggest_mapping([write(tmp_path / "ssq.csv", rows)])).conditions} == {"yes", "no"}
+
+
+@pytest.mark.parametrize(
+    ("headings", "conditions"),
+    [
+        ([f"discomfort_{c}_t{t}" for c in "ABC" for t in (1, 2, 3)], {"A", "B", "C"}),
+        ([f"Q{q}_cond{c}" for c in (1, 2) for q in range(1, 6)], {"1", "2"}),
+        ([f"C{c}_Q{q}" for c in (1, 2, 3) for q in range(1, 5)], {"C_1", "C_2", "C_3"}),
+        (
+            [
+                f"{asked}_{pace}_{view}"
+                for asked in ("presence", "nausea", "comfort")
+                for pace in ("slow", "fast")
+                for view in ("tunnel", "open")
+            ],
+            {"slow_tunnel", "slow_open", "fast_tunnel", "fast_open"},
+        ),
+    ],
+)
+def test_conditions_stand_in_the_headings_of_own_questions(
+    headings: Sequence[str], conditions: set[str], tmp_path: Path
+) -> None:
+    rows: list[Row] = [["id", *headings]]
+    rows += [[f"P{n}", *(1 + (n * 3 + k * k) % 7 for k in range(len(headings)))] for n in range(12)]
+    found = suggest_mapping([write(tmp_path / "wide.csv", rows)])
+    assert {*of(found).conditions} == conditions
+    assert len(conditions_of(found)) == 12
+    assert ("slow/fast and tunnel/open" in found.text) == (len(conditions) == 4)
+
+
+def test_numbered_columns_say_the_conditions_of_own_questions_with_their_number(
+    tmp_path: Path,
+) -> None:
+    rows: list[Row] = [["ID", *(f"Treatment{n}{w}" for n in (1, 2) for w in ("", "Frustration"))]]
+    pair = ("With_Notification", "Without_Notification")
+    rows += [[f"X{n}A", pair[n % 2], 1 + n % 5, pair[1 - n % 2], 1 + n * 3 % 5] for n in range(10)]
+    found = suggest_mapping([write(tmp_path / "answers.csv", rows)])
+    assert conditions_of(found) == {f"X{n}A": {*pair} for n in range(10)}

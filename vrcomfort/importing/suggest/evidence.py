@@ -190,17 +190,24 @@ def _codes_in_equally_many_rows(context: Context, column: int) -> bool:
 _FEWEST_PEOPLE = 5
 
 
+def asks_name(table: SourceTable, column: int, vocabulary: LabVocabulary) -> bool:
+    """Return whether a heading, or the text of its question, asks who the person is."""
+    return any(
+        is_personal(said, vocabulary) for said in (table.headings[column], table.labels[column])
+    )
+
+
 def _codes_of_people(context: Context, column: int) -> bool:
     words = texts(context.table, column)
     codes = all(re.fullmatch(r"[\w -]*\d[\w -]*", w) and len(w) <= LONGEST_CODE for w in words)
-    personal = is_personal(context.table.headings[column], context.vocabulary)
+    personal = asks_name(context.table, column, context.vocabulary)
     return column in context.roles.metadata and personal and len(words) > 1 and codes
 
 
 def _recurring_names(context: Context, column: int) -> bool:
     """Return whether a column under a heading for names has each of several people a few times."""
     counts = Counter(cell for cell in context.table.column(column) if cell)
-    personal = is_personal(context.table.headings[column], context.vocabulary)
+    personal = asks_name(context.table, column, context.vocabulary)
     again = sum(count > 1 for count in counts.values())
     several = len(counts) >= _FEWEST_NAMES and again * 5 >= len(counts) * 4
     filled = sum(counts.values()) * 5 >= len(context.table.rows) * 4
@@ -282,11 +289,11 @@ def _differs_within_people(context: Context, column: int) -> bool:
         return False
     if {*tokens(table.headings[column])} & context.vocabulary.scale_fillers:
         return False  # a sum or a score
-    people = _counts_of_people(table, column, context.participant)
+    people = counts_of_people(table, column, context.participant)
     return 2 * sum(len(counts) > 1 for counts in people) > len(people)
 
 
-def _counts_of_people(table: SourceTable, column: int, participant: int) -> list[Counter[str]]:
+def counts_of_people(table: SourceTable, column: int, participant: int) -> list[Counter[str]]:
     """Return how often each participant of several rows has each text."""
     people: dict[str, Counter[str]] = defaultdict(Counter)
     for row in table.rows:
@@ -299,7 +306,7 @@ def is_balanced(table: SourceTable, column: int, participant: int | None) -> boo
     """Return whether most participants have each text of a column, or as many, equally often."""
     if participant is None:
         return False
-    people = _counts_of_people(table, column, participant)
+    people = counts_of_people(table, column, participant)
     usual = Counter(len(counts) for counts in people).most_common(1)
     even = [len(c) == usual[0][0] > 1 and max(c.values()) == min(c.values()) for c in people]
     return sum(even) * 4 >= len(even) * 3 > 0
@@ -410,21 +417,34 @@ _LONGEST = 60
 
 
 def _balanced_groups(context: Context, column: int) -> bool:
-    """Return whether each participant has one of two to four words, and each word about as many."""
+    """Return whether each participant has one of two to four words, and each word about as many.
+
+    Where rows are people, and words Yes and No, it has to be the only column beside the answers.
+    """
     table, who = context.table, context.participant
-    if who is None or column not in context.roles.unknown or column in context.used:
+    if column not in context.roles.unknown or column in context.used:
         return False
-    people = {row[who]: row[column] for row in table.rows}
+    if (who is None or _says_yes_or_no(context, column)) and not _stands_alone(context, column):
+        return False
+    people = {n if who is None else row[who]: row[column] for n, row in enumerate(table.rows)}
     groups = Counter(people.values())
     if groups.pop("", 0) * 10 > len(people):  # who broke off early was in no group
         return False
-    if not 2 <= len(groups) <= _FEW_SCENES or varies_within(table, column, who):
+    several = who is not None and varies_within(table, column, who)
+    if not 2 <= len(groups) <= _FEW_SCENES or several:
         return False
-    if is_numeric(table, column) or _says_yes_or_no(context, column) or measures(table, column):
+    if is_numeric(table, column) or measures(table, column):
         return False
     return min(groups.values()) >= _FEWEST_OF_GROUP and max(groups.values()) - min(
         groups.values()
     ) <= max(1, len(people) // 12)
+
+
+def _stands_alone(context: Context, column: int) -> bool:
+    """Return whether nothing else stands beside the answers, and the heading asks no question."""
+    words = tokens(context.table.headings[column])
+    alone = {*context.roles.unknown} == {column} and context.one_row_each
+    return alone and len(words) < FEWEST_OF_SENTENCE
 
 
 _FEWEST_OF_GROUP = 3
@@ -447,10 +467,16 @@ CODES_IN_ROWS = CellEvidence(
     "participant", "codes, each in several rows", 25, _codes_in_equally_many_rows,
     "Does {heading!r} tell participants apart?", "it does",
 )  # fmt: skip
+CODES_UNDER_NAME = CellEvidence(
+    "participant", "codes under a heading for names", 20, _codes_of_people,
+    "Does {heading!r} tell participants apart?", "it does; it holds codes, no names of people",
+)  # fmt: skip
 RECURRING_NAMES = CellEvidence(
     "participant", "names, each in several rows", 15, _recurring_names,
     "Does {heading!r} tell participants apart?", "it does; they are numbered, without their names",
 )  # fmt: skip
+CODES = (CODES_IN_ROWS, CODES_UNDER_NAME)
+"""Evidence of codes that are people's, whatever files are called."""
 COUNTS_EXPOSURES = CellEvidence(
     "condition", "a number of exposures", 20, _counts_exposures,
     "Is {heading!r} the condition?", "it is, for want of another",
@@ -471,10 +497,7 @@ CELLS: tuple[CellEvidence, ...] = (
         "participant", "numbers of rows without a heading", 5, _counts_rows,
         "Does {heading!r} tell participants apart?", "it does, for want of another",
     ),
-    CellEvidence(
-        "participant", "codes under a heading for names", 20, _codes_of_people,
-        "Does {heading!r} tell participants apart?", "it does; it holds codes, no names of people",
-    ),
+    CODES_UNDER_NAME,
     RECURRING_NAMES,
     CellEvidence(
         "participant", "the key of each response", 10, _numbers_responses,
@@ -557,40 +580,10 @@ def varies_within(table: SourceTable, column: int, participant: int | None) -> b
     return any(len(each) > 1 for each in found.values())
 
 
-def is_shown_in_turn(table: SourceTable, column: int, participant: int) -> bool:
-    """Return whether nearly all people have several of a few words, as of conditions."""
-    people: dict[str, set[str]] = defaultdict(set)
-    for row in table.rows:
-        if row[column]:
-            people[row[participant]].add(row[column])
-    several = sum(len(words) > 1 for words in people.values())
-    words = few_texts(table, column) and not is_numeric(table, column)
-    return words and several * 5 >= len(people) * 4 > 0
-
-
 def few_texts(table: SourceTable, column: int, most: int = MOST_CONDITIONS) -> bool:
     """Return whether a column has few different texts, each of them more than once."""
     found = texts(table, column)
     return 2 <= len(found) <= most and len(table.rows) >= 2 * len(found)
-
-
-def tells_stimuli(context: Context, column: int) -> bool:
-    """Return whether a column names many things that were shown: others to each, and in common."""
-    table, who = context.table, context.participant
-    if who is None or not context.one_row_each or is_numeric(table, column):
-        return False
-    words = texts(table, column)
-    if len(words) <= MOST_CONDITIONS or measures(table, column):
-        return False
-    if {*tokens(table.headings[column])} & context.vocabulary.fact_words["condition"]:
-        return False
-    seen: dict[str, set[str]] = defaultdict(set)
-    for row in table.rows:
-        seen[row[column]].add(row[who])
-    shared = sum(len(seen[word]) > 1 for word in words)
-    people = _counts_of_people(table, column, who)
-    once = sum(max(counts.values()) == 1 for counts in people)
-    return shared * 5 >= len(words) * 4 and once * 2 > len(people)
 
 
 def is_numeric(table: SourceTable, column: int) -> bool:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import replace
 
 from vrcomfort.importing.suggest.codes import codes_in
 from vrcomfort.importing.suggest.conditions import Conditions
@@ -20,32 +19,31 @@ from vrcomfort.importing.suggest.draft import (
 from vrcomfort.importing.suggest.evidence import (
     BALANCED_WORDS,
     BASELINE_AMONG_CONDITIONS,
-    CODES_IN_ROWS,
+    CODES,
     FIRST_COLUMNS,
+    MOST_CONDITIONS,
     OTHER_TIMEPOINTS,
-    RECURRING_NAMES,
     Context,
     candidates,
+    counts_of_people,
     is_numeric,
-    is_shown_in_turn,
     measures,
     says_no_person,
-    tells_stimuli,
     texts,
     varies_within,
 )
-from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts, FactDraft
+from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.names_of_files import names_with_folders, parts_of_names
-from vrcomfort.importing.suggest.shared_codes import (
-    are_others,
-    constants_of,
-    place_of,
-    with_places,
-)
+from vrcomfort.importing.suggest.people import People
+from vrcomfort.importing.suggest.shared_codes import is_shown_in_turn
 from vrcomfort.importing.suggest.vocabulary import tokens
 
 _GUESSED_TIMEPOINTS = (BASELINE_AMONG_CONDITIONS, OTHER_TIMEPOINTS)
 _FEWEST_ROWS = 3
+_FEWEST_OF_FILE = 4
+_OF_ROWS = {"condition", "timepoint", "session", "period", "block", "trial", "scene"}
+"""Facts that tell the rows of one person apart."""
+_NUMBER = re.compile(r"\d")
 _LACKS = 10
 """A column that is blank in more than one of so many rows lacks some."""
 _MOMENTS_AFTER = 2
@@ -56,12 +54,7 @@ def draft_facts(context: Context, answers: AnswersFound) -> DraftedFacts:
     return _Facts(context, answers).found
 
 
-def _are_even(cells: Sequence[str]) -> bool:
-    """Return whether each text is in equally many cells."""
-    return len({*Counter(cells).values()}) == 1
-
-
-class _Facts(FactDraft):
+class _Facts(People):
     def __init__(self, context: Context, answers: AnswersFound) -> None:
         super().__init__(answers, DraftedFacts(context), {})
         self._varying: list[int] = []
@@ -70,10 +63,8 @@ class _Facts(FactDraft):
         self._measures_under_labels()
         self._codes()
         self._participant_column()
-        self._people_of_places()
         self._order()
         self._names_of_files()
-        self._numbered_anew()
         self._participant()
         if context.time is not None:
             context.used.add(context.time)
@@ -136,12 +127,30 @@ class _Facts(FactDraft):
         if facts["scene"] or "scene" in self._answers.said or not self._answers.answered:
             return
         columns = [*facts["condition"], *self._roles.unknown]
-        for column in [c for c in columns if tells_stimuli(self._context, c)][:1]:
+        for column in [c for c in columns if self._tells_stimuli(c)][:1]:
             self._roles.forget(column)
             self.use("scene", column)
             count = len(texts(self._table, column))
             question = f"Does {self.heading(column)!r} say which of {count} things was shown?"
             self.doubt(question, "it does: each is a scene, and no condition", CONDITIONS)
+
+    def _tells_stimuli(self, column: int) -> bool:
+        """Return whether a column names many things that were shown, most to several people."""
+        table, who = self._table, self._context.participant
+        if who is None or not self._context.one_row_each or is_numeric(table, column):
+            return False
+        words = texts(table, column)
+        if len(words) <= MOST_CONDITIONS or measures(table, column):
+            return False
+        if {*tokens(self.heading(column))} & self._vocabulary.fact_words["condition"]:
+            return False
+        seen: dict[str, set[str]] = defaultdict(set)
+        for row in table.rows:
+            seen[row[column]].add(row[who])
+        shared = sum(len(seen[word]) > 1 for word in words)
+        people = counts_of_people(table, column, who)
+        once = sum(max(counts.values()) == 1 for counts in people)
+        return shared * 5 >= len(words) * 4 and once * 2 > len(people)
 
     def _times_under_other_headings(self) -> None:
         """Take texts such as ``Pre-exposure`` for timepoints, though they stand under Session."""
@@ -203,51 +212,6 @@ class _Facts(FactDraft):
             self.doubt(question, f"participant {codes.people[code]}, {fact} {words[code]}", PEOPLE)
             return
 
-    def _participant_column(self) -> None:
-        if self._context.participant is not None:
-            return
-        columns = self._roles.facts.get("participant", [])
-        columns = [c for c in columns if len(texts(self._table, c)) > 1] or columns
-        columns = [c for c in columns if not self._has_codes(c)] or columns
-        if columns:
-            self._context.participant = columns[0]
-            if (corrected := self._corrected(columns[0])) is not None:
-                self._roles.forget(corrected)
-                self._roles.facts["participant"].insert(0, corrected)
-                self._context.participant = corrected
-                self._ask_which([corrected, columns[0]])
-                return
-            columns = [c for c in columns if c in self._roles.alike["participant"]]
-            if len(columns) > 1:
-                self._ask_which(columns)
-
-    def _ask_which(self, columns: Sequence[int]) -> None:
-        names = ", ".join(repr(self.heading(c)) for c in columns)
-        question = f"Which of the columns {names} tells participants apart?"
-        self.doubt(question, f"`{self.heading(columns[0])}`", PEOPLE)
-
-    def _corrected(self, column: int) -> int | None:
-        """Return the column that has the codes of another once more, with its errors mended.
-
-        Most rows have the same text in both. There each person has equally many rows, here not.
-        """
-        cells = self._table.column(column)
-        if _are_even(cells):
-            return None
-        for other in range(len(self._table.headings)):
-            texts_there = self._table.column(other) if other != column else ()
-            alike = sum(a == b != "" for a, b in zip(cells, texts_there, strict=False))
-            if 2 * alike > len(cells) > alike and all(texts_there) and _are_even(texts_there):
-                return other
-        return None
-
-    def _has_codes(self, column: int) -> bool:
-        """Return whether a column has codes of missing values, such as -66, in place of people."""
-        return any(
-            re.fullmatch(r"-\d+", text) or text.casefold() in self._vocabulary.missing
-            for text in texts(self._table, column)
-        )
-
     def _order(self) -> None:
         """Take an order that differs within participants for the number of the exposure."""
         for found in candidates("trial", [*self._roles.covariates.values()], self._context):
@@ -258,7 +222,10 @@ class _Facts(FactDraft):
     def _names_of_files(self) -> None:
         """Take facts from the names of sheets, or of files."""
         answers = self._answers
-        coded = any(CODES_IN_ROWS.test(self._context, c) for c in self._roles.unknown)
+        others = (*self._roles.unknown, *self._roles.metadata)
+        coded = any(
+            each.evidence in CODES for each in candidates("participant", others, self._context)
+        )
         wanted = [] if coded or self._context.participant is not None else ["participant"]
         known = {*answers.said, *self._context.columns}
         wanted += [
@@ -278,6 +245,9 @@ class _Facts(FactDraft):
             names = list(dict.fromkeys(each))
             people = self._people_of(each)
             parts = parts_of_names(names, left, self._vocabulary, people)
+            if parts is not None and self._has_people(parts.texts.get("participant", ())):
+                left.remove("participant")
+                parts = parts_of_names(names, left, self._vocabulary, people)
             if parts is None:
                 continue
             self.found.draft.put("file_pattern" if parts.expression else key, parts.template)
@@ -302,6 +272,17 @@ class _Facts(FactDraft):
         said = [{*table.column(found[0].column)} & words for table in self._answers.tables]
         return all(len(each) <= 1 for each in said)
 
+    def _has_people(self, named: Sequence[str]) -> bool:
+        """Return whether each of some files, called by words, has the rows of several people.
+
+        Nothing in a row says when it was answered, or about what, as those of one person do.
+        """
+        roles = {fact for fact, columns in self._roles.facts.items() if columns}
+        told = (roles | self._answers.said) & _OF_ROWS or self._context.time is not None
+        words = 1 < len(named) <= MOST_CONDITIONS and not any(map(_NUMBER.search, named))
+        rows = (len(table.rows) >= _FEWEST_OF_FILE for table in self._answers.tables)
+        return words and self._context.one_row_each and not told and all(rows)
+
     def _people_of(self, names: Sequence[str]) -> list[str]:
         """Return the participant of each name of a table; nothing where one has several."""
         column = self._context.participant
@@ -312,78 +293,6 @@ class _Facts(FactDraft):
             people.setdefault(name, set()).update({*table.column(column)} - {""})
         return (
             [min(p) for p in people.values()] if all(len(p) == 1 for p in people.values()) else []
-        )
-
-    def _people_of_places(self) -> None:
-        """Let a code and its place be the person, where several people have one code; and ask."""
-        people = self._context.participant
-        if people is None or "participant" in self._context.columns:
-            return
-        place = place_of(self._table, people, self._roles, self._answers.taken)
-        if place is None:
-            return
-        tables = [with_places(table, people, place) for table in self._answers.tables]
-        self._answers = replace(self._answers, tables=tables)
-        self._table = self._context.table = with_places(self._table, people, place)
-        self._context.columns["participant"] = (people,)
-        self._context.used.add(people)
-        names = [self.heading(place), self.heading(people)]
-        self.found.draft.put("participant", {"columns": names})
-        question = f"Is a code in {names[1]!r} another person in each {names[0]!r}?"
-        self.doubt(question, "it is: codes are counted anew, or age or the like differs", PEOPLE)
-
-    def _numbered_anew(self) -> None:
-        """Ask whether people who have the same codes in several sheets or files are the same."""
-        column, tables = self._context.participant, self._answers.tables
-        if column is None or len(tables) < 2 or "participant" in self._context.columns:
-            return
-        people = [{*table.column(column)} - {""} for table in tables]
-        counted = all(each == {str(n + 1) for n in range(len(each))} for each in people)
-        counted = counted and all(len(each) > 1 for each in people)
-        groups = "condition" in self._named and "participant" not in self._named
-        others = are_others(tables, column, constants_of(self._table, column, self._roles))
-        if not others and not (counted and groups):
-            return
-        what = "sheets" if len({table.file for table in tables}) < len(tables) else "files"
-        question = f"People have the same codes in several {what}: are they the same people?"
-        other = "they are; else write `apart = true` into `participant`"
-        if others or len({len(each) for each in people}) > 1:
-            self.use("participant", column, apart=True)
-            other = "they are not, as their number, or age or the like, differs"
-        self.doubt(question, other, PEOPLE)
-
-    def _participant(self) -> None:
-        column = self._context.participant
-        if "participant" in self._answers.said:
-            return
-        if "participant" in self._named or "participant" in self._context.columns:
-            return
-        if column is None:
-            columns = (*self._roles.unknown, *self._roles.metadata)
-            for found in candidates("participant", columns, self._context)[:1]:
-                column = found.column
-                self.doubt_of(found)
-                if found.evidence is RECURRING_NAMES:
-                    self._context.participant = column
-                    self.use("participant", column, "numbered, without the names", count=True)
-                    return
-                if column in self._roles.unknown:
-                    self._roles.unknown.remove(column)
-        if column is not None:
-            self._context.participant = column
-            self._people_of_places()
-            if "participant" not in self._context.columns:
-                self.use("participant", column)
-            return
-        if not self._context.one_row_each:
-            person = self._table.file.name.removesuffix(self._table.file.suffix)
-            self.found.draft.put("participant", {"constant": person})
-            question = "No column tells participants apart: are all answers of one person?"
-            self.doubt(question, f"they are, of {person!r}", PEOPLE)
-            return
-        self.found.draft.put("participant", {"count": True}, "the number of the row")
-        self.doubt(
-            "No column tells participants apart: is each row another person?", "it is", PEOPLE
         )
 
     def _plain_fact(self, fact: str) -> None:

@@ -10,6 +10,7 @@ import re
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence, Set
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import NamedTuple
 
 from vrcomfort.importing.files import JOIN
@@ -87,9 +88,13 @@ def _fact_word(text: str, vocabulary: LabVocabulary, *, most: int) -> list[str]:
     words = set(said)
     if len(words) > most or (len(said) >= FEWEST_OF_SENTENCE and said[0] in OPINIONS):
         return []
+    pairs = ((vocabulary.numbered.get(word), number) for word, number in pairwise(said))
+    if len(said) > _PAIR and any(f == "condition" and n.isdecimal() for f, n in pairs):
+        return []  # an answer in a condition: Q1_cond2
     return [fact for fact, known in vocabulary.fact_words.items() if words & known]
 
 
+_PAIR = 2
 OPINIONS = frozenset(["how", "i", "wie", "ich"])
 """Words with which questions begin that ask no fact: how comfortable was this condition?"""
 

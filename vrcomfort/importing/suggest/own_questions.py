@@ -25,8 +25,9 @@ from vrcomfort.importing.suggest.answer_scales import (
     scale_of,
 )
 from vrcomfort.importing.suggest.block_conditions import numbered_conditions
+from vrcomfort.importing.suggest.crossed_words import crossed, differing
 from vrcomfort.importing.suggest.draft import OpenDoubt, Stake, TomlDraft
-from vrcomfort.importing.suggest.evidence import is_numeric, texts, varies_within
+from vrcomfort.importing.suggest.evidence import asks_name, is_numeric, texts, varies_within
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
 from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.items import Context, Found
@@ -52,8 +53,6 @@ from vrcomfort.questionnaire.instrument_file import TAKEN
 
 OWN = Stake("columns would be questions that are none, or have other ends of their scale", 60)
 _FEWEST_STEPS = 2
-_MEANS = frozenset(["overall", "total", "mean", "average", "avg"])
-"""Words before means over conditions."""
 _SENTENCE = 4
 """Words of a heading that is a sentence."""
 _FEWEST_OF_BLOCK = 5
@@ -113,6 +112,7 @@ class OwnQuestions:
             column: scale
             for column in columns
             if plain(table.headings[column]) not in no_item
+            if not asks_name(table, column, known.vocabulary)
             if not (self._has_headings and table.headings[column].startswith("column "))
             if (scale := scale_of(table, column, known.vocabulary, of_seven=seven)) is not None
         }
@@ -131,19 +131,26 @@ class OwnQuestions:
             if len(places) == 1:
                 rest = tuple("#" if n == places[0] else w for n, w in enumerate(words))
                 groups[rest].setdefault(int(words[places[0]]), column)
+        groups = {
+            said: columns
+            for said, columns in groups.items()
+            if len(columns) >= FEWEST_OF_SERIES and [*columns] == sorted(columns)
+        }
+        asking = self._vocabulary.asking.words
+        fillers = {"#", *self._apart, *self._vocabulary.units, *_CLOCK}
+        names = [[word for word in said if word not in fillers] for said in groups]
         alike: dict[str, list[tuple[Context, list[int]]]] = defaultdict(list)
-        for said, columns in groups.items():
-            context = tuple(word for word in said if word in self._apart)
-            named = [w for w in said if w not in {"#", *context, *self._vocabulary.units, *_CLOCK}]
-            asks = self._vocabulary.asking.words & {*named, *tokens(self._table.file.stem)}
-            if len(columns) >= FEWEST_OF_SERIES and asks and [*columns] == sorted(columns):
-                alike[" ".join(named) or "rating"].append((context, [*columns.values()]))
-        names: set[str] = {*shipped_instruments(), *TAKEN}
+        for said, own, named in zip(groups, differing(names, asking), names, strict=True):
+            context = (*(word for word in said if word in self._apart), *own)
+            if asking & {*named, *tokens(self._table.file.stem)}:
+                text = " ".join(word for word in named if word not in own) or "rating"
+                alike[text].append((context, [*groups[said].values()]))
+        taken: set[str] = {*shipped_instruments(), *TAKEN}
         found = []
         for text, courses in alike.items():
             scales = [self._scales[c] for _, columns in courses for c in columns]
             widest = reduce(lambda one, other: one | other, scales)
-            name = name_of(text, names)
+            name = name_of(text, taken)
             scale = declared(name, [(name, text, widest.usual)])
             for context, rated in courses if widest.high >= _FEWEST_STEPS else ():
                 ratings = (FoundRating(scale, context, column, None) for column in rated)
@@ -331,7 +338,7 @@ class OwnQuestions:
         groups: dict[tuple[str, ...], list[tuple[int, int]]] = defaultdict(list)
         vocabulary = self._vocabulary
         for column in self._roles.unknown if self._has_headings else ():
-            words = tokens(self._table.headings[column])
+            words = self._without_condition(tokens(self._table.headings[column]))
             if words and words[-1].isdecimal():
                 groups[tuple(words[:-1])].append((int(words[-1]), column))
         found: set[int] = set()
@@ -347,6 +354,13 @@ class OwnQuestions:
                 continue
             found.update(columns)
         return found
+
+    def _without_condition(self, words: Sequence[str]) -> list[str]:
+        """Return the words of a heading but for those of a numbered condition: ``cond 2``."""
+        for place, (word, following) in enumerate(pairwise(words)):
+            if self._vocabulary.numbered.get(word) == "condition" and following.isdecimal():
+                return [*words[:place], *words[place + 2 :]]
+        return [*words]
 
     def _are_ranks(self, columns: Sequence[int]) -> bool:
         """Return whether no two columns of a row are equal, as places in an order are."""
@@ -438,36 +452,10 @@ class OwnQuestions:
         return (word in numbered and after.isdecimal()) or (word.isdecimal() and before in numbered)
 
     def _crossed(self, questions: list[OwnQuestion]) -> list[OwnQuestion]:
-        """Take words for conditions that stand before, or behind, the same questions each."""
+        """Take words for conditions out of questions, unless a column says the condition."""
         there = [c for c in self._roles.facts.get("condition", ()) if texts(self._table, c)]
-        if there and not numbered_conditions(self._table, self._vocabulary):
-            return questions
-        asking = self._vocabulary.asking.words | self._vocabulary.asking.sentences
-        if any(each.how == "measure" for each in questions):
-            asking |= self._vocabulary.asking.others | self._vocabulary.measures
-        for start, end in ((0, 1), (-1, None), (0, 2), (-2, None)):
-            groups: dict[Context, dict[tuple[str, Context], OwnQuestion]] = defaultdict(dict)
-            for each in questions:
-                words = words_of(each.text)
-                said = tuple(word.casefold() for word in words[start:end])
-                others = words[:start] if end is None else words[end:]
-                if others and [word.isdecimal() for word in said] in ([False], [False, True]):
-                    groups[said][" ".join(others), each.context] = each
-            for said, own in groups.items():
-                alike = [other for other in groups.values() if other.keys() == own.keys()]
-                rest = {w for text, _ in own for w in tokens(text)}
-                asks = rest & asking or (
-                    len(said) > 1 and all(e.how != "name" for e in own.values())
-                )
-                names = {*said} & (asking | self._vocabulary.item_fillers | _MEANS)
-                if min(len(alike), len(own)) < 2 or names or not asks:
-                    continue  # a single question told apart by a word is several questions
-                for (text, context), each in own.items():
-                    new = (*said, *context) if start == 0 else (*context, *said)
-                    code = "" if each.code in said else each.code
-                    new_one = replace(each, text=text, context=new, code=code)
-                    questions[questions.index(each)] = new_one
-        return questions
+        said = there and not numbered_conditions(self._table, self._vocabulary)
+        return questions if said else crossed(questions, self._vocabulary)
 
 
 def _blank(words: Sequence[str], place: int) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.evidence import few_texts, is_shown_in_turn, measures, texts
+from vrcomfort.importing.suggest.evidence import few_texts, is_numeric, measures, texts
 from vrcomfort.importing.suggest.heading_roles import Roles
 
 _PLACES = ("site", "group")
@@ -25,6 +25,17 @@ def constants_of(table: SourceTable, people: int, roles: Roles) -> list[int]:
     """Return the columns of what a person has but one of: age, sex, and the like."""
     columns = [c for name, c in roles.covariates.items() if name not in _OF_EXPOSURES]
     return [c for c in columns if not is_shown_in_turn(table, c, people)]
+
+
+def is_shown_in_turn(table: SourceTable, column: int, participant: int) -> bool:
+    """Return whether nearly all people have several of a few words, as of conditions."""
+    people: dict[str, set[str]] = defaultdict(set)
+    for row in table.rows:
+        if row[column]:
+            people[row[participant]].add(row[column])
+    several = sum(len(words) > 1 for words in people.values())
+    words = few_texts(table, column) and not is_numeric(table, column)
+    return words and several * 5 >= len(people) * 4 > 0
 
 
 def are_others(tables: Sequence[SourceTable], people: int, constants: Sequence[int]) -> bool:

@@ -168,6 +168,7 @@ class NumberedWords(Settings):
     period: _Words = ()
     block: _Words = ()
     timepoint: _Words = ()
+    condition: _Words = ()
 
 
 class Fillers(Settings):
