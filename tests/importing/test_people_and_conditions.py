@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import openpyxl
 import pytest
 
 from tests.support.layouts import write
@@ -223,3 +224,27 @@ def test_numbered_columns_say_the_conditions_of_own_questions_with_their_number(
     rows += [[f"X{n}A", pair[n % 2], 1 + n % 5, pair[1 - n % 2], 1 + n * 3 % 5] for n in range(10)]
     found = suggest_mapping([write(tmp_path / "answers.csv", rows)])
     assert conditions_of(found) == {f"X{n}A": {*pair} for n in range(10)}
+
+
+def test_codes_of_two_workbooks_and_of_two_layouts_are_other_people(tmp_path: Path) -> None:
+    layouts: tuple[list[str], list[str]] = ([*ITEMS], [*ITEMS, "Stomach awareness"])
+    tables = [
+        [
+            ["ID", "Age", *items],
+            *([f"P{n}", 20 + n + 9 * k, *answers(n, k), *([1] * k)] for n in range(1, 7)),
+        ]
+        for k, items in enumerate(layouts)
+    ]
+    texts = [write(tmp_path / f"lab_{k}.csv", rows) for k, rows in enumerate(tables)]
+    books = []
+    for k in range(2):
+        book = openpyxl.Workbook()
+        for row in [[*r[:8]] for r in tables[k]]:
+            book.worksheets[0].append(row)
+        books.append(tmp_path / f"lab_{k}.xlsx")
+        book.save(books[-1])
+    for files in (texts, books):
+        found = suggest_mapping(files)
+        assert {*conditions_of(found)} == {f"lab_{k}_P{n}" for k in (0, 1) for n in range(1, 7)}
+        assert of(found).participants["lab_1_P3"]["age"] == "32"
+        assert any("are they the same people? Assumed: they are not" in d for d in found.doubts)

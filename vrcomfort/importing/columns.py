@@ -421,6 +421,11 @@ def conditions_in(order: str) -> list[str]:
     return [*order.strip()]
 
 
+def _are_several(names: Sequence[str]) -> bool:
+    """Return whether names of files or sheets, or patterns of them, can mean several."""
+    return len(names) > 1 or any(sign in name for name in names for sign in "*?")
+
+
 TIMEPOINT = "post"
 """What a questionnaire is taken for of which nothing says when it was asked."""
 
@@ -517,9 +522,15 @@ class RowFacts:
         elif self._mapping.participant.count:
             facts["participant"] = f"R{row:03d}"
         if self._mapping.participant.apart and facts.get("participant"):
-            place = self._table.sheet or self._table.file.name.removesuffix(self._table.file.suffix)
-            facts["participant"] = f"{place}_{facts['participant']}"
+            facts["participant"] = f"{self._place}_{facts['participant']}"
         return facts
+
+    @property
+    def _place(self) -> str:
+        """Return the file or the sheet, or both, by which people with one code are told apart."""
+        sheet = self._table.sheet if _are_several(self._mapping.sheets) else ""
+        file = self._table.file.name.removesuffix(self._table.file.suffix)
+        return f"{file}_{sheet}".strip("_") if _are_several(self._mapping.files) else sheet or file
 
     def _said(
         self, name: str, fact: Fact, columns: list[int] | None, cells: tuple[str, ...]

@@ -37,7 +37,7 @@ from vrcomfort.importing.suggest.joined_tables import joined
 from vrcomfort.importing.suggest.left_over import ask_to_leave_out
 from vrcomfort.importing.suggest.left_over_drafts import with_left_over
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
-from vrcomfort.importing.suggest.same_people import say_same_people
+from vrcomfort.importing.suggest.same_people import say_others, say_same_people
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import (
     Known,
@@ -134,6 +134,7 @@ def _suggested(
     say_names_of_files(useful)
     say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)
     say_baselines(useful)
+    say_others(useful)
     top = TomlDraft({"format_version": 1, "name": files[0].stem})
     if own:
         top.put("instruments", list(own))

@@ -30,7 +30,6 @@ from vrcomfort.importing.suggest.evidence import (
     measures,
     says_no_person,
     texts,
-    varies_within,
 )
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.names_of_files import names_with_folders, parts_of_names
@@ -431,7 +430,7 @@ class _Facts(People):
         for name, column in [*self._roles.covariates.items()]:
             if column in self._context.used:
                 continue
-            if who is None or not varies_within(self._table, column, who):
+            if who is None or not self._varies(column):
                 self._context.covariates[name] = column
                 self._context.used.add(column)
             elif is_shown_in_turn(self._table, column, who):

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from vrcomfort.importing.suggest.draft import PEOPLE
-from vrcomfort.importing.suggest.evidence import RECURRING_NAMES, candidates, texts
+from vrcomfort.importing.suggest.evidence import RECURRING_NAMES, candidates, texts, varies_within
 from vrcomfort.importing.suggest.fact_draft import FactDraft
 from vrcomfort.importing.suggest.shared_codes import (
     are_others,
@@ -25,6 +25,14 @@ def _are_even(cells: Sequence[str]) -> bool:
 
 class People(FactDraft):
     """Finds who the participants are, or asks."""
+
+    _apart = False
+    """Whether people of each file, or sheet, are others."""
+
+    def _varies(self, column: int) -> bool:
+        """Return whether a participant has more than one text in a column."""
+        tables = self._answers.tables if self._apart else [self._table]
+        return any(varies_within(table, column, self._context.participant) for table in tables)
 
     def _participant_column(self) -> None:
         """Take the column whose heading says that it has the participants."""
@@ -110,6 +118,7 @@ class People(FactDraft):
         other = "they are; else write `apart = true` into `participant`"
         if others or len({len(each) for each in people}) > 1:
             self.use("participant", column, apart=True)
+            self._apart = True
             other = "they are not, as their number, or age or the like, differs"
         self.doubt(question, other, PEOPLE)
 

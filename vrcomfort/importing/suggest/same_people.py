@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 
 from vrcomfort.importing.rows import Imported, alike
-from vrcomfort.importing.suggest.draft import SAME_PERSON, OpenDoubt
+from vrcomfort.importing.suggest.draft import PEOPLE, SAME_PERSON, OpenDoubt
+from vrcomfort.importing.suggest.shared_codes import OF_EXPOSURES
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.settings import toml_value
 
@@ -45,6 +47,38 @@ def say_same_people(drafts: Sequence[TableDraft], imported: Imported) -> bool:
     doubt = OpenDoubt(question, f"{assumed}values = {toml_value(one)}", *SAME_PERSON)
     drafts[0].doubts.append(doubt)
     return not apart
+
+
+def say_others(drafts: Sequence[TableDraft]) -> None:
+    """Tell people of tables apart who share codes, but not their age, sex or the like; and ask."""
+    known = {id(draft): _known(draft) for draft in drafts}
+    others: dict[int, TableDraft] = {}
+    for one, two in combinations(drafts, 2):
+        a, b = known[id(one)], known[id(two)]
+        shared = a.keys() & b.keys()
+        torn = [w for w in shared if any(a[w][n] != b[w][n] for n in a[w].keys() & b[w].keys())]
+        if shared and len(torn) * 2 > len(shared):
+            others |= {id(one): one, id(two): two}
+    for draft in others.values():
+        said = draft.draft.values["participant"]
+        draft.draft.put("participant", {**(said if isinstance(said, dict) else {}), "apart": True})
+    if others:
+        files = ", ".join(name for draft in others.values() for name in draft.files)
+        question = f"People have the same codes in {files}: are they the same people?"
+        assumed = "they are not, as age or the like differs"
+        next(iter(others.values())).doubts.append(OpenDoubt(question, assumed, *PEOPLE))
+
+
+def _known(draft: TableDraft) -> dict[str, dict[str, str]]:
+    """Return code → covariate → its text, where a table's codes are those of its own column."""
+    fact, names = draft.draft.values.get("participant"), draft.draft.values.get("participants")
+    column = fact.get("column") if isinstance(fact, dict) and "apart" not in fact else None
+    if column is None or not isinstance(names, dict):
+        return {}
+    place = draft.table.headings.index(column)
+    columns = {n: draft.table.headings.index(h) for n, h in names.items() if n not in OF_EXPOSURES}
+    rows = [row for table in draft.tables for row in table.rows if row[place]]
+    return {row[place]: {n: row[c] for n, c in columns.items() if row[c]} for row in rows}
 
 
 def _answered(imported: Imported) -> dict[str, set[tuple[object, ...]]]:
