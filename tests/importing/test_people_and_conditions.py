@@ -193,7 +193,7 @@ def test_the_only_column_beside_the_answers_of_people_in_rows_says_their_group(
     [
         ([f"discomfort_{c}_t{t}" for c in "ABC" for t in (1, 2, 3)], {"A", "B", "C"}),
         ([f"Q{q}_cond{c}" for c in (1, 2) for q in range(1, 6)], {"1", "2"}),
-        ([f"C{c}_Q{q}" for c in (1, 2, 3) for q in range(1, 5)], {"C_1", "C_2", "C_3"}),
+        ([f"C{c}_Q{q}" for c in (1, 2, 3) for q in range(1, 5)], {"1", "2", "3"}),
         (
             [
                 f"{asked}_{pace}_{view}"

@@ -44,8 +44,8 @@ def _without_factor(
     found = [*questions]
     for said, own in groups.items():
         alike = [other for other in groups.values() if other.keys() == own.keys()]
-        asks = {w for text, _ in own for w in tokens(text)} & asking
-        asks = asks or {e.how for e in own.values() if len(said) > 1} - {"name"}
+        rest = {word for text, _ in own for word in tokens(text)}
+        asks = rest & asking or (len(said) > 1 and all(each.how != "name" for each in own.values()))
         if min(len(alike), len(own)) < _FEWEST or {*said} & (asking | _MEANS) or not asks:
             continue  # a single question told apart by a word is several questions
         for (text, context), each in own.items():
