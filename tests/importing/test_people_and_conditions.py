@@ -70,6 +70,18 @@ def test_a_code_whose_person_has_one_age_is_one_person_in_both_conditions(tmp_pa
     assert told == {str(n): {"VR", "screen"} for n in range(1, 11)}
 
 
+def test_ratings_under_a_heading_for_facts_make_nobody_another_person(tmp_path: Path) -> None:
+    aids = ("cane", "AR", "none")
+    rows: list[Row] = [["subject", "trial_type", "vision", *ITEMS]]
+    rows += [
+        [n, aid, 1 + (n * 3 + k * 2) % 7, *answers(n, k)]
+        for n in range(1, 13)
+        for k, aid in enumerate(aids)
+    ]
+    told = conditions_of(suggest_mapping([write(tmp_path / "ssq.csv", rows)]))
+    assert told == {str(n): {*aids} for n in range(1, 13)}
+
+
 @pytest.mark.parametrize("differ", [True, False])
 def test_codes_of_two_files_are_other_people_if_their_ages_differ(
     tmp_path: Path, *, differ: bool

@@ -139,15 +139,17 @@ _WORDED, _AMBIGUOUS = 0.5, 0.6
 
 
 def _near(words: Sequence[str], vocabulary: LabVocabulary, instrument: Instrument) -> _Span | None:
-    known = vocabulary.spellings(instrument)
+    known: dict[str, list[tuple[str, str]]] = {}
+    for spelling, item in vocabulary.spellings(instrument).items():
+        known.setdefault(spelling[0], []).append((spelling, item))
     best: tuple[float, _Span] | None = None
     for start, end, key in _windows(tuple(words)):
         # Short words resemble each other by chance; a number behind a name is not part of it.
         if len(key) < 5 or words[end - 1].isdecimal():
             continue
-        for spelling, item in known.items():
-            # Misspellings keep the first letter and about the length; comparing all is slow.
-            if spelling[0] != key[0] or abs(len(spelling) - len(key)) > 3:
+        # Misspellings keep the first letter and about the length; comparing all is slow.
+        for spelling, item in known.get(key[0], ()):
+            if abs(len(spelling) - len(key)) > 3:
                 continue
             ratio = _likeness(spelling, key)
             if ratio >= _NEAR and (best is None or ratio > best[0]):

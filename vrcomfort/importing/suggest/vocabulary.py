@@ -333,6 +333,7 @@ class LabVocabulary:
         self.severity = _by_degree(merged["severity"])
         """Word → 0 (none) to 3 (severe); the first language that has the word decides."""
         self.degrees = _by_degree({"": merged["degrees"], **merged["severity"]})
+        self._longest_degree = max(map(len, self.degrees), default=0)
         """Word or phrase → 0 (lowest) to 4 (highest), by which answers are put in order."""
         self.agreement = _by_degree(merged["agreement"])
         """Word → 0 (strongly disagree) to 4 (strongly agree), likewise."""
@@ -394,10 +395,15 @@ class LabVocabulary:
 
     def degree(self, text: str) -> int | None:
         """Return how much an answer such as ``rather not applicable`` says; None if two degrees."""
-        words, place, said = tokens(text), 0, set()
-        while place < len(words):
-            ends = range(len(words), place, -1)
-            end = next((e for e in ends if "".join(words[place:e]) in self.degrees), None)
+        words, place = tokens(text), 0
+        said: set[int] = set()
+        while place < len(words) and len(said) < 2:
+            end, joined = None, ""
+            for at in range(place, len(words)):
+                joined += words[at]
+                if len(joined) > self._longest_degree:
+                    break
+                end = at + 1 if joined in self.degrees else end
             if end is not None:
                 said.add(self.degrees["".join(words[place:end])])
             place = end or place + 1
