@@ -117,3 +117,16 @@ def test_three_crossed_columns_are_three_factors(tmp_path: Path) -> None:
     levels = confirmed(suggest_mapping([file]), tmp_path).mapping.condition_levels
     assert {tuple(each) for each in levels.values()} == {("Locomotion", "Sichtfeld", "Umfeld")}
     assert {tuple(each.values()) for each in levels.values()} == {*cells}
+
+
+def test_levels_with_decimals_are_a_factor_and_what_says_the_same_is_left_out(tmp_path: Path):
+    levels = {"0": "3", "3.5": "1", "4": "2.5"}
+    rows: list[list[object]] = [["id", "Model", "GR", "TR", "Rating"]]
+    for n in range(1, 13):
+        shown = RANDOM.sample([*product(("loot", "dancer"), levels)], 6)
+        rows += [[f"P{n}", m, level, levels[level], RANDOM.randint(1, 5)] for m, level in shown]
+    found = suggest_mapping([write(tmp_path / "ratings.csv", rows)])
+    assert found.imported is not None
+    assert {*found.imported.conditions} == {f"{m}_{v}" for m in ("loot", "dancer") for v in levels}
+    assert "Are conditions made of 'Model', 'GR' together?" in found.doubts[0]
+    assert any("May 'TR' be left out" in doubt for doubt in found.doubts)

@@ -78,8 +78,25 @@ def test_ratings_under_a_heading_for_facts_make_nobody_another_person(tmp_path: 
         for n in range(1, 13)
         for k, aid in enumerate(aids)
     ]
-    told = conditions_of(suggest_mapping([write(tmp_path / "ssq.csv", rows)]))
-    assert told == {str(n): {*aids} for n in range(1, 13)}
+    found = suggest_mapping([write(tmp_path / "ssq.csv", rows)])
+    assert conditions_of(found) == {str(n): {*aids} for n in range(1, 13)}
+    judged = [each.answers for name, each in of(found).responses.items() if name[0] != "ssq"]
+    assert [[*answers.values()] for answers in judged] == [[row[2]] for row in rows[1:]]
+
+
+def test_facts_that_another_file_contradicts_are_left_out_and_asked_about(tmp_path: Path) -> None:
+    def table(name: str, group: str, *rest: list[object]) -> Path:
+        rows: list[Row] = [["subject", "group", name, *rest[0]]]
+        rows += [[n, group if n > 6 else "blue", n % 5, *rest[n]] for n in range(1, 13)]
+        return write(tmp_path / f"{name}.csv", rows)
+
+    before = table("height", "dim", *([] for _ in range(13)))
+    after = table("weight", "dark", [*ITEMS], *(answers(n) for n in range(1, 13)))
+    found = suggest_mapping([before, after])
+    groups = {code: facts["group"] for code, facts in of(found).participants.items()}
+    assert groups == {str(n): "dim" if n > 6 else "blue" for n in range(1, 13)}
+    question = "Another file contradicts 'group' of weight.csv: which is right?"
+    assert any(question in each for each in found.doubts)
 
 
 @pytest.mark.parametrize("differ", [True, False])

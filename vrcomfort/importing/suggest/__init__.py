@@ -37,7 +37,11 @@ from vrcomfort.importing.suggest.joined_tables import joined
 from vrcomfort.importing.suggest.left_over import ask_to_leave_out
 from vrcomfort.importing.suggest.left_over_drafts import with_left_over
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
-from vrcomfort.importing.suggest.same_people import say_others, say_same_people
+from vrcomfort.importing.suggest.same_people import (
+    say_contradictions,
+    say_others,
+    say_same_people,
+)
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import (
     Known,
@@ -147,6 +151,8 @@ def _suggested(
     ignored = _ignored_sheets(top, drafts, useful, excluded)
     top.lists["tables"] = [draft.draft for draft in useful]
     imported, refusal = _tried(top, files, [*own.values()])
+    if imported is None and say_contradictions(useful):
+        imported, refusal = _tried(top, files, [*own.values()])
     if again := _said_again(useful, imported):
         useful = [draft for draft in useful if draft not in again]
         ignored = _ignored_sheets(top, drafts, useful, excluded)

@@ -16,6 +16,7 @@ from vrcomfort.importing.suggest.evidence import (
     MOST_CONDITIONS,
     WORDS_WITHIN_PEOPLE,
     candidates,
+    few_texts,
     is_numeric,
     texts,
     varies_within,
@@ -177,7 +178,7 @@ class Conditions(FactDraft):
             return []
         factors = [column]
         open_ = [c for c in self._roles.unknown if c != column and c not in self._context.used]
-        for other, _ in candidates("condition", open_, self._context):
+        for other in (c for c in open_ if few_texts(self._table, c)):
             if self._are_crossed([*factors, other], who):
                 factors.append(other)
         return [column, *sorted(factors[1:])] if len(factors) > 1 else []

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations
+from typing import Any
 
 from vrcomfort.importing.rows import Imported, alike
-from vrcomfort.importing.suggest.draft import PEOPLE, SAME_PERSON, OpenDoubt
+from vrcomfort.importing.suggest.draft import CURIOUS, PEOPLE, SAME_PERSON, OpenDoubt
 from vrcomfort.importing.suggest.shared_codes import OF_EXPOSURES
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.settings import toml_value
@@ -69,14 +70,42 @@ def say_others(drafts: Sequence[TableDraft]) -> None:
         next(iter(others.values())).doubts.append(OpenDoubt(question, assumed, *PEOPLE))
 
 
-def _known(draft: TableDraft) -> dict[str, dict[str, str]]:
+def say_contradictions(drafts: Sequence[TableDraft]) -> bool:
+    """Leave out facts of people that an earlier table contradicts, and ask; return whether any."""
+    told: dict[tuple[str, str], str] = {}
+    found = False
+    for draft in drafts:
+        said = [(who, *fact) for who, facts in _known(draft, ()).items() for fact in facts.items()]
+        torn = [name for who, name, text in said if told.get((who, name), text) != text]
+        told = {(who, name): text for who, name, text in said} | told
+        for name in dict.fromkeys(torn):
+            found = True
+            what = f"{_leave_out_fact(draft.draft.values, name)!r} of {draft.files[0]}"
+            question = f"Another file contradicts {what}: which is right?"
+            assumed = "the other: here it is no fact of people"
+            draft.doubts.append(OpenDoubt(question, assumed, *CURIOUS))
+    return found
+
+
+def _leave_out_fact(values: dict[str, Any], name: str) -> str:
+    """Let a mapping's table tell one fact less of its people; return the heading."""
+    heading: str = values["participants"].pop(name)
+    if not values["participants"]:
+        del values["participants"]
+    facts = [said for said in values.values() if isinstance(said, dict)]
+    if all(heading != fact.get("column") for fact in facts):  # it may be the condition
+        values["ignore"] = [*values.get("ignore", ()), heading]
+    return heading
+
+
+def _known(draft: TableDraft, but: Collection[str] = OF_EXPOSURES) -> dict[str, dict[str, str]]:
     """Return code → covariate → its text, where a table's codes are those of its own column."""
     fact, names = draft.draft.values.get("participant"), draft.draft.values.get("participants")
     column = fact.get("column") if isinstance(fact, dict) and "apart" not in fact else None
     if column is None or not isinstance(names, dict):
         return {}
     place = draft.table.headings.index(column)
-    columns = {n: draft.table.headings.index(h) for n, h in names.items() if n not in OF_EXPOSURES}
+    columns = {n: draft.table.headings.index(h) for n, h in names.items() if n not in but}
     rows = [row for table in draft.tables for row in table.rows if row[place]]
     return {row[place]: {n: row[c] for n, c in columns.items() if row[c]} for row in rows}
 

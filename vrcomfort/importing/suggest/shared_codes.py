@@ -14,7 +14,7 @@ _PLACES = ("site", "group")
 """Covariates of which a person has one alone, as the place where the code was given."""
 OF_EXPOSURES = frozenset([*_PLACES, "sequence"])
 """Covariates that may differ between the files of one person."""
-_JUDGED = ("vision", "vr_experience")
+JUDGED = ("vision", "vr_experience")
 """Covariates whose headings stand above judgements of what was shown, too."""
 _COUNTS = ("trial", "period", "timepoint")
 _RARE = 20
@@ -26,7 +26,7 @@ Keyed = Sequence[tuple[tuple[str, ...], tuple[str, ...]]]
 
 def constants_of(table: SourceTable, people: int, roles: Roles) -> list[int]:
     """Return the columns of what a person has but one of: age, sex, and the like."""
-    columns = [c for name, c in roles.covariates.items() if name not in (*OF_EXPOSURES, *_JUDGED)]
+    columns = [c for name, c in roles.covariates.items() if name not in (*OF_EXPOSURES, *JUDGED)]
     return [c for c in columns if not is_shown_in_turn(table, c, people)]
 
 
