@@ -277,3 +277,23 @@ def test_codes_of_two_workbooks_and_of_two_layouts_are_other_people(tmp_path: Pa
         assert {*conditions_of(found)} == {f"lab_{k}_P{n}" for k in (0, 1) for n in range(1, 7)}
         assert of(found).participants["lab_1_P3"]["age"] == "32"
         assert any("are they the same people? Assumed: they are not" in d for d in found.doubts)
+
+
+def test_names_of_files_with_other_columns_each_say_the_moment_and_questions_are_no_groups(
+    tmp_path: Path,
+) -> None:
+    people = range(108, 120)
+    before: list[Row] = [["Q1", *ITEMS], *([n, *answers(n)] for n in people)]
+    after: list[Row] = [["Q1", *ITEMS, "Q2", "Q3"]]
+    after += [[n, *answers(n, 1), "ab"[n % 2], "left" if n < 114 else "right"] for n in people[1:]]
+    files = [
+        write(tmp_path / "pre_study.csv", before),
+        write(tmp_path / "post_study.csv", after),
+    ]
+    found = of(suggest_mapping(files))
+    assert {*found.conditions} == {"all"}
+    met = {(each.participant, each.timepoint) for _, each in found.responses}
+    assert met == {
+        *((str(n), "baseline") for n in people),
+        *((str(n), "post") for n in people[1:]),
+    }

@@ -30,6 +30,7 @@ from vrcomfort.importing.suggest.excluded_files import excluded_files
 from vrcomfort.importing.suggest.groups_of_files import (
     say_baselines,
     say_groups,
+    say_moments_of_files,
     say_names_of_files,
 )
 from vrcomfort.importing.suggest.heading_roles import names_fact
@@ -137,6 +138,7 @@ def _suggested(
     useful = [d for d in drafts if d.gives and not is_sidecar(d.tables[0], read)] or drafts
     say_names_of_files(useful)
     say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)
+    say_moments_of_files(useful, known.vocabulary)
     say_baselines(useful)
     say_others(useful)
     top = TomlDraft({"format_version": 1, "name": files[0].stem})

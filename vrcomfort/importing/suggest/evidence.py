@@ -433,11 +433,21 @@ def _balanced_groups(context: Context, column: int) -> bool:
     several = who is not None and varies_within(table, column, who)
     if not 2 <= len(groups) <= _FEW_SCENES or several:
         return False
-    if is_numeric(table, column) or measures(table, column):
+    if is_numeric(table, column) or measures(table, column) or _is_a_question(table, column):
         return False
     return min(groups.values()) >= _FEWEST_OF_GROUP and max(groups.values()) - min(
         groups.values()
     ) <= max(1, len(people) // 12)
+
+
+def _is_a_question(table: SourceTable, column: int) -> bool:
+    """Return whether a heading is one of a row of numbers such as ``Q4``, ``Q5``, ``Q6``."""
+    stems = [re.fullmatch(r"([^\W\d]{1,3}) ?_?\d{1,3}", each) for each in table.headings]
+    own = stems[column]
+    return own is not None and [each[1] for each in stems if each].count(own[1]) >= _ROW_OF_CODES
+
+
+_ROW_OF_CODES = 3
 
 
 def _stands_alone(context: Context, column: int) -> bool:

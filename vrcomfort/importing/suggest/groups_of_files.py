@@ -8,7 +8,7 @@ from itertools import combinations
 
 from vrcomfort.importing.mapping import template_pattern
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import CONDITIONS, OpenDoubt
+from vrcomfort.importing.suggest.draft import CONDITIONS, TIMEPOINTS, OpenDoubt
 from vrcomfort.importing.suggest.evidence import MOST_CONDITIONS, few_texts, texts
 from vrcomfort.importing.suggest.heading_roles import roles_of
 from vrcomfort.importing.suggest.table_draft import TableDraft
@@ -85,6 +85,29 @@ def _groups_in(table: SourceTable, heading: str, vocabulary: LabVocabulary) -> d
     for person, text in zip(people, table.column(columns[0]), strict=True):
         groups.setdefault(table.meaning(columns[0], text), []).append(person)
     return groups
+
+
+def say_moments_of_files(drafts: Sequence[TableDraft], vocabulary: LabVocabulary) -> None:
+    """Let names such as ``pre_study`` and ``post_study`` of files say the moment; and ask."""
+    said: dict[str, str] = {}
+    silent = []
+    for draft in drafts:
+        stems = [table.file.stem for table in draft.tables if not table.sheet]
+        moments = {stem: when for stem in stems if (when := vocabulary.timepoint(stem))}
+        if draft.draft.values.get("timepoint") == _AFTER and len({*moments.values()}) == 1:
+            silent.append((draft, next(iter(moments.values()))))
+            said |= moments
+    if len({*said.values()}) < 2:
+        return
+    for draft, when in silent:
+        del draft.draft.comments["timepoint"]
+        draft.draft.put("timepoint", {"constant": when})
+    question = f"Do the names of the files say the moment ({', '.join(said)})?"
+    assumed = ", ".join(f"{stem} is {when}" for stem, when in said.items())
+    silent[0][0].doubts.append(OpenDoubt(question, f"they do: {assumed}", *TIMEPOINTS))
+
+
+_AFTER = {"constant": "post"}
 
 
 def say_baselines(drafts: Sequence[TableDraft]) -> None:

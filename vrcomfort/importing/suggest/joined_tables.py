@@ -41,6 +41,9 @@ def _together(draft: TableDraft, other: TableDraft, known: Known) -> TableDraft 
     headings = (*here.headings, *more)
     tables = [_aligned(table, headings) for table in (*draft.tables, *other.tables)]
     whole = TableDraft(tables, known)
+    people = [each.draft.values.get("participant") for each in (draft, other, whole)]
+    if people[0] == people[1] != people[2]:
+        return None  # codes that are one column's in each file, and in both files
     lacking = {*here.headings} ^ {*there.headings}
     return whole if whole.gives and lacking <= whole.ignored else None
 

@@ -82,6 +82,13 @@ def _only_baselines(facts: Sequence[Mapping[str, str]]) -> bool:
     return moments == {"baseline"} and len(alone) == 1 < len(facts)
 
 
+def _stands_among(column: int, some: Collection[int], others: Collection[int]) -> bool:
+    """Return whether a column stands between some, or behind some and all of the others."""
+    before = max((c for c in (*some, *others) if c < column), default=None)
+    behind = min((c for c in (*some, *others) if c > column), default=None)
+    return before in some and (behind in some or (behind is None and bool(others)))
+
+
 def _baseline_as_condition(facts: Mapping[str, str]) -> dict[str, str]:
     return {("condition" if name == "timepoint" else name): text for name, text in facts.items()}
 
@@ -708,26 +715,29 @@ class TableDraft(KeptRows):
     def once_a_person(self) -> list[int]:
         """Return the columns of facts of people among those taken for own questions.
 
-        They are of no condition, where headings say conditions, or ask for a habit.
+        They are of no condition, where headings say conditions, or ask for a habit; or they stand
+        among other facts of people, each of whom has one row.
         """
         facts = self._facts_of(OWN)
         leading = self._facts.get(self._answers.leading or OWN, facts)
         said = any("condition" in each for each in leading)
         pairs = zip(self._answers[OWN], facts, strict=True)
-        left = [
-            (named.column, "condition" in own)
-            for block, own in pairs
-            for named in block.items.values()
-            if named.how in {"left", "measure"}
-        ]
-        return [c for c, has in left if not has and (said or self._asks_how_often(c))]
+        asked = [(each, "condition" in own) for b, own in pairs for each in b.items.values()]
+        left = {each.column: has for each, has in asked if each.how in {"left", "measure"}}
+        who = [] if self.people is None else texts(self.table, self.people)
+        if len(who) == len(self.table.rows):
+            of_people = {*self._roles.covariates.values()}
+            known = {*self._answers.taken} - left.keys()
+            between = {c for c in left if _stands_among(c, of_people, known)}
+            habits = {c for c in left if self._asks_how_often(c)}
+        else:
+            between = habits = set()
+        return [c for c, has in left.items() if not has and (said or c in between | habits)]
 
     def _asks_how_often(self, column: int) -> bool:
-        """Return whether a question asks for a habit of a person, who has one row."""
-        who = [] if self.people is None else texts(self.table, self.people)
+        """Return whether a question asks for a habit of a person."""
         words = tokens(self.table.headings[column])
-        habit = {a + b for a, b in pairwise(words)} & self._vocabulary.asking.others
-        return bool(habit) and len(who) == len(self.table.rows)
+        return bool({a + b for a, b in pairwise(words)} & self._vocabulary.asking.others)
 
     def _say_of_people(self, columns: Collection[int]) -> None:
         """Take columns that nothing else knows for facts of people, and ask."""
