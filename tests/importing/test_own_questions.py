@@ -683,3 +683,14 @@ def test_numbers_among_facts_of_people_are_facts_of_them(tmp_path: Path) -> None
     imported = imported_from(write(tmp_path / "ride.csv", rows))
     assert {*own_items(imported)} == {"comfort", "trust"}
     assert {"age", "driving", "play"} <= {*imported.participants["P3"]}
+
+
+def test_the_mean_of_columns_that_no_rule_knows_is_no_question(tmp_path: Path) -> None:
+    parts = ["BeingThere", "Reality", "Visiting"]
+    rows: list[list[object]] = [["id", "condition", "Sickness", *parts, "Presence"]]
+    for n in range(12):
+        for shown in "ab":
+            said = [RANDOM.randint(1, 7) for _ in parts]
+            rows.append([f"P{n}", shown, RANDOM.randint(1, 7), *said, round(sum(said) / 3, 2)])
+    imported = imported_from(write(tmp_path / "presence.csv", rows))
+    assert {*own_items(imported)} == {"sickness", "being_there", "reality", "visiting"}

@@ -170,6 +170,7 @@ class OwnQuestions:
         columns = [c for c in columns if not self._is_made_of(c, columns)]
         if len(columns) != 1 or self._times is None:  # else it is a rating during exposure
             columns += self._left_over(columns, rated)
+            columns = [c for c in columns if c in self._left or not self._is_made_of(c, columns)]
         return self._in_runs(self._crossed([*map(self._question, sorted(columns))]))
 
     def _left_over(self, asking: Sequence[int], rated: set[int]) -> list[int]:
