@@ -13,6 +13,7 @@ from tests.support.session import go, manifest, rows
 from tests.support.study import AheadHeadset, LateFocus, Scripted, frame
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records import Recorder, TrialRow
+from vrcomfort.session import NoPictures, StillHeadset
 from vrcomfort.stop_signals import interruptible, uninterrupted
 
 
@@ -216,3 +217,19 @@ def test_two_ctrl_c_lose_no_frame_that_was_shown(tmp_path):
 def test_a_third_ctrl_c_waits_for_nothing(tmp_path):
     assert stopped_by(tmp_path, 3) == ("aborted", 20)
     assert len(rows(tmp_path, "frames.csv")) < 20
+
+
+def test_ctrl_c_ends_an_exposure_without_frames_where_it_comes(tmp_path):
+    pressed_s = []
+
+    def press(progress):
+        if progress.step == "exposure" and progress.done and not pressed_s:
+            pressed_s.append(progress.done)
+            control_c()
+
+    without = {"headset": StillHeadset, "renderer": NoPictures(), "jumps": True}
+    assert go(tmp_path, Scripted(), progress=press, **without).status == "aborted"
+    (trial,) = rows(tmp_path, "trials.csv")
+    lasted_s = float(trial["end_s"]) - float(trial["start_s"])
+    assert (trial["abort_code"], pressed_s) == ("operator", [pytest.approx(lasted_s)])
+    assert lasted_s < 10.0

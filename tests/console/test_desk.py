@@ -6,7 +6,8 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -14,12 +15,13 @@ import pytest
 
 from tests.support.console import served
 from tests.support.resume import go
-from tests.support.study import Scripted
+from tests.support.study import Picture, Scripted, frame, sample_of
 from tests.support.waiting import WAIT_S
 from vrcomfort.console import OperatorConsole
 from vrcomfort.gpu import gl
 from vrcomfort.headset.eye_painter import EyePictures
 from vrcomfort.operator_interface import Command, OperatorStep, SessionOrder, SessionProgress
+from vrcomfort.session.frame_log import TrialTiming
 from vrcomfort.session.operator_control import OperatorControl
 
 
@@ -100,6 +102,17 @@ def test_the_state_has_the_reply_to_each_command():
     desk.reply(Command("two", "pause", 1, "A", ""), "it is paused")
     desk.begin(OperatorStep(2, "exposure", "exposure 1"))
     assert server.states[-1]["replies"] == (("one", ""), ("two", "it is paused"))
+
+
+@pytest.mark.parametrize(("focus_m", "shown_m"), [(2.34567, 2.346), (1e6, None)])
+def test_the_focus_is_shown_to_the_millimetre_and_not_where_it_is_beyond_all_scenes(
+    focus_m, shown_m
+):
+    server, sample = Shown(), replace(sample_of(0), focus_m=focus_m)
+    desk = OperatorConsole(server, now_s=count(step=10).__next__)
+    desk.begin(OperatorStep(1, "exposure", "exposure 1"))
+    desk.see(frame(0), Picture((sample,)), TrialTiming())
+    assert server.states[-1]["frame"]["focus_m"] == shown_m
 
 
 def states_of(server: Shown, kind: str) -> list[Mapping[str, Any]]:

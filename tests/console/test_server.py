@@ -166,6 +166,7 @@ def test_a_page_that_says_too_much_is_not_heard_for_a_moment(console):
             page.say("note", text="x")
         reply = page.hear(lambda page: [r for r in page.replies if r["kind"] == "reply"])[0]
         assert reply["refusal"].startswith(f"more than {ACTIONS_PER_S} messages a second")
+        wait_for(lambda: console.server.pages == 1)  # which may be told later than the reply
     wait_for(lambda: console.server.pages == 0)
     seconds = 1 + int(time.monotonic() - began_s)
     heard = sum(1 for _ in iter(console.server.next_command, None))
@@ -229,10 +230,15 @@ def test_a_server_that_ends_again_and_again_is_left_alone(monkeypatch):
         for count in range(1, 7):
             wait_for(lambda: console.server.pid not in killed)
             killed.add(console.server.pid)
-            os.kill(console.server.pid, signal.SIGKILL)
+            if count == 1:
+                console.server._end_input(console.server._process)  # then it ends by itself
+            else:
+                os.kill(console.server.pid, signal.SIGKILL)
             wait_for(lambda count=count: len(console.sentences) == count)
+        assert "ended (exit code 0)" in console.sentences[0]
         assert ["again and again" in each for each in console.sentences] == [False] * 5 + [True]
         assert "the session goes on without it" in console.sentences[-1]
+        assert (console.server.pages, console.server.pictures) == (0, 0)
         console.server.show({"kind": "state"})
         assert console.server.next_command() is None
 

@@ -8,6 +8,7 @@ import tomllib
 
 import jsonschema
 import pytest
+from pydantic import BaseModel
 
 from tests.support.study import PROTOCOL, tiny_protocol
 from vrcomfort.errors import InputError
@@ -90,6 +91,18 @@ def test_optional_tables_keep_their_shape():
     assert [each.get("$ref") for each in one_or_more] == [None, "#/$defs/Ratings"]
     assert properties["participants"]["type"] == "integer"
     assert properties["participants"]["description"] == "Planned number of participants."
+
+
+class Choice(BaseModel):
+    """A table."""
+
+    value: int | str | None = None
+    """A value."""
+
+
+def test_a_choice_loses_null_and_keeps_the_others():
+    value = json_schema(Choice)["properties"]["value"]
+    assert value == {"anyOf": [{"type": "integer"}, {"type": "string"}], "description": "A value."}
 
 
 @pytest.mark.parametrize("model", [Protocol, SideCar])

@@ -62,11 +62,13 @@ def key_texts(model: type[BaseModel]) -> dict[str, str]:
         (tree,) = ast.parse(textwrap.dedent(source)).body
         body = tree.body if isinstance(tree, ast.ClassDef) else []
         for key, text in pairwise(body):
-            if isinstance(key, ast.AnnAssign) and isinstance(key.target, ast.Name):
-                if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant):
-                    texts[key.target.id] = in_one_line(str(text.value.value))
-                else:
-                    texts.pop(key.target.id, None)
+            if (
+                isinstance(key, ast.AnnAssign)
+                and isinstance(key.target, ast.Name)
+                and isinstance(text, ast.Expr)
+                and isinstance(text.value, ast.Constant)
+            ):
+                texts[key.target.id] = in_one_line(str(text.value.value))
     return texts
 
 
