@@ -91,7 +91,7 @@ def test_the_disk_has_room_for_a_session_and_for_the_study(
     usage = SimpleNamespace(free=free * session_bytes)
     monkeypatch.setattr("shutil.disk_usage", lambda _: usage)
     (found,) = FIND["disk"](about)
-    assert found.outcome == outcome
+    assert (found.part, found.outcome) == ("disk", outcome)
     assert ("the study's 4 participants need about" in found.remedy) == (outcome == "notice")
 
 
@@ -145,12 +145,16 @@ def test_a_session_asks_for_what_no_longer_holds(changed: dict[str, Any], words:
     assert (words in why) if words else why == ""
 
 
-def test_run_records_the_preflight_or_why_there_was_none(tmp_path: Path) -> None:
+def test_run_records_the_preflight_or_why_there_was_none(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     protocol = load_protocol("smoke")
     options = replace(flight(DESKTOP).run, out=tmp_path / "S")
     assert _preflight(options, protocol, FACTS) == {
         "without": "there was no preflight of this study"
     }
+    said = "note: there was no preflight of this study; to do it, type: vrcomfort preflight smoke "
+    assert capsys.readouterr().err.startswith(said)
     done = {**DONE, "headset": "desktop", "protocol": {"name": "smoke", "sha256": protocol.sha256}}
     write_preflight(options.out, done, OWNER)
     held = {"at": done["at"], "outcome": "ok"}

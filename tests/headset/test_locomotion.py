@@ -81,6 +81,14 @@ strides = st.lists(st.tuples(commands, st.integers(1, 40)), min_size=1, max_size
 houses = st.sampled_from([[L_SHAPE], STAIRS, HOUSE, CLIFF])
 
 
+def test_who_was_sent_nowhere_walks_into_the_scene_and_has_not_been_teleported() -> None:
+    walker = Locomotion(SPEED_M_S)
+    walker.send(spawn=Pose(), floors=Floors([box(-2, -2, 2, 2)]))
+    assert not walker.teleported
+    walker.step(HEAD, MoveCommand(forward=1.0), FRAME_S)
+    assert feet_of(walker, HEAD) == pytest.approx([0.0, 0.0, -SPEED_M_S * FRAME_S])
+
+
 @pytest.mark.slow
 @settings(max_examples=60)
 @given(houses, strides, st.floats(0.001, LONGEST_S))

@@ -12,6 +12,10 @@ from tests.support.layouts import ENGLISH, write
 from vrcomfort.importing import import_files, load_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.suggest import suggest_mapping
+from vrcomfort.importing.suggest.item_names import _abbreviated
+from vrcomfort.importing.suggest.vocabulary import LabVocabulary
+from vrcomfort.questionnaire.instrument_file import read_instrument
+from vrcomfort.resources import data_folder
 
 STATEMENTS = [
     "I think I would like to use this viewer frequently",
@@ -504,3 +508,18 @@ def test_a_rating_without_the_name_of_the_questionnaire_is_none_of_its_items(
     imported = imported_from(write(tmp_path / "answers.csv", rows))
     assert answers_in(imported)[1][:2] == [1, 2]
     assert {name for name, _ in imported.responses} == {"vrsq"}
+
+
+@pytest.mark.parametrize(
+    ("heading", "item"),
+    [
+        ("fat", None),
+        ("fati", "fatigue"),
+        ("gendisc", "general_discomfort"),
+        ("diff foc", "difficulty_focusing"),
+    ],
+)
+def test_four_letters_or_two_words_abbreviate_an_item(heading: str, item: str | None) -> None:
+    vrsq = read_instrument(data_folder("instruments") / "vrsq.toml")
+    found = _abbreviated(heading.split(), LabVocabulary([]), vrsq)
+    assert found == (None if item is None else (0, len(heading.split()), item))

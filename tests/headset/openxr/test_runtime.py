@@ -93,6 +93,18 @@ def test_states_presence_and_pictures_follow_the_script(
     assert not {"controller_lost", "controller_found"} & {*names}
 
 
+def test_a_controller_that_goes_and_comes_is_told_and_the_rate_is_the_displays(
+    ctx: moderngl.Context, tmp_path: Path
+) -> None:
+    with headset(ctx, tmp_path, "rates 72 90\nperiod_ns 11111111\n10-19 active right 0") as made:
+        shown(ctx, made, 30)
+        told = [(event.name, event.detail) for event in made.take_events()]
+        assert made.refresh_hz == 72.0
+        assert made.details["frame_period"].startswith("the display's refresh rate")
+    of_controllers = [each for each in told if each[0].startswith("controller_")]
+    assert of_controllers[-2:] == [("controller_lost", "right"), ("controller_found", "right")]
+
+
 def test_a_session_ends_when_it_is_asked_to_also_before_its_first_frame(
     ctx: moderngl.Context, tmp_path: Path
 ) -> None:

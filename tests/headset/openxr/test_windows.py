@@ -17,6 +17,7 @@ from tests.support.places import ROOT
 from tests.support.waiting import WAIT_S
 from vrcomfort.cli import headset_setup
 from vrcomfort.errors import InputError
+from vrcomfort.protocol import load_protocol
 
 DEBUG_RUNTIME = re.compile(rb"(?:msvcp|vcruntime)\d+(?:_\d)?d\.dll|ucrtbased\.dll", re.IGNORECASE)
 
@@ -84,10 +85,12 @@ def test_a_library_that_is_not_loaded_has_a_remedy(
     for name in [each for each in sys.modules if each.partition(".")[0] == "xr"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setattr(sys, "platform", system)
-    with pytest.raises(InputError, match=words) as caught:
-        headset_setup.require_bindings()
-    assert "XrApiLayer_python.dll" in str(caught.value)
-    assert os.linesep not in str(caught.value)
+    connect = headset_setup.openxr_setup(load_protocol("smoke")).__enter__
+    for needs in (headset_setup.require_bindings, headset_setup.tracks_eyes, connect):
+        with pytest.raises(InputError, match=words) as caught:
+            needs()
+        assert "XrApiLayer_python.dll" in str(caught.value)
+        assert os.linesep not in str(caught.value)
 
 
 class Plain(ctypes.Structure):
